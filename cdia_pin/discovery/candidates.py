@@ -1,0 +1,130 @@
+"""Candidates: every effect of the vocabulary in every scope, with the shapes worth trying."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.discovery.experiment import Experiment, Prediction
+from cdia_pin.discovery.settings import DiscoverySettings
+from cdia_pin.discovery.whitening import NoiseModel
+from cdia_pin.effects import EFFECTS, Effect, Expression, PositionRipple, RotorInertia, Unknown
+from cdia_pin.errors import EffectError, unknown_name
+
+Array = NDArray[np.float64]
+
+LARGE_FAMILY = 12  # an effect with more shapes than that is screened before it is a candidate
+SCREENED = 2  # shapes that pass the screening
+
+
+def enumerate_candidates(experiment: Experiment, prediction: Prediction, settings: DiscoverySettings) -> list[list[Effect]]:
+    """Return the candidates in families of one effect and scope, each with its shapes.
+
+    Raises:
+        EffectError: If the settings name an effect that is not in the vocabulary.
+    """
+    robot = experiment.robot
+    names = settings.effects or tuple(n for n, e in EFFECTS.items() if e not in (Unknown, Expression))
+    for name in names:
+        if name not in EFFECTS:
+            raise EffectError(unknown_name("effect", name, EFFECTS))
+    x = experiment.along(prediction)
+    families: list[list[Effect]] = []
+    for name in names:
+        if EFFECTS[name] is Expression:
+            continue
+        for scope in EFFECTS[name].scopes(robot):
+            effect = EFFECTS[name].from_scope(scope, {})
+            if _can_be_seen(effect, experiment):
+                families.append(list(effect.shape_grid(x)))
+    for effect in settings.extra:
+        families.extend([e] for e in _expanded(effect, experiment))
+    return [f for f in families if f]
+
+
+def _expanded(effect: Effect, experiment: Experiment) -> Iterator[Effect]:
+    if isinstance(effect, Expression):
+        yield from effect.expand(experiment.robot)
+    else:
+        yield effect
+
+
+def _can_be_seen(effect: Effect, experiment: Experiment) -> bool:
+    """Tell whether the joints named by an effect of motion move at all."""
+    if not (effect.dissipative or isinstance(effect, RotorInertia | PositionRipple)):
+        return True
+    return not any(experiment.resting[experiment.robot.joint_index(j)] for j in effect.scope)
+
+
+class Columns:
+    """Columns of effects in the residual, computed once where they do not depend on the model's torque."""
+
+    def __init__(self, experiment: Experiment) -> None:
+        self.experiment = experiment
+        self._fixed: dict[Effect, Array] = {}
+        self._families: dict[tuple[Effect, int], tuple[Array, Array]] = {}
+
+    def of(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
+        """Return the columns of an effect, shape (K, len(acts_on), p)."""
+        joints = list(effect.acts_on(self.experiment.robot))
+        gains = [t.gain[:, joints] for t in prediction.torques]
+        level = gains[0][0]
+        steady = effect.reads or all((g == level).all() for g in gains)
+        if effect.of_torque or not steady or not (theta is None or effect.linear):
+            return self.experiment.columns(effect, prediction, theta)
+        fixed = self.fixed(effect, prediction)
+        return fixed if (level == 1.0).all() else fixed / level[None, :, None]
+
+    def fixed(self, effect: Effect, prediction: Prediction) -> Array:
+        """Return the columns of an effect of the motion alone, as in a model without gains."""
+        if effect not in self._fixed:
+            bare = replace(prediction, torques=tuple(replace(t, gain=np.ones_like(t.gain)) for t in prediction.torques))
+            self._fixed[effect] = self.experiment.columns(effect, bare)
+        return self._fixed[effect]
+
+    def family(self, family: list[Effect], prediction: Prediction, noise: NoiseModel) -> tuple[Array, Array]:
+        """Return a family's whitened columns (C, p, K) of its joint and their inverse Gram matrices (C, p, p)."""
+        key = (family[0], id(noise))
+        if key not in self._families:
+            (j,) = family[0].acts_on(self.experiment.robot)
+            used = self.experiment.informative[:, j] & noise.kept
+            stacked = np.stack([self.fixed(e, prediction)[:, 0, :] for e in family], axis=1)  # (K, C, p)
+            white = np.where(used[:, None, None], noise.whiten(stacked), 0.0).transpose(1, 2, 0)
+            gram = white @ white.transpose(0, 2, 1)
+            ridge = 1e-6 * np.einsum("cpp->c", gram)[:, None, None] * np.eye(gram.shape[1])
+            self._families[key] = (np.ascontiguousarray(white), np.linalg.inv(gram + ridge))
+        return self._families[key]
+
+
+def screen(
+    families: Iterable[list[Effect]], columns: Columns, prediction: Prediction, noise: Sequence[NoiseModel], leftover: Array
+) -> list[Effect]:
+    """Keep of each large family the shapes that fit what is left best, and all of the small ones.
+
+    Args:
+        families: From `enumerate_candidates`.
+        columns: Where columns come from.
+        prediction: Of the present model.
+        noise: Noise of each joint.
+        leftover: Whitened residual of the present model, uninformative samples zero, shape (K, n).
+    """
+    out: list[Effect] = []
+    for family in families:
+        if len(family) <= LARGE_FAMILY:
+            out.extend(family)
+            continue
+        (j,) = family[0].acts_on(columns.experiment.robot)
+        white, inverse = columns.family(family, prediction, noise[j])
+        right = white @ leftover[:, j]
+        best = np.argsort(np.einsum("cp,cpq,cq->c", right, inverse, right))[::-1]
+        chosen: list[int] = []
+        for c in best:  # neighbours of the best are the same ripple again
+            if all(abs(int(c) - other) > 2 for other in chosen):
+                chosen.append(int(c))
+            if len(chosen) == SCREENED:
+                break
+        out.extend(family[c] for c in chosen)
+    return out

@@ -1,0 +1,207 @@
+"""Evidence for sets of effects, from the normal equations of all candidates at once.
+
+In whitened residuals y ≈ X θ + white noise of unit variance, so the cost of a set of effects is the sum of squares
+it leaves plus a price for each parameter. All of it follows from XᵀX and Xᵀy, formed once: a set costs one small
+solve, and the gain of every candidate beside a set one matrix product.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects import Effect
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+PRICE_PER_PARAMETER = 4.0  # beside log K: parsimony between nested effects
+REPAIRS = 4  # rounds of holding unphysical parameters at their nearest physical value
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A set of effects fitted together.
+
+    Attributes:
+        chosen: Indices of the candidates.
+        theta: Their parameters one after another, physical unless `physical` is false.
+        chi2: Sum of squares left, in variances of the noise [1].
+        cost: chi2 plus the price of the parameters [1].
+        physical: Whether physical parameters fit about as well as any.
+    """
+
+    chosen: tuple[int, ...]
+    theta: Array
+    chi2: float
+    cost: float
+    physical: bool
+
+
+@dataclass
+class Evidence:
+    """Normal equations of all candidates, in blocks of time.
+
+    Attributes:
+        robot: The robot, for physical bounds.
+        effects: The candidates.
+        blocks: XᵀX of each block with y as its last column, shape (B, P + 1, P + 1).
+        samples: Whitened samples of all joints.
+    """
+
+    robot: RobotModel
+    effects: Sequence[Effect]
+    blocks: Array
+    samples: int
+
+    def __post_init__(self) -> None:
+        ends = np.cumsum([e.size for e in self.effects])
+        self.spans = [np.arange(end - e.size, end) for e, end in zip(self.effects, ends, strict=True)]
+        self._fits: dict[tuple[int, ...], Fit] = {}
+
+    @cached_property
+    def total(self) -> Array:
+        """Sum of the blocks, shape (P + 1, P + 1)."""
+        return self.blocks.sum(axis=0)
+
+    @cached_property
+    def scale(self) -> Array:
+        """Norm of each column, to compare columns of different units, shape (P,)."""
+        return np.sqrt(np.maximum(np.diag(self.total)[:-1], 1e-300))
+
+    @cached_property
+    def prior(self) -> Array:
+        """Precision of the prior on each parameter, shape (P,)."""
+        weak = 1e-10 * self.scale**2 + 1e-12
+        scales = np.concatenate([e.prior_scale(self.robot) for e in self.effects])
+        return weak + 1.0 / scales**2
+
+    @cached_property
+    def freedom(self) -> Array:
+        """Parameters of each candidate that the motion tells about [1], shape (number of candidates,)."""
+        out = []
+        for effect, span in zip(self.effects, self.spans, strict=True):
+            scale = np.minimum(effect.prior_scale(self.robot), 1e6)
+            gram = self.total[np.ix_(span, span)] * np.outer(scale, scale)
+            values = np.linalg.eigvalsh(gram)
+            out.append(np.sum(values > max(1.0, 1e-9 * values[-1])) + len(effect.shape))
+        return np.array(out, float)
+
+    @cached_property
+    def price(self) -> Array:
+        """What each candidate must gain to be worth naming [1], shape (number of candidates,)."""
+        names = len({e.label for e in self.effects})
+        sizes = np.array([e.size for e in self.effects])
+        per_parameter = np.log(max(self.samples / self.robot.n, 2.0)) + PRICE_PER_PARAMETER
+        return self.freedom * per_parameter + np.log(names) * 1.0 + 0.5 * sizes
+
+    # ------------------------------------------------------------- one set
+
+    def fit(self, chosen: Sequence[int]) -> Fit:
+        """Fit a set of candidates together, holding what would be unphysical at its bound."""
+        key = tuple(sorted(chosen))
+        if key not in self._fits:
+            self._fits[key] = self._fit(key)
+        return self._fits[key]
+
+    def _fit(self, chosen: tuple[int, ...]) -> Fit:
+        columns = self.columns(chosen)
+        price = float(self.price[list(chosen)].sum()) if chosen else 0.0
+        left = float(self.total[-1, -1])
+        if not chosen:
+            return Fit((), np.zeros(0), left, left, True)
+        free = np.ones(len(columns), bool)
+        theta = self._solve(self.total, columns, free, np.zeros(len(columns)))
+        best = self._chi2(self.total, columns, theta)
+        for _ in range(REPAIRS):
+            nearest = self._nearest_physical(chosen, theta)
+            moved = ~np.isclose(nearest, theta, rtol=1e-6, atol=1e-12 + 1e-6 / self.scale[columns])
+            if not (moved & free).any():
+                break
+            free &= ~moved
+            theta = self._solve(self.total, columns, free, nearest)
+        chi2 = self._chi2(self.total, columns, theta)
+        physical = self._is_physical(chosen, theta) and chi2 - best < 0.5 * price
+        return Fit(chosen, theta, chi2, chi2 + price, physical)
+
+    def columns(self, chosen: Sequence[int]) -> NDArray[np.intp]:
+        """Return the columns of a set of candidates."""
+        return np.concatenate([self.spans[c] for c in chosen]) if len(chosen) else np.zeros(0, int)
+
+    def held_out(self, chosen: Sequence[int]) -> float:
+        """Return the sum of squares when each block is predicted from the others, in variances of the noise."""
+        columns = self.columns(tuple(sorted(chosen)))
+        return sum(self._chi2(b, columns, self.without(b, sorted(chosen))) for b in self.blocks)
+
+    def without(self, block: Array, chosen: Sequence[int]) -> Array:
+        """Return the parameters of a set fitted to all but one block, shape (P,)."""
+        columns = self.columns(tuple(chosen))
+        return self._solve(self.total - block, columns, np.ones(len(columns), bool), np.zeros(len(columns)))
+
+    def _solve(self, gram: Array, columns: Array, free: Array, start: Array) -> Array:
+        theta = np.where(free, 0.0, start)
+        at = columns[free]
+        if len(at):
+            right = gram[at, -1] - gram[np.ix_(at, columns[~free])] @ start[~free]
+            matrix = gram[np.ix_(at, at)] + np.diag(self.prior[at])
+            unit = 1.0 / self.scale[at]
+            theta[free] = unit * np.linalg.solve(matrix * np.outer(unit, unit), unit * right)
+        return theta
+
+    @staticmethod
+    def _chi2(gram: Array, columns: Array, theta: Array) -> float:
+        v = np.append(theta, -1.0)
+        at = np.append(columns, len(gram) - 1)
+        return float(v @ gram[np.ix_(at, at)] @ v)
+
+    def _split(self, chosen: Sequence[int], theta: Array) -> list[tuple[Effect, Array]]:
+        out, at = [], 0
+        for c in chosen:
+            size = self.effects[c].size
+            out.append((self.effects[c], theta[at : at + size]))
+            at += size
+        return out
+
+    def _nearest_physical(self, chosen: Sequence[int], theta: Array) -> Array:
+        return np.concatenate([e.nearest_physical(t, self.robot) for e, t in self._split(chosen, theta)])
+
+    def _is_physical(self, chosen: Sequence[int], theta: Array) -> bool:
+        slack = 1e-9
+        return all(
+            e.is_physical(t, self.robot) or e.is_physical(t + slack, self.robot) for e, t in self._split(chosen, theta)
+        )
+
+    # ------------------------------------------------------------- every candidate beside a set
+
+    def gains(self, chosen: Sequence[int]) -> Array:
+        """Return by how much each candidate would lower chi2 beside a set [1], shape (number of candidates,)."""
+        rest = self.total
+        at = self.columns(chosen)
+        if len(at):
+            matrix = rest[np.ix_(at, at)] + np.diag(self.prior[at])
+            unit = 1.0 / self.scale[at]
+            solved = unit[:, None] * np.linalg.solve(matrix * np.outer(unit, unit), unit[:, None] * rest[at, :])
+            rest = rest - rest[:, at] @ solved
+        out = np.zeros(len(self.effects))
+        for size, members in self._by_size.items():
+            spans = np.array([self.spans[c] for c in members])
+            gram = rest[spans[:, :, None], spans[:, None, :]]
+            own = self.total[spans[:, :, None], spans[:, None, :]]
+            right = rest[spans, -1]
+            # a column that the set explains already to one part in 10⁵ adds nothing but rounding
+            diagonal = self.prior[spans] + 1e-5 * np.einsum("cii->ci", own)
+            theta = np.linalg.solve(gram + np.eye(size) * diagonal[:, None, :], right[:, :, None])[:, :, 0]
+            out[members] = 2 * np.einsum("cp,cp->c", theta, right) - np.einsum("cp,cpq,cq->c", theta, gram, theta)
+        out[list(chosen)] = 0.0
+        return out
+
+    @cached_property
+    def _by_size(self) -> dict[int, list[int]]:
+        out: dict[int, list[int]] = {}
+        for c, effect in enumerate(self.effects):
+            out.setdefault(effect.size, []).append(c)
+        return out

@@ -1,0 +1,160 @@
+"""A model against conditioned logs: predicted torque, residual, and what each effect would add to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.dynamics.dynamics import Torques
+from cdia_pin.effects import Effect, State
+from cdia_pin.errors import LogError
+from cdia_pin.logs.conditioning import Motion
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+WIDTH_OVER_NOISE = 3.0  # sgn is smoothed over this many standard deviations of the speed's noise
+WIDTH_OVER_SPEED = 0.005  # and over at least this share of the speeds driven
+NEAR_REST = 2.0  # widths; slower than that, friction is whatever keeps the joint where it is
+MOST_NEAR_REST = 0.15  # share of the filter's window spent near rest that makes a sample uninformative
+RESTING = 0.5  # a joint near rest for longer than this share of the log is taken as resting
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One log of an experiment: its motion, the state along it, and the measured torque that is compared."""
+
+    motion: Motion
+    state: State
+    measured: Array  # (K, n)
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a model predicts for an experiment.
+
+    Attributes:
+        model: The model.
+        torques: Torques along each segment.
+        residual: Predicted reading less measured torque, compared samples of all segments, shape (K, n).
+    """
+
+    model: Dynamics
+    torques: tuple[Torques, ...]
+    residual: Array
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """Conditioned logs of one robot, ready to be compared with models.
+
+    Attributes:
+        robot: The robot.
+        segments: One per log.
+        measured: Measured torques, compared samples of all segments [N·m or N], shape (K, n).
+        moving: Whether a sample tells about friction: its joint clearly moves, shape (K, n).
+        resting: Whether a joint hardly moves in any of the logs, shape (n,).
+    """
+
+    robot: RobotModel
+    segments: tuple[Segment, ...]
+    measured: Array
+    moving: NDArray[np.bool_]
+    resting: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, robot: RobotModel, motions: Sequence[Motion]) -> Experiment:
+        """Prepare conditioned logs for comparison.
+
+        Raises:
+            LogError: If a log has other joints than the robot, or nothing is left to compare.
+        """
+        for motion in motions:
+            if motion.joints != robot.joints:
+                raise LogError(f"the log's joints {motion.joints} are not the robot's {robot.joints}")
+        width = np.max([_sign_width(m) for m in motions], axis=0)
+        segments, moving = [], []
+        for motion in motions:
+            zero = np.zeros_like(motion.q)
+            state = State(robot, motion.q, motion.v, motion.a, zero, motion.time, width)
+            measured = motion.compared(motion.effort)
+            if len(measured) < 40:
+                raise LogError(
+                    f"{motion.record['source']}: only {len(measured)} independent samples are left after filtering at "
+                    f"{motion.cutoff:g} Hz; record for longer"
+                )
+            near_rest = (np.abs(motion.v) < NEAR_REST * width).astype(float)
+            segments.append(Segment(motion, state, measured))
+            moving.append(motion.compared(near_rest) < MOST_NEAR_REST)
+        all_moving = np.vstack(moving)
+        return cls(
+            robot,
+            tuple(segments),
+            np.vstack([s.measured for s in segments]),
+            all_moving,
+            all_moving.mean(axis=0) < 1 - RESTING,
+        )
+
+    @property
+    def informative(self) -> NDArray[np.bool_]:
+        """Which samples count: those of moving joints in motion, all of resting joints, shape (K, n)."""
+        return self.moving | self.resting
+
+    @property
+    def lengths(self) -> list[int]:
+        """Compared samples of each segment."""
+        return [len(s.measured) for s in self.segments]
+
+    def predict(self, model: Dynamics) -> Prediction:
+        """Predict the torque readings along all segments."""
+        torques = tuple(model.torques(s.state) for s in self.segments)
+        rows = [s.motion.compared(t.reading - s.motion.effort) for s, t in zip(self.segments, torques, strict=True)]
+        return Prediction(model, torques, np.vstack(rows))
+
+    def columns(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
+        """Return how the residual grows with each parameter of an effect, filtered as the torques are.
+
+        Args:
+            effect: The effect, in the model or not.
+            prediction: Of the model that the effect is, or would be, part of.
+            theta: Where to differentiate an effect that is not linear; zero if omitted.
+
+        Returns:
+            Columns for the joints that the effect acts on, shape (K, len(acts_on), p).
+        """
+        joints = list(effect.acts_on(self.robot))
+        rows = []
+        for segment, torques in zip(self.segments, prediction.torques, strict=True):
+            x = segment.state
+            if effect.of_torque:
+                x = x.with_effort(torques.actuator)
+            phi = effect.basis(x) if theta is None or effect.linear else effect.jacobian(x, theta)
+            if not effect.reads:
+                phi = phi / torques.gain[:, :, None]
+            part = phi[:, joints, :]
+            flat = segment.motion.compared(part.reshape(len(part), -1))
+            rows.append(flat.reshape(len(flat), len(joints), -1))
+        return np.vstack(rows)
+
+    def compared_motion(self) -> tuple[Array, Array, Array, Array]:
+        """Return time, q, v, a at the compared samples of all segments; shapes (K,) and (K, n)."""
+        parts = [
+            [s.motion.sampled(x) for x in (s.motion.time, s.motion.q, s.motion.v, s.motion.a)] for s in self.segments
+        ]
+        time, q, v, a = (np.concatenate(p) for p in zip(*parts, strict=True))
+        return time, q, v, a
+
+    def along(self, prediction: Prediction) -> State:
+        """Return the first segment's state under the model's torque, for shapes to be chosen on."""
+        first = max(range(len(self.segments)), key=lambda i: len(self.segments[i].state))
+        return replace(self.segments[first].state, effort=prediction.torques[first].actuator)
+
+
+def _sign_width(motion: Motion) -> Array:
+    return np.maximum(
+        WIDTH_OVER_NOISE * motion.speed_noise, WIDTH_OVER_SPEED * np.percentile(np.abs(motion.v), 95, axis=0) + 1e-6
+    )

@@ -1,0 +1,158 @@
+"""Fitting: normal equations around a model, Gauss-Newton to the joint optimum, intervals that know of blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.discovery.candidates import Columns
+from cdia_pin.discovery.evidence import Evidence
+from cdia_pin.discovery.experiment import Experiment, Prediction
+from cdia_pin.discovery.whitening import NoiseModel
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Effect, Term
+
+Array = NDArray[np.float64]
+
+MOST_ITERATIONS = 8
+CONVERGED = 0.05  # standard deviations by which no parameter moves any more
+
+
+@dataclass(frozen=True)
+class Whitened:
+    """What turns residuals into evidence: the noise of each joint, which samples count, and blocks of time.
+
+    Attributes:
+        noise: One model per joint.
+        used: Samples that count, shape (K, n).
+        edges: First sample of each block and the end, shape (B + 1,).
+    """
+
+    noise: tuple[NoiseModel, ...]
+    used: NDArray[np.bool_]
+    edges: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, experiment: Experiment, noise: Sequence[NoiseModel], blocks: int) -> Whitened:
+        """Combine an experiment's informative samples with the noise of its joints."""
+        kept = np.column_stack([m.kept for m in noise])
+        edges = np.linspace(0, len(experiment.measured), blocks + 1).astype(int)
+        return cls(tuple(noise), experiment.informative & kept, edges)
+
+    def joint(self, j: int, signal: Array) -> Array:
+        """Whiten a signal of joint j and clear the samples that do not count, shape as given (K, …)."""
+        used = self.used[:, j].reshape(-1, *([1] * (signal.ndim - 1)))
+        return np.where(used, self.noise[j].whiten(signal), 0.0)
+
+
+def gather(
+    experiment: Experiment,
+    columns: Columns,
+    prediction: Prediction,
+    effects: Sequence[Effect],
+    whitened: Whitened,
+) -> Evidence:
+    """Form the normal equations of candidates around a model.
+
+    The response is what the URDF misses: the model's residual plus what its own terms explain, to first order. The
+    terms' effects, with equal shape, are differentiated at their present parameters.
+
+    Args:
+        experiment: The conditioned logs.
+        columns: Where columns come from.
+        prediction: Of the present model.
+        effects: All candidates, the model's own among them.
+        whitened: Noise and blocks.
+    """
+    present = {t.effect: np.array(t.theta) for t in prediction.model.terms}
+    ends = np.cumsum([e.size for e in effects])
+    total = int(ends[-1]) if len(effects) else 0
+    per_joint: list[list[tuple[slice, Array]]] = [[] for _ in range(experiment.robot.n)]
+    response = prediction.residual.copy()
+    for effect, end in zip(effects, ends, strict=True):
+        theta = present.get(effect)
+        x = columns.of(effect, prediction, theta)
+        for i, j in enumerate(effect.acts_on(experiment.robot)):
+            per_joint[j].append((slice(int(end) - effect.size, int(end)), x[:, i, :]))
+            if theta is not None:
+                response[:, j] += x[:, i, :] @ theta
+    blocks = np.zeros((len(whitened.edges) - 1, total + 1, total + 1))
+    for j, parts in enumerate(per_joint):
+        at = np.concatenate([*(np.arange(s.start, s.stop) for s, _ in parts), [total]])
+        stacked = whitened.joint(j, np.column_stack([*(x for _, x in parts), response[:, j]]))
+        for b, (start, stop) in enumerate(zip(whitened.edges[:-1], whitened.edges[1:], strict=True)):
+            rows = stacked[start:stop]
+            blocks[b][np.ix_(at, at)] += rows.T @ rows
+    return Evidence(experiment.robot, list(effects), blocks, int(whitened.used.sum()))
+
+
+def refit(experiment: Experiment, columns: Columns, model: Dynamics, whitened: Whitened) -> tuple[Dynamics, Evidence]:
+    """Fit all terms of a model together by Gauss and Newton.
+
+    Args:
+        experiment: The conditioned logs.
+        columns: Where columns come from.
+        model: Its terms' parameters are where the iteration starts.
+        whitened: Noise and blocks.
+
+    Returns:
+        The model at the optimum, and the normal equations of its terms there.
+    """
+    effects = [t.effect for t in model.terms]
+    exact = all(e.linear and not e.of_torque for e in effects)
+    for _ in range(1 if exact else MOST_ITERATIONS):
+        evidence = gather(experiment, columns, experiment.predict(model), effects, whitened)
+        before = np.concatenate([t.theta for t in model.terms]) if model.terms else np.zeros(0)
+        fit = evidence.fit(range(len(effects)))
+        model = with_parameters(model, fit.theta)
+        moved = np.abs(fit.theta - before) * evidence.scale  # in standard deviations of a lone parameter
+        if not len(moved) or moved.max() < CONVERGED:
+            break
+    if effects and not exact:
+        evidence = gather(experiment, columns, experiment.predict(model), effects, whitened)
+    return model, evidence
+
+
+def with_parameters(model: Dynamics, theta: Array) -> Dynamics:
+    """Return a model with all its terms' parameters set, one after another."""
+    terms, at = [], 0
+    for term in model.terms:
+        values = theta[at : at + term.effect.size]
+        terms.append(Term(term.effect, tuple(float(v) for v in values), term.profile))
+        at += term.effect.size
+    return Dynamics(model.robot, tuple(terms))
+
+
+def with_intervals(model: Dynamics, evidence: Evidence) -> Dynamics:
+    """Return a model whose terms carry 95 % intervals.
+
+    The larger of two variances counts: that of the whitened fit, and that of the scores of contiguous blocks, which
+    also knows of errors that the noise model does not [Liang1986].
+
+    Args:
+        model: A model at its optimum.
+        evidence: Normal equations of just its terms there.
+    """
+    from scipy.special import stdtrit
+
+    if not model.terms:
+        return model
+    theta = np.concatenate([t.theta for t in model.terms])
+    gram = evidence.total[:-1, :-1] + np.diag(evidence.prior)
+    unit = 1.0 / np.sqrt(np.diag(gram))
+    inverse = np.linalg.pinv(gram * np.outer(unit, unit), rcond=1e-12, hermitian=True) * np.outer(unit, unit)
+    scores = evidence.blocks[:, :-1, -1] - evidence.blocks[:, :-1, :-1] @ theta
+    count = len(scores)
+    between = inverse @ (scores.T @ scores) @ inverse * count / (count - 1)
+    variance = np.maximum(np.diag(inverse), np.diag(between))
+    half = float(stdtrit(count - 1, 0.975)) * np.sqrt(np.maximum(variance, 0.0))
+    terms, at = [], 0
+    for term in model.terms:
+        part = slice(at, at + term.effect.size)
+        ci95 = tuple((float(v - h), float(v + h)) for v, h in zip(theta[part], half[part], strict=True))
+        terms.append(Term(term.effect, term.theta, term.profile, ci95))
+        at += term.effect.size
+    return Dynamics(model.robot, tuple(terms))

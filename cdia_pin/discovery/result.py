@@ -1,0 +1,121 @@
+"""What a discovery found: steps that each lower the error, a verdict, and a model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Effect, Term
+
+Array = NDArray[np.float64]
+
+SCHEMA = "cdia-discovery/1"
+VERDICTS = ("nothing-missing", "explained", "unexplained")
+
+
+@dataclass(frozen=True)
+class Confusion:
+    """Another explanation that this log tells poorly from the one that was found.
+
+    Attributes:
+        effects: The other effect, or effects.
+        motion: What motion would tell them apart.
+    """
+
+    effects: tuple[Effect, ...]
+    motion: str
+
+
+@dataclass(frozen=True)
+class Step:
+    """One effect added.
+
+    Attributes:
+        term: The effect with its parameters and intervals in the final model; None for the model as given.
+        rms: RMS residual of each joint with all steps up to this one fitted together [N·m or N], shape (n,).
+        heldout_rms: The same on data that was not fitted, shape (n,).
+        confusions: Other explanations of what this effect explains.
+    """
+
+    term: Term | None
+    rms: Array
+    heldout_rms: Array
+    confusions: tuple[Confusion, ...] = ()
+
+
+@dataclass(frozen=True)
+class Discovery:
+    """The outcome of `discover`.
+
+    Attributes:
+        model: The improved model.
+        verdict: ``nothing-missing``, ``explained`` or ``unexplained``.
+        trace: The model as given, then every effect added, in order of what it explains.
+        noise_floor: RMS that nothing smooth in the motion explains [N·m or N], shape (n,).
+        structure_left: Joints whose residual is not noise.
+        torque_rms: RMS of the measured torque, shape (n,).
+        record: Logs, hashes, settings and version, enough to run it again.
+    """
+
+    model: Dynamics
+    verdict: str
+    trace: tuple[Step, ...]
+    noise_floor: Array
+    structure_left: tuple[str, ...]
+    torque_rms: Array
+    record: dict[str, Any]
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """The effects that were added, the strongest first."""
+        return self.trace[1:]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON of schema ``cdia-discovery/1``."""
+        robot = self.model.robot
+        by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
+        return {
+            "schema": SCHEMA,
+            "robot": robot.name,
+            "joints": list(robot.joints),
+            "verdict": self.verdict,
+            "effects": [_effect_entry(step, self.model) for step in self.steps],
+            "trace": [
+                {
+                    "added": step.term.label if step.term else None,
+                    "rms": by_joint(step.rms),
+                    "heldout_rms": by_joint(step.heldout_rms),
+                }
+                for step in self.trace
+            ],
+            "noise_floor": by_joint(self.noise_floor),
+            "torque_rms": by_joint(self.torque_rms),
+            "structure_left": list(self.structure_left),
+            "record": self.record,
+        }
+
+
+def _effect_entry(step: Step, model: Dynamics) -> dict[str, Any]:
+    term, robot = step.term, model.robot
+    assert term is not None  # the first step of a trace is not an effect
+    entry: dict[str, Any] = {
+        "effect": term.effect.name,
+        "joints": list(term.effect.joints(robot)),
+        "parameters": term.parameters_to_dict(robot),
+    }
+    described = term.effect.to_dict()
+    if "shape" in described:
+        entry["shape"] = described["shape"]
+    entry["confusable_with"] = [
+        {
+            "effect": " + ".join(e.label if len(c.effects) > 1 else e.name for e in c.effects),
+            "joints": list(dict.fromkeys(j for e in c.effects for j in e.joints(robot))),
+            "motion": c.motion,
+        }
+        for c in step.confusions
+    ]
+    return entry

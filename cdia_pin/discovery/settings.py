@@ -1,0 +1,27 @@
+"""Settings of a discovery."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from cdia_pin.effects import Effect
+from cdia_pin.logs.conditioning import Conditioning
+
+
+@dataclass(frozen=True)
+class DiscoverySettings:
+    """What is searched for and how.
+
+    Attributes:
+        conditioning: How logs are filtered.
+        effects: Names of the vocabulary that may be found; all but ``unknown`` and ``expression`` if None.
+        extra: Effects of the user's own that may be found as well.
+        most_effects: Search ends with this many effects in the model.
+        blocks: Contiguous blocks of time for held-out errors and intervals.
+    """
+
+    conditioning: Conditioning = field(default_factory=Conditioning)
+    effects: tuple[str, ...] | None = None
+    extra: tuple[Effect, ...] = ()
+    most_effects: int = 40
+    blocks: int = 10

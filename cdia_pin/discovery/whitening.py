@@ -1,0 +1,76 @@
+"""Whitening: residuals of a log are coloured, and evidence that takes them for white is far too sure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+HIGHEST_ORDER = 8
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    r"""Autoregressive noise of one joint, :math:`e_t = \sum_k a_k e_{t-k} + \sigma w_t`.
+
+    Attributes:
+        coefficients: a₁ … a_p [1].
+        sigma: Standard deviation of the innovation [N·m or N].
+        lengths: Samples of each segment; the filter starts anew in each.
+    """
+
+    coefficients: Array
+    sigma: float
+    lengths: tuple[int, ...]
+
+    @property
+    def kept(self) -> NDArray[np.bool_]:
+        """Samples that have a full past, shape (K,)."""
+        p = len(self.coefficients)
+        return np.concatenate([np.arange(length) >= p for length in self.lengths])
+
+    def whiten(self, signal: Array) -> Array:
+        """Return the innovations in units of σ; samples without a full past are zero, shape as given (K, …)."""
+        out = np.array(signal, dtype=float)
+        for k, a in enumerate(self.coefficients, start=1):
+            out[k:] -= a * signal[:-k]
+        out[~self.kept] = 0.0
+        return out / self.sigma
+
+
+def fit_noise(residual: Array, informative: NDArray[np.bool_], lengths: list[int], parameters: float) -> NoiseModel:
+    """Fit autoregressive noise by Yule and Walker, over informative samples only.
+
+    Args:
+        residual: What a fitted model left [N·m or N], shape (K,).
+        informative: Samples that count, shape (K,).
+        lengths: Samples of each segment, adding up to K.
+        parameters: Degrees of freedom that the fit used up.
+
+    Returns:
+        The noise, its size corrected for those degrees of freedom.
+    """
+    used = np.where(informative, residual, 0.0)
+    order = int(np.clip(informative.sum() // 30, 1, HIGHEST_ORDER))
+    starts = np.cumsum([0, *lengths[:-1]])
+    products, counts = np.zeros(order + 1), np.zeros(order + 1)
+    for start, length in zip(starts, lengths, strict=True):
+        e = used[start : start + length]
+        w = informative[start : start + length].astype(float)
+        for k in range(min(order + 1, length)):
+            products[k] += e[k:] @ e[: length - k]
+            counts[k] += w[k:] @ w[: length - k]
+    covariance = products / np.maximum(counts, 1.0)
+    covariance *= 1.0 - np.arange(order + 1) / (order + 1) * 0.05  # keeps the estimate a valid covariance
+    covariance[0] = covariance[0] * (1 + 1e-9) + 1e-18
+    toeplitz = covariance[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
+    coefficients = np.linalg.solve(toeplitz + 1e-9 * covariance[0] * np.eye(order), covariance[1:])
+    noise = NoiseModel(coefficients, 1.0, tuple(lengths))
+    usable = informative & noise.kept
+    innovations = noise.whiten(residual)[usable]
+    freedom = max(usable.sum() - parameters, 0.2 * usable.sum(), 1.0)
+    sigma = float(np.sqrt(innovations @ innovations / freedom))
+    return NoiseModel(coefficients, max(sigma, 1e-12), tuple(lengths))

@@ -1,0 +1,67 @@
+"""Models as JSON files that people can read, compare and edit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import cdia_pin
+from cdia_pin.dynamics.dynamics import Dynamics
+from cdia_pin.effects import Term
+from cdia_pin.errors import CdiaError, ModelError
+from cdia_pin.robot.model import RobotModel
+
+SCHEMA = "cdia-model/1"
+
+
+def save_model(model: Dynamics, path: str | Path, *, record: dict[str, Any] | None = None) -> Path:
+    """Write a model.
+
+    Args:
+        model: The robot's terms are written, the robot by name.
+        path: File to write.
+        record: How the numbers came about: logs, hashes, settings.
+    """
+    path = Path(path)
+    document = {
+        "schema": SCHEMA,
+        "version": cdia_pin.__version__,
+        "robot": model.robot.name,
+        "joints": list(model.robot.joints),
+        "terms": [t.to_dict(model.robot) for t in model.terms],
+        "record": record or {},
+    }
+    try:
+        path.write_text(json.dumps(document, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise ModelError(f"cannot write the model to {path}: {error.strerror}") from None
+    return path
+
+
+def load_model(path: str | Path, robot: RobotModel) -> Dynamics:
+    """Read a model written by `save_model`.
+
+    Raises:
+        ModelError: If the file is no model, or belongs to other joints.
+    """
+    path = Path(path)
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ModelError(f"cannot read the model {path}: {error.strerror}") from None
+    except ValueError as error:
+        raise ModelError(f"{path} is not a model: {error}") from None
+    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
+        raise ModelError(f"{path} is not a model: expected a JSON object with \"schema\": \"{SCHEMA}\"")
+    if document.get("joints") != list(robot.joints):
+        raise ModelError(
+            f"{path} was made for the joints {', '.join(document.get('joints', []))} of "
+            f"'{document.get('robot')}', the robot '{robot.name}' has {', '.join(robot.joints)}"
+        )
+    try:
+        return Dynamics(robot, tuple(Term.from_dict(t) for t in document["terms"]))
+    except CdiaError as error:
+        raise ModelError(f"{path}: {error}") from None
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        raise ModelError(f"{path}: a term is not written as it must be ({error!r})") from None

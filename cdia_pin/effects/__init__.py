@@ -1,0 +1,121 @@
+"""The vocabulary of physical effects: one class each, one line in the table below."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from cdia_pin.effects.actuation import ActuatorGain, JointSpring, PositionRipple, RotorInertia, TorqueOffset
+from cdia_pin.effects.effect import Effect, JointEffect, NonlinearEffect, Parameter
+from cdia_pin.effects.environment import BaseTilt, ToolWrench, ViscousMedium
+from cdia_pin.effects.expression import Expression, from_expression
+from cdia_pin.effects.friction import (
+    AsymmetricFriction,
+    CoulombFriction,
+    CoupledFriction,
+    LoadFriction,
+    QuadraticFriction,
+    StribeckFriction,
+    ViscousFriction,
+)
+from cdia_pin.effects.inertia import LinkInertia, Payload
+from cdia_pin.effects.profile import (
+    ALWAYS,
+    Always,
+    Between,
+    Incipient,
+    Intermittent,
+    Profile,
+    Region,
+    after,
+    profile_from_dict,
+)
+from cdia_pin.effects.sensing import EffortDelay, EncoderOffset
+from cdia_pin.effects.specification import parse_term
+from cdia_pin.effects.state import JointState, State
+from cdia_pin.effects.term import Term
+from cdia_pin.effects.unknown import Unknown
+from cdia_pin.errors import EffectError, unknown_name
+from cdia_pin.robot.model import RobotModel
+
+EFFECTS: dict[str, type[Effect]] = {
+    e.name: e
+    for e in (
+        CoulombFriction,
+        ViscousFriction,
+        StribeckFriction,
+        AsymmetricFriction,
+        QuadraticFriction,
+        LoadFriction,
+        PositionRipple,
+        ActuatorGain,
+        TorqueOffset,
+        RotorInertia,
+        JointSpring,
+        CoupledFriction,
+        LinkInertia,
+        Payload,
+        BaseTilt,
+        ToolWrench,
+        ViscousMedium,
+        EncoderOffset,
+        EffortDelay,
+        Unknown,
+        Expression,
+    )
+}
+
+
+def register(effect: type[Effect]) -> type[Effect]:
+    """Add a user's effect class to the vocabulary; usable as a decorator.
+
+    Raises:
+        EffectError: If the name is taken by another class.
+    """
+    if EFFECTS.setdefault(effect.name, effect) is not effect:
+        raise EffectError(f"an effect named '{effect.name}' exists already; give yours another name")
+    return effect
+
+
+def parse_effect(text: str, robot: RobotModel | None = None) -> Effect:
+    """Read ``NAME``, ``NAME@JOINT``, ``NAME@JOINT+JOINT`` or ``EXPRESSION@JOINT``.
+
+    Args:
+        text: The label.
+        robot: Checks the joint names, if given.
+
+    Raises:
+        EffectError: If the name is not in the vocabulary and is not an expression either.
+        RobotError: If a joint is not of the robot.
+    """
+    name, _, joints = text.strip().partition("@")
+    scope = [j.strip() for j in joints.split("+")] if joints else []
+    name = name.strip()
+    if name in EFFECTS:
+        effect = EFFECTS[name].from_scope(scope, {})
+    elif name.isidentifier():
+        raise EffectError(unknown_name("effect", name, EFFECTS))
+    else:
+        effect = Expression.from_scope(scope, {"text": name})
+    if robot is not None:
+        for joint in effect.scope:
+            robot.joint_index(joint)
+    return effect
+
+
+def effect_from_dict(given: Mapping[str, Any]) -> Effect:
+    """Read back what `Effect.to_dict` wrote; raises EffectError with what is valid."""
+    name = str(given.get("effect", ""))
+    if name not in EFFECTS:
+        raise EffectError(unknown_name("effect", name, EFFECTS))
+    return EFFECTS[name].from_scope(given.get("joints", []), given.get("shape", {}))
+
+
+__all__ = [
+    "ALWAYS", "EFFECTS", "ActuatorGain", "Always", "AsymmetricFriction", "BaseTilt", "Between", "CoulombFriction",
+    "CoupledFriction", "Effect", "EffortDelay", "EncoderOffset", "Expression", "Incipient", "Intermittent",
+    "JointEffect", "JointSpring", "JointState", "LinkInertia", "LoadFriction", "NonlinearEffect", "Parameter",
+    "Payload", "PositionRipple", "Profile", "QuadraticFriction", "Region", "RotorInertia", "State",
+    "StribeckFriction", "Term", "ToolWrench", "TorqueOffset", "Unknown", "ViscousFriction", "ViscousMedium",
+    "after", "effect_from_dict", "from_expression", "parse_effect", "parse_term", "profile_from_dict", "register",
+]  # fmt: skip

@@ -1,0 +1,98 @@
+"""What sits between the drive's torque and the joint: gain, offset, rotor, spring, ripple."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects.effect import JointEffect, Parameter
+from cdia_pin.effects.state import JointState, State
+
+Array = NDArray[np.float64]
+
+HIGHEST_RIPPLE = 60.0  # [1/rad or 1/m], the fastest ripple that is searched for
+
+
+@dataclass(frozen=True)
+class ActuatorGain(JointEffect):
+    """The drive delivers more or less than asked, f = α τ, α > −1 (thesis Table 3)."""
+
+    name: ClassVar[str] = "actuator_gain"
+    equation: ClassVar[str] = "α τ"
+    of_torque: ClassVar[bool] = True
+    parameters = (Parameter("gain", "1", lower=-0.999, upper=10.0),)
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the column of the gain."""
+        return [x.effort]
+
+
+@dataclass(frozen=True)
+class TorqueOffset(JointEffect):
+    """A constant torque: a sensor's zero, a balancer, f = c."""
+
+    name: ClassVar[str] = "torque_offset"
+    equation: ClassVar[str] = "c"
+    parameters = (Parameter("offset", "{effort}"),)
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the column of the offset."""
+        return [np.ones_like(x.q)]
+
+
+@dataclass(frozen=True)
+class RotorInertia(JointEffect):
+    """Inertia of rotor and gear seen at the joint, f = −I q̈."""
+
+    name: ClassVar[str] = "rotor_inertia"
+    equation: ClassVar[str] = "−I q̈"
+    parameters = (Parameter("inertia", "{inertia}", lower=0.0),)
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the column of the inertia."""
+        return [-x.a]
+
+
+@dataclass(frozen=True)
+class JointSpring(JointEffect):
+    """A spring or cable pulling the joint to a place, f = −k q + c."""
+
+    name: ClassVar[str] = "joint_spring"
+    equation: ClassVar[str] = "−k q + c"
+    parameters = (Parameter("stiffness", "{effort}/{position}", lower=0.0), Parameter("preload", "{effort}"))
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the columns of stiffness and preload."""
+        return [-x.q, np.ones_like(x.q)]
+
+
+@dataclass(frozen=True)
+class PositionRipple(JointEffect):
+    """Torque that repeats along the joint: cogging, gear teeth, f = a sin(w₀ q) + b cos(w₀ q) (thesis Table 2).
+
+    Attributes:
+        frequency: w₀, radians of ripple per radian of joint [1/rad or 1/m].
+    """
+
+    frequency: float = 7.0
+
+    name: ClassVar[str] = "position_ripple"
+    equation: ClassVar[str] = "a sin(w₀ q) + b cos(w₀ q)"
+    parameters = (Parameter("sine", "{effort}"), Parameter("cosine", "{effort}"))
+    shape = (Parameter("frequency", "1/{position}", lower=0.1, upper=1e3),)
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the sine and cosine columns."""
+        return [np.sin(self.frequency * x.q), np.cos(self.frequency * x.q)]
+
+    def shape_grid(self, x: State) -> Sequence[Self]:
+        """Return frequencies with two periods or more over the range driven, finely enough to miss none."""
+        travel = float(np.ptp(x.q[:, x.robot.joint_index(self.joint)]))
+        if travel < 1e-3:
+            return []
+        slowest, step = 4 * np.pi / travel, 0.7 * np.pi / travel  # two periods; a third of a resolution cell
+        return [self.with_shape(frequency=float(w)) for w in np.arange(slowest, HIGHEST_RIPPLE, step)]

@@ -1,0 +1,173 @@
+"""Friction in the joints: torque against the motion, never adding power [Armstrong1994]."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects.effect import JointEffect, Parameter
+from cdia_pin.effects.state import JointState, State
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+VISCOUS = "{effort}·s/{position}"
+
+
+@dataclass(frozen=True)
+class CoulombFriction(JointEffect):
+    """Dry friction of constant size, f = −α sgn q̇ (thesis Table 2, Coulomb)."""
+
+    name: ClassVar[str] = "coulomb_friction"
+    equation: ClassVar[str] = "−α sgn(q̇)"
+    dissipative: ClassVar[bool] = True
+    parameters = (Parameter("level", "{effort}", lower=0.0),)
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the column of the level."""
+        return [-x.sign]
+
+
+@dataclass(frozen=True)
+class ViscousFriction(JointEffect):
+    """Friction in proportion to speed, f = −α q̇ (thesis Table 2, Viscous)."""
+
+    name: ClassVar[str] = "viscous_friction"
+    equation: ClassVar[str] = "−α q̇"
+    dissipative: ClassVar[bool] = True
+    parameters = (Parameter("coefficient", VISCOUS, lower=0.0),)
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the column of the coefficient."""
+        return [-x.v]
+
+
+@dataclass(frozen=True)
+class StribeckFriction(JointEffect):
+    """Dry friction that falls as speed grows, f = −(α₀ + α₁ exp(−β|q̇|)) sgn q̇ (thesis Table 2).
+
+    Attributes:
+        decay: β, inverse of the Stribeck speed [s/rad or s/m].
+    """
+
+    decay: float = 10.0
+
+    name: ClassVar[str] = "stribeck_friction"
+    equation: ClassVar[str] = "−(α₀ + α₁ exp(−β|q̇|)) sgn(q̇)"
+    dissipative: ClassVar[bool] = True
+    parameters = (
+        Parameter("level", "{effort}", lower=0.0),
+        Parameter("breakaway", "{effort}", lower=0.0),
+    )
+    shape = (Parameter("decay", "s/{position}", lower=0.1, upper=1e3),)
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the columns of the level and of the breakaway part."""
+        return [-x.sign, -np.exp(-self.decay * np.abs(x.v)) * x.sign]
+
+    def shape_grid(self, x: State) -> Sequence[Self]:
+        """Return decays whose range is wide beside the smoothing of sgn and narrow beside the speeds driven."""
+        j = x.robot.joint_index(self.joint)
+        fast = np.percentile(np.abs(x.v[:, j]), 95)
+        width = float(np.broadcast_to(x.sign_width, (x.robot.n,))[j])
+        narrowest = max(4.0 * width, 0.02 * fast)  # a Stribeck speed that the smoothing cannot imitate
+        if fast <= 3 * narrowest:
+            return []
+        return [self.with_shape(decay=float(1.0 / s)) for s in np.geomspace(narrowest, fast / 3, 6)]
+
+
+@dataclass(frozen=True)
+class AsymmetricFriction(JointEffect):
+    """Coulomb and viscous friction that differ by direction, f = −(α± sgn q̇ + β± q̇) (thesis Table 2)."""
+
+    name: ClassVar[str] = "asymmetric_friction"
+    equation: ClassVar[str] = "−(α± sgn(q̇) + β± q̇)"
+    dissipative: ClassVar[bool] = True
+    parameters = (
+        Parameter("level_positive", "{effort}", lower=0.0),
+        Parameter("level_negative", "{effort}", lower=0.0),
+        Parameter("coefficient_positive", VISCOUS, lower=0.0),
+        Parameter("coefficient_negative", VISCOUS, lower=0.0),
+    )
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the columns of both levels, then of both coefficients."""
+        forth, back = np.maximum(x.sign, 0.0), np.minimum(x.sign, 0.0)
+        return [-forth, -back, -np.maximum(x.v, 0.0), -np.minimum(x.v, 0.0)]
+
+
+@dataclass(frozen=True)
+class QuadraticFriction(JointEffect):
+    """Windage and drag, f = −α |q̇| q̇."""
+
+    name: ClassVar[str] = "quadratic_friction"
+    equation: ClassVar[str] = "−α |q̇| q̇"
+    dissipative: ClassVar[bool] = True
+    parameters = (Parameter("coefficient", "{effort}·s²/{position}²", lower=0.0),)
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the column of the coefficient."""
+        return [-np.abs(x.v) * x.v]
+
+
+@dataclass(frozen=True)
+class LoadFriction(JointEffect):
+    """Dry friction that grows with the transmitted torque, f = −α |τ| sgn q̇ [Hamon2010]."""
+
+    name: ClassVar[str] = "load_friction"
+    equation: ClassVar[str] = "−α |τ| sgn(q̇)"
+    dissipative: ClassVar[bool] = True
+    of_torque: ClassVar[bool] = True
+    parameters = (Parameter("coefficient", "1", lower=0.0, upper=1.0),)
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the column of the coefficient."""
+        return [-np.abs(x.effort) * x.sign]
+
+
+@dataclass(frozen=True)
+class CoupledFriction(JointEffect):
+    """Friction between two joints that share a gear, f = −(c s + l sgn s) on both, s = q̇ᵢ + q̇ⱼ.
+
+    Attributes:
+        joint: Name of the first joint.
+        other: Name of the second joint.
+    """
+
+    other: str
+
+    name: ClassVar[str] = "coupled_friction"
+    equation: ClassVar[str] = "−c (q̇ᵢ + q̇ⱼ) − l sgn(q̇ᵢ + q̇ⱼ) on both joints"
+    dissipative: ClassVar[bool] = True
+    scope_fields: ClassVar[tuple[str, ...]] = ("joint", "other")
+    parameters = (Parameter("coefficient", VISCOUS, lower=0.0), Parameter("level", "{effort}", lower=0.0))
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the columns for the speed of the shared gear."""
+        return [-x.v, -x.sign]
+
+    def basis(self, x: State) -> Array:
+        """Return Φ, alike in the rows of both joints, shape (N, n, 2)."""
+        i, j = self.acts_on(x.robot)
+        shared = x.v[:, i] + x.v[:, j]
+        width = np.hypot(*np.broadcast_to(x.sign_width, (x.robot.n,))[[i, j]])
+        out = np.zeros((len(x), x.robot.n, 2))
+        columns = np.column_stack([-shared, -np.tanh(shared / width)])
+        out[:, i, :] = columns
+        out[:, j, :] = columns
+        return out
+
+    def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
+        """Return the indices of both joints."""
+        return (robot.joint_index(self.joint), robot.joint_index(self.other))
+
+    @classmethod
+    def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
+        """Yield each pair of neighbouring joints of one kind."""
+        for i in range(robot.n - 1):
+            if robot.is_prismatic[i] == robot.is_prismatic[i + 1]:
+                yield (robot.joints[i], robot.joints[i + 1])

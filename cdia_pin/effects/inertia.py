@@ -1,0 +1,144 @@
+"""Rigid bodies that are not as the URDF says: a wrong link, a tool bolted on or missing."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects.effect import Effect, Parameter
+from cdia_pin.effects.state import State
+from cdia_pin.robot.inertia import from_pseudo_inertia, is_physical, pseudo_inertia, transform_parameters
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+MOMENTS = tuple(f"first_moment_{axis}" for axis in "xyz")
+INERTIAS = tuple(f"inertia_{axes}" for axes in ("xx", "xy", "yy", "xz", "yz", "zz"))
+BODY = (
+    Parameter("mass", "kg"),
+    *(Parameter(m, "kg·m") for m in MOMENTS),
+    *(Parameter(i, "kg·m²") for i in INERTIAS),
+)
+SURPRISING_MASS = 5.0  # [kg], least scale of a body's prior
+SURPRISING_REACH = 0.3  # [m], distance of its centre of mass, likewise
+
+
+class Body(Effect):
+    """A rigid body that is added to, or taken from, the link of a joint."""
+
+    parameters = BODY
+
+    @abstractmethod
+    def carrier(self, robot: RobotModel) -> int:
+        """Return the index of the joint whose link the body is part of."""
+
+    def in_joint_frame(self, theta: Array, robot: RobotModel) -> Array:
+        """Return the body's parameters about the frame of the carrying joint, shape (10,)."""
+        return theta
+
+    def from_joint_frame(self, parameters: Array, robot: RobotModel) -> Array:
+        """Return the body's own parameters from those about the frame of the carrying joint, shape (10,)."""
+        return parameters
+
+    def basis(self, x: State) -> Array:
+        """Return −Y of a unit body, shape (N, n, 10)."""
+        j = self.carrier(x.robot)
+        columns = -x.torque_regressor[:, :, 10 * j : 10 * j + 10]
+        return columns @ np.column_stack([self.in_joint_frame(unit, x.robot) for unit in np.eye(10)])
+
+    def total(self, theta: Array, robot: RobotModel) -> Array:
+        """Return the parameters of link and body together, about the joint's frame, shape (10,)."""
+        return robot.inertial_parameters[self.carrier(robot)] + self.in_joint_frame(theta, robot)
+
+    def is_physical(self, theta: Array, robot: RobotModel) -> bool:
+        """Tell whether link and body together are a possible body."""
+        total = self.total(theta, robot)
+        return bool(super().is_physical(theta, robot) and is_physical(total, 1e-6 * max(1.0, float(np.abs(total).max()))))
+
+    def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
+        """Return an estimate with its mass and first moments kept and its inertia made possible, shape (10,).
+
+        The mass is raised where it must be; the second moments about the centre of mass lose what is negative.
+        """
+        lower, upper = self.bounds(robot)
+        total = self.total(np.clip(theta, lower, upper), robot)
+        link = robot.inertial_parameters[self.carrier(robot)]
+        total[0] = max(total[0], 0.02 * link[0], 1e-3)
+        pseudo = pseudo_inertia(total)
+        moment = pseudo[:3, 3] / total[0]
+        values, vectors = np.linalg.eigh(pseudo[:3, :3] - total[0] * np.outer(moment, moment))
+        about_centre = vectors @ np.diag(np.maximum(values, 0.0)) @ vectors.T
+        pseudo[:3, :3] = about_centre + total[0] * np.outer(moment, moment)
+        return self.from_joint_frame(from_pseudo_inertia(pseudo) - link, robot)
+
+    def prior_scale(self, robot: RobotModel) -> Array:
+        """Return the size of body that would surprise nobody: as heavy as its link, within reach of its joint."""
+        mass = max(SURPRISING_MASS, float(robot.inertial_parameters[self.carrier(robot)][0]))
+        return np.array([mass] + [mass * SURPRISING_REACH] * 3 + [mass * SURPRISING_REACH**2] * 6)
+
+
+@dataclass(frozen=True)
+class LinkInertia(Body):
+    """The inertial parameters of the link moved by a joint differ from the URDF, f = −Y δπ [Wensing2018].
+
+    The parameters are differences to the URDF, about the joint's frame.
+
+    Attributes:
+        joint: Name of the joint that moves the link.
+    """
+
+    joint: str
+
+    name: ClassVar[str] = "link_inertia"
+    equation: ClassVar[str] = "−Y δπ"
+    scope_fields: ClassVar[tuple[str, ...]] = ("joint",)
+
+    def carrier(self, robot: RobotModel) -> int:
+        """Return the index of the joint."""
+        return robot.joint_index(self.joint)
+
+    def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
+        """Return bounds that leave the link at least a twentieth of its mass."""
+        lower, upper = super().bounds(robot)
+        lower[0] = -0.95 * robot.inertial_parameters[self.carrier(robot)][0]
+        return lower, upper
+
+    @classmethod
+    def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
+        """Yield every joint that moves a link."""
+        yield from ((j,) for j in robot.joints)
+
+
+@dataclass(frozen=True)
+class Payload(Body):
+    """A rigid body on the tool, f = −Y_tool π [Wensing2018].
+
+    The parameters are about the tool frame. A negative mass means that the real arm lacks a tool which the URDF
+    carries; link and payload together stay a possible body.
+    """
+
+    name: ClassVar[str] = "payload"
+    equation: ClassVar[str] = "−Y_tool π"
+
+    def carrier(self, robot: RobotModel) -> int:
+        """Return the index of the joint that moves the tool."""
+        return robot.joint_index(robot.tool_joint)
+
+    def in_joint_frame(self, theta: Array, robot: RobotModel) -> Array:
+        """Return the body's parameters about the frame of the tool's joint, shape (10,)."""
+        return transform_parameters(robot.tool_placement) @ theta
+
+    def from_joint_frame(self, parameters: Array, robot: RobotModel) -> Array:
+        """Return the body's parameters about the tool frame, shape (10,)."""
+        return np.linalg.solve(transform_parameters(robot.tool_placement), parameters)
+
+    def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
+        """Return bounds that take away no more mass than the URDF carries on the tool's link."""
+        lower, upper = super().bounds(robot)
+        lower[0] = -0.98 * robot.inertial_parameters[self.carrier(robot)][0]
+        return lower, upper

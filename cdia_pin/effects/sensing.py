@@ -1,0 +1,92 @@
+"""Signals that do not say what they should: an encoder's zero, a late torque."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects.effect import NonlinearEffect, Parameter
+from cdia_pin.effects.state import State
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EncoderOffset(NonlinearEffect):
+    """The joint is not where its encoder says, q = q_read + δ; f is the torque that the model misses by it.
+
+    Attributes:
+        joint: Name of the joint.
+    """
+
+    joint: str
+
+    name: ClassVar[str] = "encoder_offset"
+    equation: ClassVar[str] = "ID(q) − ID(q + δ)"
+    scope_fields: ClassVar[tuple[str, ...]] = ("joint",)
+    parameters = (Parameter("offset", "{position}", lower=-0.5, upper=0.5),)
+    steps: ClassVar[tuple[float, ...]] = (1e-5,)
+
+    def torque(self, x: State, theta: Array) -> Array:
+        """Return f [N·m or N] for the offset θ = (δ,), shape (N, n)."""
+        shifted = x.q.copy()
+        shifted[:, x.robot.joint_index(self.joint)] += theta[0]
+        return x.rigid_torque - x.robot.inverse_dynamics(shifted, x.v, x.a)
+
+    @classmethod
+    def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
+        """Yield every joint."""
+        yield from ((j,) for j in robot.joints)
+
+
+@dataclass(frozen=True)
+class EffortDelay(NonlinearEffect):
+    """The torque reading lags, τ_read(t) = τ(t − d), f = τ(t) − τ(t − d); d < 0 where it leads.
+
+    A command that is logged before it acts reads as a leading torque. The effect needs a trajectory: on a single
+    sample it is zero.
+
+    Attributes:
+        joint: Name of the joint, or None where all readings lag alike.
+    """
+
+    joint: str | None = None
+
+    name: ClassVar[str] = "effort_delay"
+    equation: ClassVar[str] = "τ(t) − τ(t − d)"
+    reads: ClassVar[bool] = True
+    of_torque: ClassVar[bool] = True
+    scope_fields: ClassVar[tuple[str, ...]] = ("joint",)
+    parameters = (Parameter("delay", "s", lower=-0.2, upper=0.2),)
+    steps: ClassVar[tuple[float, ...]] = (1e-4,)
+
+    def torque(self, x: State, theta: Array) -> Array:
+        """Return f [N·m or N] for the delay θ = (d,), shape (N, n)."""
+        out = np.zeros_like(x.effort)
+        if len(x) < 4 or np.ptp(x.time) == 0:
+            return out
+        for j in self.acts_on(x.robot):
+            out[:, j] = x.effort[:, j] - self.delayed(x.time, x.effort[:, j], float(theta[0]))
+        return out
+
+    @staticmethod
+    def delayed(time: Array, signal: Array, delay: float) -> Array:
+        """Return the signal as it was `delay` seconds before, held at both ends, shape (N,)."""
+        from scipy.interpolate import CubicSpline
+
+        return CubicSpline(time, signal)(np.clip(time - delay, time[0], time[-1]))
+
+    def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
+        """Return the index of the joint, or of all joints."""
+        return tuple(range(robot.n)) if self.joint is None else (robot.joint_index(self.joint),)
+
+    @classmethod
+    def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
+        """Yield the whole arm, then every joint."""
+        yield ()
+        yield from ((j,) for j in robot.joints)

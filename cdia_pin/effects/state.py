@@ -1,0 +1,143 @@
+"""What an effect can see: the motion and torque of an arm over a stretch of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+DEFAULT_SIGN_WIDTH = 1e-3  # [rad/s or m/s], sgn(v) is tanh(v / width)
+
+
+@dataclass(frozen=True)
+class JointState:
+    """One joint of a `State`; every signal has shape (N,).
+
+    Attributes:
+        q: Position [rad or m].
+        v: Velocity [rad/s or m/s].
+        a: Acceleration [rad/s² or m/s²].
+        effort: Torque of the actuator [N·m or N], see `State.effort`.
+        sign: sgn(v), smoothed to be continuous through rest [1].
+        time: Time [s].
+    """
+
+    q: Array
+    v: Array
+    a: Array
+    effort: Array
+    sign: Array
+    time: Array
+
+
+@dataclass(frozen=True)
+class State:
+    """Motion of the arm, with what several effects would otherwise compute again and again.
+
+    Attributes:
+        robot: The rigid-body model.
+        q: Joint positions [rad or m], shape (N, n).
+        v: Joint velocities [rad/s or m/s], shape (N, n).
+        a: Joint accelerations [rad/s² or m/s²], shape (N, n).
+        effort: Actuator torques [N·m or N], shape (N, n). In a simulation the commanded torque, against a
+            log the torque that the model predicts: a measured torque would be a noisy regressor of itself.
+        time: Time of each sample [s], shape (N,).
+        sign_width: Speed below which sgn(v) is smoothed [rad/s or m/s], shape (n,).
+    """
+
+    robot: RobotModel
+    q: Array
+    v: Array
+    a: Array
+    effort: Array
+    time: Array
+    sign_width: Array = field(default_factory=lambda: np.array(DEFAULT_SIGN_WIDTH))
+
+    @classmethod
+    def of(
+        cls,
+        robot: RobotModel,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike | None = None,
+        *,
+        effort: ArrayLike | None = None,
+        time: ArrayLike | None = None,
+        sign_width: ArrayLike = DEFAULT_SIGN_WIDTH,
+    ) -> State:
+        """Build a state from one sample, shape (n,), or a trajectory, shape (N, n).
+
+        Args:
+            robot: The rigid-body model.
+            q: Positions.
+            v: Velocities.
+            a: Accelerations; zero if omitted.
+            effort: Actuator torques; those of the rigid body if omitted.
+            time: Time [s]; zero for every sample if omitted.
+            sign_width: Speed below which sgn(v) is smoothed, scalar or per joint.
+        """
+        q2, v2 = np.atleast_2d(np.asarray(q, float)), np.atleast_2d(np.asarray(v, float))
+        a2 = np.zeros_like(q2) if a is None else np.atleast_2d(np.asarray(a, float))
+        tau = robot.inverse_dynamics(q2, v2, a2) if effort is None else np.atleast_2d(np.asarray(effort, float))
+        t = np.zeros(len(q2)) if time is None else np.atleast_1d(np.asarray(time, float))
+        return cls(robot, q2, v2, a2, tau, t, np.broadcast_to(np.asarray(sign_width, float), (robot.n,)))
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def joint(self, name: str) -> JointState:
+        """Return the signals of one joint."""
+        j = self.robot.joint_index(name)
+        return JointState(
+            self.q[:, j], self.v[:, j], self.a[:, j], self.effort[:, j], self.sign[:, j], self.time
+        )
+
+    def with_effort(self, effort: Array) -> State:
+        """Return the same motion under other actuator torques, keeping what does not depend on them."""
+        twin = replace(self, effort=effort)
+        kept = ("sign", "rigid_torque", "torque_regressor", "gravity_regressor", "tool_jacobian", "drag_matrix")
+        twin.__dict__.update({k: self.__dict__[k] for k in kept if k in self.__dict__})
+        return twin
+
+    @cached_property
+    def sign(self) -> Array:
+        """Smoothed sgn(v) [1], shape (N, n)."""
+        return np.tanh(self.v / self.sign_width)
+
+    @cached_property
+    def rigid_torque(self) -> Array:
+        """M q̈ + nle of the robot as described [N·m or N], shape (N, n)."""
+        return self.robot.inverse_dynamics(self.q, self.v, self.a)
+
+    @cached_property
+    def torque_regressor(self) -> Array:
+        """Y with M q̈ + nle = Y π, shape (N, n, 10 n)."""
+        return self.robot.torque_regressor(self.q, self.v, self.a)
+
+    @cached_property
+    def gravity_regressor(self) -> Array:
+        """K with G = K g, shape (N, n, 3)."""
+        return self.robot.gravity_regressor(self.q)
+
+    @cached_property
+    def tool_jacobian(self) -> Array:
+        """Jacobian of the tool in base axes, shape (N, 6, n)."""
+        return self.robot.tool_jacobian(self.q)
+
+    @cached_property
+    def drag_matrix(self) -> Array:
+        """Mass-weighted mean of JₗᵀJₗ at the links' centres of mass, shape (N, n, n)."""
+        return self.robot.point_mass_matrix(self.q) / self.robot.total_mass
+
+    @cached_property
+    def effort_rate(self) -> Array:
+        """Time derivative of the actuator torque, zero for a single sample, shape (N, n)."""
+        if len(self) < 3 or np.ptp(self.time) == 0:
+            return np.zeros_like(self.effort)
+        return np.gradient(self.effort, self.time, axis=0)

@@ -1,0 +1,108 @@
+"""A term: an effect with numbers and a profile, as a plant has it or a model was given it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects.effect import Effect
+from cdia_pin.effects.profile import ALWAYS, Profile, profile_from_dict
+from cdia_pin.effects.state import State
+from cdia_pin.errors import EffectError, unknown_name
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Term:
+    """β(x) Φ(x; s) θ with its numbers.
+
+    Attributes:
+        effect: The physics.
+        theta: Its parameters, in the effect's order and units.
+        profile: Where it is present.
+        ci95: 95 % interval of each parameter, where the numbers were estimated.
+    """
+
+    effect: Effect
+    theta: tuple[float, ...]
+    profile: Profile = ALWAYS
+    ci95: tuple[tuple[float, float], ...] | None = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        if len(self.theta) != self.effect.size:
+            names = ", ".join(p.name for p in self.effect.parameters)
+            raise EffectError(f"{self.effect.label} takes {names}; given {len(self.theta)} number(s)")
+        if not np.isfinite(self.theta).all():
+            raise EffectError(f"{self.effect.label}: parameters must be finite, given {self.theta}")
+
+    @classmethod
+    def of(cls, effect: Effect, profile: Profile = ALWAYS, **parameters: float) -> Term:
+        """Build a term from parameters by name; those left out are zero."""
+        names = [p.name for p in effect.parameters]
+        for name in parameters:
+            if name not in names:
+                raise EffectError(f"{effect.label}: " + unknown_name("parameter", name, names))
+        return cls(effect, tuple(float(parameters.get(n, 0.0)) for n in names), profile)
+
+    @property
+    def label(self) -> str:
+        """The effect's name and scope."""
+        return self.effect.label
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Parameters by name."""
+        return {p.name: v for p, v in zip(self.effect.parameters, self.theta, strict=True)}
+
+    def torque(self, x: State) -> Array:
+        """Return β Φ θ [N·m or N], shape (N, n)."""
+        return self.profile(x)[:, None] * self.effect.torque(x, np.array(self.theta))
+
+    def jacobian(self, x: State) -> Array:
+        """Return β ∂f/∂θ, shape (N, n, p)."""
+        return self.profile(x)[:, None, None] * self.effect.jacobian(x, np.array(self.theta))
+
+    def parameters_to_dict(self, robot: RobotModel) -> dict[str, Any]:
+        """Return {name: {value, unit, ci95}} for files and tables."""
+        out: dict[str, Any] = {}
+        units = self.effect.units(robot)
+        for i, (p, value, unit) in enumerate(zip(self.effect.parameters, self.theta, units, strict=True)):
+            out[p.name] = {"value": value, "unit": unit}
+            if self.ci95 is not None:
+                out[p.name]["ci95"] = list(self.ci95[i])
+        return out
+
+    def to_dict(self, robot: RobotModel) -> dict[str, Any]:
+        """Return a JSON-ready description; `from_dict` reads it back."""
+        return {
+            **self.effect.to_dict(),
+            "parameters": self.parameters_to_dict(robot),
+            "profile": self.profile.to_dict(),
+        }
+
+    @classmethod
+    def from_dict(cls, given: Mapping[str, Any]) -> Term:
+        """Read back what `to_dict` wrote.
+
+        Raises:
+            EffectError: If a name is unknown or a number is missing.
+        """
+        from cdia_pin.effects import effect_from_dict
+
+        effect = effect_from_dict(given)
+        written = given.get("parameters", {})
+        missing = [p.name for p in effect.parameters if p.name not in written]
+        if missing:
+            raise EffectError(f"{effect.label}: no value for parameter(s) {', '.join(missing)}")
+        ordered = [written[p.name] for p in effect.parameters]
+        ci95 = None
+        if all("ci95" in p for p in ordered):
+            ci95 = tuple((float(p["ci95"][0]), float(p["ci95"][1])) for p in ordered)
+        theta = tuple(float(p["value"]) for p in ordered)
+        return cls(effect, theta, profile_from_dict(given.get("profile", {})), ci95)

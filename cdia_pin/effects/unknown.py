@@ -1,0 +1,73 @@
+"""A torque nobody has a formula for: radial bases in position and velocity, and a torque neuron."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects.effect import JointEffect, Parameter
+from cdia_pin.effects.state import JointState, State
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Unknown(JointEffect):
+    """Learned torque of one joint, f = Σ lᵢ exp(−(q−aᵢ)²/σ²) + Σ sᵢ exp(−(q̇−bᵢ)²/ω²) + h τ (thesis eq. 3.1).
+
+    Attributes:
+        joint: Name of the joint.
+        position_centres: aᵢ [rad or m].
+        velocity_centres: bᵢ [rad/s or m/s].
+        position_width: σ [rad or m].
+        velocity_width: ω [rad/s or m/s].
+    """
+
+    position_centres: tuple[float, ...] = (-2.0, -1.0, 0.0, 1.0, 2.0)
+    velocity_centres: tuple[float, ...] = (-1.0, -0.5, 0.0, 0.5, 1.0)
+    position_width: float = 1.0
+    velocity_width: float = 0.5
+
+    name: ClassVar[str] = "unknown"
+    equation: ClassVar[str] = "Σ lᵢ exp(−(q−aᵢ)²/σ²) + Σ sᵢ exp(−(q̇−bᵢ)²/ω²) + h τ"
+    of_torque: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        # JSON gives lists; a frozen effect is hashable only with tuples
+        object.__setattr__(self, "position_centres", tuple(self.position_centres))
+        object.__setattr__(self, "velocity_centres", tuple(self.velocity_centres))
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]
+        """The weights: one per neuron, then the gain of the torque neuron."""
+        return (
+            *(Parameter(f"position_weight_{i + 1}", "{effort}") for i in range(len(self.position_centres))),
+            *(Parameter(f"velocity_weight_{i + 1}", "{effort}") for i in range(len(self.velocity_centres))),
+            Parameter("torque_gain", "1", lower=-0.999, upper=10.0),
+        )
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the activation of each neuron and the torque."""
+        at_q = [np.exp(-(((x.q - c) / self.position_width) ** 2)) for c in self.position_centres]
+        at_v = [np.exp(-(((x.v - c) / self.velocity_width) ** 2)) for c in self.velocity_centres]
+        return [*at_q, *at_v, x.effort]
+
+    def fitted_to(self, x: State, neurons: int = 7) -> Self:
+        """Return the effect with its neurons spread over the positions and speeds driven."""
+        j = x.robot.joint_index(self.joint)
+        q, v = np.ptp(x.q[:, j]) or 1.0, np.ptp(x.v[:, j]) or 1.0
+        return self.with_shape(
+            position_centres=tuple(np.linspace(x.q[:, j].min(), x.q[:, j].max(), neurons).tolist()),  # type: ignore[arg-type]
+            velocity_centres=tuple(np.linspace(x.v[:, j].min(), x.v[:, j].max(), neurons).tolist()),  # type: ignore[arg-type]
+            position_width=float(q / (neurons - 1)),
+            velocity_width=float(v / (neurons - 1)),
+        )
+
+    def shape_grid(self, x: State) -> Sequence[Self]:
+        """Return the effect spread over the motion."""
+        return [self.fitted_to(x)]

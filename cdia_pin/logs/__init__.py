@@ -1,0 +1,8 @@
+"""Measured logs: read them, write them, check them, take derivatives of them."""
+
+from cdia_pin.logs.conversion import Conversion
+from cdia_pin.logs.log import Log
+from cdia_pin.logs.reading import read_log
+from cdia_pin.logs.writing import write_log
+
+__all__ = ["Conversion", "Log", "read_log", "write_log"]

@@ -1,0 +1,74 @@
+"""Which motion there is, and so what the log can tell of each joint."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cdia_pin.logs.checks.finding import Finding
+from cdia_pin.logs.checks.motion import Motion
+from cdia_pin.logs.log import Log
+
+if TYPE_CHECKING:
+    from cdia_pin.robot.model import RobotModel
+
+
+def check_excitation(log: Log, robot: RobotModel, motion: Motion | None) -> Iterator[Finding]:
+    """Range, speeds, reversals, accelerations and gravity of every joint."""
+    if motion is None:
+        return
+    if not motion.moves.any():
+        yield Finding(
+            "excitation",
+            "warning",
+            "no joint moves: only gravity and offsets could be looked at",
+            advice="record a motion; 'cdia excite' makes a safe one",
+        )
+    gravity = np.ptp(robot.gravity(motion.q), axis=0)
+    for k, joint in enumerate(log.joints):
+        unit = "m" if robot.is_prismatic[k] else "rad"
+        if not motion.moves[k]:
+            yield Finding(
+                "excitation",
+                "info",
+                f"does not move (covers {np.ptp(motion.q[:, k]):.2g} {unit}): its friction and inertia cannot be told",
+                joint=joint,
+                advice="add a log in which it moves",
+                value={"moves": False, "range": float(np.ptp(motion.q[:, k]))},
+            )
+            continue
+        v = motion.v[:, k]
+        fast = np.abs(v) > 0.05 * np.abs(v).max()
+        reversals = int(np.sum(np.diff(np.sign(v[fast])) != 0))
+        slow, quick = np.percentile(np.abs(v[fast]), [10, 90])
+        forward = float(np.mean(v[fast] > 0))
+        value = {
+            "moves": True,
+            "range": float(np.ptp(motion.q[:, k])),
+            "max_speed": float(np.abs(v).max()),
+            "speed_p10": float(slow),
+            "speed_p90": float(quick),
+            "reversals": reversals,
+            "share_forward": forward,
+            "max_acceleration": float(np.abs(motion.a[:, k]).max()),
+            "gravity_range": float(gravity[k]),
+        }
+        message = (
+            f"covers {value['range']:.3g} {unit} at up to {value['max_speed']:.3g} {unit}/s and "
+            f"{value['max_acceleration']:.3g} {unit}/s², {reversals} reversals, gravity changes by {gravity[k]:.3g}"
+        )
+        lacks = []
+        if reversals == 0:
+            lacks.append("it moves one way only, so friction and a torque offset look alike")
+        if quick < 1.5 * slow:
+            lacks.append("it has one speed only, so Coulomb and viscous friction look alike")
+        yield Finding(
+            "excitation",
+            "info" if lacks else "ok",
+            "; ".join([message, *lacks]),
+            joint=joint,
+            advice="add a motion with other speeds in both directions ('cdia excite')" if lacks else "",
+            value=value,
+        )

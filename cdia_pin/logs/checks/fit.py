@@ -1,0 +1,70 @@
+r"""How much of an effort physics can explain, whatever its units.
+
+.. math:: \tau_j \approx \alpha (M \ddot q + V)_j + \gamma G_j + \beta_v \dot q_j + \beta_c\,\mathrm{sgn}\,\dot q_j
+          + I_j \ddot q_j + c, \qquad \alpha, \gamma, \beta_v, \beta_c, I_j \ge 0
+
+Coefficients that cannot be negative in nature are kept so: friction dissipates, inertia resists,
+gravity pulls as the URDF says. This is what gives a wrong sign, order or unit of angle away, while
+no unit of torque and no drive gain matters.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.logs.checks.motion import Motion, sign_of
+
+if TYPE_CHECKING:
+    from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+FLOOR = 0.01  # share of the variance that no URDF explains; differences below it mean nothing
+
+
+def physical_columns(motion: Motion, robot: RobotModel) -> Array:
+    """Columns (M q̈ + V)ⱼ, Gⱼ, q̇ⱼ, sgn q̇ⱼ, q̈ⱼ of every joint, shape (n, N, 5)."""
+    gravity = robot.gravity(motion.q)
+    dynamic = robot.inverse_dynamics(motion.q, motion.v, motion.a) - gravity
+    stacked = np.stack([dynamic, gravity, motion.v, sign_of(motion.v), motion.a], axis=-1)  # (N, n, 5)
+    return np.asarray(stacked.transpose(1, 0, 2))
+
+
+def unexplained(effort: Array, columns: Array) -> float:
+    """Share of the variance of one effort that physics leaves, 0 to 1 (NaN where it is constant).
+
+    Args:
+        effort: Effort of a joint in any unit, shape (N,).
+        columns: Columns of that joint, shape (N, k).
+    """
+    y = effort - effort.mean()
+    total = float(y @ y)
+    if total <= 1e-18 * max(float(effort @ effort), 1e-30):
+        return float("nan")
+    x = columns - columns.mean(axis=0)
+    size = np.sqrt((x * x).sum(axis=0))
+    x = x[:, size > 1e-12] / size[size > 1e-12]
+    return max(_nonnegative_residual(x.T @ x, x.T @ y, total) / total, 0.0)
+
+
+def misfit(share: Array) -> float:
+    """Sum over joints of the logarithm of what is unexplained [1]; one unit is a factor of e."""
+    return float(np.nansum(np.log(share + FLOOR)))
+
+
+def _nonnegative_residual(gram: Array, moment: Array, total: float) -> float:
+    """Smallest |y − X c|² with c ≥ 0, by trying every set of columns that may be active (≤ 5)."""
+    k = len(moment)
+    gram = gram + 1e-9 * np.eye(k)
+    best = total
+    if k and (c := np.linalg.solve(gram, moment)).min() >= 0:
+        return total - float(c @ moment)
+    for active in range(1, 2**k - 1):
+        index = [i for i in range(k) if active >> i & 1]
+        c = np.linalg.solve(gram[np.ix_(index, index)], moment[index])
+        if c.min() >= 0:
+            best = min(best, total - float(c @ moment[index]))
+    return best

@@ -1,0 +1,195 @@
+"""How the log was sampled: rate, gaps, jitter, repeated samples, resolution."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.logs.checks.finding import Finding
+from cdia_pin.logs.checks.motion import CUTOFF, LONGEST_GAP, SHORTEST, Motion
+from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
+
+LOWEST_RATE = 40.0  # [Hz]; below it accelerations of an arm cannot be derived
+LONG_GAP = 0.1  # [s]; an arm's acceleration can change sign in this time
+FROZEN = 0.25  # [s]; a measured signal of a moving joint changes sooner than this
+
+
+def check_rate(log: Log) -> Iterator[Finding]:
+    """Rate and length of the log."""
+    value = {"rate_hz": log.rate, "samples": len(log.time), "duration_s": log.duration}
+    message = f"{len(log.time)} samples in {log.duration:.4g} s, {log.rate:.4g} Hz (median)"
+    if log.rate < LOWEST_RATE:
+        yield Finding(
+            "rate",
+            "warning",
+            f"{message}: too slow to derive accelerations",
+            advice=f"record at {LOWEST_RATE:g} Hz or more; check the unit of time (convert time=ms)",
+            value=value,
+        )
+    elif log.duration < SHORTEST:
+        yield Finding("rate", "warning", f"{message}: too short", advice="record 10 s or more", value=value)
+    else:
+        yield Finding("rate", "ok", message, value=value)
+
+
+def check_gaps(log: Log) -> Iterator[Finding]:
+    """Steps much longer than the others, and how even the rest is."""
+    step, period = np.diff(log.time), 1.0 / log.rate
+    gaps = np.flatnonzero(step > 5.0 * period)
+    if len(gaps):
+        longest = float(step[gaps].max())
+        at = float(log.time[gaps[step[gaps].argmax()]])
+        split = f"; only the longest stretch without a gap over {LONGEST_GAP:g} s is examined below"
+        yield Finding(
+            "gaps",
+            "warning" if longest > LONG_GAP else "info",
+            f"{len(gaps)} gap(s), the longest {longest * 1e3:.3g} ms after t = {at:.4g} s"
+            + (split if longest > LONGEST_GAP else ""),
+            advice="cut the log there (Log.slice) if the arm moved meanwhile" if longest > LONG_GAP else "",
+            value={"count": len(gaps), "longest_s": longest, "after_s": at},
+        )
+    else:
+        yield Finding("gaps", "ok", "no gaps", value={"count": 0})
+    low, high = np.percentile(step, [5, 95])
+    value = {"step_p05_s": float(low), "step_p95_s": float(high), "step_std_s": float(step.std())}
+    if high - low > 0.05 * period:
+        grid = _time_grid(log.time)
+        stamped = f"; stamps are multiples of {grid * 1e3:g} ms" if grid else ""
+        yield Finding(
+            "jitter",
+            "warning" if high > 3.0 * period else "info",
+            f"steps from {low * 1e3:.3g} to {high * 1e3:.3g} ms (5 to 95 %){stamped}; "
+            "signals are resampled to a uniform grid before derivatives are taken",
+            advice="use the time of measurement as stamp, not the time of writing"
+            if high > 3.0 * period
+            else "",
+            value=value,
+        )
+    else:
+        yield Finding("jitter", "ok", "evenly sampled", value=value)
+
+
+def check_repeats(log: Log, motion: Motion | None) -> Iterator[Finding]:
+    """Samples that repeat the one before, and signals that stand still while the joint moves."""
+    signals = [log.position, log.effort] if log.velocity is None else [log.position, log.effort, log.velocity]
+    held = np.all([np.all(np.diff(s, axis=0) == 0, axis=1) for s in signals], axis=0)
+    share = float(held.mean())
+    if share > 0.005:
+        source_rate = (1.0 - share) * (len(log.time) - 1) / log.duration
+        yield Finding(
+            "duplicates",
+            "warning" if source_rate < LOWEST_RATE else "info",
+            f"{share:.1%} of the samples repeat the one before in every signal: the source updates at about "
+            f"{source_rate:.4g} Hz, or the arm stands still without noise",
+            value={"share": share, "source_rate_hz": source_rate},
+        )
+    else:
+        yield Finding("duplicates", "ok", "no repeated samples", value={"share": share})
+    if motion is None:
+        return
+    for k in np.flatnonzero(motion.moves):
+        yield from _frozen(log, int(k))
+
+
+def _frozen(log: Log, k: int) -> Iterator[Finding]:
+    speed = np.abs(np.gradient(log.position[:, k], log.time))
+    start, stop = longest_run(np.diff(log.effort[:, k]) == 0)
+    seconds = float(log.time[stop] - log.time[start])
+    travelled = float(np.ptp(log.position[start : stop + 1, k]))
+    extreme = log.effort[start, k] in {log.effort[:, k].min(), log.effort[:, k].max()}  # saturation says that
+    if seconds > FROZEN and travelled > 0.05 * np.ptp(log.position[:, k]) and not extreme:
+        yield Finding(
+            "frozen",
+            "warning",
+            f"the effort stands at {log.effort[start, k]:.4g} for {seconds:.3g} s from t = {log.time[start]:.4g} s "
+            f"while the joint moves {travelled:.3g}",
+            joint=log.joints[k],
+            advice="cut that part (Log.slice), or find out why the effort was not updated",
+            value={"signal": "effort", "from_s": float(log.time[start]), "seconds": seconds},
+        )
+    if log.velocity is None:
+        return
+    start, stop = longest_run(np.diff(log.position[:, k]) == 0)
+    seconds = float(log.time[stop] - log.time[start])
+    fastest = float(np.abs(log.velocity[start : stop + 1, k]).min())
+    if seconds > FROZEN and fastest > 0.1 * max(float(speed.max()), 1e-9):
+        yield Finding(
+            "frozen",
+            "warning",
+            f"the position stands still for {seconds:.3g} s from t = {log.time[start]:.4g} s while the recorded "
+            f"velocity is at least {fastest:.3g}",
+            joint=log.joints[k],
+            advice="cut that part (Log.slice), or find out why the position was not updated",
+            value={"signal": "position", "from_s": float(log.time[start]), "seconds": seconds},
+        )
+
+
+def check_resolution(log: Log, motion: Motion | None) -> Iterator[Finding]:
+    """Rounding of positions and efforts, and what it does to derived accelerations."""
+    for k, joint in enumerate(log.joints):
+        if motion is None or not motion.moves[k]:
+            continue
+        step = quantum(log.position[:, k])
+        if step > 1e-5:
+            # White rounding noise of step/√12 through a low-pass at CUTOFF, differentiated twice.
+            noise = (
+                step / np.sqrt(12) * (2 * np.pi * CUTOFF) ** 2 * np.sqrt(CUTOFF / (2.5 * log.rate))
+            )
+            share = float(noise / max(motion.a[:, k].std(), 1e-12))
+            yield Finding(
+                "resolution",
+                "warning" if share > 0.3 else "info",
+                f"positions are multiples of {step:.2g}; derived accelerations carry noise of about "
+                f"{noise:.2g} per s² at {CUTOFF:g} Hz, {share:.0%} of their size",
+                joint=joint,
+                advice="record positions with more digits" if share > 0.3 else "",
+                value={"signal": "position", "quantum": step, "acceleration_noise": float(noise)},
+            )
+        step = quantum(log.effort[:, k])
+        share = step / max(float(log.effort[:, k].std()), 1e-12)
+        if share > 0.02:
+            yield Finding(
+                "resolution",
+                "warning" if share > 0.5 else "info",
+                f"efforts are multiples of {step:.3g}, {share:.0%} of their standard deviation",
+                joint=joint,
+                value={"signal": "effort", "quantum": step},
+            )
+
+
+def quantum(signal: Array) -> float:
+    """Step of which all values of a signal are multiples; 0 where there is none."""
+    levels = np.unique(signal)
+    step = np.diff(levels)
+    step = step[step > 1e-9 * max(float(np.abs(levels).max()), 1e-12)]
+    if len(step) < 5:
+        return 0.0
+    smallest = float(np.percentile(step, 1))
+    ratio = step / smallest
+    small = ratio[ratio < 20]
+    regular = np.abs(small - np.round(small)) < 0.1
+    return smallest if len(small) >= 5 and regular.mean() > 0.95 and ratio.min() > 0.9 else 0.0
+
+
+def longest_run(true: NDArray[np.bool_]) -> tuple[int, int]:
+    """First and last+1 index of the longest run of True; (0, 0) where there is none."""
+    edge = np.diff(np.concatenate([[0], true.astype(np.int8), [0]]))
+    starts, stops = np.flatnonzero(edge == 1), np.flatnonzero(edge == -1)
+    if not len(starts):
+        return 0, 0
+    longest = int((stops - starts).argmax())
+    return int(starts[longest]), int(stops[longest])
+
+
+def _time_grid(time: Array) -> float:
+    """Largest of the usual clock periods [s] of which all times are multiples; 0 if none."""
+    since = time - time[0]
+    for grid in (0.01, 0.005, 0.004, 0.002, 0.001):
+        cycles = since / grid
+        if np.mean(np.abs(cycles - np.round(cycles)) < 1e-3) > 0.98:
+            return grid
+    return 0.0

@@ -1,0 +1,155 @@
+"""Do the recorded velocities belong to the recorded positions?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.logs.checks.finding import Finding
+from cdia_pin.logs.checks.motion import CUTOFF, Motion, longest_stretch
+from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
+from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
+
+LAGS = 0.1  # [s]; searched either way
+DEGREE = np.pi / 180.0
+_LEAVE_OUT = "leave the recorded velocities out: convert use_velocity=false"
+
+
+@dataclass(frozen=True)
+class VelocityMatch:
+    """Recorded velocity ≈ scale · dq/dt(t − lag).
+
+    Attributes:
+        scale: Recorded over derived velocity [1].
+        lag: How much later the recorded velocity is [s].
+        unexplained: Share of the recorded velocity's variance that does not follow.
+    """
+
+    scale: float
+    lag: float
+    unexplained: float
+
+
+def check_velocity(log: Log, motion: Motion | None) -> Iterator[Finding]:
+    """Compare recorded velocities with the derivative of the positions: sign, scale, lag."""
+    if log.velocity is None:
+        yield Finding("velocity", "info", "not recorded; derived from the positions")
+        return
+    if motion is None or not motion.moves.any():
+        yield Finding("velocity", "info", "cannot tell whether velocities fit the positions: nothing moves")
+        return
+    moving = [int(k) for k in np.flatnonzero(motion.moves)]
+    zero = [log.joints[k] for k in moving if not log.velocity[:, k].any()]
+    if zero:
+        yield Finding(
+            "velocity",
+            "error",
+            f"recorded as zero although the joint moves: {', '.join(zero)}",
+            advice=_LEAVE_OUT,
+            value={"joints": zero},
+        )
+    matches = _matches(log, [k for k in moving if log.velocity[:, k].any()])
+    odd = {k: m for k, m in matches.items() if abs(m.scale - 1.0) > 0.03 or m.unexplained > 0.02}
+    for k, match in odd.items():
+        yield _explain(log.joints[k], match)
+    fine = [m for k, m in matches.items() if k not in odd]
+    if fine:
+        yield _lag(np.array([m.lag for m in fine]), log.rate, len(fine))
+
+
+def _matches(log: Log, joints: list[int]) -> dict[int, VelocityMatch]:
+    even = uniform(longest_stretch(log))
+    assert even.velocity is not None
+    rate = even.rate
+    cutoff = min(CUTOFF, 0.2 * rate)
+    derived = differentiate(zero_phase(even.position[:, joints], cutoff, rate), rate)
+    recorded = zero_phase(even.velocity[:, joints], cutoff, rate)
+    edge = int((1.0 / cutoff + LAGS) * rate) + 2
+    index = np.arange(edge, len(even.time) - edge, max(1, int(rate // (5 * cutoff))))
+    lags = np.linspace(-LAGS, LAGS, 201)
+    out = {}
+    for column, k in enumerate(joints):
+        x = derived[index, column]
+        later = np.column_stack(
+            [np.interp(even.time[index] + lag, even.time, recorded[:, column]) for lag in lags]
+        )
+        scale = x @ later / (x @ x)
+        left = ((later - np.outer(x, scale)) ** 2).sum(axis=0) / (later**2).sum(axis=0)
+        best = int(left.argmin())
+        out[k] = VelocityMatch(float(scale[best]), vertex(lags, left), float(left[best]))
+    return out
+
+
+def vertex(grid: Array, cost: Array) -> float:
+    """Argument of the minimum of a sampled cost, refined by the parabola through its neighbours."""
+    best = int(cost.argmin())
+    if best in {0, len(grid) - 1}:
+        return float(grid[best])
+    left, centre, right = cost[best - 1 : best + 2]
+    bend = left - 2 * centre + right
+    offset = 0.5 * (left - right) / bend if bend > 0 else 0.0
+    return float(grid[best] + offset * (grid[1] - grid[0]))
+
+
+def _explain(joint: str, match: VelocityMatch) -> Finding:
+    value = {"scale": match.scale, "lag_s": match.lag, "unexplained": match.unexplained}
+    if match.unexplained > 0.3:
+        return Finding(
+            "velocity",
+            "warning",
+            f"does not follow the derivative of the position ({match.unexplained:.0%} of it is something else)",
+            joint=joint,
+            advice=f"check the order of the columns, or {_LEAVE_OUT}",
+            value=value,
+        )
+    size = abs(match.scale)
+    known = (
+        (1.0, "has the opposite sign of the derivative of the position", f"convert flip_velocity={joint}"),
+        (1 / DEGREE, "is in degrees/s while the position is in rad", _LEAVE_OUT),
+        (DEGREE, "is in rad/s while the position is in degrees", "convert angle=deg and use_velocity=false"),
+        (1e-3, "is 1000 times too small: time in ms taken for s, or mm for m", "convert time=ms, or length=mm"),
+        (1e3, "is 1000 times too large: time in s taken for ms, or mm for m", "convert time=s, or length=mm"),
+    )
+    for factor, meaning, advice in known:
+        if abs(np.log(size / factor)) < 0.05 and not (factor == 1.0 and match.scale > 0):
+            flipped = " and has the opposite sign" if match.scale < 0 and factor != 1.0 else ""
+            return Finding(
+                "velocity", "error", f"the recorded velocity {meaning}{flipped}", joint, advice, value
+            )
+    if abs(match.scale - 1.0) <= 0.03:
+        return Finding(
+            "velocity",
+            "info",
+            f"follows the derivative of the position but for {match.unexplained:.1%} of it (noise, or a filter)",
+            joint=joint,
+            advice=_LEAVE_OUT,
+            value=value,
+        )
+    return Finding(
+        "velocity",
+        "warning",
+        f"the recorded velocity is {match.scale:.3g} times the derivative of the position",
+        joint=joint,
+        advice=_LEAVE_OUT,
+        value=value,
+    )
+
+
+def _lag(lags: Array, rate: float, count: int) -> Finding:
+    lag = float(np.median(lags))
+    value = {"lag_s": lag, "spread_s": float(np.ptp(lags)), "joints": count}
+    if abs(lag) > max(1.5 / rate, 2e-3):
+        return Finding(
+            "velocity",
+            "warning" if abs(lag) > 10e-3 else "info",
+            f"recorded velocities fit the positions but are {lag * 1e3:.1f} ms {'late' if lag > 0 else 'early'} "
+            "(a filter, usually)",
+            advice=_LEAVE_OUT,
+            value=value,
+        )
+    return Finding("velocity", "ok", "recorded velocities are the derivative of the positions", value=value)

@@ -1,0 +1,89 @@
+"""Names of columns: which signal of which joint a column holds.
+
+The dialect is ``<signal>.<joint>``; the names that people use for the same thing are in
+one table. The separator may be ``.``, ``/``, ``_`` or a space, ``q[3]`` and ``q3`` are
+understood, and so is the joint first (``elbow_joint/position``).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+ALIASES: dict[str, tuple[str, ...]] = {
+    "position": ("position", "positions", "pos", "q", "joint_position", "joint_positions", "actual_q"),
+    "velocity": ("velocity", "velocities", "vel", "dq", "qd", "qdot", "q_dot", "joint_velocity", "actual_qd"),
+    "effort": ("effort", "efforts", "eff", "tau", "torque", "torques", "joint_effort", "joint_torque"),
+    "current": ("current", "currents", "motor_current", "joint_current", "actual_current"),
+}
+"""Names of each signal; the first one is ours."""
+
+_TIME = re.compile(
+    r"^(?:time|t|timestamp|stamp|time_?stamp)(?:[._/ ]?[\[(]?(s|sec|secs|seconds|ms|us|µs|μs|ns)[\])]?)?$",
+    re.IGNORECASE,
+)
+_TIME_UNITS = {"sec": "s", "secs": "s", "seconds": "s", "µs": "us", "μs": "us"}
+
+_SIGNAL = {alias: signal for signal, aliases in ALIASES.items() for alias in aliases}
+_LONGEST_FIRST = "|".join(sorted((re.escape(a) for a in _SIGNAL), key=len, reverse=True))
+_WORDS = "|".join(sorted((a for a in _SIGNAL if len(a) > 3), key=len, reverse=True))
+_SIGNAL_FIRST = re.compile(rf"^({_LONGEST_FIRST})(?:[._/ ](.+)|\[(.+)\]|(\d+))$", re.IGNORECASE)
+_JOINT_FIRST = re.compile(rf"^(.+)(?:[./ ]({_LONGEST_FIRST})|_({_WORDS}))$", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """What the columns of a table hold.
+
+    Attributes:
+        time: Columns that hold times, with their unit where the name states it.
+        signals: For each signal, the column of each joint label, as named in the log.
+        repeated: Columns whose signal and joint another column has already.
+        other: Columns that are none of these.
+    """
+
+    time: dict[str, str | None]
+    signals: dict[str, dict[str, str]]
+    repeated: tuple[str, ...]
+    other: tuple[str, ...]
+
+    @property
+    def time_column(self) -> str | None:
+        """The column of times; ``time`` where there are several."""
+        return "time" if "time" in self.time else next(iter(self.time), None)
+
+    def labels(self, signal: str) -> dict[str, str]:
+        """Return joint label → column of a signal, empty where the log has none."""
+        return self.signals.get(signal, {})
+
+
+def understand(names: Iterable[str]) -> Columns:
+    """Sort column names into times, signals of joints and the rest."""
+    time: dict[str, str | None] = {}
+    signals: dict[str, dict[str, str]] = {}
+    repeated, other = [], []
+    for name in names:
+        if match := _TIME.match(name.strip()):
+            unit = match.group(1)
+            time[name] = None if unit is None else _TIME_UNITS.get(unit.lower(), unit.lower())
+        elif found := signal_of(name):
+            signal, label = found
+            if label in signals.setdefault(signal, {}):
+                repeated.append(name)
+            else:
+                signals[signal][label] = name
+        else:
+            other.append(name)
+    return Columns(time, signals, tuple(repeated), tuple(other))
+
+
+def signal_of(name: str) -> tuple[str, str] | None:
+    """Return (signal, joint label) of a column name, or None where it is neither."""
+    plain = name.strip().lstrip("/")
+    if match := _SIGNAL_FIRST.match(plain):
+        label = match.group(2) or match.group(3) or match.group(4)
+        return _SIGNAL[match.group(1).lower()], label.strip()
+    if match := _JOINT_FIRST.match(plain):
+        return _SIGNAL[(match.group(2) or match.group(3)).lower()], match.group(1).strip()
+    return None

@@ -1,0 +1,124 @@
+"""Derivatives of measured signals: a uniform grid, a filter without lag, central differences."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
+
+UNIFORM_TOLERANCE = (
+    1e-3  # largest error of a sample's time, as a share of the period, that needs no resampling
+)
+LARGEST_GROWTH = 4.0  # a uniform grid this many times longer than the log means the log has huge gaps
+
+
+def uniform(log: Log) -> Log:
+    """Resample a log to a uniform grid at its median rate.
+
+    Positions follow a monotone cubic (PCHIP, no overshoot on held samples); velocities and
+    efforts, which carry white noise, are interpolated linearly. A log whose samples already
+    lie on a uniform grid is returned as it is, with its times.
+
+    Args:
+        log: Any log; times in s.
+
+    Returns:
+        The log on times t₀ + k / rate that do not pass its last sample.
+
+    Raises:
+        LogError: If gaps would make the grid several times longer than the log.
+    """
+    period = 1.0 / log.rate
+    count = int(np.floor(log.duration / period * (1.0 + 1e-12) + 1e-9)) + 1
+    if count > LARGEST_GROWTH * len(log.time):
+        raise LogError(
+            f"{log.source}: {len(log.time)} samples at {log.rate:.4g} Hz span {log.duration:.4g} s, so most "
+            "of the log is gaps; split it into its recordings (Log.slice) and give them as separate logs"
+        )
+    mean_period = log.duration / (len(log.time) - 1)
+    even = log.time[0] + mean_period * np.arange(len(log.time))
+    if np.abs(log.time - even).max() <= UNIFORM_TOLERANCE * mean_period:
+        return log
+    time = log.time[0] + period * np.arange(count)
+    velocity = None if log.velocity is None else _linear(time, log.time, log.velocity)
+    return replace(
+        log,
+        time=time,
+        position=_pchip(time, log.time, log.position),
+        velocity=velocity,
+        effort=_linear(time, log.time, log.effort),
+    ).noted(f"resampled from {len(log.time)} samples to a uniform grid of {count} at {log.rate:.4g} Hz")
+
+
+def zero_phase(signal: ArrayLike, cutoff: float, rate: float, *, order: int = 4) -> Array:
+    r"""Low-pass a signal without lag: Butterworth forward and backward, odd padding.
+
+    .. math:: |H(f)|^2 = \frac{1}{1 + (\tan(\pi f/r) / \tan(\pi f_c/r))^{2 n}}
+
+    The product of both passes, |H|², is applied in the frequency domain to the signal less
+    the line through its ends; what is left is odd about both ends, so this equals filtfilt
+    with padding that never stops. A constant and a ramp pass unchanged. As with any odd
+    padding the first and last sample pass unfiltered: cut about ``rate / cutoff`` samples
+    from each end before trusting derivatives.
+
+    Args:
+        signal: Uniformly sampled signal, shape (N,) or (N, n), in any unit.
+        cutoff: Frequency where the two passes together leave half the amplitude [Hz].
+        rate: Sampling rate [Hz].
+        order: Order of the Butterworth filter of one pass.
+
+    Returns:
+        Filtered signal, shape and unit of ``signal``.
+
+    Raises:
+        LogError: If the cutoff is not between 0 and half the sampling rate.
+    """
+    if not 0.0 < cutoff < 0.5 * rate:
+        raise LogError(f"cutoff {cutoff:g} Hz must lie between 0 and half the sampling rate {rate:g} Hz")
+    x = np.asarray(signal, dtype=np.float64)
+    count = len(x)
+    if count < 3:
+        return x.copy()
+    share = np.linspace(0.0, 1.0, count).reshape(-1, *([1] * (x.ndim - 1)))
+    line = x[0] + share * (x[-1] - x[0])
+    inside = x - line
+    odd = np.concatenate([inside, -inside[-2:0:-1]])  # one period of the odd extension, (2 N − 2, …)
+    spectrum = np.fft.rfft(odd, axis=0)
+    angle = np.pi * np.fft.rfftfreq(len(odd))  # π f / rate, up to π/2
+    with np.errstate(over="ignore"):
+        gain = 1.0 / (1.0 + (np.tan(angle) / np.tan(np.pi * cutoff / rate)) ** (2 * order))
+    gain = gain.reshape(-1, *([1] * (x.ndim - 1)))
+    smooth = np.fft.irfft(spectrum * gain, n=len(odd), axis=0)
+    return line + smooth[:count]
+
+
+def differentiate(signal: ArrayLike, rate: float) -> Array:
+    """Differentiate by central differences, one-sided of second order at the ends.
+
+    Args:
+        signal: Uniformly sampled signal, shape (N,) or (N, n), N ≥ 3.
+        rate: Sampling rate [Hz].
+
+    Returns:
+        Derivative [unit of ``signal`` per s], shape of ``signal``.
+    """
+    x = np.asarray(signal, dtype=np.float64)
+    if len(x) < 3:
+        raise LogError(f"a derivative needs at least 3 samples, found {len(x)}")
+    return np.asarray(np.gradient(x, 1.0 / rate, axis=0, edge_order=2))
+
+
+def _linear(time: Array, given: Array, signal: Array) -> Array:
+    return np.column_stack([np.interp(time, given, column) for column in signal.T])
+
+
+def _pchip(time: Array, given: Array, signal: Array) -> Array:
+    from scipy.interpolate import PchipInterpolator  # noqa: PLC0415  (importing the package must stay light)
+
+    return np.asarray(PchipInterpolator(given, signal, axis=0)(time))

@@ -1,0 +1,126 @@
+"""Which of the log's joint names is which joint of the robot."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from cdia_pin.errors import LogError, unknown_name
+
+_NUMBERED = re.compile(r"^(.*?)(\d+)$")
+_COUNTING_STEMS = {"", "j", "joint", "axis", "a"}  # the last word before the number of a counted joint
+_NOT_MEASURED = {"d", "des", "desired", "target", "cmd", "command", "ref", "reference", "set", "goal"}
+
+
+@dataclass(frozen=True)
+class JointNames:
+    """The log's label of each joint of the robot.
+
+    Attributes:
+        labels: Label in the log, in the robot's order.
+        note: How labels became joints, empty where they are the same.
+    """
+
+    labels: tuple[str, ...]
+    note: str = ""
+
+
+def match_joints(
+    given: Sequence[str], joints: Sequence[str], joint_map: Mapping[str, str] | None = None
+) -> JointNames:
+    """Find the log's label of every joint of a robot.
+
+    Labels are tried as they are (or as ``joint_map`` renames them), then with one prefix that
+    all of them carry or lack, then by number (``q_1`` … ``q_6``, ``joint0`` … ``joint5``),
+    which are taken in the robot's order.
+
+    Args:
+        given: Labels of the log.
+        joints: Joints of the robot.
+        joint_map: {label in the log: joint of the robot} for some or all of them.
+
+    Returns:
+        The labels, with a note wherever something was inferred.
+
+    Raises:
+        LogError: If a joint has no label, or more than one reading is possible.
+    """
+    renamed = {label: (joint_map or {}).get(label, label) for label in given}
+    by_name = {name: label for label, name in renamed.items()}
+    if all(j in by_name for j in joints):
+        labels = tuple(by_name[j] for j in joints)
+        return JointNames(labels, _note("joints renamed", labels, joints) if joint_map else "")
+    if found := _same_but_for_a_prefix(given, joints):
+        return JointNames(found, _note("joint names differ from the robot's by a prefix", found, joints))
+    if found := _counted(given, joints):
+        return JointNames(
+            found, _note("numbered joints taken in the robot's order (joint_map changes it)", found, joints)
+        )
+    missing = [j for j in joints if j not in by_name]
+    raise LogError(
+        f"no column for joint(s) {', '.join(missing)}; the log has {', '.join(given) or 'none'}, "
+        f"the robot has {', '.join(joints)}; name them with joint_map={{'name in the log': 'joint'}}"
+    )
+
+
+def check_joint_map(joint_map: Mapping[str, str], given: Sequence[str], joints: Sequence[str]) -> None:
+    """Raise LogError where ``joint_map`` names a label or a joint that does not exist, or one twice."""
+    for label, joint in joint_map.items():
+        if label not in given:
+            raise LogError("joint_map: " + unknown_name("name in the log", label, given))
+        if joint not in joints:
+            raise LogError("joint_map: " + unknown_name("joint", joint, joints))
+    twice = [j for j in joints if list(joint_map.values()).count(j) > 1]
+    if twice:
+        raise LogError(f"joint_map gives more than one name to {', '.join(twice)}")
+
+
+def _same_but_for_a_prefix(given: Sequence[str], joints: Sequence[str]) -> tuple[str, ...] | None:
+    """Labels that are a common prefix + joint, or joints that are a common prefix + label."""
+    readings = []
+    for label in given:
+        if label.endswith(joints[0]):
+            prefix = label.removesuffix(joints[0])
+            readings.append(tuple(prefix + j for j in joints))
+        elif label and joints[0].endswith(label):
+            prefix = joints[0].removesuffix(label)
+            if all(j.startswith(prefix) for j in joints):
+                readings.append(tuple(j.removeprefix(prefix) for j in joints))
+    possible = [r for r in readings if all(label in given for label in r)]
+    measured = [r for r in possible if not _words(r[0].removesuffix(joints[0])) & _NOT_MEASURED]
+    if len(measured) > 1:
+        starts = ", ".join(f"'{r[0]}' …" for r in measured)
+        raise LogError(
+            f"joint {joints[0]} could be {starts}; say which with joint_map={{'name in the log': 'joint'}}"
+        )
+    return measured[0] if measured else None
+
+
+def _counted(given: Sequence[str], joints: Sequence[str]) -> tuple[str, ...] | None:
+    """Labels of one stem with the numbers 0 … n−1 or 1 … n, by number."""
+    groups: dict[str, dict[int, str]] = {}
+    for label in given:
+        if match := _NUMBERED.match(label):
+            groups.setdefault(match.group(1), {})[int(match.group(2))] = label
+    fitting = []
+    for stem, members in groups.items():
+        numbers = sorted(members)
+        words = re.split(r"[._/ ]+", stem.lower().rstrip("._/ "))
+        counted = words[-1] in _COUNTING_STEMS and not set(words) & _NOT_MEASURED
+        if (
+            counted
+            and len(numbers) == len(joints)
+            and numbers[0] in {0, 1}
+            and numbers[-1] - numbers[0] + 1 == len(joints)
+        ):
+            fitting.append(tuple(members[k] for k in numbers))
+    return fitting[0] if len(fitting) == 1 else None
+
+
+def _words(text: str) -> set[str]:
+    return set(re.split(r"[._/ ]+", text.lower()))
+
+
+def _note(what: str, labels: Sequence[str], joints: Sequence[str]) -> str:
+    return f"{what}: " + ", ".join(f"{a} → {b}" for a, b in zip(labels, joints, strict=True) if a != b)

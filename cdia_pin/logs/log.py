@@ -1,0 +1,104 @@
+"""A log: what an arm was measured to do, joints in the robot's order, SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.errors import LogError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Log:
+    """Measured signals of an arm.
+
+    Attributes:
+        joints: Joint names, in the order of the columns (n of them).
+        time: Time of each sample [s], strictly increasing, shape (N,).
+        position: Joint positions [rad or m], shape (N, n).
+        effort: Joint torques or forces [N·m or N], shape (N, n).
+        velocity: Joint velocities [rad/s or m/s], shape (N, n), or None where not recorded.
+        source: Where the log came from, for messages and records.
+        sha256: Hash of the file's bytes; empty for a log made in memory.
+        notes: What the reader inferred or converted, one sentence each.
+    """
+
+    joints: tuple[str, ...]
+    time: Array
+    position: Array
+    effort: Array
+    velocity: Array | None = None
+    source: str = "memory"
+    sha256: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        n, count = len(self.joints), len(self.time)
+        if count < 2:
+            raise LogError(f"{self.source}: a log needs at least 2 samples, found {count}")
+        signals = {"position": self.position, "effort": self.effort}
+        if self.velocity is not None:
+            signals["velocity"] = self.velocity
+        for name, signal in signals.items():
+            if signal.shape != (count, n):
+                raise LogError(
+                    f"{self.source}: {name} has shape {signal.shape}, expected ({count}, {n}) "
+                    f"for {count} times and {n} joints"
+                )
+            bad = ~np.isfinite(signal)
+            if bad.any():
+                row, column = np.argwhere(bad)[0]
+                raise LogError(
+                    f"{self.source}: {name}.{self.joints[column]} holds {int(bad.sum())} value(s) that are not "
+                    f"finite, the first in sample {row} (t = {self.time[row]:g} s); remove or repair those rows"
+                )
+        if not np.isfinite(self.time).all():
+            raise LogError(f"{self.source}: time holds values that are not finite")
+        step = np.diff(self.time)
+        if (step <= 0).any():
+            row = int(np.argmax(step <= 0)) + 1
+            raise LogError(
+                f"{self.source}: time must increase, but sample {row} (t = {self.time[row]:g} s) does not "
+                f"come after the one before it (t = {self.time[row - 1]:g} s)"
+            )
+
+    @property
+    def duration(self) -> float:
+        """Time from the first to the last sample [s]."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def rate(self) -> float:
+        """Median sampling rate [Hz]."""
+        return float(1.0 / np.median(np.diff(self.time)))
+
+    def slice(self, start: int, stop: int) -> Log:
+        """Return samples start to stop (exclusive) as a log of their own."""
+        part = np.s_[start:stop]
+        return replace(
+            self,
+            time=self.time[part],
+            position=self.position[part],
+            effort=self.effort[part],
+            velocity=None if self.velocity is None else self.velocity[part],
+        )
+
+    def noted(self, *notes: str) -> Log:
+        """Return the log with sentences added to its notes."""
+        return replace(self, notes=(*self.notes, *notes))
+
+
+def require_joints(given: Sequence[str], wanted: Sequence[str], source: str) -> list[int]:
+    """Return the column of each wanted joint; raises LogError naming what is missing."""
+    missing = [j for j in wanted if j not in given]
+    if missing:
+        raise LogError(
+            f"{source}: no column for joint(s) {', '.join(missing)}; the log has {', '.join(given)}, "
+            f"the robot has {', '.join(wanted)}"
+        )
+    return [list(given).index(j) for j in wanted]

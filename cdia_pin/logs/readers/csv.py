@@ -1,0 +1,150 @@
+"""CSV: comma, semicolon, tab or space between columns, ``#`` comments, any line ending."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs.columns import understand
+from cdia_pin.logs.readers.arrow import table_from_arrow
+from cdia_pin.logs.readers.table import Table
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+_BOMS = ((b"\xef\xbb\xbf", "utf-8"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
+_COMMENT = re.compile(rb"(?m)^[ \t]*#[^\r\n]*(?:\r\n|\r|\n|$)")
+_DECIMAL_COMMA = re.compile(r"^-?\d+,\d+$")
+
+
+def read_csv(data: bytes, source: str) -> Table:
+    """Read CSV text with a header line.
+
+    Args:
+        data: The file.
+        source: Its name, for messages.
+
+    Raises:
+        LogError: If it is empty, not text, has no header or rows of different lengths.
+    """
+    text, notes = _plain_text(data, source)
+    header, text = _header(text, source, notes)
+    delimiter = _delimiter(header)
+    if delimiter == " ":
+        text = re.sub(rb"[ \t]+", b" ", re.sub(rb"(?m)^[ \t]+|[ \t]+(?=\r?$)", b"", text))
+    names = [name.strip().strip("\"'").strip() for name in header.strip().split(delimiter)]
+    names = [n for n in names if n] if delimiter == " " else names
+    if all(_is_number(n) for n in names):
+        raise LogError(
+            f"{source}: the first line holds numbers, expected column names such as "
+            "time,position.<joint>,effort.<joint>"
+        )
+    if not text.strip():
+        raise LogError(f"{source}: a header line but no samples")
+    arrow = _parse(text, names, delimiter, source, notes)
+    return table_from_arrow(arrow, source, tuple(notes))
+
+
+def _plain_text(data: bytes, source: str) -> tuple[bytes, list[str]]:
+    """The bytes as UTF-8 without byte order mark and comments."""
+    for mark, encoding in _BOMS:
+        if data.startswith(mark):
+            try:
+                data = data[len(mark) :] if encoding == "utf-8" else data.decode(encoding).encode()
+            except UnicodeDecodeError as error:
+                raise LogError(f"{source}: not readable as {encoding} text ({error.reason})") from None
+    if b"\0" in data[:4096]:
+        raise LogError(f"{source}: holds binary data, expected CSV text")
+    if not data.strip():
+        raise LogError(f"{source}: the file is empty")
+    return data, []
+
+
+def _header(data: bytes, source: str, notes: list[str]) -> tuple[str, bytes]:
+    """Split off the line of column names, which may itself be the last comment (numpy.savetxt)."""
+    comments: list[bytes] = []
+    if b"#" in data:
+        comments = [c.strip().lstrip(b"#").strip() for c in _COMMENT.findall(data)]
+        data = _COMMENT.sub(b"", data)
+    data = data.lstrip(b"\r\n \t")
+    first, rest = _first_line(data)
+    try:
+        header = first.decode()
+        commented = [c.decode() for c in comments]
+    except UnicodeDecodeError:
+        raise LogError(f"{source}: not readable as UTF-8 text") from None
+    values = header.strip().split(_delimiter(header))
+    if all(_is_number(v.replace(",", ".")) for v in values if v):
+        for comment in reversed(commented):
+            names = [n.strip() for n in comment.split(_delimiter(comment)) if n.strip()]
+            if len(names) > 1 and understand(names).time:
+                notes.append("column names taken from the commented header line")
+                return comment, data
+    return header, rest
+
+
+def _first_line(data: bytes) -> tuple[bytes, bytes]:
+    ends = [i for i in (data.find(b"\n"), data.find(b"\r")) if i >= 0]
+    if not ends:
+        return data, b""
+    return data[: min(ends)], data[min(ends) :].lstrip(b"\r\n")
+
+
+def _delimiter(header: str) -> str:
+    counts = {d: header.count(d) for d in (",", ";", "\t")}
+    best = max(counts, key=lambda d: counts[d])
+    return best if counts[best] else " "
+
+
+def _parse(text: bytes, names: list[str], delimiter: str, source: str, notes: list[str]) -> pa.Table:
+    import pyarrow as pa  # noqa: PLC0415  (pyarrow is slow to import)
+    from pyarrow import csv  # noqa: PLC0415
+
+    broken: list[tuple[int, str]] = []
+
+    def remember(row: csv.InvalidRow) -> str:
+        broken.append((row.actual_columns, row.text or ""))
+        return "skip"
+
+    decimal_point = "."
+    if delimiter == ";" and any(_DECIMAL_COMMA.match(v.strip()) for v in _sample_values(text)):
+        decimal_point = ","
+        notes.append("numbers read with a decimal comma")
+    try:
+        table = csv.read_csv(
+            pa.BufferReader(text),
+            read_options=csv.ReadOptions(column_names=names),
+            parse_options=csv.ParseOptions(delimiter=delimiter, invalid_row_handler=remember),
+            convert_options=csv.ConvertOptions(decimal_point=decimal_point),
+        )
+    except (pa.ArrowException, ValueError) as error:
+        raise LogError(
+            f"{source}: not readable as CSV with {len(names)} columns ({_one_line(error)})"
+        ) from None
+    cut = text.rstrip().endswith(broken[0][1].strip().encode()) if len(broken) == 1 else False
+    if broken and not (cut and broken[0][0] < len(names)):
+        count, example = broken[0]
+        raise LogError(
+            f"{source}: {len(broken)} row(s) do not have the {len(names)} columns of the header; "
+            f"one has {count}: '{example[:60]}'"
+        )
+    if broken:
+        notes.append("the last row is cut off and was left out")
+    return table
+
+
+def _sample_values(text: bytes) -> list[str]:
+    return _first_line(text)[0].decode(errors="replace").split(";")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())[:160]

@@ -1,0 +1,87 @@
+"""The suffix of a file says which reader opens it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs.readers.table import Table
+
+BAG_SUFFIXES = (".db3", ".mcap")
+SUFFIXES = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".npz", *BAG_SUFFIXES)
+
+
+def read_table(
+    path: Path, joints: Sequence[str], joint_map: Mapping[str, str] | None = None, topic: str | None = None
+) -> tuple[Table, str]:
+    """Read a file with the reader of its suffix.
+
+    Args:
+        path: The file, or the directory of a ROS 2 bag.
+        joints: Joints of the robot; a bag may have several topics with joints.
+        joint_map: {name in the log: joint of the robot}.
+        topic: Topic of a bag.
+
+    Returns:
+        The table, and the SHA-256 of the file's bytes (of all storage files of a bag).
+
+    Raises:
+        LogError: If there is no such file, its format is unknown or it cannot be read.
+    """
+    source = path.name
+    if not path.exists():
+        raise LogError(f"{path}: no such file")
+    suffix = path.suffix.lower()
+    if path.is_dir() or suffix in BAG_SUFFIXES:
+        return _bag(path, joints, joint_map, topic)
+    if suffix not in SUFFIXES:
+        hint = "; ROS 1 bags become ROS 2 bags with rosbags-convert" if suffix == ".bag" else ""
+        raise LogError(
+            f"{source}: unknown log format '{suffix or 'no suffix'}'; known: {', '.join(SUFFIXES)} "
+            f"or the directory of a ROS 2 bag{hint}"
+        )
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise LogError(f"{path}: cannot be read ({error.strerror})") from None
+    if not data:
+        raise LogError(f"{source}: the file is empty")
+    digest = hashlib.sha256(data).hexdigest()
+    if suffix in {".parquet", ".pq"}:
+        from cdia_pin.logs.readers.parquet import read_parquet  # noqa: PLC0415
+
+        return read_parquet(data, source), digest
+    if suffix == ".npz":
+        from cdia_pin.logs.readers.npz import read_npz  # noqa: PLC0415
+
+        return read_npz(data, source), digest
+    from cdia_pin.logs.readers.csv import read_csv  # noqa: PLC0415
+
+    return read_csv(data, source), digest
+
+
+def _bag(
+    path: Path, joints: Sequence[str], joint_map: Mapping[str, str] | None, topic: str | None
+) -> tuple[Table, str]:
+    """Read a bag, or the only storage file of a directory that has no metadata."""
+    from cdia_pin.logs.readers.rosbag import read_rosbag  # noqa: PLC0415
+
+    files = [path]
+    if path.is_dir():
+        files = sorted(p for p in path.iterdir() if p.suffix in BAG_SUFFIXES)
+        if not files:
+            raise LogError(f"{path}: a directory without .db3 or .mcap files is not a ROS 2 bag")
+        if not (path / "metadata.yaml").exists():
+            if len(files) > 1:
+                raise LogError(f"{path}: no metadata.yaml and several storage files; give one of them")
+            path = files[0]
+    digest = hashlib.sha256()
+    try:
+        for file in files:
+            digest.update(file.read_bytes())
+    except OSError as error:
+        raise LogError(f"{path}: cannot be read ({error.strerror})") from None
+    table = read_rosbag(path, joints, joint_map, topic)
+    return table, digest.hexdigest()

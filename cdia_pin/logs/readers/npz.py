@@ -1,0 +1,64 @@
+"""NumPy archives: a key per column, or arrays (N, n) with the joint names beside them."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+import zlib
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs.columns import ALIASES
+from cdia_pin.logs.readers.table import Table
+
+_JOINT_KEYS = ("joints", "joint_names", "names", "name")
+_SIGNAL = {alias: signal for signal, aliases in ALIASES.items() for alias in aliases}
+
+
+def read_npz(data: bytes, source: str) -> Table:
+    """Read an ``.npz`` archive held in memory; pickled objects are refused.
+
+    Keys may be column names, or ``time`` (N,), ``position``, ``velocity``, ``effort`` or
+    ``current`` (N, n) and ``joints`` (n,). Without ``joints`` the columns are numbered.
+
+    Raises:
+        LogError: If the bytes are not such an archive.
+    """
+    arrays = _arrays(data, source)
+    joints = next((arrays[k].astype(str).tolist() for k in _JOINT_KEYS if k in arrays), None)
+    columns: dict[str, NDArray[Any]] = {}
+    not_numbers: dict[str, str] = {}
+    for key, array in arrays.items():
+        if array.dtype.kind not in "fiu":
+            if key not in _JOINT_KEYS:
+                not_numbers[key] = f"an array of {array.dtype}"
+        elif array.ndim == 1:
+            columns[key] = array.astype(np.int64) if array.dtype.kind == "u" else array
+        elif array.ndim == 2 and key.lower() in _SIGNAL:
+            labels = joints if joints is not None else [str(k) for k in range(array.shape[1])]
+            if len(labels) != array.shape[1]:
+                raise LogError(
+                    f"{source}: {key} has shape {array.shape}, expected (N, {len(labels)}) for the joints "
+                    f"{', '.join(map(str, labels))}"
+                )
+            columns.update({f"{_SIGNAL[key.lower()]}.{label}": array[:, k] for k, label in enumerate(labels)})
+        else:
+            not_numbers[key] = f"an array of shape {array.shape}"
+    lengths = {name: len(column) for name, column in columns.items()}
+    if len(set(lengths.values())) > 1:
+        said = ", ".join(f"{name} {count}" for name, count in list(lengths.items())[:8])
+        raise LogError(f"{source}: the arrays have different lengths: {said}")
+    return Table(columns, not_numbers)
+
+
+def _arrays(data: bytes, source: str) -> dict[str, NDArray[Any]]:
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            if not isinstance(archive, np.lib.npyio.NpzFile):
+                raise LogError(f"{source}: one bare array, expected an .npz archive with named arrays")
+            return {key: archive[key] for key in archive.files}
+    except (OSError, ValueError, EOFError, KeyError, AttributeError, zipfile.BadZipFile, zlib.error) as error:
+        raise LogError(f"{source}: not readable as .npz ({' '.join(str(error).split())[:160]})") from None

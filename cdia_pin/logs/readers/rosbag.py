@@ -1,0 +1,167 @@
+"""ROS 2 bags (``.db3``, ``.mcap`` or a bag directory) with sensor_msgs/JointState."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs.joint_names import match_joints
+from cdia_pin.logs.readers.table import Table
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+_COMMANDS = ("command", "cmd", "desired", "target", "reference", "goal")
+
+
+@dataclass
+class _Topic:
+    """JointState messages of one topic, in the order they were received."""
+
+    name: str
+    received: list[int] = field(default_factory=list)  # [ns]
+    messages: list[Any] = field(default_factory=list)
+
+    @property
+    def joint_lists(self) -> list[tuple[str, ...]]:
+        return sorted({tuple(m.name) for m in self.messages})
+
+    def covering(self, joints: Sequence[str], joint_map: Mapping[str, str] | None) -> set[tuple[str, ...]]:
+        """Lists of joints, as messages give them, in which every joint of the robot is found."""
+        found = set()
+        for names in self.joint_lists:
+            try:
+                match_joints(names, joints, {k: v for k, v in (joint_map or {}).items() if k in names})
+            except LogError:
+                continue
+            found.add(names)
+        return found
+
+
+def read_rosbag(
+    path: Path,
+    joints: Sequence[str],
+    joint_map: Mapping[str, str] | None = None,
+    topic: str | None = None,
+) -> Table:
+    """Read the JointState messages that hold the joints of a robot.
+
+    Args:
+        path: A ``.db3`` or ``.mcap`` file, or the directory of a bag.
+        joints: Joints of the robot.
+        joint_map: {name in the bag: joint of the robot}.
+        topic: Topic to read, where several would do.
+
+    Raises:
+        LogError: If the bag is unreadable or no one topic has the joints.
+    """
+    source = path.name
+    topics, others = _joint_states(path, source)
+    if not topics:
+        listed = ", ".join(others[:12]) or "none"
+        raise LogError(f"{source}: no messages of type {JOINT_STATE}; topics: {listed}")
+    if topic is not None:
+        topics = _named(topics, topic, source)
+    chosen = _choose(topics, joints, joint_map, source)
+    usable = chosen.covering(joints, joint_map)
+    keep = [k for k, m in enumerate(chosen.messages) if tuple(m.name) in usable]
+    notes = [f"{len(keep)} messages of topic {chosen.name} read"]
+    if len(keep) < len(chosen.messages):
+        notes.append(f"{len(chosen.messages) - len(keep)} of its messages lack the robot's joints, left out")
+    messages = [chosen.messages[k] for k in keep]
+    time = np.array([m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in messages], dtype=np.int64)
+    if not time.any():
+        notes.append("header stamps are all zero; the times of reception are used")
+        time = np.array([chosen.received[k] for k in keep], dtype=np.int64)
+    order = np.argsort(time, kind="stable")
+    if (np.diff(order) < 0).any():
+        notes.append("messages sorted by time; some were recorded out of order")
+    columns: dict[str, NDArray[Any]] = {"time": time[order]}
+    for signal in ("position", "velocity", "effort"):
+        columns.update(
+            {name: values[order] for name, values in _signal(messages, signal, source, notes).items()}
+        )
+    return Table(columns, time_unit="ns", notes=tuple(notes))
+
+
+def _signal(
+    messages: list[Any], signal: str, source: str, notes: list[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Columns ``signal.joint`` by name; messages may list joints in another order each time."""
+    filled = [len(getattr(m, signal)) for m in messages]
+    if not any(filled):
+        return {}
+    orders: dict[tuple[str, ...], int] = {}
+    for message, count in zip(messages, filled, strict=True):
+        names = tuple(message.name)
+        if count != len(names):
+            raise LogError(
+                f"{source}: a message names {len(names)} joints but holds {count} values of {signal}; "
+                f"either all or none of the messages may leave {signal} out"
+            )
+        orders.setdefault(names, len(orders))
+    if len(orders) > 1 and signal == "position":
+        notes.append(f"messages list their joints in {len(orders)} different ways; read by name")
+    shared = [j for j in next(iter(orders)) if all(j in names for names in orders)]
+    pick = {names: [names.index(j) for j in shared] for names in orders}
+    values = np.array(
+        [np.asarray(getattr(m, signal), dtype=np.float64)[pick[tuple(m.name)]] for m in messages]
+    )
+    return {f"{signal}.{joint}": values[:, k] for k, joint in enumerate(shared)}
+
+
+def _named(topics: list[_Topic], wanted: str, source: str) -> list[_Topic]:
+    named = [t for t in topics if t.name == wanted]
+    if not named:
+        raise LogError(
+            f"{source}: no JointState topic '{wanted}'; it has {', '.join(t.name for t in topics)}"
+        )
+    return named
+
+
+def _choose(
+    topics: list[_Topic], joints: Sequence[str], joint_map: Mapping[str, str] | None, source: str
+) -> _Topic:
+    fitting = [t for t in topics if t.covering(joints, joint_map)]
+    if not fitting:
+        listed = "; ".join(f"{t.name} has {', '.join(t.joint_lists[0])}" for t in topics[:4] if t.joint_lists)
+        raise LogError(
+            f"{source}: no JointState topic has all joints of the robot ({', '.join(joints)}); {listed}; "
+            "name them with joint_map={'name in the log': 'joint'}"
+        )
+    measured = [t for t in fitting if not any(word in t.name.lower() for word in _COMMANDS)] or fitting
+    with_effort = [t for t in measured if any(len(m.effort) for m in t.messages)] or measured
+    if len(with_effort) > 1:
+        raise LogError(
+            f"{source}: several JointState topics have the robot's joints: "
+            f"{', '.join(t.name for t in with_effort)}; say which with topic="
+        )
+    return with_effort[0]
+
+
+def _joint_states(path: Path, source: str) -> tuple[list[_Topic], list[str]]:
+    """All JointState messages by topic, and the other topics with their types."""
+    from rosbags.rosbag2 import Reader  # noqa: PLC0415  (only bags need it)
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
+
+    store = get_typestore(Stores.ROS2_HUMBLE)  # JointState is the same in every ROS 2
+    topics: dict[str, _Topic] = {}
+    try:
+        with Reader(path) as bag:
+            wanted = [c for c in bag.connections if c.msgtype == JOINT_STATE]
+            others = [f"{c.topic} ({c.msgtype})" for c in bag.connections if c.msgtype != JOINT_STATE]
+            for connection, received, raw in bag.messages(wanted) if wanted else ():
+                topic = topics.setdefault(connection.topic, _Topic(connection.topic))
+                topic.received.append(received)
+                topic.messages.append(store.deserialize_cdr(raw, JOINT_STATE))
+    except Exception as error:  # rosbags, apsw, struct and lz4 each raise their own
+        said = " ".join(str(error).split())[:160] or type(error).__name__
+        raise LogError(
+            f"{source}: not readable as a ROS 2 bag ({said}); a recording that was cut off may be "
+            "repaired with 'ros2 bag reindex' or 'mcap recover'"
+        ) from None
+    return list(topics.values()), others

@@ -1,0 +1,69 @@
+"""Times as people log them, in seconds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.errors import LogError, unknown_name
+
+Array = NDArray[np.float64]
+
+SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # [s] in one of each unit
+EPOCH = 1e8  # [s]; a log that starts later counts from 1970, not from its own start
+
+# Median step between samples below which a number without a unit is taken as s, ms, µs: robot
+# logs have 5 Hz to 5 kHz, which makes the steps in these units follow one another without overlap.
+_LARGEST_STEP = (("s", 0.5), ("ms", 200.0), ("us", 2e5))
+_EPOCH_NOW = (1.2e9, 2.6e9)  # [s]: years 2008 to 2052
+
+
+def in_seconds(raw: NDArray[Any], unit: str | None, source: str) -> tuple[Array, list[str]]:
+    """Convert times to seconds.
+
+    Args:
+        raw: Times as read, integer or float, shape (N,).
+        unit: ``s``, ``ms``, ``us`` or ``ns``; inferred from the median step if None.
+        source: Name of the log, for messages.
+
+    Returns:
+        Times [s], shape (N,), and a note for everything that was inferred or changed.
+
+    Raises:
+        LogError: If the unit is unknown or a time is not finite.
+    """
+    notes = []
+    if raw.dtype.kind == "f" and not np.isfinite(raw).all():
+        row = int(np.argmax(~np.isfinite(raw)))
+        raise LogError(f"{source}: time is empty or not finite in sample {row}; remove or repair that row")
+    if unit is None:
+        unit = _likely_unit(raw)
+        if unit != "s":
+            notes.append(
+                f"times taken as {unit}, because their median step is {_median_step(raw):g}; "
+                "convert={'time': 's'} says otherwise"
+            )
+    elif unit not in SECONDS:
+        raise LogError(f"{source}: " + unknown_name("unit of time", unit, SECONDS))
+    scale = SECONDS[unit]
+    if len(raw) and abs(float(raw[0])) * scale > EPOCH:
+        # Subtracted before the conversion: integer nanoseconds since 1970 do not fit a double.
+        notes.append(
+            f"time counts from the first sample, which was at {float(raw[0]) * scale:.6f} s since 1970"
+        )
+        raw = raw - raw[0]
+    per_second = round(1.0 / scale)
+    return np.asarray(raw, dtype=np.float64) / per_second, notes
+
+
+def _median_step(raw: NDArray[Any]) -> float:
+    return float(np.median(np.diff(raw))) if len(raw) > 1 else 0.0
+
+
+def _likely_unit(raw: NDArray[Any]) -> str:
+    step = _median_step(raw)
+    if len(raw) and _EPOCH_NOW[0] < float(raw[0]) < _EPOCH_NOW[1] and step < 20.0:
+        return "s"
+    return next((unit for unit, largest in _LARGEST_STEP if step < largest), "ns")

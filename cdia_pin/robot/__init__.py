@@ -1,0 +1,15 @@
+"""Robots: the rigid-body part of M q̈ + nle = τ + f, where they come from, and how they are corrected."""
+
+from cdia_pin.robot.catalogue import CatalogueEntry, catalogue, load_robot
+from cdia_pin.robot.model import JointLimits, LockedJoint, RobotModel
+from cdia_pin.robot.urdf_export import write_corrected_urdf
+
+__all__ = [
+    "CatalogueEntry",
+    "JointLimits",
+    "LockedJoint",
+    "RobotModel",
+    "catalogue",
+    "load_robot",
+    "write_corrected_urdf",
+]

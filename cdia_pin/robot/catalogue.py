@@ -1,0 +1,225 @@
+"""Robots known by name, and the loader of any fixed-base arm from a URDF file."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import os
+import sys
+import tomllib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from cdia_pin.errors import RobotError, unknown_name
+from cdia_pin.resources import robots_dir
+from cdia_pin.robot.checks import description_warnings
+from cdia_pin.robot.locking import LockRequest, LockRule, locked_joints, require_chain
+from cdia_pin.robot.model import STANDARD_GRAVITY, RobotModel
+from cdia_pin.robot.urdf import MOVABLE, Urdf, read_urdf
+from cdia_pin.robot.urdf_values import welded
+
+
+@dataclass(frozen=True)
+class LimitRule:
+    """Limits that a URDF does not state; None leaves the URDF's.
+
+    Attributes:
+        joints: Names, or patterns of names.
+        why: Where the numbers come from.
+        lower: Smallest position [rad or m].
+        upper: Largest position [rad or m].
+        velocity: Largest speed [rad/s or m/s].
+        effort: Largest torque or force [N·m or N].
+    """
+
+    joints: tuple[str, ...]
+    why: str
+    lower: float | None = None
+    upper: float | None = None
+    velocity: float | None = None
+    effort: float | None = None
+
+
+@dataclass(frozen=True)
+class CatalogueEntry:
+    """A robot of ``robots.toml``; the file's head explains every key.
+
+    Attributes:
+        name: Name that ``--robot`` takes.
+        description: What it is.
+        source: ``ships`` or ``example-robot-data``.
+        urdf: File, relative to the source.
+        licence: Licence of the description.
+        origin: Where the description comes from.
+        tool_frame: Frame that carries a payload.
+        gravity: Size of gravity [m/s²], along −z of the base.
+        lock: Joints that do not move.
+        limits: Limits that the file lacks.
+    """
+
+    name: str
+    description: str
+    source: str
+    urdf: str
+    licence: str
+    origin: str
+    tool_frame: str
+    gravity: float = STANDARD_GRAVITY
+    lock: tuple[LockRule, ...] = ()
+    limits: tuple[LimitRule, ...] = ()
+
+    @property
+    def path(self) -> Path:
+        """The URDF file on this machine; raises RobotError if its package is missing."""
+        folder = robots_dir() if self.source == "ships" else example_robots_dir()
+        return folder / self.urdf
+
+
+@cache
+def catalogue() -> dict[str, CatalogueEntry]:
+    """Every robot known by name, in the order of ``robots.toml``."""
+    with (robots_dir() / "robots.toml").open("rb") as file:
+        tables = tomllib.load(file)
+    return {name: _entry(name, table) for name, table in tables.items()}
+
+
+def load_robot(
+    name_or_path: str | Path,
+    *,
+    lock: LockRequest = (),
+    keep: Iterable[str] = (),
+    tool_frame: str | None = None,
+    gravity: float | ArrayLike | None = None,
+    package_dirs: Sequence[str | Path] = (),
+) -> RobotModel:
+    """Load a fixed-base arm by its name in the catalogue or from a URDF file.
+
+    Mimic joints never move: they have no torque of their own. Joints at the tips that are named like
+    fingers, grippers or wheels do not move either. ``robot.locked`` says which joints, where and why.
+
+    Args:
+        name_or_path: ``ur5``, or a path to a ``.urdf`` file.
+        lock: More joints to hold, names or patterns (``right_*``); a mapping gives positions [rad or m].
+        keep: Joints that move although they look like a finger or a wheel, or the catalogue holds them.
+        tool_frame: Frame that carries a payload; the catalogue's, or a likely one, if omitted.
+        gravity: Size along −z [m/s²], or the vector in the base frame, shape (3,); 9.81 if nothing says else.
+        package_dirs: Folders in which ``package://`` addresses of meshes resolve.
+
+    Returns:
+        The arm, with what is doubtful about it in ``robot.warnings``.
+
+    Raises:
+        RobotError: If the name is unknown, the file cannot be used, or more than one arm would move.
+    """
+    entry = _find(name_or_path)
+    path = entry.path if entry else Path(name_or_path).expanduser()
+    name = entry.name if entry else path.stem
+    urdf = read_urdf(path)
+    held = locked_joints(urdf, lock=lock, keep=keep, rules=entry.lock if entry else ())
+    require_chain(urdf, held)
+    model = _build(urdf, {joint: at.position for joint, at in held.items()})
+    if entry:
+        _apply_limits(model, entry.limits)
+    if gravity is None:
+        gravity = entry.gravity if entry else STANDARD_GRAVITY
+    model.gravity.linear = _gravity(gravity)
+    # The model of a robot without moving joints is refused by RobotModel: its sentence comes first.
+    warnings = description_warnings(urdf, model, held) if model.nv else []
+    return RobotModel(
+        model,
+        name=name,
+        urdf=path.resolve(),
+        tool_frame=tool_frame or (entry.tool_frame if entry else None),
+        locked=held,
+        package_dirs=[*map(Path, package_dirs), *_package_dirs(path)],
+        warnings=warnings,
+    )
+
+
+@cache
+def example_robots_dir() -> Path:
+    """Folder of the robots that the package example-robot-data installs.
+
+    Raises:
+        RobotError: If that package is not installed.
+    """
+    inside = Path("share/example-robot-data/robots")
+    # Its wheel puts data beside lib/pythonX.Y/site-packages, wherever that is; its own getModelPath
+    # would answer with a folder of the machine that built it.
+    modules = [importlib.util.find_spec(module) for module in ("example_robot_data", "pinocchio")]
+    origins = [Path(spec.origin) for spec in modules if spec and spec.origin]
+    prefixes = [p for origin in origins for p in origin.parents] + [Path(sys.prefix)]
+    for prefix in prefixes:
+        if (prefix / inside).is_dir():
+            return prefix / inside
+    raise RobotError(
+        "the package example-robot-data-loaders is missing: pip install example-robot-data-loaders"
+    )
+
+
+def _find(name_or_path: str | Path) -> CatalogueEntry | None:
+    """The catalogue's entry, or None if this is a path."""
+    given = str(name_or_path)
+    if given in catalogue():
+        return catalogue()[given]
+    if Path(given).suffix or os.sep in given or Path(given).is_file():
+        return None
+    raise RobotError(unknown_name("robot", given, catalogue()) + "; or give the path of a .urdf file")
+
+
+def _build(urdf: Urdf, held: dict[str, float]) -> pin.Model:
+    """Pinocchio's model with the held joints welded at their positions."""
+    wide = [name for name in held if urdf.joints[name].kind not in MOVABLE]
+    if wide:
+        raise RobotError(
+            f"{urdf.path}: joint '{wide[0]}' is {urdf.joints[wide[0]].kind}: make it fixed in the file"
+        )
+    try:
+        return pin.buildModelFromXML(welded(urdf.tree, held))
+    except (ValueError, RuntimeError) as error:
+        raise RobotError(f"{urdf.path}: Pinocchio cannot read this file ({error})") from None
+
+
+def _apply_limits(model: pin.Model, rules: Iterable[LimitRule]) -> None:
+    for rule in rules:
+        for i, joint in enumerate(model.joints):
+            if not any(fnmatchcase(model.names[i], pattern) for pattern in rule.joints):
+                continue
+            if rule.lower is not None and rule.upper is not None:
+                model.lowerPositionLimit[joint.idx_q] = rule.lower
+                model.upperPositionLimit[joint.idx_q] = rule.upper
+            if rule.velocity is not None:
+                model.velocityLimit[joint.idx_v] = rule.velocity
+            if rule.effort is not None:
+                model.effortLimit[joint.idx_v] = rule.effort
+
+
+def _gravity(gravity: float | ArrayLike) -> np.ndarray:
+    g = np.asarray(gravity, dtype=np.float64)
+    vector = np.array([0.0, 0.0, -float(g)]) if g.ndim == 0 else g
+    if vector.shape != (3,) or not np.all(np.isfinite(vector)):
+        raise RobotError(f"gravity is a size [m/s²] or a vector of three, given {gravity!r}")
+    return vector
+
+
+def _package_dirs(path: Path) -> list[Path]:
+    """Folders above the file, then ROS's, then example-robot-data's: all that a package:// may mean."""
+    ros = [Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if p]
+    ament = [Path(p) / "share" for p in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
+    found = [*list(path.resolve().parents)[:4], *ros, *ament]
+    with contextlib.suppress(RobotError):  # a user's own file does not need that package
+        found.append(example_robots_dir().parents[1])  # share/, for package://example-robot-data/robots/...
+    return list(dict.fromkeys(found))
+
+
+def _entry(name: str, table: dict) -> CatalogueEntry:
+    lock = tuple(LockRule(tuple(r["joints"]), float(r["position"]), r["why"]) for r in table.pop("lock", ()))
+    limits = tuple(LimitRule(**{**r, "joints": tuple(r["joints"])}) for r in table.pop("limits", ()))
+    return CatalogueEntry(name=name, lock=lock, limits=limits, **table)

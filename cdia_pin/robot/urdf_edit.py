@@ -1,0 +1,86 @@
+"""Small edits of a URDF's XML that keep its comments, order and indentation."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+from lxml import etree
+from numpy.typing import NDArray
+
+from cdia_pin.robot.inertia import at_centre_of_mass
+
+Array = NDArray[np.float64]
+
+
+def write_inertial(link: etree._Element, parameters: Array) -> None:
+    """Set mass, centre and tensor in place; the tensor in the link's axes (rpy = 0)."""
+    mass, com, tensor = at_centre_of_mass(parameters)
+    inertial = child_of(link, "inertial")
+    origin = child_of(inertial, "origin")
+    origin.set("xyz", " ".join(repr(float(x)) for x in com))
+    origin.set("rpy", "0 0 0")
+    child_of(inertial, "mass").set("value", repr(mass))
+    values = child_of(inertial, "inertia")
+    for i, row in enumerate("xyz"):
+        for j, column in enumerate("xyz"):
+            if j >= i:
+                values.set(f"i{row}{column}", repr(float(tensor[i, j])))
+
+
+def child_of(parent: etree._Element, tag: str) -> etree._Element:
+    """The child of this tag; made as the last one, in the indentation of its sisters, if it is missing."""
+    found = parent.find(tag)
+    if found is not None:
+        return found
+    made = etree.SubElement(parent, tag)
+    depth = sum(1 for _ in parent.iterancestors())
+    before = made.getprevious()
+    if before is None:
+        parent.text = "\n" + "  " * (depth + 1)
+        made.tail = "\n" + "  " * depth
+    else:
+        made.tail, before.tail = before.tail, parent.text
+    return made
+
+
+def lay_out(root: etree._Element, count: int) -> None:
+    """Indent the last children, which were added."""
+    for element in root[-count:]:
+        etree.indent(element, level=1)
+        before = element.getprevious()
+        if before is not None:
+            before.tail = "\n  "
+        element.tail = "\n"
+
+
+def text_of(tree: etree._ElementTree) -> str:
+    """The file's text, each comment before the robot on its own line."""
+    root = tree.getroot()
+    parts = [*reversed(list(root.itersiblings(preceding=True))), root]
+    lines = [etree.tostring(part, encoding="unicode", with_tail=False) for part in parts]
+    return "\n".join(['<?xml version="1.0" encoding="utf-8"?>', *lines]) + "\n"
+
+
+def remove(element: etree._Element | None) -> None:
+    """Take an element out of its tree, if there is one."""
+    parent = element.getparent() if element is not None else None
+    if element is not None and parent is not None:
+        parent.remove(element)
+
+
+def rebase_meshes(tree: etree._ElementTree, old: Path, new: Path) -> None:
+    """Keep relative mesh paths, which hold from the file's folder, pointing at the same meshes."""
+    here, there = old.resolve().parent, new.resolve().parent
+    for mesh in tree.iter("mesh", "texture"):
+        name = str(mesh.get("filename", ""))
+        if name and "://" not in name and not Path(name).is_absolute() and here != there:
+            mesh.set("filename", os.path.relpath(here / name, there))
+
+
+def add_note(tree: etree._ElementTree, text: str) -> None:
+    """Put a comment at the head of the file."""
+    while "--" in text:  # not allowed inside an XML comment
+        text = text.replace("--", "-")
+    tree.getroot().addprevious(etree.Comment(f" {text} "))
