@@ -4,13 +4,14 @@
     run = plant.run([Fault("coulomb_friction", joint="elbow_joint", level=4.0), Fault("payload", mass=2.0)])
     run.log, run.truth, run.noise_std
 
-Nothing here uses the package's effects or Pinocchio.
+The robot's file and names come from the package; its effects and its dynamics are not used here.
 """
 
 from benchmarks.plant.faults import MECHANISMS, OUTSIDE, VOCABULARY, Fault
 from benchmarks.plant.motion import Fourier, Motion, PointToPoint, single, slow, small
 from benchmarks.plant.noise import CLEAN, Noise
-from benchmarks.plant.plant import MujocoPlant, Run, Truth
+from benchmarks.plant.plant import MujocoPlant
+from benchmarks.plant.run import Run, Truth
 
 __all__ = [
     "CLEAN",

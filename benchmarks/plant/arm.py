@@ -10,12 +10,11 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from benchmarks.plant.urdf import ArmFile, LinkInertia, read_arm, write_inertia
+from benchmarks.plant.urdf import TOOL_BODY, ArmFile, LinkInertia, read_arm, write_inertia
 from cdia_pin.errors import RobotError, unknown_name
 
 Array = NDArray[np.float64]
 
-TOOL_BODY = "plant/tool"  # massless, at the tool's frame, where a wrench acts
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s²]
 STICTION_STEPS = 4  # dry friction stops a joint within about this many steps; fewer would ring
 
@@ -58,7 +57,9 @@ class Arm:
             raise RobotError(f"{urdf.name}: no movable joint is left")
         self.joints: tuple[str, ...] = tuple(joints or in_tree)
         if sorted(self.joints) != sorted(in_tree):
-            raise RobotError(f"{urdf.name}: movable joints are {', '.join(in_tree)}; given {', '.join(self.joints)}")
+            raise RobotError(
+                f"{urdf.name}: movable joints are {', '.join(in_tree)}; given {', '.join(self.joints)}"
+            )
         self.n = len(self.joints)
         self.links = [b.name for b in spec.bodies][1:]
         self.tool = self._link_named(tool) if tool else self._last_link(in_tree[-1])
@@ -67,7 +68,10 @@ class Arm:
             editor.edit(spec, self)
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
+        self._scratch = mujoco.MjData(self.model)
         self._configure(np.asarray(gravity, float), step)
+        slide = mujoco.mjtJoint.mjJNT_SLIDE
+        self.is_prismatic = np.array([self.model.joint(j).type[0] == slide for j in self.joints])
         # Column of each of MuJoCo's degrees of freedom; all joints have one, so positions are ordered alike.
         self.dofs = np.array([int(self.model.joint(j).dofadr[0]) for j in self.joints])
 
@@ -84,16 +88,21 @@ class Arm:
         bit = mujoco.mjtDisableBit
         m.opt.disableflags |= bit.mjDSBL_CONTACT | bit.mjDSBL_LIMIT | bit.mjDSBL_SENSOR | bit.mjDSBL_REFSAFE
         m.opt.gravity[:] = gravity
-        m.opt.timestep = step
         m.opt.tolerance, m.opt.iterations, m.opt.ls_iterations = 1e-14, 50, 50
-        # Dry friction as stiff as MuJoCo allows: at a slip it is its full level, at rest it creeps by 1e-4.
-        m.dof_solref[:] = m.tendon_solref_fri[:] = [STICTION_STEPS * step, 1.0]
+        # Dry friction as stiff as MuJoCo allows: slipping, it has its full level.
         m.dof_solimp[:, :2] = m.tendon_solimp_fri[:, :2] = 0.9999
+        self.use_step(step)
         self.refresh()
+
+    def use_step(self, step: float) -> None:
+        """Set the integration step [s], and with it how fast dry friction stops a joint."""
+        m = self.model
+        m.opt.timestep = step
+        m.dof_solref[:] = m.tendon_solref_fri[:] = [STICTION_STEPS * step, 1.0]
 
     def refresh(self) -> None:
         """Recompute what MuJoCo derives from masses, after they were changed."""
-        mujoco.mj_setConst(self.model, mujoco.MjData(self.model))
+        mujoco.mj_setConst(self.model, self._scratch)
 
     # ---------------------------------------------------------------- names
 

@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+MOST = 250  # runs kept; a minute at 250 Hz takes some 5 MB
 HOME = Path(__file__).resolve().parents[2] / ".cache" / "plant"
 
 
@@ -33,7 +34,9 @@ def key(*determines: object) -> str:
 def load(name: str) -> dict[str, NDArray[np.float64]] | None:
     """Return the arrays kept under a name, or None."""
     try:
-        with np.load(HOME / f"{name}.npz", allow_pickle=False) as file:
+        kept = HOME / f"{name}.npz"
+        with np.load(kept, allow_pickle=False) as file:
+            kept.touch()
             return {k: file[k] for k in file.files}
     except (OSError, ValueError, EOFError):
         return None
@@ -47,3 +50,13 @@ def save(name: str, arrays: dict[str, NDArray[np.float64]]) -> None:
     with os.fdopen(handle, "wb") as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]
     Path(part).replace(HOME / f"{name}.npz")
+    by_age = sorted(HOME.glob("*.npz"), key=_last_used)
+    for old in by_age[:-MOST]:
+        old.unlink(missing_ok=True)
+
+
+def _last_used(file: Path) -> float:
+    try:
+        return file.stat().st_mtime
+    except OSError:  # another process removed it
+        return 0.0

@@ -136,7 +136,9 @@ class PointToPoint(Motion):
         while True:
             goal = reach.middle + rng.uniform(-1, 1, len(reach.joints)) * span
             # 15/8 is the ratio of largest to mean speed of a quintic move
-            length = max(15 / 8 * float(np.max(np.abs(goal - postures[-1]) / (self.speed * reach.speed))), 0.5)
+            length = max(
+                15 / 8 * float(np.max(np.abs(goal - postures[-1]) / (self.speed * reach.speed))), 0.5
+            )
             if clock + length + self.rest > duration:
                 break
             starts.append(clock)

@@ -4,14 +4,15 @@
         run = s.run(plant)              # s.faults is the answer, run.log the question
         later = s.holdout().run(plant)  # same faults, another motion
 
-Sizes are relative: `fraction` is the effect's RMS torque as a share of the joint's, along the nominal motion of that
-seed; a tilt, an encoder's zero and a delay stay within what a working robot would have.
+Sizes are relative: `fraction` is the effect's RMS torque as a share of the joint's, along the nominal motion
+of that seed; a tilt, an encoder's zero and a delay stay within what a working robot would have.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from benchmarks.plant.faults import Fault
 from benchmarks.plant.motion import Fourier, Motion, PointToPoint
@@ -60,21 +61,28 @@ class Scenario:
         return replace(self, name=f"{self.name} (held out)", seed=self.seed + HOLDOUT)
 
 
-Recipe = Callable[[tuple[str, ...], dict[str, str]], Fault]  # joints by torque, neighbour of each, to a unit fault
+Recipe = Callable[
+    [tuple[str, ...], dict[str, str]], Fault
+]  # joints by torque, neighbour of each, to a unit fault
 
 
-def _on(effect: str, rank: int, **parameters: float) -> Recipe:
+def _on(effect: str, rank: int, **parameters: Any) -> Recipe:
     """Return a fault on the joint that carries the `rank`-th largest torque."""
-    return lambda busy, _: Fault(effect, joint=busy[min(rank, len(busy) - 1)], **parameters)
+    return lambda sizer: Fault(effect, joint=sizer.busiest()[rank], **parameters)
 
 
-def _between(effect: str, rank: int, **parameters: float) -> Recipe:
-    """Return a fault on such a joint and its neighbour in the chain."""
-    return lambda busy, beside: Fault(effect, joint=busy[rank], other=beside[busy[rank]], **parameters)
+def _between(effect: str, rank: int, **parameters: Any) -> Recipe:
+    """Return a fault on such a joint and its busier neighbour."""
+
+    def recipe(sizer: Sizer) -> Fault:
+        joint = sizer.busiest()[rank]
+        return Fault(effect, joint=joint, other=sizer.beside(joint), **parameters)
+
+    return recipe
 
 
-def _arm(effect: str, **parameters: object) -> Recipe:
-    return lambda *_: Fault(effect, **parameters)
+def _arm(effect: str, **parameters: Any) -> Recipe:
+    return lambda _: Fault(effect, **parameters)
 
 
 RECIPES: dict[str, Recipe] = {
@@ -113,7 +121,7 @@ OUTSIDE_RECIPES: dict[str, Recipe] = {
     "warming_friction": _on("warming_friction", 1, level=1.0, time=12.0),
     "cross_spring": _between("cross_spring", 1, torque=1.0),
     "presliding": _on("presliding", 1, level=1.0, reach=0.1),
-    "speed_bump": _on("speed_bump", 1, level=1.0),
+    "speed_bump": _on("speed_bump", 1, level=1.0, speed=0.25, width=0.06),
 }
 PAIRS: tuple[tuple[Recipe, ...], ...] = (
     (_on("coulomb_friction", 1, level=1.0), RECIPES["payload"]),
@@ -177,7 +185,7 @@ def outside(plant: MujocoPlant, fraction: float = 0.3, seed: int = 300) -> list[
 
 
 def clean(seed: int = 400) -> list[Scenario]:
-    """Return runs with nothing hidden: usual, coloured and strong noise, poor motions, moves between points."""
+    """Return runs with nothing hidden: various noise, poor motions, moves between points."""
     kinds: Iterable[tuple[str, Motion, Noise]] = (
         ("usual", Fourier(), Noise()),
         ("another motion", Fourier(), Noise()),
@@ -194,7 +202,5 @@ def clean(seed: int = 400) -> list[Scenario]:
 
 def _scenario(plant: MujocoPlant, recipes: Iterable[Recipe], fraction: float, seed: int) -> Scenario:
     sizer = Sizer(plant, Fourier(), Scenario.duration, seed)
-    busy, joints = sizer.busiest(), plant.joints
-    beside = {j: joints[k + 1] if k + 1 < len(joints) else joints[k - 1] for k, j in enumerate(joints)}
-    faults = tuple(sizer.sized(recipe(busy, beside), fraction) for recipe in recipes)
+    faults = tuple(sizer.sized(recipe(sizer), fraction) for recipe in recipes)
     return Scenario(f"{' + '.join(map(str, faults))}, {fraction:g}", faults, seed)

@@ -1,12 +1,14 @@
 """The plant in time: controller, mechanisms and MuJoCo's forward dynamics in one loop.
 
-Positions live at t_k, velocities between them (leapfrog, as `v` half a step late in `half`):
+Positions live at t_k, velocities halfway between (leapfrog); with h the step,
 
-    a_k = forward dynamics at (q_k, v_k, τ_k),   half += h a_k,   q_{k+1} = q_k + h half,   v_{k+1} = half + h/2 a_k
+    a_k = forward dynamics at (q_k, v_k, τ_k)
+    half += h a_k,   q_{k+1} = q_k + h half,   v_{k+1} = half + h/2 a_k
 
-So the second difference of the positions around t_k is exactly the acceleration that the torque recorded at t_k
-caused: holding the torque over a step adds no lag between position and torque. What is left is of second order
-in h. MuJoCo's own integrators are first order in this (Euler: velocities lag by h/2) or cost four times as much.
+So the second difference of the positions around t_k is exactly the acceleration that the torque recorded at
+t_k caused: holding the torque over a step adds no lag between position and torque. What is left is of second
+order in h. MuJoCo's own integrators are of first order in this (Euler: velocities lag by h/2), or cost four
+times as much.
 """
 
 from __future__ import annotations
@@ -25,7 +27,6 @@ from benchmarks.plant.motion import Reference
 
 Array = NDArray[np.float64]
 
-SETTLE = 1.0  # [s] at the first posture before the log begins, so that it starts at rest with the faults on
 FASTEST = 100.0  # [rad/s or m/s], beyond which the simulation has diverged
 POSITION, NOTHING = int(mujoco.mjtStage.mjSTAGE_POS), int(mujoco.mjtStage.mjSTAGE_NONE)
 
@@ -68,7 +69,7 @@ def simulate(
     step: float,
     settle: int,
 ) -> Simulated:
-    """Run the plant along a reference given at every step, the first `settle` of which are not part of the log.
+    """Run the plant along a reference given at every step; the log begins after `settle` of them.
 
     Args:
         arm: The compiled arm, mechanisms attached.
@@ -86,17 +87,18 @@ def simulate(
     out = Simulated(*(np.empty((count, n)) for _ in range(4)))
     offset = encoder_offset(mechanisms, n)
     respond = Response(arm, mechanisms)
-    changing = [k for k in mechanisms if k.fault.after > -np.inf]
-    for k in mechanisms:
-        k.present(k.fault.share(-settle * step))
+    amounts = {mech: mech.fault.share(-settle * step) for mech in mechanisms}
+    for mech, amount in amounts.items():
+        mech.present(amount)
+    changing = [mech for mech, amount in amounts.items() if amount < 1.0]
     x = Step.at_rest(reference.q[0] + offset)
     q, v, half = x.q, x.v, np.zeros(n)  # mechanisms see the arrays that are integrated
     for k in range(count):
         x.t = (k - settle) * step
         for mech in changing:
-            amount = mech.fault.share(x.t)
-            if amount != mech.amount:
+            if amounts[mech] != (amount := mech.fault.share(x.t)):
                 mech.present(amount)
+                amounts[mech] = amount
         error = reference.q[k] + offset - q
         x.command = feedforward[k] + gains.stiffness * error + gains.damping * (reference.v[k] - v)
         a = respond(x)
@@ -165,7 +167,7 @@ def controller_gains(arm: Arm, q: Array, feedforward: Array, effort: Array, step
 def encoder_offset(mechanisms: Sequence[Mechanism], n: int) -> Array:
     """Return q − q_read of every joint [rad or m], shape (n,)."""
     offset = np.zeros(n)
-    for k in mechanisms:
-        if isinstance(k, EncoderOffset):
-            offset[k.j] += k.p["offset"]
+    for mech in mechanisms:
+        if isinstance(mech, EncoderOffset):
+            offset[mech.j] += mech.p["offset"]
     return offset

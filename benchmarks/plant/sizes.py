@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.plant.faults import Fault, Step, mechanism
+from benchmarks.plant.faults import Fault, Step, Value, mechanism, scaled
 from benchmarks.plant.motion import Motion
 from benchmarks.plant.plant import MujocoPlant
 from benchmarks.plant.simulate import Response, encoder_offset
 
 Array = NDArray[np.float64]
 
-BUSY = 0.05  # a joint counts if it carries this share of the largest joint torque, RMS
+BUSY = 0.2  # a joint counts if it carries this share of the largest joint torque, RMS
 # Beyond these the effect is no longer one that a working robot would have.
-LARGEST = {"offset_encoder": 0.1, "delay": 0.02, "tilt_x": 1.5, "tilt_y": 1.5}  # [rad], [s], [m/s²]
+LARGEST = {
+    ("encoder_offset", "offset"): 0.1,  # [rad]
+    ("effort_delay", "delay"): 0.02,  # [s]
+    ("base_tilt", "tilt_x"): 1.5,  # [m/s²]
+    ("base_tilt", "tilt_y"): 1.5,
+}
 SAMPLES = 300
 
 
@@ -42,6 +48,12 @@ class Sizer:
         """Return the joints by the torque they carry, largest first."""
         return tuple(self.plant.joints[j] for j in np.argsort(-self.rms))
 
+    def beside(self, joint: str) -> str:
+        """Return the busier neighbour of a joint, turning if it turns and sliding if it slides."""
+        at, arm = self.plant.joints.index(joint), self.plant.nominal
+        near = [k for k in (at - 1, at + 1) if 0 <= k < arm.n and arm.is_prismatic[k] == arm.is_prismatic[at]]
+        return self.plant.joints[max(near, key=lambda k: self.rms[k])]
+
     def torque_of(self, fault: Fault) -> Array:
         """Return f = M q̈ + nle − τ of a fault along the motion [N·m or N], shape (N, n)."""
         mech = mechanism(fault)
@@ -56,22 +68,37 @@ class Sizer:
             true = self.q + encoder_offset([mech], self.plant.nominal.n)
             return self.torque - self.plant.nominal.inverse_dynamics(true, self.v, self.a)
         respond, x = Response(arm, [mech]), Step.at_rest(self.q[0])
-        a = np.empty_like(self.a)
+        out, full = np.empty_like(self.a), np.empty(arm.n)
         for k, t in enumerate(self.time):
             x.t, x.command = float(t), self.torque[k]
             x.q[:], x.v[:] = self.q[k], self.v[k]
-            a[k] = respond(x)
-        return self.plant.nominal.inverse_dynamics(self.q, self.v, a) - self.torque
+            missed = np.zeros(arm.n)
+            missed[arm.dofs] = respond(x) - self.a[k]
+            # What the nominal torque fails to accelerate is f.
+            mujoco.mj_mulM(arm.model, arm.data, full, missed)
+            out[k] = full[arm.dofs]
+        return out
 
     def share(self, fault: Fault) -> float:
-        """Return the fault's torque, RMS, as a share of the joint's; the largest one among busy joints."""
+        """Return the fault's torque, RMS, as a share of its joint's, or of the busy joint it loads most."""
         f = _rms(self.torque_of(fault))
-        counted = self.rms >= BUSY * self.rms.max()
-        if fault.joints:
-            counted = np.array([j in fault.joints for j in self.plant.joints])
-        if fault.effect == "link_inertia":  # felt from its joint down to the base
-            counted = self.rms >= BUSY * self.rms.max()
+        if (
+            fault.joint is None or fault.effect == "link_inertia"
+        ):  # a link is felt from its joint down to the base
+            counted = self._busy()
+        else:
+            loaded = [k for k, j in enumerate(self.plant.joints) if j in fault.joints and f[k] > 0]
+            busiest = max(loaded, key=lambda k: self.rms[k], default=0)
+            counted = np.arange(len(f)) == busiest
         return float(np.max(f[counted] / np.maximum(self.rms[counted], 1e-9)))
+
+    def _busy(self) -> NDArray[np.bool_]:
+        """Tell which joints carry much torque; forces are compared to forces."""
+        straight = self.plant.nominal.is_prismatic
+        largest = np.where(
+            straight, self.rms[straight].max(initial=0.0), self.rms[~straight].max(initial=0.0)
+        )
+        return self.rms >= BUSY * largest
 
     def sized(self, fault: Fault, share: float) -> Fault:
         """Return the fault scaled to a share [1], three digits, no larger than a working robot would have."""
@@ -79,7 +106,7 @@ class Sizer:
             now = self.share(fault)
             if now <= 0:
                 raise ValueError(f"{fault} has no torque along this motion")
-            fault = _limited(fault.scaled(share / now))
+            fault = _limited(scaled(fault, share / now))
         return _rounded(fault)
 
 
@@ -90,17 +117,15 @@ def _rms(signal: Array) -> Array:
 def _limited(fault: Fault) -> Fault:
     over = 1.0
     for name, value in fault.parameters.items():
-        key = "offset_encoder" if (fault.effect, name) == ("encoder_offset", "offset") else name
-        if key in LARGEST and isinstance(value, float):
-            over = max(over, abs(value) / LARGEST[key])
-    return fault.scaled(1.0 / over) if over > 1.0 else fault
+        if (fault.effect, name) in LARGEST and isinstance(value, float):
+            over = max(over, abs(value) / LARGEST[fault.effect, name])
+    return scaled(fault, 1.0 / over) if over > 1.0 else fault
 
 
 def _rounded(fault: Fault) -> Fault:
-    def three(value: object) -> object:
+    def three(value: Value) -> Value:
         if isinstance(value, float):
             return float(f"{value:.3g}")
         return tuple(float(f"{x:.3g}") for x in value) if isinstance(value, tuple) else value
 
-    new = {k: three(v) for k, v in fault.parameters.items()}
-    return Fault(fault.effect, joint=fault.joint, other=fault.other, after=fault.after, ramp=fault.ramp, **new)
+    return fault.with_parameters({k: three(v) for k, v in fault.parameters.items()})

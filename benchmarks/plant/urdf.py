@@ -1,8 +1,8 @@
 """A URDF arm as a MuJoCo model with the same rigid-body dynamics, and nothing besides.
 
-MuJoCo's reader of URDF takes more than an arm's dynamics from the file (damping, friction, limits, meshes) and
-refuses inertias that a real file does contain (zero, or against the triangle inequality). So the tree is given
-to MuJoCo with placeholder inertias, and the file's own are written into the compiled model.
+MuJoCo's reader of URDF takes more than an arm's dynamics from the file (damping, friction, limits, meshes),
+and refuses inertias that real files do contain (zero, or against the triangle inequality). So the tree is
+given to MuJoCo with placeholder inertias, and the file's own are written into the compiled model.
 """
 
 from __future__ import annotations
@@ -22,9 +22,10 @@ from cdia_pin.errors import RobotError, unknown_name
 
 Array = NDArray[np.float64]
 
-# Off centre and skewed, so that the compiler takes no shortcut for "simple" bodies that the true inertia breaks.
+# Off centre and skewed, so that the compiler takes no shortcut which the true inertia would break.
 PLACEHOLDER = """<inertial><origin xyz=".01 .02 .03" rpy=".1 .2 .3"/><mass value="1"/>
 <inertia ixx="1" iyy="1.1" izz="1.2" ixy="0" ixz="0" iyz="0"/></inertial>"""
+TOOL_BODY = "plant/tool"  # massless, at the tool's frame, where a wrench acts
 COMPILER = '<mujoco><compiler fusestatic="false" balanceinertia="false" discardvisual="true"/></mujoco>'
 
 
@@ -44,36 +45,17 @@ class LinkInertia:
 
 
 @dataclass(frozen=True)
-class JointLimits:
-    """Limits of one joint; infinite where the file states none.
-
-    Attributes:
-        lower: Smallest position [rad or m].
-        upper: Largest position [rad or m].
-        velocity: Largest speed [rad/s or m/s].
-        effort: Largest torque or force [N·m or N].
-    """
-
-    lower: float
-    upper: float
-    velocity: float
-    effort: float
-
-
-@dataclass(frozen=True)
 class ArmFile:
     """What a URDF says about an arm.
 
     Attributes:
         xml: Kinematic tree with placeholder inertias, for MuJoCo.
         inertias: Inertia of each link that has one.
-        limits: Limits of each movable joint.
         children: Link moved by each joint, fixed ones included.
     """
 
     xml: str
     inertias: Mapping[str, LinkInertia]
-    limits: Mapping[str, JointLimits]
     children: Mapping[str, str]
 
 
@@ -96,7 +78,7 @@ def read_arm(urdf: Path, locked: Mapping[str, float]) -> ArmFile:
     tree = ET.Element("robot", name=source.get("name", "arm"))
     tree.append(ET.fromstring(COMPILER))
     children = {j.get("name", ""): _attribute(j, "child", "link") for j in joints}
-    inertias, limits = {}, {}
+    inertias = {}
     for link in source.findall("link"):
         name = link.get("name", "")
         inertial = link.find("inertial")
@@ -106,11 +88,8 @@ def read_arm(urdf: Path, locked: Mapping[str, float]) -> ArmFile:
         if name in children.values():  # the root becomes MuJoCo's world, which has no inertia
             bare.append(ET.fromstring(PLACEHOLDER))
     for joint in joints:
-        bare = _bare_joint(joint, locked)
-        tree.append(bare)
-        if bare.get("type") != "fixed":
-            limits[bare.get("name", "")] = _limits(joint)
-    return ArmFile(ET.tostring(tree, encoding="unicode"), inertias, limits, children)
+        tree.append(_bare_joint(joint, locked))
+    return ArmFile(ET.tostring(tree, encoding="unicode"), inertias, children)
 
 
 def write_inertia(model: mujoco.MjModel, body: int, link: LinkInertia) -> None:
@@ -167,18 +146,6 @@ def _inertia(inertial: ET.Element) -> LinkInertia:
     R = rotation.as_matrix()
     about_com = R @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ R.T
     return LinkInertia(float(mass.get("value", "0")) if mass is not None else 0.0, com, about_com)
-
-
-def _limits(joint: ET.Element) -> JointLimits:
-    limit = joint.find("limit")
-    given = {} if limit is None else {k: float(v) for k, v in limit.items()}
-    endless = joint.get("type") == "continuous" or not {"lower", "upper"} <= given.keys()
-    return JointLimits(
-        -np.inf if endless else given["lower"],
-        np.inf if endless else given["upper"],
-        given.get("velocity", 0.0) or np.inf,
-        given.get("effort", 0.0) or np.inf,
-    )
 
 
 def _origin(element: ET.Element) -> tuple[Array, Rotation]:

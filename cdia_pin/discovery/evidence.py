@@ -7,19 +7,24 @@ solve, and the gain of every candidate beside a set one matrix product.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.discovery.consistent import consistent_parameters
 from cdia_pin.effects import Effect
+from cdia_pin.effects.inertia import Body
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
 PRICE_PER_PARAMETER = 4.0  # beside log K: parsimony between nested effects
+WORTH = 0.04  # least share of one joint's sum of squares that an effect must explain to be worth a name
+MOST_INFLATION = 1e5  # of a parameter's variance by the others, beyond which it repeats them
 REPAIRS = 4  # rounds of holding unphysical parameters at their nearest physical value
 
 
@@ -51,12 +56,14 @@ class Evidence:
         effects: The candidates.
         blocks: XᵀX of each block with y as its last column, shape (B, P + 1, P + 1).
         samples: Whitened samples of all joints.
+        searched: In how many shapes each candidate, by label, was looked for.
     """
 
     robot: RobotModel
     effects: Sequence[Effect]
     blocks: Array
     samples: int
+    searched: Mapping[str, int] | None = None
 
     def __post_init__(self) -> None:
         ends = np.cumsum([e.size for e in self.effects])
@@ -77,8 +84,12 @@ class Evidence:
     def prior(self) -> Array:
         """Precision of the prior on each parameter, shape (P,)."""
         weak = 1e-10 * self.scale**2 + 1e-12
-        scales = np.concatenate([e.prior_scale(self.robot) for e in self.effects])
-        return weak + 1.0 / scales**2
+        return weak + 1.0 / self.prior_scale**2
+
+    @cached_property
+    def prior_scale(self) -> Array:
+        """Size of each parameter that would surprise nobody, shape (P,)."""
+        return np.concatenate([np.zeros(0), *(e.prior_scale(self.robot) for e in self.effects)])
 
     @cached_property
     def freedom(self) -> Array:
@@ -97,7 +108,15 @@ class Evidence:
         names = len({e.label for e in self.effects})
         sizes = np.array([e.size for e in self.effects])
         per_parameter = np.log(max(self.samples / self.robot.n, 2.0)) + PRICE_PER_PARAMETER
-        return self.freedom * per_parameter + np.log(names) * 1.0 + 0.5 * sizes
+        shapes = Counter((e.label for e in self.effects)) if self.searched is None else self.searched
+        looked = np.array([2 * np.log(shapes[e.label]) for e in self.effects])
+        rare = np.array([e.rarity for e in self.effects])
+        return self.freedom * per_parameter + np.log(names) + looked + rare + 0.5 * sizes
+
+    @cached_property
+    def least_gain(self) -> Array:
+        """What each candidate must explain beside the others of its set, significant and worth a name [1]."""
+        return np.maximum(self.price, WORTH * self.samples / self.robot.n)
 
     # ------------------------------------------------------------- one set
 
@@ -117,16 +136,32 @@ class Evidence:
         free = np.ones(len(columns), bool)
         theta = self._solve(self.total, columns, free, np.zeros(len(columns)))
         best = self._chi2(self.total, columns, theta)
-        for _ in range(REPAIRS):
-            nearest = self._nearest_physical(chosen, theta)
-            moved = ~np.isclose(nearest, theta, rtol=1e-6, atol=1e-12 + 1e-6 / self.scale[columns])
-            if not (moved & free).any():
-                break
-            free &= ~moved
-            theta = self._solve(self.total, columns, free, nearest)
+        if not self._is_physical(chosen, theta):
+            theta = self._constrained(chosen, columns, theta)
         chi2 = self._chi2(self.total, columns, theta)
-        physical = self._is_physical(chosen, theta) and chi2 - best < 0.5 * price
+        physical = (
+            self._is_physical(chosen, theta) and chi2 - best < 0.5 * price and not self._is_redundant(columns)
+        )
         return Fit(chosen, theta, chi2, chi2 + price, physical)
+
+    def _constrained(self, chosen: Sequence[int], columns: Array, theta: Array) -> Array:
+        """Return the best physical parameters near an unphysical optimum.
+
+        Bounds are met by holding what is beyond them; if bodies are then still impossible, by a semidefinite program.
+        """
+        effects = [self.effects[c] for c in chosen]
+        lower, upper = (np.concatenate(b) for b in zip(*(e.bounds(self.robot) for e in effects), strict=True))
+        free = np.ones(len(columns), bool)
+        for _ in range(REPAIRS):
+            inside = np.clip(theta, lower, upper)
+            if not ((inside != theta) & free).any():
+                break
+            free &= inside == theta
+            theta = self._solve(self.total, columns, free, inside)
+        if self._is_physical(chosen, theta) or not any(isinstance(e, Body) for e in effects):
+            return theta
+        gram = self.total[np.ix_(columns, columns)] + np.diag(self.prior[columns])
+        return consistent_parameters(gram, self.total[columns, -1], effects, self.robot)
 
     def columns(self, chosen: Sequence[int]) -> NDArray[np.intp]:
         """Return the columns of a set of candidates."""
@@ -166,14 +201,16 @@ class Evidence:
             at += size
         return out
 
-    def _nearest_physical(self, chosen: Sequence[int], theta: Array) -> Array:
-        return np.concatenate([e.nearest_physical(t, self.robot) for e, t in self._split(chosen, theta)])
+    def _is_redundant(self, columns: Array) -> bool:
+        """Tell whether a parameter does what others of the set do already, as two levels of friction would."""
+        gram = self.total[np.ix_(columns, columns)] + np.diag(self.prior[columns])
+        unit = 1.0 / np.sqrt(np.diag(gram))
+        inflation = np.diag(np.linalg.inv(gram * np.outer(unit, unit)))
+        lone = np.isinf(self.prior_scale[columns])  # the parameters of a body repeat each other, and have a prior
+        return bool((inflation[lone] > MOST_INFLATION).any())
 
     def _is_physical(self, chosen: Sequence[int], theta: Array) -> bool:
-        slack = 1e-9
-        return all(
-            e.is_physical(t, self.robot) or e.is_physical(t + slack, self.robot) for e, t in self._split(chosen, theta)
-        )
+        return all(e.is_physical(t, self.robot) for e, t in self._split(chosen, theta))
 
     # ------------------------------------------------------------- every candidate beside a set
 

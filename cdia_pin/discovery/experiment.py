@@ -20,7 +20,8 @@ Array = NDArray[np.float64]
 WIDTH_OVER_NOISE = 3.0  # sgn is smoothed over this many standard deviations of the speed's noise
 WIDTH_OVER_SPEED = 0.005  # and over at least this share of the speeds driven
 NEAR_REST = 2.0  # widths; slower than that, friction is whatever keeps the joint where it is
-MOST_NEAR_REST = 0.15  # share of the filter's window spent near rest that makes a sample uninformative
+DISTANCES = (0.5, 1.0, 2.0, 4.0)  # classes of distance from rest, in periods of the cut-off
+MOST_NEAR_REST = 0.1  # share of the filter's window spent near rest that makes a sample uninformative
 RESTING = 0.5  # a joint near rest for longer than this share of the log is taken as resting
 
 
@@ -57,6 +58,7 @@ class Experiment:
         segments: One per log.
         measured: Measured torques, compared samples of all segments [N·m or N], shape (K, n).
         moving: Whether a sample tells about friction: its joint clearly moves, shape (K, n).
+        nearness: Class of distance in time from each joint's rest, 0 at rest and largest far away, shape (K, n).
         resting: Whether a joint hardly moves in any of the logs, shape (n,).
     """
 
@@ -64,6 +66,7 @@ class Experiment:
     segments: tuple[Segment, ...]
     measured: Array
     moving: NDArray[np.bool_]
+    nearness: NDArray[np.intp]
     resting: NDArray[np.bool_]
 
     @classmethod
@@ -77,7 +80,7 @@ class Experiment:
             if motion.joints != robot.joints:
                 raise LogError(f"the log's joints {motion.joints} are not the robot's {robot.joints}")
         width = np.max([_sign_width(m) for m in motions], axis=0)
-        segments, moving = [], []
+        segments, moving, nearness = [], [], []
         for motion in motions:
             zero = np.zeros_like(motion.q)
             state = State(robot, motion.q, motion.v, motion.a, zero, motion.time, width)
@@ -87,15 +90,17 @@ class Experiment:
                     f"{motion.record['source']}: only {len(measured)} independent samples are left after filtering at "
                     f"{motion.cutoff:g} Hz; record for longer"
                 )
-            near_rest = (np.abs(motion.v) < NEAR_REST * width).astype(float)
+            near_rest = np.abs(motion.v) < NEAR_REST * width
             segments.append(Segment(motion, state, measured))
-            moving.append(motion.compared(near_rest) < MOST_NEAR_REST)
+            moving.append(motion.compared(near_rest.astype(float)) < MOST_NEAR_REST)
+            nearness.append(np.digitize(motion.sampled(_time_from_rest(motion, near_rest)) * motion.cutoff, DISTANCES))
         all_moving = np.vstack(moving)
         return cls(
             robot,
             tuple(segments),
             np.vstack([s.measured for s in segments]),
             all_moving,
+            np.vstack(nearness),
             all_moving.mean(axis=0) < 1 - RESTING,
         )
 
@@ -158,3 +163,17 @@ def _sign_width(motion: Motion) -> Array:
     return np.maximum(
         WIDTH_OVER_NOISE * motion.speed_noise, WIDTH_OVER_SPEED * np.percentile(np.abs(motion.v), 95, axis=0) + 1e-6
     )
+
+
+def _time_from_rest(motion: Motion, near_rest: NDArray[np.bool_]) -> Array:
+    """Time to each joint's nearest rest or reversal, before or after [s], shape (N, n)."""
+    out = np.full(motion.v.shape, np.inf)
+    for j in range(motion.v.shape[1]):
+        turns = np.append(motion.v[1:, j] * motion.v[:-1, j] < 0, False)
+        at = motion.time[near_rest[:, j] | turns]
+        if len(at):
+            k = np.searchsorted(at, motion.time)
+            before = motion.time - at[np.maximum(k - 1, 0)]
+            after = at[np.minimum(k, len(at) - 1)] - motion.time
+            out[:, j] = np.minimum(np.abs(before), np.abs(after))
+    return out

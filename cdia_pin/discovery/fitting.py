@@ -81,7 +81,7 @@ def gather(
                 response[:, j] += x[:, i, :] @ theta
     blocks = np.zeros((len(whitened.edges) - 1, total + 1, total + 1))
     for j, parts in enumerate(per_joint):
-        at = np.concatenate([*(np.arange(s.start, s.stop) for s, _ in parts), [total]])
+        at = np.concatenate([*(np.arange(s.start, s.stop) for s, _ in parts), [total]]).astype(int)
         stacked = whitened.joint(j, np.column_stack([*(x for _, x in parts), response[:, j]]))
         for b, (start, stop) in enumerate(zip(whitened.edges[:-1], whitened.edges[1:], strict=True)):
             rows = stacked[start:stop]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from cdia_pin.discovery.evidence import Evidence, Fit
 Names = frozenset[str]
 
 TRIED = 6  # candidates that are fitted after the gains have ranked them
+HOLDS = 0.5  # least share of a gain that is left on held-out blocks
 MARGIN = 1e-6  # a move must gain more than rounding
 
 
@@ -29,20 +30,32 @@ def improve(
         may_add: False to only prune.
     """
     now = evidence.fit(chosen)
-    limit = now.cost - MARGIN if now.physical else np.inf
-    moves: list[Callable[[], Iterator[tuple[int, ...]]]] = [lambda: _drops(now.chosen)]
-    if may_add and len(now.chosen) < most:
-        moves.append(lambda: _additions(evidence, now.chosen))
-    if may_add:
-        moves.append(lambda: _exchanges(evidence, now.chosen))
-    for move in moves:
-        fits = (evidence.fit(c) for c in move())
-        better = [f for f in fits if f.physical and f.cost < limit and names(evidence, f.chosen) not in tabu]
+    fresh = lambda f: names(evidence, f.chosen) not in tabu  # noqa: E731
+    needless = [f for f in map(evidence.fit, _drops(now.chosen)) if not now.physical or not _misses(evidence, now, f)]
+    if needless and now.chosen:
+        return min(needless, key=lambda f: f.cost)
+    if not may_add:
+        return None
+    additions = _additions(evidence, now.chosen) if len(now.chosen) < most else iter(())
+    for moves in (additions, _exchanges(evidence, now.chosen)):
+        better = [f for f in map(evidence.fit, moves) if f.physical and f.cost < now.cost - MARGIN and fresh(f)]
         if better:
             return min(better, key=lambda f: f.cost)
-    if not now.physical and now.chosen:  # nothing physical next to it: give up the weakest effect
-        return min((evidence.fit(c) for c in _drops(now.chosen)), key=lambda f: f.cost)
     return None
+
+
+def _misses(evidence: Evidence, whole: Fit, part: Fit) -> bool:
+    """Tell whether a set misses the effect that it lacks beside the whole."""
+    (lacking,) = set(whole.chosen) - set(part.chosen)
+    if not part.physical:
+        return True
+    gain = part.chi2 - whole.chi2
+    return gain >= evidence.least_gain[lacking] and _holds(evidence, whole, part, gain)
+
+
+def _holds(evidence: Evidence, whole: Fit, part: Fit, gain: float) -> bool:
+    """Tell whether what an effect explains is explained in blocks of time that it was not fitted to as well."""
+    return evidence.held_out(part.chosen) - evidence.held_out(whole.chosen) > HOLDS * gain
 
 
 def names(evidence: Evidence, chosen: Sequence[int]) -> Names:
@@ -64,9 +77,10 @@ def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float =
         count: How many to return.
         spare: Cost that may be lost beyond the price.
     """
-    profit = evidence.gains(chosen) - evidence.price
+    gains = evidence.gains(chosen)
+    profit = np.where(gains > evidence.least_gain - spare, gains - evidence.price, -np.inf)
     labels = {evidence.effects[c].label for c in chosen}
-    order = [int(c) for c in np.argsort(profit)[::-1] if profit[c] > -spare]
+    order = [int(c) for c in np.argsort(profit)[::-1] if profit[c] > -spare and np.isfinite(profit[c])]
     return [c for c in order if evidence.effects[c].label not in labels][:count]
 
 

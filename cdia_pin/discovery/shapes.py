@@ -12,9 +12,8 @@ from cdia_pin.discovery.fitting import Whitened, gather
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 
-SPREAD = 0.12  # first steps to either side, as a share of the shape
-NARROWER = 0.4  # each round's steps beside those of the round before
-ROUNDS = 4
+ROUNDS = 7
+NARROWER = 0.35  # each round's steps beside those of the round before
 
 
 def refine_shapes(experiment: Experiment, columns: Columns, model: Dynamics, whitened: Whitened) -> Dynamics:
@@ -29,30 +28,34 @@ def refine_shapes(experiment: Experiment, columns: Columns, model: Dynamics, whi
     for term in [t for t in model.terms if t.effect.shape]:
         (name,) = term.effect.shape_values
         rest = [t.effect for t in model.terms if t.label != term.label]
-        x = experiment.along(experiment.predict(model))
-        grid = [e.shape_values[name] for e in term.effect.shape_grid(x)]
-        spread = _first_spread(term.effect.shape_values[name], grid)
-        best = term
+        grid = [e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))]
+        best, spread = term, _cell(term.effect.shape_values[name], grid) / 2
         for _ in range(ROUNDS):
             value = best.effect.shape_values[name]
-            tries = [best.effect.with_shape(**{name: value + d * spread}) for d in (-1.0, -0.5, 0.0, 0.5, 1.0)]
-            tries = [e for e in tries if min(grid, default=value) <= e.shape_values[name] <= max(grid, default=value)] or [best.effect]
+            tries = [best.effect.with_shape(**{name: value + d}) for d in (-spread, 0.0, spread)]
             prediction = experiment.predict(model.remove(term.label).add(best))
             evidence = gather(experiment, columns, prediction, [*rest, *tries], whitened)
             fits = [evidence.fit([*range(len(rest)), len(rest) + i]) for i in range(len(tries))]
-            least = int(np.argmin([f.chi2 for f in fits]))
-            best = replace(best, effect=tries[least], theta=_last(fits[least].theta, best))
+            step = float(np.clip(_bottom(*(f.chi2 for f in fits)), -1.5, 1.5)) * spread
+            moved = float(np.clip(value + step, min(grid, default=value), max(grid, default=value)))
+            best = replace(best, effect=best.effect.with_shape(**{name: moved}), theta=_last(fits[1].theta, best))
             spread *= NARROWER
         model = Dynamics(model.robot, tuple(best if t.label == term.label else t for t in model.terms))
     return model
 
 
-def _first_spread(value: float, grid: list[float]) -> float:
-    """Return about the distance to the neighbours on the grid, so that the first round spans a cell."""
-    if len(grid) < 2:
-        return SPREAD * value
-    distances = np.sort(np.abs(np.array(grid) - value))
-    return float(max(distances[1] if len(distances) > 1 else distances[0], 1e-3 * value))
+def _cell(value: float, grid: list[float]) -> float:
+    """Return the distance to the nearest other shape of the grid."""
+    others = [abs(g - value) for g in grid if abs(g - value) > 1e-6 * abs(value)]
+    return min(others, default=0.1 * abs(value))
+
+
+def _bottom(left: float, middle: float, right: float) -> float:
+    """Return where the parabola through three neighbouring values is least, in steps from the middle."""
+    curve = left - 2 * middle + right
+    if curve <= 1e-9 * (abs(left) + abs(right)):
+        return -1.0 if left < right else 1.0
+    return 0.5 * (left - right) / curve
 
 
 def _last(theta: np.ndarray, term: Term) -> tuple[float, ...]:

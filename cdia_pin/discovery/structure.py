@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 
 NEURONS = 7  # radial bases over position, speed and load
 LEAST_IMPROVEMENT = 0.03  # share by which held-out RMS must fall for structure to be worth a word
+RIDGES = (1e-3, 1e-2, 1e-1)  # how firmly smooth functions are held back, beside columns of unit norm
 ALARM = 1e-4  # probability of calling noise structure, per joint
 
 
@@ -24,13 +25,15 @@ class Structure:
     Attributes:
         left: Whether structure is left, shape (n,).
         improvement: Share by which they lower the held-out RMS [1], shape (n,).
-        noise: What they leave: the noise of each joint.
+        noise: Noise of each joint if the model's residual is all noise.
+        innermost: Noise of each joint that they leave, before anything is known the better guess.
         floor: RMS of what they leave [N·m or N], shape (n,).
     """
 
     left: NDArray[np.bool_]
     improvement: Array
     noise: tuple[NoiseModel, ...]
+    innermost: tuple[NoiseModel, ...]
     floor: Array
 
 
@@ -68,14 +71,17 @@ def look_for_structure(
     from scipy.special import fdtrc
 
     n = experiment.robot.n
-    left, improvement, floor, noises = np.zeros(n, bool), np.zeros(n), np.zeros(n), []
+    left, improvement, floor = np.zeros(n, bool), np.zeros(n), np.zeros(n)
+    noises, innermost = [], []
     for j in range(n):
         use = experiment.informative[:, j]
         y, fitted = prediction.residual[:, j], _orthonormal(own[j], use)
         both = _orthonormal(np.column_stack([own[j], smooth_columns(experiment, prediction, j)]), use)
         rest = y - _project(both, y, use)
-        noise = fit_noise(rest, use, experiment.lengths, both.shape[1])
-        noises.append(noise)
+        noise = fit_noise(rest, use, experiment.nearness[:, j], experiment.lengths, both.shape[1])
+        innermost.append(noise)
+        noises.append(fit_noise(
+            y - _project(fitted, y, use), use, experiment.nearness[:, j], experiment.lengths, fitted.shape[1]))
         freedom = max(int(use.sum()) - both.shape[1], 1)
         floor[j] = np.sqrt(np.sum(rest[use] ** 2) / freedom)
         white = lambda s, noise=noise, use=use: np.where(  # noqa: E731
@@ -85,11 +91,12 @@ def look_for_structure(
         more = max(both.shape[1] - fitted.shape[1], 1)
         spare = max(int((use & noise.kept).sum()) - both.shape[1], 1)
         chance = float(fdtrc(more, spare, max((rss_own - rss_both) / more, 0.0) / (rss_both / spare)))
-        before = _held_out(white(fitted), white(y), edges)
-        after = _held_out(white(both), white(y), edges)
+        before = _held_out(white(fitted), np.zeros((len(y), 0)), white(y), edges, 0.0)
+        smooth = white(smooth_columns(experiment, prediction, j))
+        after = min(_held_out(white(fitted), smooth, white(y), edges, ridge) for ridge in RIDGES)
         improvement[j] = 1.0 - np.sqrt(after / before) if before > 0 else 0.0
         left[j] = chance < ALARM and improvement[j] > LEAST_IMPROVEMENT
-    return Structure(left, improvement, tuple(noises), floor)
+    return Structure(left, improvement, tuple(noises), tuple(innermost), floor)
 
 
 def _bases(signal: Array, count: int) -> Array:
@@ -104,7 +111,7 @@ def _orthonormal(columns: Array, use: NDArray[np.bool_]) -> Array:
         return columns
     scaled = columns / np.maximum(np.linalg.norm(columns[use], axis=0), 1e-300)
     _, values, right = np.linalg.svd(scaled[use], full_matrices=False)
-    keep = values > 1e-3 * values[0]
+    keep = values > 1e-2 * values[0]
     return scaled @ right[keep].T / values[keep]
 
 
@@ -119,12 +126,15 @@ def _left_after(x: Array, y: Array) -> float:
     return float(np.sum((y - x @ theta) ** 2))
 
 
-def _held_out(x: Array, y: Array, edges: NDArray[np.intp]) -> float:
+def _held_out(own: Array, smooth: Array, y: Array, edges: NDArray[np.intp], ridge: float) -> float:
+    """Sum of squares of each block predicted from the others; smooth functions are held back by a ridge."""
+    x = np.column_stack([own, smooth])
+    x = x / np.maximum(np.linalg.norm(x, axis=0), 1e-300)
     gram, right = x.T @ x, x.T @ y
-    ridge = 1e-6 * (np.trace(gram) / max(len(gram), 1)) * np.eye(len(gram))
+    penalty = np.diag(np.repeat([1e-9, ridge], [own.shape[1], smooth.shape[1]]))
     total = 0.0
     for start, stop in zip(edges[:-1], edges[1:], strict=True):
         xb, yb = x[start:stop], y[start:stop]
-        theta = np.linalg.solve(gram - xb.T @ xb + ridge, right - xb.T @ yb) if len(gram) else np.zeros(0)
+        theta = np.linalg.solve(gram - xb.T @ xb + penalty, right - xb.T @ yb) if len(gram) else np.zeros(0)
         total += float(np.sum((yb - xb @ theta) ** 2))
     return total

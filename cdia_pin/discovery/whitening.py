@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-HIGHEST_ORDER = 8
+HIGHEST_ORDER = 12
+BORROWED = 20.0  # samples' worth of trust in the joint's overall noise
 
 
 @dataclass(frozen=True)
@@ -18,12 +19,12 @@ class NoiseModel:
 
     Attributes:
         coefficients: a₁ … a_p [1].
-        sigma: Standard deviation of the innovation [N·m or N].
+        sigma: Standard deviation of each innovation [N·m or N], shape (K,).
         lengths: Samples of each segment; the filter starts anew in each.
     """
 
     coefficients: Array
-    sigma: float
+    sigma: Array
     lengths: tuple[int, ...]
 
     @property
@@ -38,15 +39,25 @@ class NoiseModel:
         for k, a in enumerate(self.coefficients, start=1):
             out[k:] -= a * signal[:-k]
         out[~self.kept] = 0.0
-        return out / self.sigma
+        return out / self.sigma.reshape(-1, *([1] * (out.ndim - 1)))
 
 
-def fit_noise(residual: Array, informative: NDArray[np.bool_], lengths: list[int], parameters: float) -> NoiseModel:
+def fit_noise(
+    residual: Array,
+    informative: NDArray[np.bool_],
+    nearness: NDArray[np.intp],
+    lengths: list[int],
+    parameters: float,
+) -> NoiseModel:
     """Fit autoregressive noise by Yule and Walker, over informative samples only.
+
+    Near a reversal the filter blurs sgn q̇ and all that hangs on it, so the innovations have a size of their own at
+    each distance from rest.
 
     Args:
         residual: What a fitted model left [N·m or N], shape (K,).
         informative: Samples that count, shape (K,).
+        nearness: Class of distance to the joint's last or next reversal, shape (K,).
         lengths: Samples of each segment, adding up to K.
         parameters: Degrees of freedom that the fit used up.
 
@@ -68,9 +79,15 @@ def fit_noise(residual: Array, informative: NDArray[np.bool_], lengths: list[int
     covariance[0] = covariance[0] * (1 + 1e-9) + 1e-18
     toeplitz = covariance[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
     coefficients = np.linalg.solve(toeplitz + 1e-9 * covariance[0] * np.eye(order), covariance[1:])
-    noise = NoiseModel(coefficients, 1.0, tuple(lengths))
+    noise = NoiseModel(coefficients, np.ones(len(residual)), tuple(lengths))
     usable = informative & noise.kept
-    innovations = noise.whiten(residual)[usable]
-    freedom = max(usable.sum() - parameters, 0.2 * usable.sum(), 1.0)
-    sigma = float(np.sqrt(innovations @ innovations / freedom))
-    return NoiseModel(coefficients, max(sigma, 1e-12), tuple(lengths))
+    innovations = noise.whiten(residual)
+    power = float(np.sum(innovations[usable] ** 2)) / max(int(usable.sum()), 1)
+    sigma = np.full(len(residual), power)
+    for k in np.unique(nearness):
+        here = usable & (nearness == k)
+        # a class of few samples borrows from the whole
+        own = float(np.sum(innovations[here] ** 2))
+        sigma[nearness == k] = (own + BORROWED * power) / (here.sum() + BORROWED)
+    freedom = max(usable.sum() - parameters, 0.2 * usable.sum(), 1.0) / max(usable.sum(), 1)
+    return NoiseModel(coefficients, np.maximum(np.sqrt(sigma / freedom), 1e-12), tuple(lengths))

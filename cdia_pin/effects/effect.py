@@ -59,6 +59,7 @@ class Effect(ABC):
     linear: ClassVar[bool] = True  # is f linear in θ? otherwise `torque` and `jacobian` are overridden
     dissipative: ClassVar[bool] = False  # friction: never adds power within its bounds
     reads: ClassVar[bool] = False  # distorts the torque reading after all else, not the motion
+    rarity: ClassVar[float] = 0.0  # how much sooner another explanation of equal merit is believed [1]
     of_torque: ClassVar[bool] = False  # Φ depends on the actuator torque
 
     # ------------------------------------------------------------- physics

@@ -74,7 +74,7 @@ class StribeckFriction(JointEffect):
         j = x.robot.joint_index(self.joint)
         fast = np.percentile(np.abs(x.v[:, j]), 95)
         width = float(np.broadcast_to(x.sign_width, (x.robot.n,))[j])
-        narrowest = max(4.0 * width, 0.02 * fast)  # a Stribeck speed that the smoothing cannot imitate
+        narrowest = max(8.0 * width, 0.04 * fast)  # a Stribeck speed that the smoothing cannot imitate
         if fast <= 3 * narrowest:
             return []
         return [self.with_shape(decay=float(1.0 / s)) for s in np.geomspace(narrowest, fast / 3, 6)]

@@ -96,6 +96,7 @@ class LinkInertia(Body):
 
     name: ClassVar[str] = "link_inertia"
     equation: ClassVar[str] = "−Y δπ"
+    rarity: ClassVar[float] = 3.0  # a tool changes more often than a link
     scope_fields: ClassVar[tuple[str, ...]] = ("joint",)
 
     def carrier(self, robot: RobotModel) -> int:

@@ -19,7 +19,7 @@ from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
 
-LOWEST_CUTOFF, HIGHEST_CUTOFF = 2.0, 10.0  # [Hz]
+LOWEST_CUTOFF, HIGHEST_CUTOFF = 5.0, 25.0  # [Hz]
 SHORTEST = 3.0  # [s], less cannot be conditioned
 MOTION_OVERSAMPLING = 8.0  # rate of the motion over the cut-off: nonlinear effects make harmonics
 TORQUE_OVERSAMPLING = 2.2  # rate of the compared torques over the cut-off: just above Nyquist
@@ -154,7 +154,7 @@ def choose_cutoff(position: Array, rate: float) -> float:
     """Choose a cut-off from the positions: where their accelerations sink into the noise.
 
     The acceleration's spectrum is (2πf)⁴ times the position's. The cut-off is the lowest frequency above which,
-    on every joint, only noise is left, kept within 2 to 10 Hz and well below half the rate.
+    on every joint, only noise is left, kept within 5 to 25 Hz and well below half the rate.
 
     Args:
         position: Uniformly sampled, shape (N, n).

@@ -34,6 +34,8 @@ class Conversion:
         flip_position: Joints whose axis points the other way: position and velocity change sign.
         flip_velocity: Joints of which only the velocity changes sign.
         flip_effort: Joints of which the effort changes sign.
+        gravity: ``included`` in the efforts, or ``compensated``: the controller took it out, and the
+            URDF's gravity is added back.
         reduction: {joint: gear ratio} where the effort is that of the motor before the gear.
         use_velocity: False to leave recorded velocities out; they are derived from positions then.
     """
@@ -42,6 +44,7 @@ class Conversion:
     angle: str = "rad"
     length: str = "m"
     torque: str = "Nm"
+    gravity: str = "included"
     flip_position: tuple[str, ...] = ()
     flip_velocity: tuple[str, ...] = ()
     flip_effort: tuple[str, ...] = ()
@@ -54,6 +57,7 @@ class Conversion:
             ("unit of angle", self.angle, ANGLES),
             ("unit of length", self.length, LENGTHS),
             ("unit of torque", self.torque, TORQUES),
+            ("gravity", self.gravity, ("included", "compensated")),
         ):
             if given is not None and given not in valid:
                 raise LogError("convert: " + unknown_name(kind, str(given), valid))
@@ -124,6 +128,8 @@ class Conversion:
         ):
             if joints:
                 said.append(f"sign of {what} changed, as asked: {', '.join(joints)}")
+        if self.gravity == "compensated":
+            said.append("the URDF's gravity torque added to the efforts, as asked")
         if self.reduction:
             gears = ", ".join(f"{j} {r:g}" for j, r in self.reduction.items())
             said.append(f"motor-side efforts multiplied by the gear ratio, as asked: {gears}")

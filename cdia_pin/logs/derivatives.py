@@ -21,8 +21,9 @@ LARGEST_GROWTH = 4.0  # a uniform grid this many times longer than the log means
 def uniform(log: Log) -> Log:
     """Resample a log to a uniform grid at its median rate.
 
-    Positions follow a monotone cubic (PCHIP, no overshoot on held samples); velocities and
-    efforts, which carry white noise, are interpolated linearly. A log whose samples already
+    Positions follow Akima's cubic: as smooth as the arm at a reversal, where PCHIP is flat, and
+    without overshoot on held samples, where a spline rings. Velocities and efforts, which
+    carry white noise, are interpolated linearly. A log whose samples already
     lie on a uniform grid is returned as it is, with its times.
 
     Args:
@@ -50,7 +51,7 @@ def uniform(log: Log) -> Log:
     return replace(
         log,
         time=time,
-        position=_pchip(time, log.time, log.position),
+        position=_akima(time, log.time, log.position),
         velocity=velocity,
         effort=_linear(time, log.time, log.effort),
     ).noted(f"resampled from {len(log.time)} samples to a uniform grid of {count} at {log.rate:.4g} Hz")
@@ -118,7 +119,9 @@ def _linear(time: Array, given: Array, signal: Array) -> Array:
     return np.column_stack([np.interp(time, given, column) for column in signal.T])
 
 
-def _pchip(time: Array, given: Array, signal: Array) -> Array:
-    from scipy.interpolate import PchipInterpolator  # noqa: PLC0415  (importing the package must stay light)
+def _akima(time: Array, given: Array, signal: Array) -> Array:
+    if len(given) < 5:
+        return _linear(time, given, signal)
+    from scipy.interpolate import Akima1DInterpolator  # noqa: PLC0415  (importing the package must stay light)
 
-    return np.asarray(PchipInterpolator(given, signal, axis=0)(time))
+    return np.asarray(Akima1DInterpolator(given, signal, axis=0)(time))

@@ -60,8 +60,22 @@ def match_joints(
     missing = [j for j in joints if j not in by_name]
     raise LogError(
         f"no column for joint(s) {', '.join(missing)}; the log has {', '.join(given) or 'none'}, "
-        f"the robot has {', '.join(joints)}; name them with joint_map={{'name in the log': 'joint'}}"
+        f"the robot has {', '.join(joints)}; name them with --joint-map name=joint,…"
     )
+
+
+def joint_map_of(given: Mapping[str, str] | Sequence[str] | None) -> dict[str, str]:
+    """Return {name in the log: joint} from a dict or from texts ``name=joint``, several with commas."""
+    if given is None or isinstance(given, Mapping):
+        return dict(given or {})
+    out = {}
+    for text in [given] if isinstance(given, str) else given:
+        for part in text.split(","):
+            label, equals, joint = part.partition("=")
+            if not equals or not label.strip() or not joint.strip():
+                raise LogError(f"joint_map: '{part}' is not of the form name=joint")
+            out[label.strip()] = joint.strip()
+    return out
 
 
 def check_joint_map(joint_map: Mapping[str, str], given: Sequence[str], joints: Sequence[str]) -> None:
@@ -91,9 +105,7 @@ def _same_but_for_a_prefix(given: Sequence[str], joints: Sequence[str]) -> tuple
     measured = [r for r in possible if not _words(r[0].removesuffix(joints[0])) & _NOT_MEASURED]
     if len(measured) > 1:
         starts = ", ".join(f"'{r[0]}' …" for r in measured)
-        raise LogError(
-            f"joint {joints[0]} could be {starts}; say which with joint_map={{'name in the log': 'joint'}}"
-        )
+        raise LogError(f"joint {joints[0]} could be {starts}; say which with --joint-map name=joint,…")
     return measured[0] if measured else None
 
 

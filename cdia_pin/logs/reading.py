@@ -13,7 +13,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import understand
 from cdia_pin.logs.conversion import Conversion
 from cdia_pin.logs.gains import read_gains
-from cdia_pin.logs.joint_names import check_joint_map
+from cdia_pin.logs.joint_names import check_joint_map, joint_map_of
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.picking import Picker
 from cdia_pin.logs.readers.dispatch import read_table
@@ -31,7 +31,7 @@ def read_log(
     robot: RobotModel,
     *,
     gains: Gains | None = None,
-    joint_map: Mapping[str, str] | None = None,
+    joint_map: Mapping[str, str] | Sequence[str] | None = None,
     convert: Conversion | Mapping[str, Any] | Sequence[str] | None = None,
     topic: str | None = None,
 ) -> Log:
@@ -45,7 +45,8 @@ def read_log(
             ROS 2 bag (``.db3``, ``.mcap`` or its directory) with sensor_msgs/JointState.
         robot: The robot; its joints are looked up by name and returned in its order.
         gains: Drive gains {joint: N·m/A} or a JSON file with them, where the log has currents.
-        joint_map: {name in the log: joint of the robot} where names differ.
+        joint_map: {name in the log: joint of the robot} where names differ, or texts
+            ``name=joint`` of the command line.
         convert: Units and signs that are not SI or not the URDF's, see ``Conversion``.
         topic: JointState topic of a bag, where several have the robot's joints.
 
@@ -58,9 +59,10 @@ def read_log(
     path = Path(path)
     conversion = Conversion.of(convert)
     conversion.check_joints(robot.joints)
-    table, sha256 = read_table(path, robot.joints, joint_map, topic)
+    renames = joint_map_of(joint_map)
+    table, sha256 = read_table(path, robot.joints, renames, topic)
     columns = understand((*table.columns, *table.not_numbers))
-    pick = Picker(table, columns, robot.joints, joint_map or {}, path.name, list(table.notes))
+    pick = Picker(table, columns, robot.joints, renames, path.name, list(table.notes))
     check_joint_map(pick.joint_map, pick.labels, robot.joints)
 
     position = pick.required("position") * conversion.position_scale(robot)
@@ -68,6 +70,8 @@ def read_log(
     if velocity is not None:
         velocity = velocity * conversion.velocity_scale(robot)
     effort = _effort(pick, gains, conversion) * conversion.effort_scale(robot)
+    if conversion.gravity == "compensated":
+        effort = effort + robot.gravity(position)
     pick.note_what_was_ignored()
     unit = conversion.time or table.time_unit or columns.time.get(columns.time_column or "")
     time, time_notes = in_seconds(pick.time(), unit, path.name)
@@ -92,9 +96,7 @@ def _effort(pick: Picker, gains: Gains | None, conversion: Conversion) -> Array:
         pick.notes.append("the log has both effort and current; the effort is used")
     if has_effort and conversion.torque != "A":
         if gains is not None:
-            pick.notes.append(
-                "drive gains not used: the log has efforts (convert={'torque': 'A'} applies them)"
-            )
+            pick.notes.append("drive gains not used: the log has efforts (--convert torque=A applies them)")
         return pick.required("effort")
     if not has_effort and not has_current:
         return pick.required("effort")  # says what is missing

@@ -43,7 +43,7 @@ def in_seconds(raw: NDArray[Any], unit: str | None, source: str) -> tuple[Array,
         if unit != "s":
             notes.append(
                 f"times taken as {unit}, because their median step is {_median_step(raw):g}; "
-                "convert={'time': 's'} says otherwise"
+                "--convert time=s says otherwise"
             )
     elif unit not in SECONDS:
         raise LogError(f"{source}: " + unknown_name("unit of time", unit, SECONDS))

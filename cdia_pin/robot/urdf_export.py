@@ -14,7 +14,7 @@ import numpy as np
 from lxml import etree
 from numpy.typing import ArrayLike, NDArray
 
-from cdia_pin import __version__
+import cdia_pin
 from cdia_pin.errors import RobotError
 from cdia_pin.robot.inertia import (
     is_physical,
@@ -170,7 +170,8 @@ def _summary(
     parts = [f"{what} of {', '.join(joints)}" for what, joints in per_joint.items() if joints]
     if has_payload:
         parts.append(f"payload on {robot.tool_frame}")
-    return f"{robot.urdf.name} corrected by cdia-pin {__version__}: {'; '.join(parts) or 'nothing changed'}"
+    changes = "; ".join(parts) or "nothing changed"
+    return f"{robot.urdf.name} corrected by cdia-pin {cdia_pin.__version__}: {changes}"
 
 
 def _ten(joint: str, given: ArrayLike) -> Array:

@@ -1,9 +1,9 @@
-"""Faults of the plant, written apart from the package's effects so that neither can lend the other its error."""
+"""Faults of the plant, written apart from the package's effects: neither can lend the other its error."""
 
 from __future__ import annotations
 
 from benchmarks.plant.faults import actuation, bodies, environment, friction, outside, sensing
-from benchmarks.plant.faults.mechanism import Fault, Mechanism, Step
+from benchmarks.plant.faults.mechanism import Fault, Mechanism, Step, Value
 from cdia_pin.errors import EffectError, unknown_name
 
 VOCABULARY: dict[str, type[Mechanism]] = {
@@ -53,4 +53,24 @@ def mechanism(fault: Fault) -> Mechanism:
     return MECHANISMS[fault.effect](fault)
 
 
-__all__ = ["MECHANISMS", "OUTSIDE", "VOCABULARY", "Fault", "Mechanism", "Step", "mechanism"]
+def scaled(fault: Fault, factor: float) -> Fault:
+    """Return a fault with the parameters that set its size multiplied."""
+    sizes = MECHANISMS[fault.effect].sizes
+    return fault.with_parameters({k: _times(v, factor) for k, v in fault.parameters.items() if k in sizes})
+
+
+def _times(value: Value, factor: float) -> Value:
+    return tuple(factor * x for x in value) if isinstance(value, tuple) else factor * float(value or 0.0)
+
+
+__all__ = [
+    "MECHANISMS",
+    "OUTSIDE",
+    "VOCABULARY",
+    "Fault",
+    "Mechanism",
+    "Step",
+    "Value",
+    "mechanism",
+    "scaled",
+]

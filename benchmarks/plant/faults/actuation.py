@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
-from benchmarks.plant.faults.mechanism import Mechanism, Step
+from benchmarks.plant.faults.mechanism import Mechanism, Parameters, Step
 
 
 class ActuatorGain(Mechanism):
     """f = gain τ: the joint receives (1 + gain) times what is commanded and recorded."""
 
     name = "actuator_gain"
-    defaults = {"gain": -0.2}
+    defaults: ClassVar[Parameters] = {"gain": -0.2}
     sizes = ("gain",)
 
     def act(self, x: Step) -> None:
+        """Act at one step."""
         x.delivered[self.j] += self.amount * self.p["gain"] * x.command[self.j]
 
 
@@ -22,10 +25,11 @@ class TorqueOffset(Mechanism):
     """f = offset."""
 
     name = "torque_offset"
-    defaults = {"offset": 1.0}
+    defaults: ClassVar[Parameters] = {"offset": 1.0}
     sizes = ("offset",)
 
     def act(self, x: Step) -> None:
+        """Act at one step."""
         x.force[self.j] += self.amount * self.p["offset"]
 
 
@@ -33,11 +37,12 @@ class RotorInertia(Mechanism):
     """f = −inertia q̈: MuJoCo's armature."""
 
     name = "rotor_inertia"
-    defaults = {"inertia": 0.1}
+    defaults: ClassVar[Parameters] = {"inertia": 0.1}
     sizes = ("inertia",)
     added = 0.0
 
     def present(self, amount: float) -> None:
+        """Write a share of the fault into the model."""
         self.model.dof_armature[self.dof] += amount * self.p["inertia"] - self.added
         self.added = amount * self.p["inertia"]
 
@@ -46,10 +51,11 @@ class JointSpring(Mechanism):
     """f = −stiffness q + preload: MuJoCo's joint stiffness, its rest where both parts cancel."""
 
     name = "joint_spring"
-    defaults = {"stiffness": 1.0, "preload": 0.0}
+    defaults: ClassVar[Parameters] = {"stiffness": 1.0, "preload": 0.0}
     sizes = ("stiffness", "preload")
 
     def present(self, amount: float) -> None:
+        """Write a share of the fault into the model."""
         joint = self.model.dof_jntid[self.dof]
         k = self.p["stiffness"]
         self.model.jnt_stiffness[joint] = amount * k
@@ -60,9 +66,10 @@ class PositionRipple(Mechanism):
     """f = sine sin(frequency q) + cosine cos(frequency q)."""
 
     name = "position_ripple"
-    defaults = {"sine": 1.0, "cosine": 0.0, "frequency": 7.0}
+    defaults: ClassVar[Parameters] = {"sine": 1.0, "cosine": 0.0, "frequency": 7.0}
     sizes = ("sine", "cosine")
 
     def act(self, x: Step) -> None:
+        """Act at one step."""
         phase = self.p["frequency"] * x.q[self.j]
         x.force[self.j] += self.amount * (self.p["sine"] * np.sin(phase) + self.p["cosine"] * np.cos(phase))

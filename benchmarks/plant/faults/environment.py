@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import mujoco
 import numpy as np
 
-from benchmarks.plant.faults.mechanism import Mechanism, Step
+from benchmarks.plant.faults.mechanism import Mechanism, Parameters, Step
+from benchmarks.plant.urdf import TOOL_BODY
 
 if TYPE_CHECKING:
     from benchmarks.plant.arm import Arm
@@ -17,14 +18,16 @@ class BaseTilt(Mechanism):
     """Gravity of the same size with the parts tilt_x, tilt_y across: MuJoCo's gravity, rotated."""
 
     name = "base_tilt"
-    defaults = {"tilt_x": 0.0, "tilt_y": 0.0}  # [m/s²]
+    defaults: ClassVar[Parameters] = {"tilt_x": 0.0, "tilt_y": 0.0}  # [m/s²]
     sizes = ("tilt_x", "tilt_y")
     places = 0
 
     def found(self) -> None:
+        """Note what the model holds before the fault."""
         self.stated = self.model.opt.gravity.copy()
 
     def present(self, amount: float) -> None:
+        """Write a share of the fault into the model."""
         across = amount * np.array([self.p["tilt_x"], self.p["tilt_y"], 0.0])
         size = np.linalg.norm(self.stated)
         self.model.opt.gravity[:] = across + self.stated / size * np.sqrt(size**2 - across @ across)
@@ -34,14 +37,13 @@ class ToolWrench(Mechanism):
     """f = Jᵀ F: a constant force [N] and torque [N·m] at the tool's frame, in the axes of the base."""
 
     name = "tool_wrench"
-    defaults = {"force": (0.0, 0.0, 0.0), "torque": (0.0, 0.0, 0.0)}
+    defaults: ClassVar[Parameters] = {"force": (0.0, 0.0, 0.0), "torque": (0.0, 0.0, 0.0)}
     sizes = ("force", "torque")
     places = 0
     added = 0.0
 
     def present(self, amount: float) -> None:
-        from benchmarks.plant.arm import TOOL_BODY
-
+        """Write a share of the fault into the model."""
         wrench = self.arm.data.xfrc_applied[self.model.body(TOOL_BODY).id]
         wrench += (amount - self.added) * np.array([*self.p["force"], *self.p["torque"]])
         self.added = amount
@@ -54,16 +56,18 @@ class ViscousMedium(Mechanism):
     """
 
     name = "viscous_medium"
-    defaults = {"drag": 0.0, "displaced_mass": 0.0}  # [N·s/m], [kg]
+    defaults: ClassVar[Parameters] = {"drag": 0.0, "displaced_mass": 0.0}  # [N·s/m], [kg]
     sizes = ("drag", "displaced_mass")
     places = 0
     moving = True
 
     def edit(self, spec: mujoco.MjSpec, arm: Arm) -> None:
+        """Add what the fault needs to the description."""
         for link in arm.links:
             spec.body(link).gravcomp = 1e-9  # MuJoCo skips the computation where every body has zero
 
     def found(self) -> None:
+        """Note what the model holds before the fault."""
         m, rigid = self.model, mujoco.MjData(self.model)
         mujoco.mj_kinematics(m, rigid)
         self.bodies, masses, centres = [], [], []
@@ -83,10 +87,12 @@ class ViscousMedium(Mechanism):
         self.all = [b for joint in self.arm.joints for b in self.arm.bodies_of(joint)]
 
     def present(self, amount: float) -> None:
+        """Write a share of the fault into the model."""
         self.amount = amount
         self.model.body_gravcomp[self.all] = amount * self.p["displaced_mass"] / self.whole
 
     def act_moving(self, x: Step) -> None:
+        """Act at one step, with the bodies where they are now."""
         m, d, J = self.model, self.arm.data, self.jacobian
         turned = np.einsum("lij,lj->li", d.xmat[self.bodies].reshape(-1, 3, 3), self.centres)
         points = d.xpos[self.bodies] + turned

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Value = float | tuple[float, ...] | str | None
+Parameters = dict[str, Value]
 
 
 @dataclass(frozen=True, init=False)
@@ -65,14 +66,15 @@ class Fault:
         """Joints named by the fault."""
         return tuple(j for j in (self.joint, self.other) if j is not None)
 
-    def scaled(self, factor: float) -> Fault:
-        """Return the fault with the parameters that set its size multiplied."""
-        from benchmarks.plant.faults import MECHANISMS
-
-        sizes = MECHANISMS[self.effect].sizes
-        new = {k: _times(v, factor) if k in sizes else v for k, v in self.parameters.items()}
+    def with_parameters(self, new: Mapping[str, Value]) -> Fault:
+        """Return the fault with some parameters replaced."""
         return Fault(
-            self.effect, joint=self.joint, other=self.other, after=self.after, ramp=self.ramp, **new
+            self.effect,
+            joint=self.joint,
+            other=self.other,
+            after=self.after,
+            ramp=self.ramp,
+            **{**self.parameters, **new},
         )
 
     def share(self, t: float) -> float:
@@ -128,7 +130,7 @@ class Mechanism:
     """
 
     name: ClassVar[str]
-    defaults: ClassVar[dict[str, Value]] = {}
+    defaults: ClassVar[Parameters] = {}
     sizes: ClassVar[tuple[str, ...]] = ()
     places: ClassVar[int | None] = 1
     moving: ClassVar[bool] = False
@@ -136,9 +138,13 @@ class Mechanism:
     def __init__(self, fault: Fault) -> None:
         for given in fault.parameters:
             if given not in self.defaults:
-                raise EffectError(f"plant, {fault.effect}: " + unknown_name("parameter", given, self.defaults))
+                raise EffectError(
+                    f"plant, {fault.effect}: " + unknown_name("parameter", given, self.defaults)
+                )
         if self.places is not None and len(fault.joints) != self.places:
-            raise EffectError(f"plant, {fault.effect}: names {self.places} joint(s), given {len(fault.joints)}")
+            raise EffectError(
+                f"plant, {fault.effect}: names {self.places} joint(s), given {len(fault.joints)}"
+            )
         self.fault = fault
         self.p: dict[str, Any] = {**self.defaults, **fault.parameters}
         self.amount = 1.0  # share of the fault that is present
@@ -178,10 +184,3 @@ def _plain(value: Any) -> Value:
     if value is None or isinstance(value, str):
         return value
     return tuple(float(x) for x in value) if np.ndim(value) else float(value)
-
-
-def _times(value: Value, factor: float) -> Value:
-    if isinstance(value, tuple):
-        return tuple(factor * x for x in value)
-    assert isinstance(value, float)
-    return factor * value

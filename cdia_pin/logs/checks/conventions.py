@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 DEGREE = float(np.pi / 180.0)
 CERTAIN = 1.5  # [1] gain in misfit that no measured log came near without a reason
 LIKELY = 0.7  # [1]
+BROKEN = 0.2  # share left unexplained from which an effort may be misread; missing physics leaves less
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,9 @@ def search_conventions(motion: Motion, robot: RobotModel) -> Search:
         if not trials or trials[0].gain < CERTAIN or len(steps) >= 2 * robot.n:
             return Search(tuple(steps), tuple(trials), current, before, share)
         best = trials[0]
-        rivals = tuple(t for t in trials[1:] if t.gain > best.gain - LIKELY and t.gain > LIKELY)
+        rivals = tuple(
+            t for t in trials[1:] if t.gain > best.gain - LIKELY and set(t.joints) & set(best.joints)
+        )
         steps.append((best, rivals))
         current, share = best.conventions, best.share
 
@@ -119,8 +122,14 @@ def _trials(current: Conventions, shares: _Shares, share: Array) -> list[Trial]:
     trials = []
     for kind, joints, conventions in _changes(current, shares.motion, shares.robot):
         new = shares.of(conventions)
-        trials.append(Trial(kind, joints, conventions, new, now - misfit(new)))
+        gain = now - misfit(new)
+        trials.append(Trial(kind, joints, conventions, new, gain if _mends(share, new) else min(gain, 0.0)))
     return sorted(trials, key=lambda t: -t.gain)
+
+
+def _mends(old: Array, new: Array) -> bool:
+    """True where an effort that did not fit does so now; what is missing in a model may look like less."""
+    return bool(np.any((old > BROKEN) & (new < 0.5 * old)))
 
 
 def _changes(
@@ -141,6 +150,11 @@ def _changes(
         yield "order", (i, j), replace(current, effort_column=effort_column, position_column=position_column)
         if moves[i] and moves[j]:
             yield "effort order", (i, j), replace(current, effort_column=effort_column)
+    for order in _whole_orders(robot.joints):
+        both = (_reordered(current.position_column, order), _reordered(current.effort_column, order))
+        changed = tuple(k for k in range(robot.n) if order[k] != k)
+        yield "order", changed, replace(current, position_column=both[0], effort_column=both[1])
+        yield "effort order", changed, replace(current, effort_column=both[1])
     if current.angle == 1.0 and not robot.is_prismatic.all():
         revolute = tuple(np.flatnonzero(~robot.is_prismatic).tolist())
         yield "degrees", revolute, replace(current, angle=DEGREE)
@@ -152,6 +166,7 @@ class _Shares:
     def __init__(self, motion: Motion, robot: RobotModel) -> None:
         self.motion, self.robot = motion, robot
         self._columns: dict[tuple[object, ...], Array] = {}
+        self._known: dict[tuple[object, ...], float] = {}
 
     def of(self, conventions: Conventions) -> Array:
         """Unexplained share of every joint that moves, NaN elsewhere, shape (n,)."""
@@ -160,14 +175,34 @@ class _Shares:
         if key not in self._columns:
             self._columns[key] = physical_columns(read, self.robot)
         columns = self._columns[key]
-        moving = [bool(m) for m in read.moves]
-        return np.array(
-            [unexplained(read.effort[:, k], columns[k]) if m else np.nan for k, m in enumerate(moving)]
-        )
+        out = np.full(self.robot.n, np.nan)
+        for k in np.flatnonzero(read.moves).tolist():
+            own = (*key, k, conventions.effort_column[k], conventions.effort_sign[k])
+            if own not in self._known:
+                self._known[own] = unexplained(read.effort[:, k], columns[k])
+            out[k] = self._known[own]
+        return out
 
 
 def _negated(signs: tuple[int, ...], k: int) -> tuple[int, ...]:
     return tuple(-s if i == k else s for i, s in enumerate(signs))
+
+
+def _whole_orders(joints: Sequence[str]) -> list[tuple[int, ...]]:
+    """Orders that people meet beyond exchanges: rotated, reversed, alphabetical (ROS sorts names)."""
+    n = len(joints)
+    alphabet = sorted(joints)
+    orders = [tuple((k + shift) % n for k in range(n)) for shift in range(1, n)]
+    orders += [tuple(reversed(range(n)))]
+    orders += [tuple(alphabet.index(j) for j in joints), tuple(joints.index(j) for j in alphabet)]
+    exchanges = {tuple(range(n))} | {
+        _swapped(tuple(range(n)), i, j) for i, j in itertools.combinations(range(n), 2)
+    }
+    return [order for order in dict.fromkeys(orders) if order not in exchanges]
+
+
+def _reordered(columns: tuple[int, ...], order: tuple[int, ...]) -> tuple[int, ...]:
+    return tuple(columns[k] for k in order)
 
 
 def _swapped(columns: tuple[int, ...], i: int, j: int) -> tuple[int, ...]:

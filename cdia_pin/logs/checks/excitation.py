@@ -33,7 +33,7 @@ def check_excitation(log: Log, robot: RobotModel, motion: Motion | None) -> Iter
             yield Finding(
                 "excitation",
                 "info",
-                f"does not move (covers {np.ptp(motion.q[:, k]):.2g} {unit}): its friction and inertia cannot be told",
+                f"does not move ({np.ptp(motion.q[:, k]):.2g} {unit}): cannot tell its friction or inertia",
                 joint=joint,
                 advice="add a log in which it moves",
                 value={"moves": False, "range": float(np.ptp(motion.q[:, k]))},
@@ -57,7 +57,8 @@ def check_excitation(log: Log, robot: RobotModel, motion: Motion | None) -> Iter
         }
         message = (
             f"covers {value['range']:.3g} {unit} at up to {value['max_speed']:.3g} {unit}/s and "
-            f"{value['max_acceleration']:.3g} {unit}/s², {reversals} reversals, gravity changes by {gravity[k]:.3g}"
+            f"{value['max_acceleration']:.3g} {unit}/s², {reversals} reversals, "
+            f"gravity changes by {round(gravity[k], 6):.3g}"
         )
         lacks = []
         if reversals == 0:

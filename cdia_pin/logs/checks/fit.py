@@ -1,7 +1,8 @@
 r"""How much of an effort physics can explain, whatever its units.
 
-.. math:: \tau_j \approx \alpha (M \ddot q + V)_j + \gamma G_j + \beta_v \dot q_j + \beta_c\,\mathrm{sgn}\,\dot q_j
-          + I_j \ddot q_j + c, \qquad \alpha, \gamma, \beta_v, \beta_c, I_j \ge 0
+.. math:: \tau_j \approx \alpha (M \ddot q + V)_j + \gamma G_j
+          + \beta_v \dot q_j + \beta_c\,\mathrm{sgn}\,\dot q_j + I_j \ddot q_j + c,
+          \qquad \alpha, \gamma, \beta_v, \beta_c, I_j \ge 0
 
 Coefficients that cannot be negative in nature are kept so: friction dissipates, inertia resists,
 gravity pulls as the URDF says. This is what gives a wrong sign, order or unit of angle away, while
@@ -10,6 +11,8 @@ no unit of torque and no drive gain matters.
 
 from __future__ import annotations
 
+import itertools
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,11 +63,17 @@ def _nonnegative_residual(gram: Array, moment: Array, total: float) -> float:
     k = len(moment)
     gram = gram + 1e-9 * np.eye(k)
     best = total
-    if k and (c := np.linalg.solve(gram, moment)).min() >= 0:
-        return total - float(c @ moment)
-    for active in range(1, 2**k - 1):
-        index = [i for i in range(k) if active >> i & 1]
-        c = np.linalg.solve(gram[np.ix_(index, index)], moment[index])
-        if c.min() >= 0:
-            best = min(best, total - float(c @ moment[index]))
+    for size in range(k, 0, -1):
+        active = _subsets(k, size)  # (sets, size)
+        c = np.linalg.solve(gram[active[:, :, None], active[:, None, :]], moment[active][..., None])[..., 0]
+        allowed = c.min(axis=1) >= 0
+        if allowed.any():
+            best = min(best, float(total - (c * moment[active]).sum(axis=1)[allowed].max()))
+        if allowed.all():
+            break  # fewer columns cannot explain more
     return best
+
+
+@cache
+def _subsets(k: int, size: int) -> NDArray[np.intp]:
+    return np.array(list(itertools.combinations(range(k), size)), dtype=np.intp)

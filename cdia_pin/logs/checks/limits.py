@@ -9,48 +9,57 @@ import numpy as np
 
 from cdia_pin.logs.checks.finding import Finding
 from cdia_pin.logs.checks.motion import Motion
+from cdia_pin.logs.checks.sampling import quantum
 from cdia_pin.logs.log import Log
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 TOLERANCE = 0.01  # [rad or m]; encoder noise at a hard stop
+SLACK = 1.1  # [1]; noise and overshoot of speeds and efforts
 
 
 def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
     """Positions, speeds and efforts beyond what the URDF allows."""
     limits = robot.limits
-    found = False
-    speeds = np.zeros(robot.n) if log.velocity is None else np.abs(log.velocity).max(axis=0)
-    for k, joint in enumerate(log.joints):
-        low, high = float(log.position[:, k].min()), float(log.position[:, k].max())
-        if low < limits.lower[k] - TOLERANCE or high > limits.upper[k] + TOLERANCE:
-            found = True
+    low, high = log.position.min(axis=0), log.position.max(axis=0)
+    speed = np.zeros(robot.n) if log.velocity is None else np.abs(log.velocity).max(axis=0)
+    effort = np.abs(log.effort).max(axis=0)
+    outside = (low < limits.lower - TOLERANCE) | (high > limits.upper + TOLERANCE)
+    beyond = {
+        "positions": (
+            {
+                k: f"{low[k]:.4g} to {high[k]:.4g} of {limits.lower[k]:.4g} to {limits.upper[k]:.4g}"
+                for k in range(robot.n)
+            },
+            outside,
+            "check unit and sign of the position (--convert angle=deg, flip_position=…), the order of the "
+            "joints (--joint-map), and that this is the robot",
+        ),
+        "speeds": (
+            {k: f"{speed[k]:.4g} of {limits.velocity[k]:.4g}" for k in range(robot.n)},
+            speed > SLACK * limits.velocity,
+            "check the unit of the velocity, and that this is the robot",
+        ),
+        "efforts": (
+            {k: f"{effort[k]:.4g} of {limits.effort[k]:.4g}" for k in range(robot.n)},
+            effort > SLACK * limits.effort,
+            "check the unit of the effort (--convert torque=Nmm), and that this is the robot",
+        ),
+    }
+    for what, (said, where, advice) in beyond.items():
+        joints = np.flatnonzero(where).tolist()
+        if joints:
             yield Finding(
                 "limits",
                 "warning",
-                f"positions from {low:.4g} to {high:.4g} leave the URDF's range {limits.lower[k]:.4g} to "
-                f"{limits.upper[k]:.4g}",
-                joint=joint,
-                advice="check unit, sign and zero of the position (convert angle=deg, flip_position=…), the order "
-                "of the joints (joint_map), and that this is the robot",
-                value={"lowest": low, "highest": high},
+                f"{what} beyond the URDF's limits: "
+                + ", ".join(f"{log.joints[k]} {said[k]}" for k in joints),
+                joint=log.joints[joints[0]] if len(joints) == 1 else None,
+                advice=advice,
+                value={"signal": what, "joints": [log.joints[k] for k in joints]},
             )
-        for what, most, limit in (
-            ("speed", float(speeds[k]), float(limits.velocity[k])),
-            ("effort", float(np.abs(log.effort[:, k]).max()), float(limits.effort[k])),
-        ):
-            if most > 1.1 * limit:
-                found = True
-                yield Finding(
-                    "limits",
-                    "warning",
-                    f"{what} up to {most:.4g}, the URDF's limit is {limit:.4g}",
-                    joint=joint,
-                    advice=f"check the unit of the {what} and that this is the robot",
-                    value={what: most, "limit": limit},
-                )
-    if not found:
+    if not any(where.any() for _, where, _ in beyond.values()):
         yield Finding("limits", "ok", "positions, speeds and efforts lie within the URDF's limits")
 
 
@@ -60,7 +69,8 @@ def check_saturation(log: Log, robot: RobotModel, motion: Motion | None) -> Iter
     speed = np.abs(np.gradient(log.position, log.time, axis=0))
     for k, joint in enumerate(log.joints):
         effort = log.effort[:, k]
-        at_limit = float(np.mean(np.abs(effort) > 0.99 * robot.limits.effort[k]))
+        ratio = np.abs(effort) / robot.limits.effort[k]
+        at_limit = float(np.mean(ratio > 0.98)) if ratio.max() < SLACK else 0.0
         clipped, level = 0.0, 0.0
         if motion is not None and motion.moves[k]:
             moving = speed[:, k] > 0.02 * speed[:, k].max()
@@ -86,10 +96,10 @@ def check_saturation(log: Log, robot: RobotModel, motion: Motion | None) -> Iter
 
 def _plateau(effort: np.ndarray) -> tuple[float, float]:
     """Share of samples exactly at the maximum, if they are more than lie just below it; and the level."""
-    if len(effort) < 100:
+    if len(effort) < 100 or len(np.unique(effort)) < 20:  # so coarsely rounded, every peak is flat
         return 0.0, 0.0
     top = float(effort.max())
-    band = 0.03 * (top - float(effort.min()))
+    band = max(0.03 * (top - float(effort.min())), 3.5 * quantum(effort))  # coarse levels are no plateau
     at_top = int(np.sum(effort >= top - 1e-6 * max(abs(top), band)))
     below = int(np.sum(effort > top - band)) - at_top
     clipped = at_top >= 5 and at_top > below and band > 0

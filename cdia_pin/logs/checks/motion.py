@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.errors import LogError
 from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
 
@@ -46,14 +47,15 @@ class Motion:
         """Return at most about ``samples`` samples."""
         step = max(1, len(self.time) // samples)
         s = np.s_[::step]
-        return replace(
-            self, time=self.time[s], q=self.q[s], v=self.v[s], a=self.a[s], effort=self.effort[s]
-        )
+        return replace(self, time=self.time[s], q=self.q[s], v=self.v[s], a=self.a[s], effort=self.effort[s])
 
 
 def motion_of(log: Log, is_prismatic: Mask, cutoff: float = CUTOFF) -> Motion | None:
     """Smooth the longest stretch of a log without a gap; None if that is too short to say anything."""
-    even = uniform(longest_stretch(log))
+    try:
+        even = uniform(longest_stretch(log))
+    except LogError:  # more gaps than samples
+        return None
     rate = even.rate
     cutoff = min(cutoff, 0.2 * rate)
     edge = int(rate / cutoff) + 1  # where odd padding, not the arm, makes the acceleration

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,9 @@ from numpy.typing import NDArray
 from cdia_pin.logs.checks.finding import Finding
 from cdia_pin.logs.checks.motion import CUTOFF, LONGEST_GAP, SHORTEST, Motion
 from cdia_pin.logs.log import Log
+
+if TYPE_CHECKING:
+    from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
@@ -27,7 +31,7 @@ def check_rate(log: Log) -> Iterator[Finding]:
             "rate",
             "warning",
             f"{message}: too slow to derive accelerations",
-            advice=f"record at {LOWEST_RATE:g} Hz or more; check the unit of time (convert time=ms)",
+            advice=f"record at {LOWEST_RATE:g} Hz or more; check the unit of time (--convert time=ms)",
             value=value,
         )
     elif log.duration < SHORTEST:
@@ -96,6 +100,16 @@ def check_repeats(log: Log, motion: Motion | None) -> Iterator[Finding]:
 
 
 def _frozen(log: Log, k: int) -> Iterator[Finding]:
+    if not np.ptp(log.effort[:, k]):
+        yield Finding(
+            "frozen",
+            "error",
+            f"the effort is {log.effort[0, k]:.4g} throughout although the joint moves: it was not recorded",
+            joint=log.joints[k],
+            advice="record the effort of this joint",
+            value={"signal": "effort"},
+        )
+        return
     speed = np.abs(np.gradient(log.position[:, k], log.time))
     start, stop = longest_run(np.diff(log.effort[:, k]) == 0)
     seconds = float(log.time[stop] - log.time[start])
@@ -105,8 +119,8 @@ def _frozen(log: Log, k: int) -> Iterator[Finding]:
         yield Finding(
             "frozen",
             "warning",
-            f"the effort stands at {log.effort[start, k]:.4g} for {seconds:.3g} s from t = {log.time[start]:.4g} s "
-            f"while the joint moves {travelled:.3g}",
+            f"the effort stands at {log.effort[start, k]:.4g} for {seconds:.3g} s from "
+            f"t = {log.time[start]:.4g} s while the joint moves {travelled:.3g}",
             joint=log.joints[k],
             advice="cut that part (Log.slice), or find out why the effort was not updated",
             value={"signal": "effort", "from_s": float(log.time[start]), "seconds": seconds},
@@ -120,59 +134,59 @@ def _frozen(log: Log, k: int) -> Iterator[Finding]:
         yield Finding(
             "frozen",
             "warning",
-            f"the position stands still for {seconds:.3g} s from t = {log.time[start]:.4g} s while the recorded "
-            f"velocity is at least {fastest:.3g}",
+            f"the position stands still for {seconds:.3g} s from t = {log.time[start]:.4g} s while "
+            f"the recorded velocity is at least {fastest:.3g}",
             joint=log.joints[k],
             advice="cut that part (Log.slice), or find out why the position was not updated",
             value={"signal": "position", "from_s": float(log.time[start]), "seconds": seconds},
         )
 
 
-def check_resolution(log: Log, motion: Motion | None) -> Iterator[Finding]:
-    """Rounding of positions and efforts, and what it does to derived accelerations."""
-    for k, joint in enumerate(log.joints):
-        if motion is None or not motion.moves[k]:
+def check_resolution(log: Log, robot: RobotModel, motion: Motion | None) -> Iterator[Finding]:
+    """Rounding of positions and efforts, and what it does to torques that need accelerations."""
+    if motion is None:
+        return
+    inertia = np.diagonal(robot.mass_matrix(motion.thin(20).q), axis1=1, axis2=2).max(axis=0)
+    # White noise of step/√12 through a low-pass at CUTOFF, differentiated twice [1/s²].
+    amplify = (2 * np.pi * CUTOFF) ** 2 * np.sqrt(CUTOFF / (2.5 * log.rate)) / np.sqrt(12)
+    rounded = {
+        "position": lambda k: (quantum(log.position[:, k]), amplify * inertia[k]),
+        "effort": lambda k: (quantum(log.effort[:, k]), 1 / np.sqrt(12)),
+    }
+    for signal, of_joint in rounded.items():
+        steps, shares = {}, {}
+        for k in np.flatnonzero(motion.moves).tolist():
+            step, torque_per_step = of_joint(k)
+            if step > 0:
+                steps[log.joints[k]] = step
+                shares[log.joints[k]] = float(step * torque_per_step / max(motion.effort[:, k].std(), 1e-12))
+        if not steps or max(shares.values()) < 1e-3:
             continue
-        step = quantum(log.position[:, k])
-        if step > 1e-5:
-            # White rounding noise of step/√12 through a low-pass at CUTOFF, differentiated twice.
-            noise = (
-                step / np.sqrt(12) * (2 * np.pi * CUTOFF) ** 2 * np.sqrt(CUTOFF / (2.5 * log.rate))
-            )
-            share = float(noise / max(motion.a[:, k].std(), 1e-12))
-            yield Finding(
-                "resolution",
-                "warning" if share > 0.3 else "info",
-                f"positions are multiples of {step:.2g}; derived accelerations carry noise of about "
-                f"{noise:.2g} per s² at {CUTOFF:g} Hz, {share:.0%} of their size",
-                joint=joint,
-                advice="record positions with more digits" if share > 0.3 else "",
-                value={"signal": "position", "quantum": step, "acceleration_noise": float(noise)},
-            )
-        step = quantum(log.effort[:, k])
-        share = step / max(float(log.effort[:, k].std()), 1e-12)
-        if share > 0.02:
-            yield Finding(
-                "resolution",
-                "warning" if share > 0.5 else "info",
-                f"efforts are multiples of {step:.3g}, {share:.0%} of their standard deviation",
-                joint=joint,
-                value={"signal": "effort", "quantum": step},
-            )
+        worst = max(shares, key=lambda joint: shares[joint])
+        coarsest = max(steps, key=lambda joint: steps[joint])
+        yield Finding(
+            "resolution",
+            "warning" if shares[worst] > 0.1 else "info",
+            f"{signal}s of {len(steps)} joint(s) are rounded, on {coarsest} to multiples of "
+            f"{steps[coarsest]:.2g}: a noise in torque of up to {shares[worst]:.1%} of the effort ({worst})",
+            advice=f"record {signal}s with more digits" if shares[worst] > 0.1 else "",
+            value={"signal": signal, "quantum": steps, "share_of_effort": shares},
+        )
 
 
 def quantum(signal: Array) -> float:
-    """Step of which all values of a signal are multiples; 0 where there is none."""
+    """Step between the levels of a rounded signal; 0 where values are as good as continuous."""
     levels = np.unique(signal)
     step = np.diff(levels)
     step = step[step > 1e-9 * max(float(np.abs(levels).max()), 1e-12)]
-    if len(step) < 5:
+    if len(step) < 5 or len(levels) > 0.8 * len(signal):
         return 0.0
     smallest = float(np.percentile(step, 1))
     ratio = step / smallest
-    small = ratio[ratio < 20]
-    regular = np.abs(small - np.round(small)) < 0.1
-    return smallest if len(small) >= 5 and regular.mean() > 0.95 and ratio.min() > 0.9 else 0.0
+    near = ratio[ratio < 20]
+    multiples = np.mean(np.abs(near - np.round(near)) < 0.1) > 0.95 and ratio.min() > 0.9
+    even = smallest > 0.5 * np.median(step) and len(levels) < 0.3 * len(signal)
+    return smallest if len(near) >= 5 and (multiples or even) else 0.0
 
 
 def longest_run(true: NDArray[np.bool_]) -> tuple[int, int]:

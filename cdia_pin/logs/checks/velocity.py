@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.logs.checks.finding import Finding
+from cdia_pin.logs.checks.finding import Finding, Severity
 from cdia_pin.logs.checks.motion import CUTOFF, Motion, longest_stretch
 from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 LAGS = 0.1  # [s]; searched either way
 DEGREE = np.pi / 180.0
-_LEAVE_OUT = "leave the recorded velocities out: convert use_velocity=false"
+_LEAVE_OUT = "leave the recorded velocities out: --convert use_velocity=false"
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,30 @@ class VelocityMatch:
     scale: float
     lag: float
     unexplained: float
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """Why recorded velocities are not the derivative of the positions."""
+
+    severity: Severity
+    meaning: str
+    advice: str
+
+
+_KNOWN = {
+    -1.0: Mismatch("error", "has the opposite sign of the derivative", "--convert flip_velocity={joints}"),
+    1 / DEGREE: Mismatch("error", "is in degrees/s while the position is in rad", _LEAVE_OUT),
+    DEGREE: Mismatch(
+        "error",
+        "is in rad/s while the position is in degrees",
+        "--convert angle=deg --convert use_velocity=false",
+    ),
+    1e3: Mismatch("error", "is 1000 times the derivative: times are in ms, not s", "--convert time=ms"),
+    1e6: Mismatch("error", "is a million times the derivative: times are in µs, not s", "--convert time=us"),
+    1e-3: Mismatch("error", "is a 1000th of the derivative: times are in s, not ms", "--convert time=s"),
+}
+"""By the ratio of recorded to derived velocity."""
 
 
 def check_velocity(log: Log, motion: Motion | None) -> Iterator[Finding]:
@@ -55,8 +79,19 @@ def check_velocity(log: Log, motion: Motion | None) -> Iterator[Finding]:
         )
     matches = _matches(log, [k for k in moving if log.velocity[:, k].any()])
     odd = {k: m for k, m in matches.items() if abs(m.scale - 1.0) > 0.03 or m.unexplained > 0.02}
+    alike: dict[Mismatch, list[int]] = {}
     for k, match in odd.items():
-        yield _explain(log.joints[k], match)
+        alike.setdefault(_cause(match), []).append(k)
+    for cause, where in alike.items():
+        names = [log.joints[k] for k in where]
+        yield Finding(
+            "velocity",
+            cause.severity,
+            f"the recorded velocity {cause.meaning} on {', '.join(names)}",
+            joint=names[0] if len(names) == 1 else None,
+            advice=cause.advice.format(joints=",".join(names)),
+            value={log.joints[k]: asdict(matches[k]) for k in where},
+        )
     fine = [m for k, m in matches.items() if k not in odd]
     if fine:
         yield _lag(np.array([m.lag for m in fine]), log.rate, len(fine))
@@ -96,48 +131,22 @@ def vertex(grid: Array, cost: Array) -> float:
     return float(grid[best] + offset * (grid[1] - grid[0]))
 
 
-def _explain(joint: str, match: VelocityMatch) -> Finding:
-    value = {"scale": match.scale, "lag_s": match.lag, "unexplained": match.unexplained}
+def _cause(match: VelocityMatch) -> Mismatch:
+    """Name what makes a recorded velocity differ from the derivative of the position."""
     if match.unexplained > 0.3:
-        return Finding(
-            "velocity",
+        return Mismatch(
             "warning",
-            f"does not follow the derivative of the position ({match.unexplained:.0%} of it is something else)",
-            joint=joint,
-            advice=f"check the order of the columns, or {_LEAVE_OUT}",
-            value=value,
+            "does not follow the derivative of the position",
+            f"check the order of the columns, or {_LEAVE_OUT}",
         )
-    size = abs(match.scale)
-    known = (
-        (1.0, "has the opposite sign of the derivative of the position", f"convert flip_velocity={joint}"),
-        (1 / DEGREE, "is in degrees/s while the position is in rad", _LEAVE_OUT),
-        (DEGREE, "is in rad/s while the position is in degrees", "convert angle=deg and use_velocity=false"),
-        (1e-3, "is 1000 times too small: time in ms taken for s, or mm for m", "convert time=ms, or length=mm"),
-        (1e3, "is 1000 times too large: time in s taken for ms, or mm for m", "convert time=s, or length=mm"),
-    )
-    for factor, meaning, advice in known:
-        if abs(np.log(size / factor)) < 0.05 and not (factor == 1.0 and match.scale > 0):
-            flipped = " and has the opposite sign" if match.scale < 0 and factor != 1.0 else ""
-            return Finding(
-                "velocity", "error", f"the recorded velocity {meaning}{flipped}", joint, advice, value
-            )
+    for factor, cause in _KNOWN.items():
+        if abs(match.scale / factor - 1.0) < 0.05:
+            return cause
     if abs(match.scale - 1.0) <= 0.03:
-        return Finding(
-            "velocity",
-            "info",
-            f"follows the derivative of the position but for {match.unexplained:.1%} of it (noise, or a filter)",
-            joint=joint,
-            advice=_LEAVE_OUT,
-            value=value,
+        return Mismatch(
+            "info", "follows the derivative of the position but for noise or a filter", _LEAVE_OUT
         )
-    return Finding(
-        "velocity",
-        "warning",
-        f"the recorded velocity is {match.scale:.3g} times the derivative of the position",
-        joint=joint,
-        advice=_LEAVE_OUT,
-        value=value,
-    )
+    return Mismatch("warning", f"is {match.scale:.2g} times the derivative of the position", _LEAVE_OUT)
 
 
 def _lag(lags: Array, rate: float, count: int) -> Finding:
@@ -147,8 +156,8 @@ def _lag(lags: Array, rate: float, count: int) -> Finding:
         return Finding(
             "velocity",
             "warning" if abs(lag) > 10e-3 else "info",
-            f"recorded velocities fit the positions but are {lag * 1e3:.1f} ms {'late' if lag > 0 else 'early'} "
-            "(a filter, usually)",
+            f"recorded velocities fit the positions but are {abs(lag) * 1e3:.1f} ms "
+            f"{'late (a filter, usually)' if lag > 0 else 'early'}",
             advice=_LEAVE_OUT,
             value=value,
         )

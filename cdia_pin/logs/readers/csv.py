@@ -71,9 +71,11 @@ def _header(data: bytes, source: str, notes: list[str]) -> tuple[str, bytes]:
     first, rest = _first_line(data)
     try:
         header = first.decode()
-        commented = [c.decode() for c in comments]
+        if not rest.isascii():
+            rest.decode()  # pyarrow would print its own traceback for a broken row that is not UTF-8
     except UnicodeDecodeError:
         raise LogError(f"{source}: not readable as UTF-8 text") from None
+    commented = [c.decode(errors="replace") for c in comments]
     values = header.strip().split(_delimiter(header))
     if all(_is_number(v.replace(",", ".")) for v in values if v):
         for comment in reversed(commented):

@@ -131,14 +131,14 @@ def _choose(
         listed = "; ".join(f"{t.name} has {', '.join(t.joint_lists[0])}" for t in topics[:4] if t.joint_lists)
         raise LogError(
             f"{source}: no JointState topic has all joints of the robot ({', '.join(joints)}); {listed}; "
-            "name them with joint_map={'name in the log': 'joint'}"
+            "name them with --joint-map name=joint,…"
         )
     measured = [t for t in fitting if not any(word in t.name.lower() for word in _COMMANDS)] or fitting
     with_effort = [t for t in measured if any(len(m.effort) for m in t.messages)] or measured
     if len(with_effort) > 1:
         raise LogError(
             f"{source}: several JointState topics have the robot's joints: "
-            f"{', '.join(t.name for t in with_effort)}; say which with topic="
+            f"{', '.join(t.name for t in with_effort)}; say which with --topic"
         )
     return with_effort[0]
 

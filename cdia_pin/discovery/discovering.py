@@ -29,7 +29,7 @@ from cdia_pin.logs.log import Log
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 
-PASSES = 2  # searches, each with the noise that the one before left
+PASSES = 5  # searches at most, each with the noise that the one before left, until nothing changes
 MOST_MOVES = 120
 GENERIC_SIZE = 10  # families of larger effects do not take part in the first estimate of the noise
 
@@ -79,17 +79,19 @@ def discover(
 
     families = enumerate_candidates(experiment, experiment.predict(model), settings)
     noise = _first_noise(experiment, columns, model, families, settings)
-    found, start = None, model
+    whitened = Whitened.of(experiment, noise, settings.blocks)
+    found = _Found(model, gather(experiment, columns, experiment.predict(model), [], whitened), whitened)
     for k in range(PASSES):
-        whitened = Whitened.of(experiment, noise, settings.blocks)
-        lap = lambda s, share, k=k: tell(s, 0.1 + 0.7 * (k + share) / PASSES)  # noqa: E731
-        found = _search(experiment, columns, start, families, whitened, settings, lap)
+        before = set(_labels(found.model))
+        lap = lambda s, share, k=k: tell(s, 0.1 + 0.75 * (k + share) / PASSES)  # noqa: E731
+        found = _search(experiment, columns, found.model, families, whitened, settings, lap)
         structure = _structure(experiment, columns, found)
-        noise, start = list(structure.noise), found.model
-    assert found is not None
-
+        whitened = Whitened.of(experiment, structure.noise, settings.blocks)
+        if k > 0 and set(_labels(found.model)) == before:
+            break
     tell("checking what else could explain it", 0.85)
-    pruned = _search(experiment, columns, start, families, found.whitened, replace(settings, most_effects=0), tell)
+    model_found, evidence = refit(experiment, columns, found.model, whitened)
+    pruned = _Found(model_found, evidence, whitened)
     structure = _structure(experiment, columns, pruned)
     trace = _trace(experiment, columns, model, pruned, held_out, families)
     tell("done", 1.0)
@@ -147,7 +149,8 @@ def _search(
         trial = refine_shapes(experiment, columns, trial, whitened)
         beside = _candidates_beside(experiment, columns, experiment.predict(trial), families, whitened)
         fit = beside.fit(_indices(beside, trial))
-        if now.physical and not fit.cost < now.cost:
+        dropped = len(fit.chosen) < len(now.chosen) and set(_labels(trial)) < set(_labels(model))
+        if not dropped and now.physical and not fit.cost < now.cost:
             continue
         model, evidence, now = trial, beside, fit
     return _Found(model, evidence, whitened)
@@ -158,8 +161,12 @@ def _indices(evidence: Evidence, model: Dynamics) -> list[int]:
     return [i for i, e in enumerate(evidence.effects) if e in present]
 
 
+def _labels(model: Dynamics) -> list[str]:
+    return [t.label for t in model.terms]
+
+
 def _what_changed(before: Dynamics, after: Dynamics) -> str:
-    had, has = {t.label for t in before.terms}, {t.label for t in after.terms}
+    had, has = set(_labels(before)), set(_labels(after))
     return ", ".join([*(f"+ {x}" for x in sorted(has - had)), *(f"− {x}" for x in sorted(had - has))])
 
 
@@ -173,7 +180,8 @@ def _candidates_beside(
     leftover = np.column_stack([whitened.joint(j, prediction.residual[:, j]) for j in range(experiment.robot.n)])
     screened = screen(families, columns, prediction, whitened.noise, leftover)
     present = [t.effect for t in prediction.model.terms]
-    return gather(experiment, columns, prediction, list(dict.fromkeys([*present, *screened])), whitened)
+    evidence = gather(experiment, columns, prediction, list(dict.fromkeys([*present, *screened])), whitened)
+    return replace(evidence, searched={e.label: 1 for e in present} | {f[0].label: len(f) for f in families})
 
 
 def _model_of(model: Dynamics, evidence: Evidence, chosen: Sequence[int], theta: Array) -> Dynamics:
@@ -200,7 +208,7 @@ def _first_noise(
     generic = [f[0] for f in families if f[0].size < GENERIC_SIZE and len(f) < 20]
     effects = list(dict.fromkeys([*(t.effect for t in model.terms), *generic]))
     edges = np.linspace(0, len(experiment.measured), settings.blocks + 1).astype(int)
-    return list(look_for_structure(experiment, prediction, _own(experiment, columns, prediction, effects), edges).noise)
+    return list(look_for_structure(experiment, prediction, _own(experiment, columns, prediction, effects), edges).innermost)
 
 
 def _structure(experiment: Experiment, columns: Columns, found: _Found) -> Structure:

@@ -1,0 +1,66 @@
+"""What a person sees: results on stdout, warnings and progress on stderr."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+Tell = Callable[[str, float], None]
+
+
+def stdout(json: str | None = None) -> Console:
+    """Return the console for results; silent where stdout carries JSON.
+
+    A reader that closes the pipe (``| head``) silences it too, and the command goes on: files are still written.
+    """
+    from rich.console import Console
+
+    class Results(Console):
+        def on_broken_pipe(self) -> None:
+            self.quiet = True
+            close_stdout()
+
+    return Results(quiet=json == "-", highlight=False, emoji=False)
+
+
+def close_stdout() -> None:
+    """Let what is still to be printed vanish, once its reader is gone."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def warn(message: str) -> None:
+    """Print one line on stderr."""
+    print(f"cdia: warning: {' '.join(message.split())}", file=sys.stderr)
+
+
+def say_written(console: Console, files: Sequence[str]) -> None:
+    """Name the files that a command wrote."""
+    for file in files:
+        console.print(f"wrote {file}", markup=False, soft_wrap=True)
+
+
+@contextmanager
+def progress() -> Iterator[Tell]:
+    """Give a function that shows a sentence and the share done, on stderr and only on a terminal."""
+    if not sys.stderr.isatty():
+        yield lambda sentence, share: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True, highlight=False, emoji=False)
+    columns = (BarColumn(24), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("", total=1.0)
+
+        def tell(sentence: str, share: float) -> None:
+            done = max(share, bar.tasks[0].completed)  # never back
+            bar.update(task, description=sentence, completed=done)
+
+        yield tell

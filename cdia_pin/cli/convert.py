@@ -1,0 +1,61 @@
+"""``cdia convert``: any readable log as CSV, Parquet or npz in our dialect."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from cdia_pin.cli.console import progress, say_written, stdout
+from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
+from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Robot, Topic
+from cdia_pin.cli.outputs import require_writable, write_json
+
+SCHEMA = "cdia-conversion/1"
+
+
+def convert(
+    log: OneLog,
+    out: Annotated[
+        Path, typer.Argument(metavar="OUT", show_default=False, help="File to write: .csv, .parquet or .npz.")
+    ],
+    robot: Robot,
+    gains: Gains = None,
+    joint_map: JointMap = None,
+    convert: Convert = None,
+    topic: Topic = None,
+    json: Json = None,
+) -> None:
+    """Write a log with the robot's joint names in SI units, as CSV, Parquet or npz.
+
+    What gains, joint map and --convert say is applied, so that the new file needs none of them.
+    """
+    from cdia_pin.logs import write_log
+    from cdia_pin.logs.writing import WRITABLE
+
+    if out.suffix.lower() not in WRITABLE:
+        raise CommandError(f"cannot write {out}: the suffix must be one of {', '.join(WRITABLE)}")
+    require_writable(out, json, inputs=[log])
+    console = stdout(json)
+    model = load_inputs(robot, None)
+    with progress() as tell:
+        reading = Reading(gains, joint_map, convert, topic)
+        (read,), _ = read_logs([log], model.robot, reading, check=False, tell=tell)
+        tell(f"writing {out.name}", 0.5)
+        write_log(read, out)
+    show_inputs(console, model, [read])
+    say_written(console, [str(out)])
+    if json:
+        document: dict[str, Any] = {
+            "schema": SCHEMA,
+            "source": str(log),
+            "sha256": read.sha256,
+            "written": str(out),
+            "robot": model.robot.name,
+            "joints": list(model.robot.joints),
+            "samples": len(read.time),
+            "notes": list(read.notes),
+        }
+        write_json(document, json)

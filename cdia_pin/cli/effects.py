@@ -1,0 +1,125 @@
+"""``cdia effects``: the vocabulary, with equations and units."""
+
+from __future__ import annotations
+
+import inspect
+import itertools
+import re
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cdia_pin.cli.console import stdout
+from cdia_pin.cli.options import Json
+from cdia_pin.cli.outputs import require_writable, write_json
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from cdia_pin.effects import Effect
+
+SCHEMA = "cdia-effects/1"
+EXAMPLE_ROBOT = "scara"  # ships; has turning and sliding joints, whose units differ
+
+
+def effects(
+    name: Annotated[str | None, typer.Argument(metavar="[EFFECT]", show_default=False, help="One of them.")] = None,
+    json: Json = None,
+) -> None:
+    """List the effects that can be found, added and simulated; with a name, everything about one."""
+    from cdia_pin.effects import EFFECTS
+    from cdia_pin.errors import EffectError, unknown_name
+
+    require_writable(json)
+    if name is not None and name not in EFFECTS:
+        raise EffectError(unknown_name("effect", name, EFFECTS))
+    chosen = [name] if name else list(EFFECTS)
+    entries = [describe(EFFECTS[n]) for n in chosen]
+    console = stdout(json)
+    if name:
+        _show_one(console, entries[0])
+    else:
+        _show_all(console, entries)
+    if json:
+        write_json({"schema": SCHEMA, "effects": entries}, json)
+
+
+def describe(kind: type[Effect]) -> dict[str, Any]:
+    """Return everything about an effect; units on a turning and on a sliding joint."""
+    from cdia_pin.robot import load_robot
+
+    robot = load_robot(EXAMPLE_ROBOT)
+    turning = [j for j, slides in zip(robot.joints, robot.is_prismatic, strict=True) if not slides]
+    sliding = [j for j in robot.joints if j not in turning]
+    size = len(kind.scope_fields)
+    effect = kind.from_scope(turning[:size], {})
+    slid = kind.from_scope((sliding * 2)[:size], {})
+    lower, upper = effect.bounds(robot)
+    rows = zip(effect.parameters, effect.units(robot), slid.units(robot), lower, upper, strict=True)
+    return {
+        "effect": kind.name,
+        "equation": kind.equation,
+        "scope": list(kind.scope_fields),
+        "write": kind.name + ("@" + "+".join(["JOINT"] * size) if size else ""),
+        "parameters": [
+            {"name": p.name, "unit": unit, "unit_sliding": unit_sliding, "lower": low, "upper": high}
+            for p, unit, unit_sliding, low, high in rows
+        ],
+        "shape": [p.name for p in kind.shape],
+        "dissipative": kind.dissipative,
+        "says": _first_paragraphs(kind),
+    }
+
+
+def _first_paragraphs(kind: type[Effect]) -> str:
+    """The docstring up to its sections."""
+    text = inspect.cleandoc(kind.__doc__ or "")
+    return re.split(r"\n\n(?:Attributes|Args):", text)[0]
+
+
+def _show_all(console: Console, entries: list[dict[str, Any]]) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    table.add_column("effect", style="bold", no_wrap=True)
+    table.add_column("torque it adds", overflow="fold")
+    table.add_column("parameters", overflow="fold")
+    for e in entries:
+        table.add_row(Text(e["effect"]), Text(e["equation"]), Text(_brief(e["parameters"])))
+    console.print(Text("M q̈ + nle = τ + f;  f of each effect:"))
+    console.print(table)
+    console.print(Text("On a sliding joint read N for N·m and m for rad. Your own: cdia discover --extra 'sin(3*q)*dq'"))
+
+
+def _brief(parameters: list[dict[str, Any]]) -> str:
+    """Parameters with units, those of one unit together, counted ones as a range."""
+    groups = []
+    for unit, group in itertools.groupby(parameters, key=lambda p: p["unit"]):
+        names = [str(p["name"]) for p in group]
+        if len(names) > 4:
+            names = [names[0], "…", names[-1]]
+        groups.append(f"{', '.join(names)} [{unit}]")
+    return ", ".join(groups)
+
+
+def _show_one(console: Console, entry: dict[str, Any]) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    console.print(Text(entry["effect"], style="bold"))
+    console.print(Text(entry["says"]))
+    console.print()
+    console.print(Text(f"f = {entry['equation']}"))
+    console.print(Text(f"written {entry['write']}", style="dim"))
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for heading in ("parameter", "unit", "on a sliding joint", "from", "to"):
+        table.add_column(heading, style="bold" if heading == "parameter" else None)
+    for p in entry["parameters"]:
+        ends = ("any" if abs(p[k]) == float("inf") else f"{p[k]:.4g}" for k in ("lower", "upper"))
+        table.add_row(Text(p["name"]), Text(p["unit"]), Text(p["unit_sliding"]), *ends)
+    console.print(table)
+    if entry["shape"]:
+        console.print(Text(f"shape, searched for: {', '.join(entry['shape'])}"))

@@ -1,0 +1,110 @@
+"""What a command works on, from its options: robot, model and logs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cdia_pin.cli.console import Tell, warn
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from cdia_pin.dynamics import Dynamics
+    from cdia_pin.logs import Log, LogCheck
+    from cdia_pin.robot import RobotModel
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How logs are to be read; each field is the option of that name.
+
+    Attributes:
+        gains: File of drive gains.
+        joint_map: Texts ``name=joint``.
+        convert: Texts ``key=value``.
+        topic: Topic of a bag.
+    """
+
+    gains: Path | None = None
+    joint_map: Sequence[str] | None = None
+    convert: Sequence[str] | None = None
+    topic: str | None = None
+
+    def read(self, path: Path, robot: RobotModel) -> Log:
+        """Read one log."""
+        from cdia_pin.logs import read_log
+
+        return read_log(
+            path, robot, gains=self.gains, joint_map=self.joint_map, convert=self.convert, topic=self.topic
+        )
+
+
+def load_inputs(robot: str, model: Path | None) -> Dynamics:
+    """Load the robot, with the terms of a saved model if there is one."""
+    from cdia_pin.dynamics import Dynamics, load_model
+    from cdia_pin.robot import load_robot
+
+    arm = load_robot(robot)
+    for sentence in arm.warnings:
+        warn(f"{arm.name}: {sentence}")
+    return load_model(model, arm) if model else Dynamics(arm)
+
+
+def read_logs(
+    paths: Sequence[Path], robot: RobotModel, reading: Reading, *, check: bool, tell: Tell
+) -> tuple[list[Log], list[LogCheck]]:
+    """Read logs and, unless told not to, warn on stderr where one does not look as it should.
+
+    Args:
+        paths: Files.
+        robot: Whose logs they are.
+        reading: How to read them.
+        check: Whether to check them.
+        tell: Shows progress.
+
+    Returns:
+        The logs, and their checks where they were made.
+    """
+    from cdia_pin.logs import check_log
+
+    logs, checks = [], []
+    for path in paths:
+        tell(f"reading {path.name}", 0.0)
+        log = reading.read(path, robot)
+        logs.append(log)
+        if check:
+            tell(f"checking {path.name}", 0.01)
+            checks.append(check_log(log, robot))
+            _warn_of(checks[-1], path)
+    return logs, checks
+
+
+def _warn_of(check: LogCheck, path: Path) -> None:
+    if check.ok:
+        return
+    first, *others = check.problems
+    where = f"{first.joint}: " if first.joint else ""
+    more = f" (and {len(others)} more)" if others else ""
+    warn(f"{check.source}: {where}{first.message}{more}; cdia check {path}, with the same options, says what to do")
+
+
+def show_inputs(console: Console, model: Dynamics, logs: Sequence[Log], *, notes: bool = True) -> None:
+    """Print which robot, model and logs a result is of, with what the reader inferred."""
+    from rich.table import Table
+    from rich.text import Text
+
+    robot = model.robot
+    table = Table.grid(padding=(0, 2))
+    table.add_column(style="bold")
+    table.add_row("robot", Text(f"{robot.name}, {robot.n} joints"))
+    table.add_row("model", Text(", ".join(["the URDF", *(t.label for t in model.terms)])))
+    for log in logs:
+        said = f"{log.source}: {len(log.time)} samples in {log.duration:.4g} s, {log.rate:.4g} Hz"
+        table.add_row("log", Text(said))
+        for note in log.notes if notes else ():
+            table.add_row("", Text(note, style="dim"))
+    console.print(table)
+    console.print()

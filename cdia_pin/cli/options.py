@@ -1,0 +1,109 @@
+"""Options that several commands share, each written once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+READING = "Reading logs"
+OUTPUT = "Output"
+
+Logs = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="LOG...",
+        show_default=False,
+        help="Logs: .csv, .parquet, .npz, or ROS 2 bags (.db3, .mcap).",
+    ),
+]
+OneLog = Annotated[
+    Path,
+    typer.Argument(
+        metavar="LOG", show_default=False, help="Log: .csv, .parquet, .npz, or a ROS 2 bag (.db3, .mcap)."
+    ),
+]
+Robot = Annotated[
+    str,
+    typer.Option("--robot", "-r", metavar="R", help="Name of the catalogue (see cdia robots) or path of a URDF file."),
+]
+Model = Annotated[
+    Path | None,
+    typer.Option("--model", "-m", metavar="FILE", help="Model saved before (.json); the URDF alone if left out."),
+]
+Holdout = Annotated[
+    list[Path] | None,
+    typer.Option("--holdout", metavar="LOG", help="Log that is only predicted, never fitted; may be repeated."),
+]
+Cutoff = Annotated[
+    float | None,
+    typer.Option("--cutoff", metavar="HZ", help="Cut-off of the filter \\[Hz]; chosen from the log if left out."),
+]
+Save = Annotated[Path | None, typer.Option("--save", "-s", metavar="FILE", help="Write the improved model (.json).")]
+
+Gains = Annotated[
+    Path | None,
+    typer.Option(
+        "--gains",
+        metavar="FILE",
+        help="Drive gains, JSON {joint: N·m/A}, where the log has motor currents.",
+        rich_help_panel=READING,
+    ),
+]
+JointMap = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--joint-map",
+        metavar="NAME=JOINT",
+        help="What the log calls a joint; several with commas or repeated.",
+        rich_help_panel=READING,
+    ),
+]
+Convert = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--convert",
+        metavar="KEY=VALUE",
+        help="Units and signs that are not SI or not the URDF's: angle=deg, torque=Nmm, time=ms, "
+        "flip_effort=JOINT,…, gravity=compensated, reduction=JOINT:RATIO.",
+        rich_help_panel=READING,
+    ),
+]
+Topic = Annotated[
+    str | None,
+    typer.Option(
+        "--topic",
+        metavar="NAME",
+        help="Topic of a bag, where several have the robot's joints.",
+        rich_help_panel=READING,
+    ),
+]
+Check = Annotated[
+    bool,
+    typer.Option(
+        "--check/--no-check",
+        help="Warn where units, signs, joint order or kind of effort look wrong.",
+        rich_help_panel=READING,
+    ),
+]
+
+Json = Annotated[
+    str | None,
+    typer.Option(
+        "--json",
+        metavar="FILE",
+        help="Write the result as JSON; - is stdout, and silences all else there.",
+        rich_help_panel=OUTPUT,
+    ),
+]
+Report = Annotated[
+    Path | None,
+    typer.Option("--report", metavar="FILE", help="Write a report (.html, one file).", rich_help_panel=OUTPUT),
+]
+
+
+def examples(*commands: str) -> str:
+    """Return the epilog of a command's help: lines that can be typed."""
+    lines = "\n\n".join(f"  [cyan]{command}[/cyan]" for command in commands)
+    return f"[bold]{'Example' if len(commands) == 1 else 'Examples'}[/bold]\n\n{lines}"

@@ -1,0 +1,115 @@
+"""Files that a command writes: looked at before the work, written after it, so that nothing is lost."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from cdia_pin.cli.console import close_stdout
+from cdia_pin.cli.failures import CommandError
+
+STDOUT = "-"
+
+
+def require_writable(*files: str | Path | None, inputs: Iterable[str | Path] = ()) -> None:
+    """Refuse files that cannot be written before time is spent on what goes into them.
+
+    Args:
+        *files: To be written; None and ``-`` are skipped.
+        inputs: Files that must not be overwritten.
+
+    Raises:
+        CommandError: If a file cannot be written, is an input, or is named twice.
+    """
+    read = {Path(p).resolve() for p in inputs}
+    seen: set[Path] = set()
+    for file in files:
+        if file is None or str(file) == STDOUT:
+            continue
+        path = Path(file)
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            continue  # a pipe or a device takes what comes
+        if path.resolve() in read:
+            raise CommandError(f"{path} would be overwritten, but it is read from: give another name")
+        if path.resolve() in seen:
+            raise CommandError(f"{path} is named for two outputs: give each its own name")
+        seen.add(path.resolve())
+        _probe(path)
+
+
+def _probe(path: Path) -> None:
+    """Open a file for writing without changing what is there."""
+    if path.is_dir():
+        raise CommandError(f"cannot write {path}: it is a directory")
+    is_new = not path.exists()
+    try:
+        path.open("ab").close()
+        if is_new:
+            path.unlink()
+    except FileNotFoundError:
+        raise CommandError(f"cannot write {path}: there is no directory {path.parent}") from None
+    except OSError as error:
+        raise CommandError(f"cannot write {path}: {error.strerror}") from None
+
+
+def write_json(document: Mapping[str, Any], file: str) -> None:
+    """Write a document as JSON, to a file or, for ``-``, to stdout."""
+    text = json.dumps(plain(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    if file == STDOUT:
+        try:
+            sys.stdout.write(text)
+            sys.stdout.flush()
+        except BrokenPipeError:
+            close_stdout()
+        return
+    try:
+        Path(file).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise CommandError(f"cannot write {file}: {error.strerror}") from None
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON has it; numbers that are not finite become null."""
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [plain(v) for v in value]
+    if isinstance(value, bool | str | int) or value is None:
+        return value
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    if hasattr(value, "tolist"):  # NumPy's scalars and arrays
+        return plain(value.tolist())
+    return str(value)
+
+
+def write_all(*writers: tuple[str | Path | None, Callable[[str], object]]) -> list[str]:
+    """Write every output that was asked for, also where another fails.
+
+    Args:
+        *writers: A file, or None, with the function that writes it.
+
+    Returns:
+        Names of the files written, stdout left out.
+
+    Raises:
+        Exception: The first failure, after all others were written.
+    """
+    written, failure = [], None
+    for file, write in writers:
+        if file is None:
+            continue
+        try:
+            write(str(file))
+        except Exception as error:
+            failure = failure or error
+            continue
+        if str(file) != STDOUT:
+            written.append(str(file))
+    if failure:
+        raise failure
+    return written

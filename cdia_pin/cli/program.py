@@ -1,0 +1,127 @@
+"""The program: its commands, and what becomes of an error."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+import warnings
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+import cdia_pin
+from cdia_pin.cli.add import add
+from cdia_pin.cli.check import check
+from cdia_pin.cli.compare import compare
+from cdia_pin.cli.convert import convert
+from cdia_pin.cli.demo import demo
+from cdia_pin.cli.discover import discover
+from cdia_pin.cli.effects import effects
+from cdia_pin.cli.export import export
+from cdia_pin.cli.console import close_stdout
+from cdia_pin.cli.failures import CommandError, one_line
+from cdia_pin.cli.options import examples
+from cdia_pin.cli.robots import robots
+from cdia_pin.errors import CdiaError, unknown_name
+
+BAD_INPUT, INTERRUPTED = 2, 130  # exit codes
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+
+UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # typer does not name it itself
+
+
+class Commands(TyperGroup):
+    """The commands; a name that is none of them gets the nearest ones."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return the command that the first argument names."""
+        if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
+            raise CommandError(unknown_name("command", args[0], self.list_commands(ctx)))
+        return super().resolve_command(ctx, args)
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names in the order in which they were added."""
+        return list(self.commands)
+
+
+app = typer.Typer(
+    cls=Commands,
+    add_completion=False,
+    rich_markup_mode="rich",
+    epilog=examples("cdia demo", "cdia compare run.csv --robot ur5", "cdia discover run.csv --robot ur5 --save model.json"),
+)
+
+
+@app.callback(invoke_without_command=True)
+def cdia(
+    ctx: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Show the version and leave.")] = False,
+) -> None:
+    """Find which physical effect a robot arm's model is missing, add it, watch the error fall."""
+    if version:
+        typer.echo(f"cdia-pin {cdia_pin.__version__}")
+    elif ctx.invoked_subcommand is None:
+        typer.echo(ctx.get_help())
+
+
+JOB, MODELS, KNOWN = "The job", "Models and logs", "What there is"
+for command, panel, example in (
+    (demo, JOB, ["cdia demo"]),
+    (check, JOB, ["cdia check run.csv --robot ur5"]),
+    (compare, JOB, ["cdia compare run.csv --robot ur5 --model model.json --report before.html"]),
+    (discover, JOB, ["cdia discover run.csv --robot ur5 --save model.json --report found.html"]),
+    (add, JOB, ["cdia add coulomb_friction@elbow_joint run.csv --robot ur5 --save model.json"]),
+    (export, MODELS, ["cdia export --robot ur5 --model model.json --urdf corrected.urdf"]),
+    (convert, MODELS, ["cdia convert run.db3 run.csv --robot ur10"]),
+    (robots, KNOWN, ["cdia robots", "cdia robots ur5"]),
+    (effects, KNOWN, ["cdia effects", "cdia effects coulomb_friction"]),
+):
+    app.command(rich_help_panel=panel, epilog=examples(*example))(command)  # type: ignore[type-var]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command ``cdia``.
+
+    Args:
+        arguments: What follows ``cdia``; the process's own arguments if omitted.
+
+    Returns:
+        Exit code: 0, 2 for bad input, 130 if interrupted.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    for name in THREADS:  # before NumPy is imported: an arm's matrices are small, threads only cost
+        os.environ.setdefault(name, "1")
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")
+    try:
+        code = typer.main.get_command(app).main(
+            given, prog_name="cdia", standalone_mode=False, obj=shlex.join(["cdia", *given])
+        )
+        sys.stdout.flush()
+    except UsageError as error:
+        return _fail(_usage(error))
+    except CdiaError as error:
+        return _fail(one_line(error))
+    except BrokenPipeError:
+        close_stdout()
+        return 0
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        return _fail(f"{where}{error.strerror or one_line(error)}")
+    except (KeyboardInterrupt, typer.Abort):
+        return _fail("interrupted", INTERRUPTED)
+    return code if isinstance(code, int) else 0
+
+
+def _fail(message: str, code: int = BAD_INPUT) -> int:
+    print(f"cdia: error: {message}", file=sys.stderr)
+    return code
+
+
+def _usage(error: Any) -> str:
+    message = " ".join(error.format_message().split()).rstrip(".")
+    command = error.ctx.command_path if error.ctx else "cdia"
+    return f"{message[:1].lower()}{message[1:]}; see {command} --help"

@@ -1,0 +1,105 @@
+"""``cdia robots``: the arms known by name, or one arm's joints."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cdia_pin.cli.console import stdout
+from cdia_pin.cli.options import Json
+from cdia_pin.cli.outputs import require_writable, write_json
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from cdia_pin.robot import RobotModel
+
+SCHEMA = "cdia-robots/1"
+
+
+def robots(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[R]", show_default=False, help="One of them, or the path of a URDF file.")
+    ] = None,
+    json: Json = None,
+) -> None:
+    """List the robots known by name; with a name or a URDF file, its joints and limits."""
+    from cdia_pin.robot import catalogue, load_robot
+
+    require_writable(json)
+    console = stdout(json)
+    if name is not None:
+        arm = load_robot(name)
+        entries = [_entry(arm)]
+        _show_one(console, arm)
+    else:
+        entries = [_entry(load_robot(known)) for known in catalogue()]
+        _show_all(console, entries)
+    if json:
+        write_json({"schema": SCHEMA, "robots": entries}, json)
+
+
+def _entry(robot: RobotModel) -> dict[str, Any]:
+    from cdia_pin.robot import catalogue
+
+    known = catalogue().get(robot.name)
+    return {
+        "name": robot.name,
+        "description": known.description if known else "",
+        "joints": list(robot.joints),
+        "urdf": str(robot.urdf),
+        "tool_frame": robot.tool_frame,
+        "mass": robot.total_mass,
+        "gravity": robot.gravity_vector,
+        "licence": known.licence if known else "",
+        "origin": known.origin if known else "",
+        "warnings": list(robot.warnings),
+    }
+
+
+def _show_all(console: Console, entries: list[dict[str, Any]]) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    table.add_column("name", style="bold", no_wrap=True)
+    table.add_column("joints", justify="right")
+    table.add_column("what it is", overflow="fold")
+    table.add_column("licence", overflow="fold")
+    for e in entries:
+        table.add_row(e["name"], str(len(e["joints"])), e["description"], e["licence"])
+    console.print(table)
+    console.print("Any fixed-base arm works: --robot takes the path of a URDF file too. cdia robots NAME shows its joints.")
+
+
+def _show_one(console: Console, robot: RobotModel) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    entry = _entry(robot)
+    console.print(Text(f"{robot.name}: {entry['description'] or 'read from a URDF file'}", style="bold"))
+    console.print(Text(f"{robot.total_mass:.4g} kg move; tool frame {robot.tool_frame}; {robot.urdf}", style="dim"))
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    table.add_column("joint", style="bold", overflow="fold")
+    for heading in ("kind", "from", "to", "speed", "effort"):
+        table.add_column(heading, justify="left" if heading == "kind" else "right")
+    limits = robot.limits
+    for j, joint in enumerate(robot.joints):
+        kind = "sliding" if robot.is_prismatic[j] else "continuous" if robot.is_continuous[j] else "turning"
+        x, effort = ("m", "N") if robot.is_prismatic[j] else ("rad", "N·m")
+        units = (x, x, f"{x}/s", effort)
+        values = (limits.lower[j], limits.upper[j], limits.velocity[j], limits.effort[j])
+        table.add_row(joint, kind, *(_limit(v, u) for v, u in zip(values, units, strict=True)))
+    console.print(table)
+    for locked, how in list(robot.locked.items())[:8]:
+        console.print(Text(f"held: {locked} at {how.position:g} ({how.reason})", style="dim"))
+    if len(robot.locked) > 8:
+        console.print(Text(f"held: … {len(robot.locked)} joints in all", style="dim"))
+    for sentence in robot.warnings:
+        console.print(Text(f"warning: {sentence}", style="yellow"))
+
+
+def _limit(value: float, unit: str) -> str:
+    return f"{value:.4g} {unit}" if abs(value) < float("inf") else "not stated"

@@ -1,0 +1,222 @@
+"""Comparison of a model with measurements: how large the error is, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import cdia_pin
+from cdia_pin.discovery.experiment import Experiment
+from cdia_pin.discovery.heldout import rms
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.logs.conditioning import Conditioning, condition
+from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
+
+SCHEMA = "cdia-comparison/1"
+BINS = 10  # regions of each signal
+FEWEST = 12  # samples a region must hold to be spoken of
+REGIONS = 3  # worst regions reported per joint
+
+
+@dataclass(frozen=True)
+class Region:
+    """A stretch of a signal in which a joint's residual is large.
+
+    Attributes:
+        joint: Joint whose residual it is.
+        signal: ``position``, ``velocity``, ``acceleration``, ``load`` (model torque) or ``time``.
+        lower: Where it begins [unit of the signal].
+        upper: Where it ends [unit of the signal].
+        rms: RMS residual there [N·m or N].
+        bias: Mean residual there [N·m or N].
+        ratio: RMS residual there over that of the joint's whole log [1].
+        unit: Unit of the signal.
+    """
+
+    joint: str
+    signal: str
+    lower: float
+    upper: float
+    rms: float
+    bias: float
+    ratio: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Shape:
+    """The residual of a joint as a function of one signal: mean and spread in each region.
+
+    Attributes:
+        edges: Ends of the regions [unit of the signal], shape (R + 1,).
+        mean: Mean residual [N·m or N], NaN where a region holds too few samples, shape (R,).
+        spread: Standard deviation there, shape (R,).
+        count: Samples there, shape (R,).
+        share: How much of the residual's variance the means explain [1].
+    """
+
+    edges: Array
+    mean: Array
+    spread: Array
+    count: Array
+    share: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A model against logs, joint by joint; arrays have shape (n,) unless stated.
+
+    Attributes:
+        model: The model.
+        rms: RMS residual [N·m or N].
+        torque_rms: RMS measured torque [N·m or N].
+        bias: Mean residual [N·m or N].
+        autocorrelation: Of the residual, one compared sample apart [1].
+        worst_regions: Where each joint's residual is largest beside its own mean, worst first.
+        shapes: Residual against each signal, by joint and signal.
+        time: Time of the compared samples [s], shape (K,).
+        signals: ``position``, ``velocity``, ``acceleration``, ``load`` at them, shape (K, n).
+        measured: Measured torque [N·m or N], shape (K, n).
+        predicted: Model torque [N·m or N], shape (K, n).
+        informative: Samples that count, shape (K, n).
+        record: Logs, hashes and settings.
+    """
+
+    model: Dynamics
+    rms: Array
+    torque_rms: Array
+    bias: Array
+    autocorrelation: Array
+    worst_regions: tuple[Region, ...]
+    shapes: dict[str, dict[str, Shape]]
+    time: Array
+    signals: dict[str, Array]
+    measured: Array
+    predicted: Array
+    informative: NDArray[np.bool_]
+    record: dict[str, Any]
+
+    @property
+    def relative_rms(self) -> Array:
+        """RMS residual over RMS measured torque [1]."""
+        return self.rms / np.maximum(self.torque_rms, 1e-12)
+
+    @property
+    def residual(self) -> Array:
+        """Predicted less measured torque [N·m or N], shape (K, n)."""
+        return self.predicted - self.measured
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON of schema ``cdia-comparison/1``."""
+        robot = self.model.robot
+        by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
+        return {
+            "schema": SCHEMA,
+            "robot": robot.name,
+            "joints": list(robot.joints),
+            "rms": by_joint(self.rms),
+            "relative_rms": by_joint(self.relative_rms),
+            "torque_rms": by_joint(self.torque_rms),
+            "bias": by_joint(self.bias),
+            "autocorrelation": by_joint(self.autocorrelation),
+            "worst_regions": [vars(r) for r in self.worst_regions],
+            "record": self.record,
+        }
+
+
+def compare(model: Dynamics, logs: Log | Sequence[Log], *, conditioning: Conditioning | None = None) -> Comparison:
+    """Compare the torque that a model predicts with the torque that was measured.
+
+    Args:
+        model: A robot with its terms.
+        logs: One log or several.
+        conditioning: How the logs are filtered.
+
+    Returns:
+        Errors by joint, and where they are large.
+
+    Raises:
+        LogError: If a log is too short or of other joints.
+    """
+    given = [logs] if isinstance(logs, Log) else list(logs)
+    experiment = Experiment.of(model.robot, [condition(log, conditioning) for log in given])
+    prediction = experiment.predict(model)
+    use, residual = experiment.informative, prediction.residual
+    time, q, v, a = experiment.compared_motion()
+    load = np.concatenate(
+        [s.motion.sampled(t.actuator) for s, t in zip(experiment.segments, prediction.torques, strict=True)]
+    )
+    signals = {"position": q, "velocity": v, "acceleration": a, "load": load}
+    errors = rms(residual, use)
+    count = np.maximum(use.sum(axis=0), 1)
+    shapes: dict[str, dict[str, Shape]] = {}
+    regions: list[Region] = []
+    for j, joint in enumerate(model.robot.joints):
+        of_joint = {name: values[:, j] for name, values in signals.items()} | {"time": time}
+        shapes[joint] = {name: _shape(x[use[:, j]], residual[use[:, j], j]) for name, x in of_joint.items()}
+        units = signal_units(bool(model.robot.is_prismatic[j]))
+        found = [r for name, s in shapes[joint].items() for r in _regions(joint, name, s, errors[j], units[name])]
+        regions += sorted(found, key=lambda r: -r.ratio)[:REGIONS]
+    return Comparison(
+        model=model,
+        rms=errors,
+        torque_rms=rms(experiment.measured, use),
+        bias=np.where(use, residual, 0.0).sum(axis=0) / count,
+        autocorrelation=np.array([_autocorrelation(residual[use[:, j], j]) for j in range(model.robot.n)]),
+        worst_regions=tuple(sorted(regions, key=lambda r: -r.ratio)),
+        shapes=shapes,
+        time=time,
+        signals=signals,
+        measured=experiment.measured,
+        predicted=experiment.measured + residual,
+        informative=use,
+        record={"version": cdia_pin.__version__, "logs": [s.motion.record for s in experiment.segments]},
+    )
+
+
+def signal_units(prismatic: bool) -> dict[str, str]:
+    """Return the unit of each signal of a joint."""
+    x, effort = ("m", "N") if prismatic else ("rad", "N·m")
+    return {"position": x, "velocity": f"{x}/s", "acceleration": f"{x}/s²", "load": effort, "time": "s"}
+
+
+def _shape(signal: Array, residual: Array) -> Shape:
+    low, high = np.percentile(signal, [0.5, 99.5]) if len(signal) else (0.0, 1.0)
+    edges = np.linspace(low, high if high > low else low + 1e-9, BINS + 1)
+    at = np.clip(np.digitize(signal, edges) - 1, 0, BINS - 1)
+    count = np.bincount(at, minlength=BINS)
+    enough = count >= FEWEST
+    safe = np.maximum(count, 1)
+    mean = np.bincount(at, residual, BINS) / safe
+    spread = np.sqrt(np.maximum(np.bincount(at, residual**2, BINS) / safe - mean**2, 0.0))
+    variance = float(np.sum(residual**2)) or 1.0
+    return Shape(
+        edges,
+        np.where(enough, mean, np.nan),
+        np.where(enough, spread, np.nan),
+        count,
+        float(np.sum(np.where(enough, count * mean**2, 0.0))) / variance,
+    )
+
+
+def _regions(joint: str, signal: str, shape: Shape, whole: float, unit: str) -> list[Region]:
+    out = []
+    for k in np.flatnonzero(np.isfinite(shape.mean)):
+        here = float(np.hypot(shape.mean[k], shape.spread[k]))
+        lower, upper = float(shape.edges[k]), float(shape.edges[k + 1])
+        out.append(
+            Region(joint, signal, lower, upper, here, float(shape.mean[k]), here / max(whole, 1e-12), unit)
+        )
+    return out
+
+
+def _autocorrelation(residual: Array) -> float:
+    centred = residual - residual.mean() if len(residual) else residual
+    power = float(centred @ centred)
+    return float(centred[1:] @ centred[:-1]) / power if power > 0 else 0.0

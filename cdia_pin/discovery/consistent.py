@@ -1,0 +1,72 @@
+"""Physically consistent parameters: the best fit among those that a real body can have [Wensing2018]."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects import Effect
+from cdia_pin.effects.inertia import Body
+from cdia_pin.robot.inertia import pseudo_inertia
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+INSIDE = 1e-7  # share of the link's pseudo-inertia by which a body stays clear of the impossible
+
+
+def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], robot: RobotModel) -> Array:
+    r"""Minimise :math:`\frac12 \theta^T G \theta - r^T \theta` over physical parameters.
+
+    Parameters stay within their bounds, and each body's pseudo-inertia, with its link's, positive semidefinite.
+
+    Args:
+        gram: G, shape (P, P).
+        right: r, shape (P,).
+        effects: Whose parameters these are, one after another.
+        robot: The robot.
+
+    Returns:
+        Parameters, shape (P,); zeros if the program cannot be solved.
+    """
+    import clarabel
+    from scipy import sparse
+
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    lower, upper = (np.concatenate(b) for b in zip(*(e.bounds(robot) for e in effects), strict=True))
+    rows, offsets, cones = [], [], []
+    eye = np.eye(len(right))
+    for sign, bound in ((1.0, upper), (-1.0, lower)):
+        finite = np.isfinite(bound)
+        if finite.any():
+            rows.append(sign * eye[finite])
+            offsets.append(sign * bound[finite])
+            cones.append(clarabel.NonnegativeConeT(int(finite.sum())))
+    at = 0
+    for effect in effects:
+        if isinstance(effect, Body):
+            block = np.zeros((10, len(right)))
+            start = _triangle(pseudo_inertia(effect.total(np.zeros(10), robot)))
+            for k, one in enumerate(np.eye(10)):
+                block[:, at + k] = _triangle(pseudo_inertia(effect.in_joint_frame(one, robot)))
+            rows.append(-block)
+            offsets.append(start - INSIDE * _triangle(np.eye(4)) * max(abs(start).max(), 1e-6))
+            cones.append(clarabel.PSDTriangleConeT(4))
+        at += effect.size
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    problem = sparse.csc_matrix(np.triu(gram * np.outer(unit, unit)))
+    constraints = sparse.csc_matrix(np.vstack(rows) * unit)
+    solver = clarabel.DefaultSolver(problem, -unit * right, constraints, np.concatenate(offsets), cones, settings)
+    solution = solver.solve()
+    if str(solution.status) not in {"Solved", "AlmostSolved"}:
+        return np.zeros(len(right))
+    return np.clip(unit * np.array(solution.x), lower, upper)
+
+
+def _triangle(matrix: Array) -> Array:
+    """Upper triangle by columns, off-diagonals times √2: the solver's inner product is then the matrices'."""
+    out = [matrix[i, j] * (1.0 if i == j else np.sqrt(2.0)) for j in range(len(matrix)) for i in range(j + 1)]
+    return np.array(out)

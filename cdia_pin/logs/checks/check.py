@@ -1,0 +1,74 @@
+"""Check a log against a robot: every inference, and what to do about it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs.checks.conventions import search_conventions
+from cdia_pin.logs.checks.effort_kind import check_effort_kind
+from cdia_pin.logs.checks.excitation import check_excitation
+from cdia_pin.logs.checks.finding import Finding, LogCheck
+from cdia_pin.logs.checks.lag import check_lag
+from cdia_pin.logs.checks.limits import check_limits, check_saturation
+from cdia_pin.logs.checks.motion import motion_of
+from cdia_pin.logs.checks.sampling import check_gaps, check_rate, check_repeats, check_resolution
+from cdia_pin.logs.checks.sign_and_order import check_conventions
+from cdia_pin.logs.checks.velocity import check_velocity
+from cdia_pin.logs.log import Log
+
+if TYPE_CHECKING:
+    from cdia_pin.robot.model import RobotModel
+
+
+def check_log(log: Log, robot: RobotModel) -> LogCheck:
+    """Infer what a log holds and whether it can be trusted for this robot.
+
+    Looks at sampling, resolution, limits, saturation and excitation, and, by comparing efforts
+    with the URDF's rigid-body torque and friction of unknown size, at units, signs, the order of
+    joints, the kind of effort and its lag. Where the evidence is weak the finding says so. It is
+    *not* shown that the zero of each position is the URDF's, nor that drive gains are right.
+
+    Args:
+        log: The log, joints in the robot's order.
+        robot: The robot that it is said to be of.
+
+    Returns:
+        The findings; ``ok`` is True where none is a warning or an error.
+
+    Raises:
+        LogError: If the log is of other joints than the robot's.
+    """
+    if log.joints != robot.joints:
+        raise LogError(
+            f"{log.source}: the log has joints {', '.join(log.joints)}, robot '{robot.name}' has "
+            f"{', '.join(robot.joints)}"
+        )
+    return LogCheck(log.source, robot.name, tuple(_findings(log, robot)), log.sha256)
+
+
+def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
+    yield from (Finding("reading", "info", note) for note in log.notes)
+    yield from check_rate(log)
+    yield from check_gaps(log)
+    motion = motion_of(log, robot.is_prismatic)
+    yield from check_repeats(log, motion)
+    yield from check_resolution(log, robot, motion)
+    yield from check_limits(log, robot)
+    yield from check_saturation(log, robot, motion)
+    yield from check_velocity(log, motion)
+    if motion is None:
+        yield Finding(
+            "excitation",
+            "warning",
+            "too short to compare with the model; units, signs, order and kind of effort were not looked at",
+            advice="record 10 s or more without a gap",
+        )
+        return
+    search = search_conventions(motion, robot)
+    yield from check_conventions(log, robot, search)
+    motion = search.conventions.apply(motion, robot)
+    yield from check_excitation(log, robot, motion)
+    yield from check_effort_kind(log, robot, motion)
+    yield from check_lag(log, robot, search.conventions)

@@ -1,0 +1,222 @@
+"""What the effort is: joint torque, without gravity, in other units, before the gear, or a current."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.logs.checks.finding import Finding, Severity
+from cdia_pin.logs.checks.fit import physical_columns
+from cdia_pin.logs.checks.motion import Motion
+from cdia_pin.logs.log import Log
+
+if TYPE_CHECKING:
+    from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+BLOCKS = 6  # parts of the log that are left out in turn
+STRONG = 0.1  # gravity of a joint against that of the strongest, below which tools and cables decide
+
+
+@dataclass(frozen=True)
+class EffortKind:
+    """What efforts are likely to be whose gravity is so many times the URDF's.
+
+    Attributes:
+        smallest: Lower end of the gain [1].
+        largest: Upper end of the gain [1].
+        severity: Of the finding.
+        message: With {said}, {middle} and {inverse} to fill in.
+        advice: With {inverse} to fill in.
+    """
+
+    smallest: float
+    largest: float
+    severity: Severity
+    message: str
+    advice: str
+
+
+_NEAR_ONE = (
+    "joint torque: gravity appears with gain {said}; the log cannot tell drive gains from masses or a payload"
+)
+KINDS = (
+    EffortKind(
+        0.0,
+        0.04,
+        "warning",
+        "efforts are {middle:.2g} of the URDF's gravity (gain {said}): motor torque before a gear of about "
+        "{inverse:.0f}, or another unit; the log cannot prove it",
+        "if it is motor torque, --convert reduction={inverse} with the gear ratios of the data sheet",
+    ),
+    EffortKind(
+        0.04,
+        0.5,
+        "warning",
+        "efforts are {middle:.2g} of the URDF's gravity (gain {said}): motor currents in A, a scaled torque, "
+        "or a URDF too heavy; the log cannot prove it",
+        "if they are currents, --convert torque=A --gains gains.json; the URDF's masses would make the gains "
+        "{inverse} N·m/A",
+    ),
+    EffortKind(
+        0.5,
+        0.8,
+        "info",
+        _NEAR_ONE,
+        "",
+    ),
+    EffortKind(0.8, 1.25, "ok", "joint torque: gravity appears with gain {said}", ""),
+    EffortKind(
+        1.25,
+        2.0,
+        "info",
+        _NEAR_ONE,
+        "",
+    ),
+    EffortKind(
+        2.0,
+        20.0,
+        "info",
+        "gravity appears with gain {said}: a payload or masses that the URDF lacks, or another unit; the log "
+        "cannot prove it",
+        "check the unit of the efforts; 'cdia discover' tells a payload from wrong masses",
+    ),
+    EffortKind(
+        20.0,
+        300.0,
+        "warning",
+        "efforts are {middle:.3g} times the URDF's gravity (gain {said}): another unit, or a URDF that lacks "
+        "mass",
+        "check the unit of the efforts and the masses of the URDF",
+    ),
+    EffortKind(
+        300.0,
+        3000.0,
+        "error",
+        "efforts are about 1000 times the URDF's gravity (gain {said}): they are in N·mm",
+        "--convert torque=Nmm",
+    ),
+    EffortKind(
+        3000.0,
+        np.inf,
+        "error",
+        "efforts are {middle:.3g} times the URDF's gravity (gain {said}): in no usual unit of torque",
+        "check the unit of the efforts",
+    ),
+)
+"""In order of the gain; the ranges leave no gap."""
+
+
+@dataclass(frozen=True)
+class GravityGain:
+    """How many times the URDF's gravity the effort of a joint holds.
+
+    Attributes:
+        gain: Effort per N·m of the URDF's gravity torque; 1 for joint torque and a right URDF.
+        error: Standard error of the gain, from leaving out parts of the log in turn.
+        dynamic: The same for M q̈ + V, rotor inertia included; far from ``gain`` where gravity was
+            taken out, alike where the unit is another.
+        share: Part of the effort's standard deviation that gravity would have with gain 1.
+    """
+
+    gain: float
+    error: float
+    dynamic: float
+    share: float
+
+    @property
+    def known(self) -> bool:
+        """True where the gain is told apart from zero and known to about 20 %."""
+        return self.error < 0.2 * abs(self.gain)
+
+    @property
+    def absent(self) -> bool:
+        """True where gravity should be most of the effort but is not there, while inertia is."""
+        weak = abs(self.gain) + 2 * self.error < 0.35 and self.share > 0.5
+        return weak and abs(self.gain) < 0.3 * abs(self.dynamic)
+
+
+def gravity_gains(motion: Motion, robot: RobotModel) -> dict[int, GravityGain]:
+    """Fit the gain of gravity beside dynamics, friction and offset, where gravity varies."""
+    columns = physical_columns(motion, robot)
+    spread = columns[:, :, 1].std(axis=1)
+    out = {}
+    for k in range(robot.n):
+        if not motion.moves[k] or spread[k] < max(STRONG * spread.max(), 1e-3):
+            continue
+        x = np.column_stack([columns[k][:, :4], np.ones(len(motion.time))])
+        y = motion.effort[:, k]
+        parts = np.array_split(np.arange(len(y)), BLOCKS)
+        left_out = np.array([_gains(np.delete(x, p, axis=0), np.delete(y, p))[1] for p in parts])
+        error = float(np.sqrt((BLOCKS - 1) / BLOCKS * np.sum((left_out - left_out.mean()) ** 2)))
+        dynamic, gain = _gains(x, y)
+        out[k] = GravityGain(gain, error, dynamic, float(spread[k] / max(y.std(), 1e-12)))
+    return out
+
+
+def check_effort_kind(log: Log, robot: RobotModel, motion: Motion) -> Iterator[Finding]:
+    """Compare the gravity in the efforts with the URDF's: its size tells units, its absence compensation."""
+    gains = gravity_gains(motion, robot)
+    known = {k: g for k, g in gains.items() if g.known and not g.absent}
+    value = {
+        log.joints[k]: {"gravity_gain": g.gain, "standard_error": g.error, "known": g.known}
+        for k, g in gains.items()
+    }
+    absent = {k: g for k, g in gains.items() if g.absent}
+    if not known and not absent:
+        yield Finding(
+            "effort_kind",
+            "info",
+            "cannot tell what kind of effort this is: no joint moves under gravity enough, or often enough",
+            advice="add a log in which joints move up and down several times",
+            value=value,
+        )
+    elif absent and len(absent) >= len(known):
+        yield Finding(
+            "effort_kind",
+            "warning",
+            f"the efforts hold no gravity (of the URDF's: {_said(log, absent)}): they are "
+            "gravity-compensated, or no joint torques",
+            advice="--convert gravity=compensated adds the URDF's; else gravity would look like a fault",
+            value=value,
+        )
+    else:
+        yield _judge(log, known, value)
+
+
+def _judge(log: Log, known: dict[int, GravityGain], value: dict[str, Any]) -> Finding:
+    """Name the kind of effort by the size of its gravity against the URDF's."""
+    middle = float(np.median([g.gain for g in known.values()]))
+    said = _said(log, known)
+    if middle < 0:
+        return Finding(
+            "effort_kind",
+            "warning",
+            f"gravity appears with the opposite sign (gain {said})",
+            advice="check the sign of the efforts, and that the URDF's base is upright",
+            value=value,
+        )
+    inverse = ",".join(f"{log.joints[k]}:{1 / g.gain:.3g}" for k, g in known.items())
+    kind = next(kind for kind in KINDS if kind.smallest <= middle < kind.largest)
+    return Finding(
+        "effort_kind",
+        kind.severity,
+        kind.message.format(said=said, middle=middle, inverse=1 / middle),
+        advice=kind.advice.format(inverse=inverse),
+        value=value,
+    )
+
+
+def _said(log: Log, gains: dict[int, GravityGain]) -> str:
+    return ", ".join(f"{log.joints[k]} {g.gain:.3g} ± {2 * g.error:.1g}" for k, g in gains.items())
+
+
+def _gains(x: Array, y: Array) -> tuple[float, float]:
+    """Gains of dynamics and of gravity, the first two columns."""
+    dynamic, gravity = np.linalg.lstsq(x, y, rcond=None)[0][:2]
+    return float(dynamic), float(gravity)

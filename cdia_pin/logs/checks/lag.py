@@ -1,0 +1,174 @@
+"""Does the effort lag behind the motion?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.logs.checks.conventions import Conventions
+from cdia_pin.logs.checks.finding import Finding
+from cdia_pin.logs.checks.fit import physical_columns
+from cdia_pin.logs.checks.motion import SAMPLES, Motion, longest_stretch
+from cdia_pin.logs.checks.velocity import vertex
+from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
+from cdia_pin.logs.log import Log
+
+if TYPE_CHECKING:
+    from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+SPAN = 0.1  # [s]; searched either way
+LAGS = np.linspace(-SPAN, SPAN, 51)
+CUTOFFS = (5.0, 15.0)  # [Hz]; friction at reversals shifts the estimate with them
+BLOCKS = 6
+WIDEST = 0.06  # [s]; an interval wider than this says nothing
+
+
+@dataclass(frozen=True)
+class LagEstimate:
+    """Lag of the efforts behind the motion.
+
+    Attributes:
+        lag: Best value [s], positive where the effort is late.
+        low: Lower end of the interval [s].
+        high: Upper end [s]; the interval covers joints, parts of the log, two cutoffs, and whether
+            rotor inertia is allowed for.
+        joints: Joints whose rigid-body torque was strong enough to time, by index.
+    """
+
+    lag: float
+    low: float
+    high: float
+    joints: tuple[int, ...]
+
+
+def estimate_lag(log: Log, robot: RobotModel, conventions: Conventions) -> LagEstimate | None:
+    """Find the lag at which model torque, friction and offset explain each effort best.
+
+    Joints in which friction alone makes most of the effort are left out: friction builds up
+    after a reversal as if it were late.
+    """
+    even = uniform(longest_stretch(log))
+    centres, lows, highs = [], [], []
+    timed: set[int] = set()
+    for cutoff in CUTOFFS:
+        prepared = _prepare(even, robot, conventions, min(cutoff, 0.2 * even.rate))
+        if prepared is None:
+            return None
+        columns, later, moves = prepared
+        for inertia in (False, True):
+            fits = {
+                k: _joint_lag(columns[k] if inertia else columns[k][:, :4], later[:, :, k])
+                for k in np.flatnonzero(moves).tolist()
+            }
+            usable = {k: f for k, f in fits.items() if f is not None}
+            if not usable:
+                continue
+            timed |= set(usable)
+            values = np.array([f[0] for f in usable.values()])
+            middle = float(np.median(values))
+            scatter = 1.48 * float(np.median(np.abs(values - middle)))
+            own = float(np.median([f[1] for f in usable.values()]))
+            error = np.hypot(scatter, own) / np.sqrt(len(values))
+            centres.append(middle)
+            lows.append(middle - 2 * error)
+            highs.append(middle + 2 * error)
+    if not centres:
+        return None
+    return LagEstimate(float(np.median(centres)), min(lows), max(highs), tuple(sorted(timed)))
+
+
+def check_lag(log: Log, robot: RobotModel, conventions: Conventions) -> Iterator[Finding]:
+    """Report the lag with its interval, and what else looks like one."""
+    estimate = estimate_lag(log, robot, conventions)
+    if estimate is None or estimate.high - estimate.low > WIDEST:
+        yield Finding(
+            "lag",
+            "info",
+            "cannot tell whether efforts lag behind positions: no joint has enough rigid-body torque to time",
+        )
+        return
+    ms = [round(1e3 * x, 1) for x in (estimate.lag, estimate.low, estimate.high)]
+    value = {
+        "lag_s": estimate.lag,
+        "interval_s": [estimate.low, estimate.high],
+        "joints": [log.joints[k] for k in estimate.joints],
+    }
+    nearest_zero = max(estimate.low, -estimate.high, 0.0)
+    between = f"{ms[0]:g} ms (between {ms[1]:g} and {ms[2]:g})"
+    if nearest_zero > max(5e-3, 1.0 / log.rate):
+        yield Finding(
+            "lag",
+            "warning",
+            f"the efforts are {'late' if estimate.lag > 0 else 'early'} by {between}; a delay, viscous "
+            "friction and rotor inertia look alike unless speeds and accelerations vary",
+            advice="test it as an effect: cdia add effort_delay LOG; or correct the stamps",
+            value=value,
+        )
+    else:
+        yield Finding(
+            "lag",
+            "info",
+            f"efforts lag behind positions by {between}: no delay is proved; one so small "
+            "looks like viscous friction or rotor inertia",
+            value=value,
+        )
+
+
+def _prepare(
+    even: Log, robot: RobotModel, conventions: Conventions, cutoff: float
+) -> tuple[Array, Array, NDArray[np.bool_]] | None:
+    """Physical columns, and the efforts at every lag, shape (N, lags, n)."""
+    rate = even.rate
+    edge = int((1.0 / cutoff + SPAN) * rate) + 2
+    if len(even.time) < 2 * edge + 60:
+        return None
+    index = np.arange(edge, len(even.time) - edge, max(1, (len(even.time) - 2 * edge) // SAMPLES))
+    q = zero_phase(even.position, cutoff, rate)
+    v = differentiate(q, rate)
+    effort = zero_phase(even.effort, cutoff, rate)
+    still = np.where(robot.is_prismatic, 0.01, 0.05)
+    motion = Motion(
+        time=even.time[index],
+        q=q[index],
+        v=v[index],
+        a=differentiate(v, rate)[index],
+        effort=effort[index],
+        moves=np.ptp(q[index], axis=0) > still,
+    )
+    read = conventions.apply(motion, robot)
+    shift = LAGS * rate
+    later = np.empty((len(index), len(LAGS), robot.n))
+    for number, samples in enumerate(shift):
+        whole = int(np.floor(samples))
+        part = samples - whole
+        moved = (1 - part) * effort[index + whole] + part * effort[index + whole + 1]
+        later[:, number] = conventions.apply(replace(motion, effort=moved), robot).effort
+    return physical_columns(read, robot), later, read.moves
+
+
+def _joint_lag(columns: Array, later: Array) -> tuple[float, float] | None:
+    """Lag of one joint [s] and its standard error; None where rigid-body torque explains too little."""
+    x = np.column_stack([columns, np.ones(len(columns))])
+    full = _left(x, later)
+    best = int(full.argmin())
+    without = _left(x[:, 2:], later[:, best : best + 1])[0]
+    if full[best] > 0.5 * without or best in {0, len(LAGS) - 1}:
+        return None
+    parts = np.array_split(np.arange(len(x)), BLOCKS)
+    left_out = np.array(
+        [vertex(LAGS, _left(np.delete(x, p, axis=0), np.delete(later, p, axis=0))) for p in parts]
+    )
+    error = np.sqrt((BLOCKS - 1) / BLOCKS * np.sum((left_out - left_out.mean()) ** 2))
+    return vertex(LAGS, full), float(error)
+
+
+def _left(x: Array, y: Array) -> Array:
+    """Residual sum of squares of every column of y on the columns of x."""
+    basis, _ = np.linalg.qr(x / np.maximum(np.sqrt((x * x).sum(axis=0)), 1e-12))
+    return np.asarray((y**2).sum(axis=0) - ((basis.T @ y) ** 2).sum(axis=0))

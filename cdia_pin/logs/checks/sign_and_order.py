@@ -1,0 +1,213 @@
+"""Say which signs, which order of joints and which unit of angle the log has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cdia_pin.logs.checks.conventions import DEGREE, LIKELY, Conventions, Search, Trial
+from cdia_pin.logs.checks.finding import Finding
+from cdia_pin.logs.log import Log
+
+if TYPE_CHECKING:
+    from cdia_pin.robot.model import RobotModel
+
+UNDECIDED = 0.3  # [1] difference in misfit that decides nothing
+POOR = 0.5  # unexplained share above which friction and the URDF do not make a joint's effort
+
+
+def check_conventions(log: Log, robot: RobotModel, search: Search) -> Iterator[Finding]:
+    """Report the search for a reading of the log that fits the model better."""
+    yield from _adopted(log, robot, search)
+    likely = [t for t in search.rest if t.gain > LIKELY]
+    if likely:
+        for topic, message, advice, joints in _differences(
+            log, robot, search.conventions, likely[0].conventions
+        ):
+            yield Finding(
+                topic,
+                "warning",
+                f"perhaps {message}: that would fit better, but not by enough to be sure",
+                joint=joints[0] if len(joints) == 1 else None,
+                advice=f"look at another log; if so, {advice}",
+                value={"joints": joints, "gain": likely[0].gain},
+            )
+    if search.conventions.angle == 1.0:
+        yield from _angles_out_of_reach(log, robot, search)
+    yield _signs(log, search)
+    yield _order(log, search)
+    for k in np.flatnonzero(search.after > POOR).tolist():
+        yield Finding(
+            "effort_kind",
+            "info",
+            f"{search.after[k]:.0%} of its effort is neither rigid-body torque, friction nor rotor inertia: "
+            "a payload, a tilted base or an external force, which 'cdia discover' tells; or another signal",
+            joint=log.joints[k],
+            value={"unexplained": float(search.after[k])},
+        )
+
+
+def _adopted(log: Log, robot: RobotModel, search: Search) -> Iterator[Finding]:
+    """Report all that was adopted together, and what would have done as well."""
+    done = {(best.kind, best.joints) for best, _ in search.steps}
+    rivals = [r for _, among in search.steps for r in among if (r.kind, r.joints) not in done]
+    for topic, message, advice, joints in _differences(
+        log, robot, Conventions.assumed(robot.n), search.conventions
+    ):
+        worst = max(joints, key=lambda j: np.nan_to_num(search.before[log.joints.index(j)]))
+        k = log.joints.index(worst)
+        others = [
+            m
+            for r in rivals
+            if set(joints) & {log.joints[i] for i in r.joints}
+            for _, m, _, _ in _differences(log, robot, Conventions.assumed(robot.n), r.conventions)
+            if m != message
+        ]
+        yield Finding(
+            topic,
+            "error",
+            f"{message}: what physics leaves of the effort of {worst} falls from {search.before[k]:.0%} to "
+            f"{search.after[k]:.0%}"
+            + (f"; about as likely: {' / '.join(list(dict.fromkeys(others))[:3])}" if others else ""),
+            joint=joints[0] if len(joints) == 1 else None,
+            advice=advice,
+            value={"joints": joints, "alternatives": others, "before": _by_name(log, search.before)},
+        )
+
+
+def _differences(
+    log: Log, robot: RobotModel, old: Conventions, new: Conventions
+) -> list[tuple[str, str, str, list[str]]]:
+    """Topic, message, advice and joints of everything in which one reading differs from another."""
+    said = []
+    if new.angle != old.angle:
+        revolute = [j for j, slides in zip(log.joints, robot.is_prismatic, strict=True) if not slides]
+        said.append(("units", "positions are in degrees, not rad", "--convert angle=deg", revolute))
+    moved = _moved(log.joints, old.position_column, new.position_column)
+    if moved:
+        renames = ",".join(f"{column}={joint}" for joint, column in moved.items())
+        said.append(
+            (
+                "joint_order",
+                f"the columns are of other joints ({_said(moved)})",
+                f"--joint-map {renames}",
+                [*moved],
+            )
+        )
+    moved = _moved(log.joints, old.effort_column, new.effort_column)
+    if moved and new.effort_column != new.position_column:
+        said.append(
+            (
+                "joint_order",
+                f"the efforts, but not the positions, are of other joints ({_said(moved)})",
+                "rename the effort columns",
+                [*moved],
+            )
+        )
+    position = _turned(log.joints, old.position_sign, new.position_sign)
+    effort = _turned(log.joints, old.effort_sign, new.effort_sign)
+    both = [j for j in position if j in effort]
+    signs = (
+        (both, "position, velocity and effort have the opposite sign", ("flip_position", "flip_effort")),
+        (
+            [j for j in position if j not in both],
+            "position and velocity have the opposite sign",
+            ("flip_position",),
+        ),
+        (
+            [j for j in effort if j not in both],
+            "the effort has the opposite sign and would feed energy into the joint",
+            ("flip_effort",),
+        ),
+    )
+    for joints, message, keys in signs:
+        if joints:
+            flags = " ".join(f"--convert {key}={','.join(joints)}" for key in keys)
+            said.append(("sign", f"{message} on {', '.join(joints)}", flags, joints))
+    return said
+
+
+def _moved(joints: Sequence[str], old: Sequence[int], new: Sequence[int]) -> dict[str, str]:
+    """For each joint whose column changes, the joint under whose name its numbers stand."""
+    return {joints[k]: joints[new[k]] for k in range(len(joints)) if new[k] != old[k]}
+
+
+def _turned(joints: Sequence[str], old: Sequence[int], new: Sequence[int]) -> list[str]:
+    return [j for j, a, b in zip(joints, old, new, strict=True) if a != b]
+
+
+def _said(moved: dict[str, str]) -> str:
+    return ", ".join(f"{column} holds {joint}" for joint, column in moved.items())
+
+
+def _by_name(log: Log, share: np.ndarray) -> dict[str, float]:
+    return {j: float(s) for j, s in zip(log.joints, share, strict=True) if np.isfinite(s)}
+
+
+def _angles_out_of_reach(log: Log, robot: RobotModel, search: Search) -> Iterator[Finding]:
+    """Positions of several turns that would fit the URDF's limits as degrees."""
+    revolute = ~robot.is_prismatic
+    most = np.abs(log.position).max(axis=0)
+    limits = robot.limits
+    as_degrees = log.position * DEGREE
+    fits = (as_degrees > limits.lower - 0.01) & (as_degrees < limits.upper + 0.01)
+    turns = np.maximum(2 * np.pi, np.where(np.isfinite(limits.upper), limits.upper, 0.0))
+    beyond = revolute & (most > 1.2 * turns)
+    against = next((t.gain for t in search.rest if t.kind == "degrees"), 0.0)
+    if beyond.any() and fits[:, revolute].all() and against > -LIKELY:
+        yield Finding(
+            "units",
+            "error",
+            f"positions up to {most[beyond].max():.4g} are several turns as rad, within limits as degrees",
+            advice="--convert angle=deg",
+            value={"largest": float(most[beyond].max())},
+        )
+
+
+def _signs(log: Log, search: Search) -> Finding:
+    """Say of which joints the sign is certain, and of which a reversed axis cannot be excluded."""
+    flips = {t.joints[0]: -t.gain for t in search.rest if t.kind == "effort sign"}
+    sure = [log.joints[k] for k in sorted(flips) if flips[k] > LIKELY]
+    unsure = [log.joints[k] for k in sorted(flips) if flips[k] <= LIKELY]
+    open_axes = sorted(t.joints[0] for t in search.rest if t.kind == "both signs" and t.gain > -UNDECIDED)
+    mirrored = [log.joints[k] for k in open_axes]
+    parts = []
+    if sure:
+        parts.append(f"efforts fit the model and oppose friction on {', '.join(sure)}")
+    if unsure:
+        parts.append(f"cannot tell the sign of the effort on {', '.join(unsure)}")
+    if mirrored:
+        parts.append(f"cannot tell if {', '.join(mirrored)} is reversed in position and effort together")
+    if not flips:
+        parts.append("cannot tell signs: nothing moves")
+    return Finding(
+        "sign",
+        "info" if unsure or mirrored or not flips else "ok",
+        "; ".join(parts),
+        value={"sure": sure, "cannot_tell": unsure, "axis_cannot_tell": mirrored},
+    )
+
+
+def _order(log: Log, search: Search) -> Finding:
+    """Say which joints could be exchanged without the fit telling."""
+    swaps = [t for t in search.rest if t.kind == "order" and len(t.joints) == 2]
+    open_pairs: list[Trial] = [t for t in swaps if t.gain > -UNDECIDED]
+    pairs = [" ↔ ".join(log.joints[k] for k in t.joints) for t in open_pairs]
+    value = {"cannot_tell": [[log.joints[k] for k in t.joints] for t in open_pairs]}
+    if not swaps:
+        return Finding(
+            "joint_order", "info", "cannot tell the order of the joints: nothing moves", value=value
+        )
+    if not pairs:
+        message = "no exchange of two joints fits as well as the order given"
+        return Finding("joint_order", "ok", message, value=value)
+    shown = ", ".join(pairs[:4]) + (f" and {len(pairs) - 4} more" if len(pairs) > 4 else "")
+    return Finding(
+        "joint_order",
+        "info",
+        f"no exchange of two joints fits better; this motion cannot exclude {shown}",
+        advice="the names of the columns decide; move these joints by different amounts to test it",
+        value=value,
+    )

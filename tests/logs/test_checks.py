@@ -1,0 +1,289 @@
+"""Checks find what was done to a log, say what to do, and leave honest logs alone."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs import Log, check_log, read_log, write_log
+from cdia_pin.logs.checks.sampling import quantum
+
+
+def problems(log, robot):
+    return [f for f in check_log(log, robot).problems if f.topic != "limits"]
+
+
+def columns(log: Log, order) -> Log:
+    """The log with the numbers of other joints under each name."""
+    order = list(order)
+    return replace(
+        log, position=log.position[:, order], velocity=log.velocity[:, order], effort=log.effort[:, order]
+    )
+
+
+def turned(log: Log, joint: str, *signals: str) -> Log:
+    k = log.joints.index(joint)
+    sign = np.where(np.arange(len(log.joints)) == k, -1.0, 1.0)
+    return replace(log, **{s: getattr(log, s) * sign for s in signals})
+
+
+# ---------------------------------------------------------------- honest logs
+
+
+@pytest.mark.parametrize("name", ["ur5_log", "panda_log"])
+def test_an_honest_log_has_no_problem(name, request):
+    log = request.getfixturevalue(name)
+    robot = request.getfixturevalue(name.removesuffix("_log"))
+    check = check_log(log, robot)
+    assert check.ok, check.problems
+    assert check.about("effort_kind")[0].severity == "ok"
+    assert check.about("sign")[0].value["sure"] == list(robot.joints)
+
+
+@pytest.mark.parametrize("missing", ["payload", "tilt", "friction", "offset", "spring", "ripple", "noise"])
+def test_missing_physics_is_not_taken_for_a_misread_log(ur5, ur5_log, missing):
+    log = ur5_log
+    q, v, size = log.position, log.velocity, log.effort.std(axis=0)
+    weight = np.array([0.0, 0.0, -9.81 * 5.0, 0.0, 0.0, 0.0])
+    added = {
+        "payload": -np.einsum("nij,i->nj", ur5.tool_jacobian(q), weight),
+        "tilt": ur5.gravity_regressor(q) @ np.array([1.5, -1.0, 0.2]),
+        "friction": size * (2 * np.tanh(v / 0.01) + v),
+        "offset": np.tile([5.0, -3.0, 2.0, 1.0, -1.0, 0.5], (len(q), 1)),
+        "spring": size * q,
+        "ripple": 0.3 * size * np.sin(20 * q),
+        "noise": 0.3 * size * np.random.default_rng(0).normal(size=q.shape),
+    }[missing]
+    assert problems(replace(log, effort=log.effort + added), ur5) == []
+
+
+def test_a_check_is_json_with_its_schema(ur5, ur5_log):
+    check = check_log(ur5_log, ur5)
+    out = json.loads(json.dumps(check.to_dict()))
+    assert out["schema"] == "cdia-check/1"
+    assert out["ok"] is True
+    assert {"topic", "severity", "joint", "message", "advice", "value"} == set(out["findings"][0])
+
+
+def test_notes_of_the_reader_are_findings(ur5, ur5_log):
+    check = check_log(ur5_log.noted("joints renamed"), ur5)
+    assert check.about("reading")[0].message == "joints renamed"
+
+
+def test_a_log_of_another_robot_is_refused(panda, ur5_log):
+    with pytest.raises(LogError, match="robot 'panda' has"):
+        check_log(ur5_log, panda)
+
+
+# ---------------------------------------------------------------- units, signs, order
+
+
+def test_degrees_are_recognised(ur5, ur5_log):
+    factor = 180 / np.pi
+    log = replace(ur5_log, position=ur5_log.position * factor, velocity=ur5_log.velocity * factor)
+    (found,) = problems(log, ur5)
+    assert (found.topic, found.severity, found.advice) == ("units", "error", "--convert angle=deg")
+
+
+def test_newton_millimetres_are_recognised(panda, panda_log):
+    (found,) = problems(replace(panda_log, effort=1000 * panda_log.effort), panda)
+    assert (found.topic, found.severity, found.advice) == ("effort_kind", "error", "--convert torque=Nmm")
+
+
+@pytest.mark.parametrize("joint", ["shoulder_pan_joint", "shoulder_lift_joint", "wrist_3_joint"])
+def test_an_effort_of_the_wrong_sign_is_found(ur5, ur5_log, joint):
+    (found,) = problems(turned(ur5_log, joint, "effort"), ur5)
+    assert (found.topic, found.joint) == ("sign", joint)
+    assert found.advice == f"--convert flip_effort={joint}"
+
+
+def test_several_wrong_signs_are_found_together(panda, panda_log):
+    (found,) = problems(replace(panda_log, effort=-panda_log.effort), panda)
+    assert found.value["joints"] == list(panda.joints)
+
+
+def test_a_position_of_the_wrong_sign_is_found(panda, panda_log):
+    (found,) = problems(turned(panda_log, "panda_joint3", "position", "velocity"), panda)
+    assert found.advice == "--convert flip_position=panda_joint3"
+
+
+def test_the_advice_repairs_the_log(ur5, ur5_log, tmp_path):
+    path = write_log(turned(ur5_log, "elbow_joint", "effort"), tmp_path / "x.csv")
+    (found,) = problems(read_log(path, ur5), ur5)
+    assert problems(read_log(path, ur5, convert=found.advice.removeprefix("--convert ")), ur5) == []
+
+
+@pytest.mark.parametrize("order", [(2, 1, 0, 3, 4, 5), (5, 0, 1, 2, 3, 4), (1, 2, 0, 3, 4, 5)])
+def test_an_exchange_of_joints_is_found_and_the_advice_undoes_it(ur5, ur5_log, order, tmp_path):
+    wrong = columns(ur5_log, order)
+    (found,) = problems(wrong, ur5)
+    assert (found.topic, found.severity) == ("joint_order", "error")
+    path = write_log(wrong, tmp_path / "x.csv")
+    mended = read_log(path, ur5, joint_map=found.advice.removeprefix("--joint-map "))
+    np.testing.assert_array_equal(mended.effort, ur5_log.effort)
+
+
+def test_efforts_in_another_order_than_positions_are_found(panda, panda_log):
+    order = [0, 2, 1, 3, 4, 5, 6]
+    (found,) = problems(replace(panda_log, effort=panda_log.effort[:, order]), panda)
+    assert found.topic == "joint_order"
+    assert "not the positions" in found.message
+
+
+def test_what_a_motion_cannot_tell_is_said(ur5, ur5_log):
+    check = check_log(ur5_log, ur5)
+    still = replace(ur5_log, position=ur5_log.position[[0] * 5000], velocity=0 * ur5_log.velocity)
+    said = [f.message for f in check_log(still, ur5).findings]
+    assert check.ok
+    assert any("cannot tell signs" in m for m in said)
+    assert any("cannot tell what kind of effort" in m for m in said)
+    assert any("cannot tell whether efforts lag" in m for m in said)
+
+
+# ---------------------------------------------------------------- kind of effort
+
+
+def test_gravity_compensated_efforts_are_recognised(ur5, ur5_log):
+    log = replace(ur5_log, effort=ur5_log.effort - ur5.gravity(ur5_log.position))
+    (found,) = problems(log, ur5)
+    assert "hold no gravity" in found.message
+    assert "gravity=compensated" in found.advice
+
+
+@pytest.mark.parametrize(("factor", "said"), [(0.01, "before a gear"), (0.1, "currents in A")])
+def test_motor_side_efforts_and_currents_are_suspected_but_not_proved(ur5, ur5_log, factor, said):
+    (found,) = problems(replace(ur5_log, effort=factor * ur5_log.effort), ur5)
+    assert found.severity == "warning"
+    assert said in found.message
+    assert "cannot prove it" in found.message
+
+
+# ---------------------------------------------------------------- lag
+
+
+@pytest.mark.parametrize("delay", [0.02, 0.05])
+def test_a_late_effort_is_found_with_an_interval_that_holds_the_truth(panda, plant, delay):
+    (found,) = problems(plant(panda, delay=delay), panda)
+    low, high = found.value["interval_s"]
+    assert found.topic == "lag"
+    assert low <= delay <= high
+    assert "look alike" in found.message
+
+
+def test_no_delay_is_claimed_where_there_is_none(ur5, panda, ur5_log, panda_log):
+    for robot, log in ((ur5, ur5_log), (panda, panda_log)):
+        (found,) = check_log(log, robot).about("lag")
+        low, high = found.value["interval_s"]
+        assert found.severity == "info"
+        assert low <= 0.0 <= high
+
+
+# ---------------------------------------------------------------- velocity
+
+
+@pytest.mark.parametrize(
+    ("change", "advice"),
+    [
+        (lambda log: turned(log, "elbow_joint", "velocity"), "--convert flip_velocity=elbow_joint"),
+        (lambda log: replace(log, velocity=log.velocity * 180 / np.pi), "use_velocity=false"),
+        (lambda log: replace(log, velocity=log.velocity * 0.0), "use_velocity=false"),
+        (lambda log: replace(log, velocity=log.velocity * 1e3), "--convert time=ms"),
+        (lambda log: replace(log, velocity=log.velocity * 1.2), "use_velocity=false"),
+        (lambda log: replace(log, velocity=log.velocity[:, ::-1]), "order of the columns"),
+    ],
+)
+def test_velocities_that_are_not_the_derivative_of_positions_are_found(ur5, ur5_log, change, advice):
+    found = problems(change(ur5_log), ur5)
+    assert {f.topic for f in found} == {"velocity"}
+    assert advice in found[0].advice
+
+
+def test_a_filtered_velocity_is_late(ur5, ur5_log):
+    late = np.vstack([ur5_log.velocity[:5], ur5_log.velocity[:-5]])
+    (found,) = problems(replace(ur5_log, velocity=late), ur5)
+    assert found.value["lag_s"] == pytest.approx(0.02, abs=1e-3)
+
+
+# ---------------------------------------------------------------- sampling, saturation, excitation
+
+
+def test_a_gap_is_found_and_only_one_side_is_examined(ur5, ur5_log):
+    keep = np.r_[0:1000, 1200:5000]
+    parts = {s: getattr(ur5_log, s)[keep] for s in ("time", "position", "velocity", "effort")}
+    (found,) = problems(replace(ur5_log, **parts), ur5)
+    assert found.topic == "gaps"
+    assert found.value["longest_s"] == pytest.approx(0.804)
+
+
+def test_a_slow_rate_is_a_problem(ur5, ur5_log):
+    parts = {s: getattr(ur5_log, s)[::10] for s in ("time", "position", "velocity", "effort")}
+    assert "rate" in {f.topic for f in problems(replace(ur5_log, **parts), ur5)}
+
+
+def test_repeated_samples_reveal_the_rate_of_the_source(ur5, ur5_log):
+    held = {s: np.repeat(getattr(ur5_log, s)[::2], 2, axis=0) for s in ("position", "velocity", "effort")}
+    (found,) = check_log(replace(ur5_log, **held), ur5).about("duplicates")
+    assert found.value["source_rate_hz"] == pytest.approx(125.0, rel=0.01)
+
+
+@pytest.mark.parametrize("constant", [slice(1000, 1400), slice(None)])
+def test_an_effort_that_stops_changing_is_found(ur5, ur5_log, constant):
+    effort = ur5_log.effort.copy()
+    effort[constant, 1] = effort[1000, 1]
+    found = problems(replace(ur5_log, effort=effort), ur5)
+    assert ("frozen", "shoulder_lift_joint") in {(f.topic, f.joint) for f in found}
+
+
+def test_clipped_efforts_are_found_but_their_peaks_are_not_taken_for_clipping(ur5, ur5_log):
+    bound = 0.8 * np.abs(ur5_log.effort[:, 2]).max()
+    effort = ur5_log.effort.copy()
+    effort[:, 2] = np.clip(effort[:, 2], -bound, bound)
+    (found,) = problems(replace(ur5_log, effort=effort), ur5)
+    assert (found.topic, found.joint) == ("saturation", "elbow_joint")
+    assert found.value["level"] == pytest.approx(bound)
+    rounded = replace(ur5_log, effort=np.round(ur5_log.effort, 1))
+    assert not [f for f in problems(rounded, ur5) if f.topic == "saturation"]
+
+
+@pytest.mark.parametrize("step", [1e-4, 1e-3, 0.0357])
+def test_the_step_of_rounded_positions_is_measured(ur5_log, step):
+    assert quantum(step * np.round(ur5_log.position[:, 0] / step)) == pytest.approx(step)
+
+
+def test_continuous_positions_have_no_step(ur5_log):
+    assert quantum(ur5_log.position[:, 0]) == 0.0
+    assert quantum(np.linspace(0.0, 1.0, 1000)) == 0.0
+
+
+def test_excitation_says_of_each_joint_what_cannot_be_told(ur5, ur5_log):
+    position = ur5_log.position.copy()
+    position[:, 5] = 0.3
+    position[:, 4] = np.linspace(-1.0, 1.0, len(position))
+    check = check_log(replace(ur5_log, position=position, velocity=None), ur5)
+    said = {f.joint: f.message for f in check.about("excitation")}
+    assert "does not move" in said["wrist_3_joint"]
+    assert "one way only" in said["wrist_2_joint"]
+    assert "one speed only" in said["wrist_2_joint"]
+    assert "one way" not in said["elbow_joint"]
+
+
+def test_positions_beyond_the_limits_are_named(ur5, ur5_log):
+    position = ur5_log.position.copy()
+    position[:, 2] += 4.0
+    found = check_log(replace(ur5_log, position=position), ur5).about("limits")[0]
+    assert (found.severity, found.joint) == ("warning", "elbow_joint")
+
+
+@pytest.mark.parametrize("count", [2, 3, 10, 200, 520])
+def test_short_logs_are_checked_without_complaint_of_numpy(ur5, ur5_log, count, recwarn):
+    check_log(ur5_log.slice(0, count), ur5)
+    assert not recwarn.list
+
+
+@pytest.mark.parametrize("step", [0.4, 40.0])
+def test_logs_full_of_gaps_are_checked(ur5, ur5_log, step):
+    steps = np.where(np.random.default_rng(0).random(5000) < 0.2, step, 0.001)
+    check = check_log(replace(ur5_log, time=np.cumsum(steps)), ur5)
+    assert check.about("gaps")[0].severity == "warning"

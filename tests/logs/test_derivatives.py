@@ -1,0 +1,89 @@
+"""Filters keep what physics needs: constants, ramps, phase; derivatives are those of polynomials."""
+
+import numpy as np
+import pytest
+from scipy.signal import butter, filtfilt
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs import Log
+from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
+
+
+def make_log(time: np.ndarray, position: np.ndarray, effort: np.ndarray | None = None) -> Log:
+    effort = np.zeros_like(position) if effort is None else effort
+    return Log(("a", "b"), time, position, effort)
+
+
+def test_zero_phase_is_filtfilt_with_long_odd_padding():
+    x = np.cumsum(np.random.default_rng(0).normal(size=(4000, 2)), axis=0)
+    b, a = butter(4, 12.0, fs=250.0)
+    expected = filtfilt(b, a, x, axis=0, padtype="odd", padlen=3000)
+    np.testing.assert_allclose(zero_phase(x, 12.0, 250.0), expected, atol=1e-6)
+
+
+def test_zero_phase_leaves_constants_and_ramps_alone():
+    x = np.column_stack([np.full(500, 3.0), np.linspace(-2.0, 5.0, 500)])
+    np.testing.assert_allclose(zero_phase(x, 5.0, 100.0), x, atol=1e-12)
+
+
+def test_zero_phase_of_columns_equals_columns_of_zero_phase():
+    x = np.random.default_rng(1).normal(size=(301, 3))
+    together = zero_phase(x, 8.0, 100.0)
+    np.testing.assert_allclose(together[:, 1], zero_phase(x[:, 1], 8.0, 100.0), atol=1e-12)
+
+
+def test_zero_phase_halves_a_sine_at_the_cutoff_without_shifting_it():
+    t = np.arange(10_000) / 1000.0
+    sine = np.sin(2 * np.pi * 10.0 * t)
+    middle = np.s_[2000:8000]
+    np.testing.assert_allclose(zero_phase(sine, 10.0, 1000.0)[middle], 0.5 * sine[middle], atol=1e-3)
+
+
+@pytest.mark.parametrize("cutoff", [0.0, -1.0, 50.0, 70.0])
+def test_zero_phase_refuses_a_cutoff_that_the_rate_cannot_hold(cutoff):
+    with pytest.raises(LogError, match="half the sampling rate"):
+        zero_phase(np.zeros(100), cutoff, 100.0)
+
+
+def test_differentiate_is_exact_for_parabolas_up_to_the_ends():
+    t = np.arange(50) / 20.0
+    np.testing.assert_allclose(differentiate(3 * t**2 - t, 20.0), 6 * t - 1, atol=1e-12)
+
+
+def test_differentiate_needs_three_samples():
+    with pytest.raises(LogError, match="3 samples"):
+        differentiate(np.zeros(2), 10.0)
+
+
+def test_a_uniform_log_is_returned_as_it_is():
+    time = 5.0 + np.arange(100) / 125.0
+    log = make_log(time, np.random.default_rng(0).normal(size=(100, 2)))
+    assert uniform(log) is log
+
+
+def test_a_jittered_log_lands_on_a_uniform_grid_of_its_median_rate():
+    rng = np.random.default_rng(2)
+    time = np.cumsum(rng.uniform(0.008, 0.012, 2000))
+    motion = np.column_stack([np.sin(time), np.cos(0.5 * time)])
+    even = uniform(make_log(time, motion, 10 * motion))
+    np.testing.assert_allclose(np.diff(even.time), 1 / even.rate, rtol=1e-9)
+    assert even.time[0] == time[0]
+    assert even.time[-1] <= time[-1]
+    expected = np.column_stack([np.sin(even.time), np.cos(0.5 * even.time)])
+    np.testing.assert_allclose(even.position, expected, atol=1e-5)
+    np.testing.assert_allclose(even.effort, 10 * expected, atol=1e-3)
+    assert "resampled" in even.notes[-1]
+
+
+def test_held_positions_do_not_overshoot_when_resampled():
+    time = np.cumsum(np.random.default_rng(3).uniform(0.5, 1.5, 200)) * 1e-2
+    steps = np.repeat(np.random.default_rng(4).normal(size=(50, 2)), 4, axis=0)
+    even = uniform(make_log(time, steps))
+    assert even.position.max() <= steps.max()
+    assert even.position.min() >= steps.min()
+
+
+def test_a_log_that_is_mostly_gaps_is_refused():
+    time = np.concatenate([np.arange(100) * 0.01, 1000.0 + np.arange(100) * 0.01])
+    with pytest.raises(LogError, match="gaps"):
+        uniform(make_log(time, np.zeros((200, 2))))

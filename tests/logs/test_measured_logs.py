@@ -1,0 +1,83 @@
+"""On measured logs of real arms the checks raise no alarm, and find what is done to them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cdia_pin.logs import check_log, read_log
+from cdia_pin.robot import load_robot
+
+UR10E = [
+    "fourier_40s",
+    "fourier_50s",
+    *(f"jointwise_{k}" for k in range(1, 7)),
+    "point_to_point",
+]
+
+
+@pytest.fixture(scope="module")
+def ur10e(measured):
+    return load_robot(measured / "ur10e" / "ur10e.urdf")
+
+
+@pytest.fixture(scope="module")
+def ur10():
+    return load_robot("ur10")
+
+
+@pytest.fixture(scope="module")
+def panda_run(measured, panda):
+    return read_log(measured / "panda" / "exciting.csv", panda)
+
+
+@pytest.fixture(scope="module")
+def ur10_run(measured, ur10):
+    return read_log(measured / "ur10" / "exciting.csv", ur10)
+
+
+def test_the_panda_log_is_in_order(panda, panda_run):
+    check = check_log(panda_run, panda)
+    assert check.ok, check.problems
+    assert check.about("duplicates")[0].value["source_rate_hz"] == pytest.approx(924, abs=5)
+    assert check.about("velocity")[0].value["lag_s"] == pytest.approx(0.0053, abs=5e-4)
+
+
+def test_the_ur10_log_is_in_order(ur10, ur10_run):
+    check = check_log(ur10_run, ur10)
+    assert check.ok, check.problems
+
+
+@pytest.mark.parametrize("name", UR10E)
+def test_the_ur10e_logs_are_in_order(measured, ur10e, name):
+    folder = measured / "ur10e"
+    check = check_log(read_log(folder / f"{name}.csv", ur10e, gains=folder / "drive_gains.json"), ur10e)
+    assert check.ok, check.problems
+
+
+def test_a_bag_and_a_csv_of_the_same_recording_agree(measured, ur10, ur10_run):
+    bag = read_log(measured / "ur10" / "exciting.db3", ur10)
+    np.testing.assert_allclose(bag.time, ur10_run.time, atol=2e-9)
+    np.testing.assert_allclose(bag.position, ur10_run.position, atol=1e-7)
+    np.testing.assert_allclose(bag.effort, ur10_run.effort, atol=1e-5)
+
+
+@pytest.mark.parametrize("joint", range(6))
+def test_a_flipped_effort_of_the_real_ur10_is_found(ur10, ur10_run, joint):
+    sign = np.where(np.arange(6) == joint, -1.0, 1.0)
+    (found,) = check_log(replace(ur10_run, effort=ur10_run.effort * sign), ur10).problems
+    assert found.advice == f"--convert flip_effort={ur10.joints[joint]}"
+
+
+def test_degrees_and_exchanged_joints_of_the_real_panda_are_found(panda, panda_run):
+    run = panda_run.slice(0, 10_000)
+    degrees = replace(run, position=np.degrees(run.position), velocity=np.degrees(run.velocity))
+    assert "--convert angle=deg" in {f.advice for f in check_log(degrees, panda).problems}
+    order = [0, 3, 2, 1, 4, 5, 6]
+    exchanged = replace(
+        run, position=run.position[:, order], velocity=run.velocity[:, order], effort=run.effort[:, order]
+    )
+    found = {f.topic: f for f in check_log(exchanged, panda).problems}
+    assert found["joint_order"].value["joints"] == ["panda_joint2", "panda_joint4"]
+    alone = check_log(replace(run, effort=1000 * run.effort), panda).problems
+    assert "--convert torque=Nmm" in {f.advice for f in alone}

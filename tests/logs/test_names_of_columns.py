@@ -1,0 +1,120 @@
+"""Column names as people write them become signals of joints."""
+
+import pytest
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs.columns import signal_of, understand
+from cdia_pin.logs.joint_names import joint_map_of, match_joints
+
+JOINTS = ("shoulder_pan_joint", "elbow_joint", "wrist_1_joint")
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("position.elbow_joint", ("position", "elbow_joint")),
+        ("position/elbow_joint", ("position", "elbow_joint")),
+        ("position_elbow_joint", ("position", "elbow_joint")),
+        ("Velocity.elbow_joint", ("velocity", "elbow_joint")),
+        ("q_1", ("position", "1")),
+        ("q1", ("position", "1")),
+        ("q.0", ("position", "0")),
+        ("q[3]", ("position", "3")),
+        ("dq_1", ("velocity", "1")),
+        ("qd1", ("velocity", "1")),
+        ("q_dot_2", ("velocity", "2")),
+        ("tau_elbow_joint", ("effort", "elbow_joint")),
+        ("torque1", ("effort", "1")),
+        ("current.elbow_joint", ("current", "elbow_joint")),
+        ("actual_q_0", ("position", "0")),
+        ("actual_qd_0", ("velocity", "0")),
+        ("actual_current_5", ("current", "5")),
+        ("/joint_states/elbow_joint/position", ("position", "joint_states/elbow_joint")),
+        ("elbow_joint_torque", ("effort", "elbow_joint")),
+        ("temperature.elbow_joint", None),
+        ("state", None),
+        ("target_q_0", None),
+    ],
+)
+def test_a_column_name_says_signal_and_joint(name, expected):
+    assert signal_of(name) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("time", None),
+        ("t", None),
+        ("Timestamp", None),
+        ("time_ns", "ns"),
+        ("time [ms]", "ms"),
+        ("t_us", "us"),
+    ],
+)
+def test_times_are_recognised_with_the_unit_in_their_name(name, unit):
+    assert understand([name]).time == {name: unit}
+
+
+def test_the_column_called_time_is_preferred():
+    assert understand(["timestamp", "time"]).time_column == "time"
+
+
+def test_joints_are_found_by_name_in_any_order():
+    assert (
+        match_joints(["wrist_1_joint", "elbow_joint", "gripper", "shoulder_pan_joint"], JOINTS).labels
+        == JOINTS
+    )
+
+
+def test_one_common_prefix_is_seen_through_and_noted():
+    found = match_joints([f"left_{j}" for j in JOINTS], JOINTS)
+    assert found.labels == tuple(f"left_{j}" for j in JOINTS)
+    assert "left_elbow_joint → elbow_joint" in found.note
+
+
+def test_a_prefix_that_only_the_robot_has_is_seen_through():
+    found = match_joints(["joint1", "joint2"], ("panda_joint1", "panda_joint2"))
+    assert found.labels == ("joint1", "joint2")
+
+
+def test_two_arms_in_one_log_must_be_told_apart():
+    both = [f"{side}_{j}" for side in ("left", "right") for j in JOINTS]
+    with pytest.raises(LogError, match=r"left_shoulder_pan_joint.*--joint-map"):
+        match_joints(both, JOINTS)
+
+
+def test_a_commanded_copy_is_not_taken_for_the_measurement():
+    names = [f"{p}{j}" for p in ("meas_", "desired_") for j in JOINTS]
+    assert match_joints(names, JOINTS).labels == tuple(f"meas_{j}" for j in JOINTS)
+
+
+@pytest.mark.parametrize("names", [["1", "2", "3"], ["0", "1", "2"], ["joint_3", "joint_2", "joint_1"]])
+def test_numbered_joints_are_taken_in_the_robots_order_with_a_note(names):
+    found = match_joints(names, JOINTS)
+    assert found.labels == tuple(sorted(names))
+    assert "numbered" in found.note
+
+
+@pytest.mark.parametrize(
+    "names", [["1", "2"], ["1", "2", "4"], ["2", "3", "4"], ["motor1", "motor2", "motor3"]]
+)
+def test_numbers_that_do_not_count_the_joints_are_refused(names):
+    with pytest.raises(LogError, match="no column for joint"):
+        match_joints(names, JOINTS)
+
+
+def test_a_joint_map_renames_some_and_leaves_the_rest():
+    names = ["base", "elbow_joint", "wrist_1_joint"]
+    found = match_joints(names, JOINTS, {"base": "shoulder_pan_joint"})
+    assert found.labels == ("base", "elbow_joint", "wrist_1_joint")
+
+
+def test_a_joint_map_may_exchange_two_joints():
+    swap = {"elbow_joint": "wrist_1_joint", "wrist_1_joint": "elbow_joint"}
+    assert match_joints(JOINTS, JOINTS, swap).labels == ("shoulder_pan_joint", "wrist_1_joint", "elbow_joint")
+
+
+def test_a_joint_map_may_be_written_on_the_command_line():
+    assert joint_map_of(["a=b,c=d", "e=f"]) == {"a": "b", "c": "d", "e": "f"}
+    with pytest.raises(LogError, match="name=joint"):
+        joint_map_of("a:b")

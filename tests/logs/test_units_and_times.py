@@ -1,0 +1,119 @@
+"""Units are converted at the door, in words that say so."""
+
+import numpy as np
+import pytest
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs import Conversion
+from cdia_pin.logs.gains import read_gains
+from cdia_pin.logs.timestamps import in_seconds
+
+STEPS = np.arange(100)
+
+
+@pytest.mark.parametrize(
+    ("raw", "step"),
+    [
+        (STEPS * 0.008, 0.008),
+        (STEPS * 8.0, 0.008),
+        (STEPS * 1.0, 0.001),
+        (STEPS * 8000.0, 0.008),
+        (STEPS * 8_000_000, 0.008),
+        (100.0 + STEPS * 0.001, 0.001),
+    ],
+)
+def test_the_unit_of_time_follows_from_the_step(raw, step):
+    time, _ = in_seconds(raw, None, "log")
+    np.testing.assert_allclose(np.diff(time), step)
+
+
+def test_nanoseconds_since_1970_keep_their_digits():
+    raw = 1_700_000_000_123_456_789 + STEPS * 1_000_001
+    time, notes = in_seconds(raw, None, "log")
+    assert time[0] == 0.0
+    np.testing.assert_allclose(time, STEPS * 1_000_001e-9, atol=1e-15)
+    assert "1700000000.12" in " ".join(notes)
+
+
+def test_seconds_since_1970_are_seconds_even_at_one_hertz():
+    time, notes = in_seconds(1.7e9 + STEPS, None, "log")
+    np.testing.assert_allclose(time, STEPS)
+    assert len(notes) == 1
+
+
+def test_times_in_seconds_are_left_as_given():
+    time, notes = in_seconds(283.0 + STEPS * 0.01, None, "log")
+    assert time[0] == 283.0
+    assert notes == []
+
+
+def test_a_stated_unit_of_time_is_believed():
+    time, notes = in_seconds(STEPS * 1.0, "s", "log")
+    assert time[1] == 1.0
+    assert notes == []
+
+
+def test_a_missing_time_is_named():
+    with pytest.raises(LogError, match="sample 3"):
+        in_seconds(np.array([0.0, 1.0, 2.0, np.nan]), None, "log")
+
+
+def test_conversions_scale_revolute_joints_and_flip_named_ones(ur5):
+    asked = Conversion(
+        angle="deg", torque="Nmm", flip_position=("elbow_joint",), reduction={"wrist_1_joint": 50.0}
+    )
+    assert asked.position_scale(ur5)[0] == pytest.approx(np.pi / 180)
+    assert asked.position_scale(ur5)[2] == pytest.approx(-np.pi / 180)
+    assert asked.effort_scale(ur5)[0] == pytest.approx(1e-3)
+    assert asked.effort_scale(ur5)[3] == pytest.approx(0.05)
+    assert len(asked.notes()) == 4
+
+
+def test_conversions_are_written_alike_in_python_and_on_the_command_line():
+    texts = ["angle=deg", "flip_effort=a,b", "reduction=a:100,b:50.5", "use_velocity=false"]
+    assert Conversion.of(texts) == Conversion(
+        angle="deg", flip_effort=("a", "b"), reduction={"a": 100.0, "b": 50.5}, use_velocity=False
+    )
+    assert Conversion.of({"angle": "deg"}) == Conversion.of("angle=deg")
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"angle": "degree"}, "did you mean deg"),
+        ({"angel": "deg"}, "did you mean angle"),
+        ("angle", "key=value"),
+        ("reduction=elbow_joint", "joint:ratio"),
+        ({"reduction": {"elbow_joint": -1.0}}, "above 0"),
+        ({"time": "h"}, "unit of time"),
+    ],
+)
+def test_a_conversion_that_makes_no_sense_says_what_would(given, said):
+    with pytest.raises(LogError, match=said):
+        Conversion.of(given)
+
+
+def test_a_conversion_of_a_joint_that_is_not_there_names_the_nearest(ur5):
+    with pytest.raises(LogError, match="did you mean elbow_joint"):
+        Conversion(flip_effort=("elbow",)).check_joints(ur5.joints)
+
+
+@pytest.mark.parametrize(
+    ("gains", "said"),
+    [
+        ({"a": 1.0}, "no gain for b"),
+        ({"a": 1.0, "b": 0.0}, "above 0"),
+        ({"a": 1.0, "b": "ten"}, "above 0"),
+        ({"a": 1.0, "b": float("nan")}, "above 0"),
+        ("missing.json", "not readable as JSON"),
+    ],
+)
+def test_gains_that_cannot_be_used_say_why(gains, said):
+    with pytest.raises(LogError, match=said):
+        read_gains(gains, ("a", "b"))
+
+
+def test_gains_may_stand_in_a_file(tmp_path):
+    file = tmp_path / "gains.json"
+    file.write_text('{"b": 2, "a": 1.5, "gripper": 9}')
+    np.testing.assert_allclose(read_gains(file, ("a", "b")), [1.5, 2.0])
