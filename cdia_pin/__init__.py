@@ -1,3 +1,89 @@
-"""Find which physical effect a robot arm's model is missing, name it, add it, watch the error fall."""
+"""Find which physical effect a robot arm's model is missing, name it, add it, watch the error fall.
+
+The public names are loaded when they are first used, so that ``import cdia_pin`` stays light.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from cdia_pin import effects
+    from cdia_pin.discovery import Comparison, Discovery, DiscoverySettings, compare, discover
+    from cdia_pin.dynamics import Dynamics, load_model, save_model
+    from cdia_pin.dynamics.simulate import simulate
+    from cdia_pin.dynamics.trajectories import exciting_trajectory
+    from cdia_pin.effects import Effect, Term
+    from cdia_pin.errors import CdiaError
+    from cdia_pin.logs import Log, check_log, read_log, write_log
+    from cdia_pin.logs.conditioning import Conditioning
+    from cdia_pin.robot import RobotModel, load_robot, write_corrected_urdf
+
+# Public name → where it lives.
+_HOME = {
+    "load_robot": "robot",
+    "RobotModel": "robot",
+    "write_corrected_urdf": "robot",
+    "Effect": "effects",
+    "Term": "effects",
+    "Dynamics": "dynamics",
+    "load_model": "dynamics",
+    "save_model": "dynamics",
+    "simulate": "dynamics.simulate",
+    "exciting_trajectory": "dynamics.trajectories",
+    "Log": "logs",
+    "read_log": "logs",
+    "write_log": "logs",
+    "check_log": "logs",
+    "Conditioning": "logs.conditioning",
+    "compare": "discovery",
+    "discover": "discovery",
+    "Comparison": "discovery",
+    "Discovery": "discovery",
+    "DiscoverySettings": "discovery",
+    "CdiaError": "errors",
+}
+
+__all__ = [
+    "CdiaError",
+    "Comparison",
+    "Conditioning",
+    "Discovery",
+    "DiscoverySettings",
+    "Dynamics",
+    "Effect",
+    "Log",
+    "RobotModel",
+    "Term",
+    "__version__",
+    "check_log",
+    "compare",
+    "discover",
+    "effects",
+    "exciting_trajectory",
+    "load_model",
+    "load_robot",
+    "read_log",
+    "save_model",
+    "simulate",
+    "write_corrected_urdf",
+    "write_log",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name from its home on first use."""
+    if name == "effects":
+        return import_module("cdia_pin.effects")
+    if name not in _HOME:
+        raise AttributeError(f"module 'cdia_pin' has no attribute '{name}'")
+    value = getattr(import_module(f"cdia_pin.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -61,9 +61,7 @@ class Scenario:
         return replace(self, name=f"{self.name} (held out)", seed=self.seed + HOLDOUT)
 
 
-Recipe = Callable[
-    [tuple[str, ...], dict[str, str]], Fault
-]  # joints by torque, neighbour of each, to a unit fault
+Recipe = Callable[[Sizer], Fault]  # who knows how busy the joints are, to a fault of any size
 
 
 def _on(effect: str, rank: int, **parameters: Any) -> Recipe:
@@ -77,6 +75,14 @@ def _between(effect: str, rank: int, **parameters: Any) -> Recipe:
     def recipe(sizer: Sizer) -> Fault:
         joint = sizer.busiest()[rank]
         return Fault(effect, joint=joint, other=sizer.beside(joint), **parameters)
+
+    return recipe
+
+
+def _coupled(**parameters: Any) -> Recipe:
+    def recipe(sizer: Sizer) -> Fault:
+        joint, other = sizer.alike()
+        return Fault("coupled_friction", joint=joint, other=other, **parameters)
 
     return recipe
 
@@ -104,7 +110,7 @@ RECIPES: dict[str, Recipe] = {
     "torque_offset": _on("torque_offset", 2, offset=1.0),
     "rotor_inertia": _on("rotor_inertia", 1, inertia=0.1),
     "joint_spring": _on("joint_spring", 1, stiffness=1.0, preload=0.3),
-    "coupled_friction": _between("coupled_friction", 2, coefficient=1.0, level=1.0),
+    "coupled_friction": _coupled(coefficient=1.0, level=1.0),
     "link_inertia": _on("link_inertia", 1, mass=0.5, com=(0.01, 0.005, 0.02), inertia=0.1),
     "payload": _arm("payload", mass=1.0, com=(0.03, 0.01, 0.06), size=0.12),
     "base_tilt": _arm("base_tilt", tilt_x=0.3, tilt_y=-0.2),

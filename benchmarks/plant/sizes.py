@@ -54,6 +54,17 @@ class Sizer:
         near = [k for k in (at - 1, at + 1) if 0 <= k < arm.n and arm.is_prismatic[k] == arm.is_prismatic[at]]
         return self.plant.joints[max(near, key=lambda k: self.rms[k])]
 
+    def alike(self) -> tuple[str, str]:
+        """Return the neighbours whose torques are most alike, so that what acts on both is seen on both."""
+        straight, rms, joints = self.plant.nominal.is_prismatic, self.rms, self.plant.joints
+        pairs = [
+            k
+            for k in range(len(joints) - 1)
+            if straight[k] == straight[k + 1] and min(rms[k : k + 2]) > 0.005 * rms.max()
+        ]
+        best = max(pairs, key=lambda k: min(rms[k : k + 2]) / max(rms[k : k + 2]))
+        return joints[best], joints[best + 1]
+
     def torque_of(self, fault: Fault) -> Array:
         """Return f = M q̈ + nle − τ of a fault along the motion [N·m or N], shape (N, n)."""
         mech = mechanism(fault)
@@ -87,9 +98,7 @@ class Sizer:
         ):  # a link is felt from its joint down to the base
             counted = self._busy()
         else:
-            loaded = [k for k, j in enumerate(self.plant.joints) if j in fault.joints and f[k] > 0]
-            busiest = max(loaded, key=lambda k: self.rms[k], default=0)
-            counted = np.arange(len(f)) == busiest
+            counted = np.array([j in fault.joints for j in self.plant.joints])
         return float(np.max(f[counted] / np.maximum(self.rms[counted], 1e-9)))
 
     def _busy(self) -> NDArray[np.bool_]:
@@ -107,6 +116,8 @@ class Sizer:
             if now <= 0:
                 raise ValueError(f"{fault} has no torque along this motion")
             fault = _limited(scaled(fault, share / now))
+        if not self.share(fault) <= 1.5 * share:
+            raise ValueError(f"{fault} cannot be given {share:g} of the joint's torque along this motion")
         return _rounded(fault)
 
 

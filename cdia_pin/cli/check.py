@@ -2,45 +2,40 @@
 
 from __future__ import annotations
 
-import typer
-
-from cdia_pin.cli.console import progress, say_written, stdout
+from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Report, Robot, Topic
-from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Robot, Topic
+from cdia_pin.cli.outputs import require_writable, write_json
 
 
 def check(
-    ctx: typer.Context,
     log: OneLog,
+    *,
     robot: Robot,
     gains: Gains = None,
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
-    report: Report = None,
     json: Json = None,
 ) -> None:
     """Check a log against a robot: rate, gaps, units, sign, joint order, effort kind, saturation, excitation.
 
     Every inference is a sentence with its numbers and what to do about it.
     """
-    require_writable(report, json, inputs=[log])
+    require_writable(json, inputs=[log])
     console = stdout(json)
     model = load_inputs(robot, None)
     with progress() as tell:
         from cdia_pin.logs import check_log
 
-        logs, _ = read_logs([log], model.robot, Reading(gains, joint_map, convert, topic), check=False, tell=tell)
+        logs, _ = read_logs(
+            [log], model.robot, Reading(gains, joint_map, convert, topic), check=False, tell=tell
+        )
         tell(f"checking {log.name}", 0.3)
         found = check_log(logs[0], model.robot)
-    from cdia_pin.viewers import write_report
-    from cdia_pin.viewers.text import check_table
+    from cdia_pin.viewers import check_table
 
     show_inputs(console, model, logs, notes=False)
     console.print(check_table(found))
-    files = write_all(
-        (json, lambda f: write_json(found.to_dict(), f)),
-        (report, lambda f: write_report(f, check=found, command=ctx.obj)),
-    )
-    say_written(console, files)
+    if json:
+        write_json(found.to_dict(), json)

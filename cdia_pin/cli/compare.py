@@ -4,15 +4,28 @@ from __future__ import annotations
 
 import typer
 
-from cdia_pin.cli.console import progress, say_written, stdout
+from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.options import Check, Convert, Cutoff, Gains, JointMap, Json, Logs, Model, Report, Robot, Topic
+from cdia_pin.cli.options import (
+    Check,
+    Convert,
+    Cutoff,
+    Gains,
+    JointMap,
+    Json,
+    Logs,
+    Model,
+    Report,
+    Robot,
+    Topic,
+)
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 
 
 def compare(
     ctx: typer.Context,
     logs: Logs,
+    *,
     robot: Robot,
     model: Model = None,
     cutoff: Cutoff = None,
@@ -36,15 +49,13 @@ def compare(
         given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         tell("comparing", 0.5)
         found = discovery.compare(known, given, conditioning=Conditioning(cutoff=cutoff))
-    from cdia_pin.viewers import write_report
-    from cdia_pin.viewers.text import comparison_table, where_it_fails
+    from cdia_pin.viewers import comparison_table, where_it_fails, write_report
 
     show_inputs(console, known, given)
     console.print(comparison_table(found))
     console.print(where_it_fails(found))
-    first_check = checks[0] if checks else None
-    files = write_all(
+    write_all(
+        console,
         (json, lambda f: write_json(found.to_dict(), f)),
-        (report, lambda f: write_report(f, comparison_before=found, check=first_check, command=ctx.obj)),
+        (report, lambda f: write_report(f, found, checks=checks, command=ctx.obj)),
     )
-    say_written(console, files)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -17,7 +17,7 @@ Tell = Callable[[str, float], None]
 def stdout(json: str | None = None) -> Console:
     """Return the console for results; silent where stdout carries JSON.
 
-    A reader that closes the pipe (``| head``) silences it too, and the command goes on: files are still written.
+    A reader that closes the pipe (``| head``) silences it too. The command goes on: files are still written.
     """
     from rich.console import Console
 
@@ -39,12 +39,6 @@ def warn(message: str) -> None:
     print(f"cdia: warning: {' '.join(message.split())}", file=sys.stderr)
 
 
-def say_written(console: Console, files: Sequence[str]) -> None:
-    """Name the files that a command wrote."""
-    for file in files:
-        console.print(f"wrote {file}", markup=False, soft_wrap=True)
-
-
 @contextmanager
 def progress() -> Iterator[Tell]:
     """Give a function that shows a sentence and the share done, on stderr and only on a terminal."""
@@ -57,10 +51,10 @@ def progress() -> Iterator[Tell]:
     console = Console(stderr=True, highlight=False, emoji=False)
     columns = (BarColumn(24), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("", total=1.0)
+        task = bar.add_task("", total=None)  # moves to and fro until a share is known
 
         def tell(sentence: str, share: float) -> None:
             done = max(share, bar.tasks[0].completed)  # never back
-            bar.update(task, description=sentence, completed=done)
+            bar.update(task, description=sentence, completed=done, total=1.0 if done else None)
 
         yield tell

@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
-from cdia_pin.cli.console import progress, say_written, stdout
+from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Robot, Topic
-from cdia_pin.cli.outputs import require_writable, write_json
+from cdia_pin.cli.outputs import require_writable, write_all, write_json
 
 SCHEMA = "cdia-conversion/1"
 
@@ -21,6 +21,7 @@ def convert(
     out: Annotated[
         Path, typer.Argument(metavar="OUT", show_default=False, help="File to write: .csv, .parquet or .npz.")
     ],
+    *,
     robot: Robot,
     gains: Gains = None,
     joint_map: JointMap = None,
@@ -43,19 +44,15 @@ def convert(
     with progress() as tell:
         reading = Reading(gains, joint_map, convert, topic)
         (read,), _ = read_logs([log], model.robot, reading, check=False, tell=tell)
-        tell(f"writing {out.name}", 0.5)
-        write_log(read, out)
     show_inputs(console, model, [read])
-    say_written(console, [str(out)])
-    if json:
-        document: dict[str, Any] = {
-            "schema": SCHEMA,
-            "source": str(log),
-            "sha256": read.sha256,
-            "written": str(out),
-            "robot": model.robot.name,
-            "joints": list(model.robot.joints),
-            "samples": len(read.time),
-            "notes": list(read.notes),
-        }
-        write_json(document, json)
+    document: dict[str, Any] = {
+        "schema": SCHEMA,
+        "source": str(log),
+        "sha256": read.sha256,
+        "written": str(out),
+        "robot": model.robot.name,
+        "joints": list(model.robot.joints),
+        "samples": len(read.time),
+        "notes": list(read.notes),
+    }
+    write_all(console, (out, lambda f: write_log(read, f)), (json, lambda f: write_json(document, f)))

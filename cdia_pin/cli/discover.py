@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cdia_pin.cli.console import progress, say_written, stdout
+from cdia_pin.cli.console import progress, stdout
+from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
-from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
+from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, require_unseen, show_inputs
 from cdia_pin.cli.options import (
     Check,
     Convert,
@@ -24,8 +25,6 @@ from cdia_pin.cli.options import (
     Save,
     Topic,
 )
-from cdia_pin.cli.outputs import require_writable, write_all, write_json
-from cdia_pin.cli.showing import show_discovery
 
 if TYPE_CHECKING:
     from cdia_pin.effects import Effect
@@ -37,6 +36,7 @@ SEARCH = "Search"
 def discover(
     ctx: typer.Context,
     logs: Logs,
+    *,
     robot: Robot,
     model: Model = None,
     holdout: Holdout = None,
@@ -46,6 +46,7 @@ def discover(
         typer.Option(
             "--effects",
             metavar="A,B",
+            show_default=False,
             help="Search these effects only (see cdia effects); all if left out.",
             rich_help_panel=SEARCH,
         ),
@@ -55,13 +56,11 @@ def discover(
         typer.Option(
             "--extra",
             metavar="EXPRESSION[@JOINT]",
+            show_default=False,
             help="Search an effect of your own as well, such as 'sin(3*q)*dq'; may be repeated.",
             rich_help_panel=SEARCH,
         ),
     ] = None,
-    all_candidates: Annotated[
-        bool, typer.Option("--all", help="Show the whole ranking of single effects.", rich_help_panel=OUTPUT)
-    ] = False,
     cutoff: Cutoff = None,
     gains: Gains = None,
     joint_map: JointMap = None,
@@ -76,29 +75,33 @@ def discover(
     The error is shown step by step, also on data that was not fitted, beside the floor that noise sets.
     """
     unseen = holdout or []
-    require_writable(save, report, json, inputs=[*logs, *unseen])
+    files = DiscoveryFiles(save, json, report)
+    files.require_writable([*logs, *unseen])
+    require_unseen(unseen, logs)
     console = stdout(json)
     known = load_inputs(robot, model)
     with progress() as tell:
         from cdia_pin import discovery
         from cdia_pin.logs.conditioning import Conditioning
 
+        conditioning = Conditioning(cutoff=cutoff)
         settings = discovery.DiscoverySettings(
-            conditioning=Conditioning(cutoff=cutoff),
-            effects=_named(effects),
-            extra=_expressions(extra or [], known.robot),
+            conditioning=conditioning,
+            effects=named_effects(effects),
+            extra=own_effects(extra or [], known.robot),
         )
         reading = Reading(gains, joint_map, convert, topic)
         given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
         found = discovery.discover(known, given, holdout=held_out or None, settings=settings, progress=tell)
+    from cdia_pin.viewers import discovery_table
+
     show_inputs(console, known, given, held_out)
-    show_discovery(console, found, ranking=None if all_candidates else 5)
-    files = write_all(*discovery_outputs(found, ...))
-    say_written(console, files)
+    console.print(discovery_table(found))
+    files.write(console, found, known, given, conditioning=conditioning, checks=checks, command=ctx.obj)
 
 
-def _named(text: str | None) -> tuple[str, ...] | None:
+def named_effects(text: str | None) -> tuple[str, ...] | None:
     """Effects named with commas between them; raises EffectError before a log is read."""
     from cdia_pin.effects import EFFECTS
     from cdia_pin.errors import EffectError, unknown_name
@@ -114,7 +117,7 @@ def _named(text: str | None) -> tuple[str, ...] | None:
     return names
 
 
-def _expressions(texts: list[str], robot: RobotModel) -> tuple[Effect, ...]:
+def own_effects(texts: list[str], robot: RobotModel) -> tuple[Effect, ...]:
     """A user's own effects; raises EffectError or RobotError before a log is read."""
     from cdia_pin.effects import from_expression
 

@@ -23,7 +23,9 @@ EXAMPLE_ROBOT = "scara"  # ships; has turning and sliding joints, whose units di
 
 
 def effects(
-    name: Annotated[str | None, typer.Argument(metavar="[EFFECT]", show_default=False, help="One of them.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(metavar="[EFFECT]", show_default=False, help="One of them.")
+    ] = None,
     json: Json = None,
 ) -> None:
     """List the effects that can be found, added and simulated; with a name, everything about one."""
@@ -53,16 +55,22 @@ def describe(kind: type[Effect]) -> dict[str, Any]:
     sliding = [j for j in robot.joints if j not in turning]
     size = len(kind.scope_fields)
     effect = kind.from_scope(turning[:size], {})
-    slid = kind.from_scope((sliding * 2)[:size], {})
-    lower, upper = effect.bounds(robot)
-    rows = zip(effect.parameters, effect.units(robot), slid.units(robot), lower, upper, strict=True)
+    slid = kind.from_scope((sliding + turning)[:size], {})
+    rows = zip(effect.parameters, effect.units(robot), slid.units(robot), *effect.bounds(robot), strict=True)
     return {
         "effect": kind.name,
         "equation": kind.equation,
         "scope": list(kind.scope_fields),
         "write": kind.name + ("@" + "+".join(["JOINT"] * size) if size else ""),
         "parameters": [
-            {"name": p.name, "unit": unit, "unit_sliding": unit_sliding, "lower": low, "upper": high}
+            {
+                "name": p.name,
+                "unit": unit,
+                "unit_sliding": unit_sliding,
+                "lower": p.lower,
+                "upper": p.upper,
+                "bounded_by_robot": (low, high) != (p.lower, p.upper),
+            }
             for p, unit, unit_sliding, low, high in rows
         ],
         "shape": [p.name for p in kind.shape],
@@ -72,9 +80,12 @@ def describe(kind: type[Effect]) -> dict[str, Any]:
 
 
 def _first_paragraphs(kind: type[Effect]) -> str:
-    """The docstring up to its sections."""
-    text = inspect.cleandoc(kind.__doc__ or "")
-    return re.split(r"\n\n(?:Attributes|Args):", text)[0]
+    """The docstring up to its sections, a line a paragraph, without its markup."""
+    from cdia_pin.effects.expression import FUNCTIONS
+
+    text = re.split(r"\n\n(?:Attributes|Args):", inspect.cleandoc(kind.__doc__ or ""))[0]
+    text = text.replace("of `FUNCTIONS`", ", ".join(FUNCTIONS)).replace("`", "")
+    return "\n".join(" ".join(paragraph.split()) for paragraph in text.split("\n\n"))
 
 
 def _show_all(console: Console, entries: list[dict[str, Any]]) -> None:
@@ -90,7 +101,9 @@ def _show_all(console: Console, entries: list[dict[str, Any]]) -> None:
         table.add_row(Text(e["effect"]), Text(e["equation"]), Text(_brief(e["parameters"])))
     console.print(Text("M q̈ + nle = τ + f;  f of each effect:"))
     console.print(table)
-    console.print(Text("On a sliding joint read N for N·m and m for rad. Your own: cdia discover --extra 'sin(3*q)*dq'"))
+    console.print(
+        Text("On a sliding joint read N for N·m and m for rad. Your own: cdia discover --extra 'sin(3*q)*dq'")
+    )
 
 
 def _brief(parameters: list[dict[str, Any]]) -> str:
@@ -118,7 +131,9 @@ def _show_one(console: Console, entry: dict[str, Any]) -> None:
     for heading in ("parameter", "unit", "on a sliding joint", "from", "to"):
         table.add_column(heading, style="bold" if heading == "parameter" else None)
     for p in entry["parameters"]:
-        ends = ("any" if abs(p[k]) == float("inf") else f"{p[k]:.4g}" for k in ("lower", "upper"))
+        ends = ["any" if abs(p[k]) == float("inf") else f"{p[k]:.4g}" for k in ("lower", "upper")]
+        if p["bounded_by_robot"]:
+            ends[0] = "the robot's"
         table.add_row(Text(p["name"]), Text(p["unit"]), Text(p["unit_sliding"]), *ends)
     console.print(table)
     if entry["shape"]:

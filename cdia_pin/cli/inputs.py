@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cdia_pin.cli.console import Tell, warn
+from cdia_pin.cli.failures import CommandError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -82,16 +83,37 @@ def read_logs(
     return logs, checks
 
 
+def require_unseen(held_out: Sequence[Path], logs: Sequence[Path]) -> None:
+    """Refuse a log that is to be fitted and held out at once.
+
+    Raises:
+        CommandError: If there is one.
+    """
+    fitted = {p.resolve() for p in logs}
+    for path in held_out:
+        if path.resolve() in fitted:
+            raise CommandError(f"{path} is fitted, it cannot be held out too: give another log to --holdout")
+
+
 def _warn_of(check: LogCheck, path: Path) -> None:
     if check.ok:
         return
     first, *others = check.problems
     where = f"{first.joint}: " if first.joint else ""
     more = f" (and {len(others)} more)" if others else ""
-    warn(f"{check.source}: {where}{first.message}{more}; cdia check {path}, with the same options, says what to do")
+    advice = f"cdia check {path}, with the same options, says what to do"
+    warn(f"{check.source}: {where}{first.message}{more}; {advice}")
 
 
-def show_inputs(console: Console, model: Dynamics, logs: Sequence[Log], *, notes: bool = True) -> None:
+def show_inputs(
+    console: Console,
+    model: Dynamics,
+    logs: Sequence[Log],
+    held_out: Sequence[Log] = (),
+    *,
+    notes: bool = True,
+    role: str = "model",
+) -> None:
     """Print which robot, model and logs a result is of, with what the reader inferred."""
     from rich.table import Table
     from rich.text import Text
@@ -100,11 +122,12 @@ def show_inputs(console: Console, model: Dynamics, logs: Sequence[Log], *, notes
     table = Table.grid(padding=(0, 2))
     table.add_column(style="bold")
     table.add_row("robot", Text(f"{robot.name}, {robot.n} joints"))
-    table.add_row("model", Text(", ".join(["the URDF", *(t.label for t in model.terms)])))
-    for log in logs:
-        said = f"{log.source}: {len(log.time)} samples in {log.duration:.4g} s, {log.rate:.4g} Hz"
-        table.add_row("log", Text(said))
-        for note in log.notes if notes else ():
-            table.add_row("", Text(note, style="dim"))
+    table.add_row(role, Text(", ".join(["the URDF", *(t.label for t in model.terms)])))
+    for what, given in (("log", logs), ("held out", held_out)):
+        for log in given:
+            said = f"{log.source}: {len(log.time)} samples in {log.duration:.4g} s, {log.rate:.4g} Hz"
+            table.add_row(what, Text(said))
+            for note in log.notes if notes else ():
+                table.add_row("", Text(note, style="dim"))
     console.print(table)
     console.print()

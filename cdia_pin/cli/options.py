@@ -13,7 +13,7 @@ OUTPUT = "Output"
 Logs = Annotated[
     list[Path],
     typer.Argument(
-        metavar="LOG...",
+        metavar="LOG",
         show_default=False,
         help="Logs: .csv, .parquet, .npz, or ROS 2 bags (.db3, .mcap).",
     ),
@@ -26,27 +26,55 @@ OneLog = Annotated[
 ]
 Robot = Annotated[
     str,
-    typer.Option("--robot", "-r", metavar="R", help="Name of the catalogue (see cdia robots) or path of a URDF file."),
+    typer.Option(
+        "--robot",
+        "-r",
+        metavar="R",
+        show_default=False,
+        help="Name of the catalogue (see cdia robots) or path of a URDF file.",
+    ),
 ]
 Model = Annotated[
     Path | None,
-    typer.Option("--model", "-m", metavar="FILE", help="Model saved before (.json); the URDF alone if left out."),
+    typer.Option(
+        "--model",
+        "-m",
+        metavar="FILE",
+        show_default=False,
+        help="Model saved before (.json); the URDF alone if left out.",
+    ),
 ]
 Holdout = Annotated[
     list[Path] | None,
-    typer.Option("--holdout", metavar="LOG", help="Log that is only predicted, never fitted; may be repeated."),
+    typer.Option(
+        "--holdout",
+        metavar="LOG",
+        show_default=False,
+        help="Log that is only predicted, never fitted; may be repeated.",
+    ),
 ]
 Cutoff = Annotated[
     float | None,
-    typer.Option("--cutoff", metavar="HZ", help="Cut-off of the filter \\[Hz]; chosen from the log if left out."),
+    typer.Option(
+        "--cutoff",
+        metavar="HZ",
+        show_default=False,
+        help="Cut-off of the filter \\[Hz]; chosen from the log if left out.",
+    ),
 ]
-Save = Annotated[Path | None, typer.Option("--save", "-s", metavar="FILE", help="Write the improved model (.json).")]
+Save = Annotated[
+    Path | None,
+    typer.Option(
+        "--save", "-s", metavar="FILE", show_default=False, help="Write the improved model (.json)."
+    ),
+]
 
 Gains = Annotated[
     Path | None,
     typer.Option(
         "--gains",
         metavar="FILE",
+        show_default=False,
         help="Drive gains, JSON {joint: N·m/A}, where the log has motor currents.",
         rich_help_panel=READING,
     ),
@@ -56,6 +84,7 @@ JointMap = Annotated[
     typer.Option(
         "--joint-map",
         metavar="NAME=JOINT",
+        show_default=False,
         help="What the log calls a joint; several with commas or repeated.",
         rich_help_panel=READING,
     ),
@@ -65,6 +94,7 @@ Convert = Annotated[
     typer.Option(
         "--convert",
         metavar="KEY=VALUE",
+        show_default=False,
         help="Units and signs that are not SI or not the URDF's: angle=deg, torque=Nmm, time=ms, "
         "flip_effort=JOINT,…, gravity=compensated, reduction=JOINT:RATIO.",
         rich_help_panel=READING,
@@ -75,6 +105,7 @@ Topic = Annotated[
     typer.Option(
         "--topic",
         metavar="NAME",
+        show_default=False,
         help="Topic of a bag, where several have the robot's joints.",
         rich_help_panel=READING,
     ),
@@ -93,13 +124,20 @@ Json = Annotated[
     typer.Option(
         "--json",
         metavar="FILE",
+        show_default=False,
         help="Write the result as JSON; - is stdout, and silences all else there.",
         rich_help_panel=OUTPUT,
     ),
 ]
 Report = Annotated[
     Path | None,
-    typer.Option("--report", metavar="FILE", help="Write a report (.html, one file).", rich_help_panel=OUTPUT),
+    typer.Option(
+        "--report",
+        metavar="FILE",
+        show_default=False,
+        help="Write a report (.html, one file).",
+        rich_help_panel=OUTPUT,
+    ),
 ]
 
 

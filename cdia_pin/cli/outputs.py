@@ -7,10 +7,13 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cdia_pin.cli.console import close_stdout
 from cdia_pin.cli.failures import CommandError
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 STDOUT = "-"
 
@@ -87,19 +90,17 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
-def write_all(*writers: tuple[str | Path | None, Callable[[str], object]]) -> list[str]:
-    """Write every output that was asked for, also where another fails.
+def write_all(console: Console, *writers: tuple[str | Path | None, Callable[[str], object]]) -> None:
+    """Write every output that was asked for, also where another fails, and name what was written.
 
     Args:
+        console: Where the files are named.
         *writers: A file, or None, with the function that writes it.
-
-    Returns:
-        Names of the files written, stdout left out.
 
     Raises:
         Exception: The first failure, after all others were written.
     """
-    written, failure = [], None
+    failure = None
     for file, write in writers:
         if file is None:
             continue
@@ -109,7 +110,6 @@ def write_all(*writers: tuple[str | Path | None, Callable[[str], object]]) -> li
             failure = failure or error
             continue
         if str(file) != STDOUT:
-            written.append(str(file))
+            console.print(f"wrote {file}", markup=False, soft_wrap=True)
     if failure:
         raise failure
-    return written

@@ -16,15 +16,16 @@ import cdia_pin
 from cdia_pin.cli.add import add
 from cdia_pin.cli.check import check
 from cdia_pin.cli.compare import compare
+from cdia_pin.cli.console import close_stdout
 from cdia_pin.cli.convert import convert
 from cdia_pin.cli.demo import demo
 from cdia_pin.cli.discover import discover
 from cdia_pin.cli.effects import effects
 from cdia_pin.cli.export import export
-from cdia_pin.cli.console import close_stdout
 from cdia_pin.cli.failures import CommandError, one_line
 from cdia_pin.cli.options import examples
 from cdia_pin.cli.robots import robots
+from cdia_pin.cli.simulate import simulate
 from cdia_pin.errors import CdiaError, unknown_name
 
 BAD_INPUT, INTERRUPTED = 2, 130  # exit codes
@@ -51,7 +52,9 @@ app = typer.Typer(
     cls=Commands,
     add_completion=False,
     rich_markup_mode="rich",
-    epilog=examples("cdia demo", "cdia compare run.csv --robot ur5", "cdia discover run.csv --robot ur5 --save model.json"),
+    epilog=examples(
+        "cdia demo", "cdia compare run.csv --robot ur5", "cdia discover run.csv --robot ur5 --save model.json"
+    ),
 )
 
 
@@ -75,11 +78,16 @@ for command, panel, example in (
     (discover, JOB, ["cdia discover run.csv --robot ur5 --save model.json --report found.html"]),
     (add, JOB, ["cdia add coulomb_friction@elbow_joint run.csv --robot ur5 --save model.json"]),
     (export, MODELS, ["cdia export --robot ur5 --model model.json --urdf corrected.urdf"]),
+    (
+        simulate,
+        MODELS,
+        ["cdia simulate --robot ur5 --fault 'coulomb_friction@elbow_joint: level=5, after=4' --out run.csv"],
+    ),
     (convert, MODELS, ["cdia convert run.db3 run.csv --robot ur10"]),
     (robots, KNOWN, ["cdia robots", "cdia robots ur5"]),
     (effects, KNOWN, ["cdia effects", "cdia effects coulomb_friction"]),
 ):
-    app.command(rich_help_panel=panel, epilog=examples(*example))(command)  # type: ignore[type-var]
+    app.command(rich_help_panel=panel, epilog=examples(*example))(command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

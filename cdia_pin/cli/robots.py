@@ -20,7 +20,8 @@ SCHEMA = "cdia-robots/1"
 
 def robots(
     name: Annotated[
-        str | None, typer.Argument(metavar="[R]", show_default=False, help="One of them, or the path of a URDF file.")
+        str | None,
+        typer.Argument(metavar="[R]", show_default=False, help="One of them, or the path of a URDF file."),
     ] = None,
     json: Json = None,
 ) -> None:
@@ -66,11 +67,11 @@ def _show_all(console: Console, entries: list[dict[str, Any]]) -> None:
     table.add_column("name", style="bold", no_wrap=True)
     table.add_column("joints", justify="right")
     table.add_column("what it is", overflow="fold")
-    table.add_column("licence", overflow="fold")
     for e in entries:
-        table.add_row(e["name"], str(len(e["joints"])), e["description"], e["licence"])
+        table.add_row(e["name"], str(len(e["joints"])), e["description"])
     console.print(table)
-    console.print("Any fixed-base arm works: --robot takes the path of a URDF file too. cdia robots NAME shows its joints.")
+    console.print("--robot takes one of these names, or the path of any fixed-base arm's URDF file.")
+    console.print("cdia robots NAME shows its joints and limits.")
 
 
 def _show_one(console: Console, robot: RobotModel) -> None:
@@ -80,7 +81,12 @@ def _show_one(console: Console, robot: RobotModel) -> None:
 
     entry = _entry(robot)
     console.print(Text(f"{robot.name}: {entry['description'] or 'read from a URDF file'}", style="bold"))
-    console.print(Text(f"{robot.total_mass:.4g} kg move; tool frame {robot.tool_frame}; {robot.urdf}", style="dim"))
+    console.print(Text(f"{robot.total_mass:.4g} kg move; tool frame {robot.tool_frame}", style="dim"))
+    if entry["licence"]:
+        console.print(
+            Text(f"licence {entry['licence']}; from {entry['origin']}", style="dim"), soft_wrap=True
+        )
+    console.print(Text(str(robot.urdf), style="dim"), soft_wrap=True)
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     table.add_column("joint", style="bold", overflow="fold")
     for heading in ("kind", "from", "to", "speed", "effort"):

@@ -68,15 +68,19 @@ class Columns:
         self._families: dict[tuple[Effect, int], tuple[Array, Array]] = {}
 
     def of(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
-        """Return the columns of an effect, shape (K, len(acts_on), p)."""
+        """Return the columns of an effect, shape (K, len(acts_on), p).
+
+        Those of the model's own effects are exact. For a candidate (θ omitted) a gain that changes along the motion
+        is replaced by its mean, which is enough to rank it.
+        """
+        exact = theta is not None
         joints = list(effect.acts_on(self.experiment.robot))
-        gains = [t.gain[:, joints] for t in prediction.torques]
-        level = gains[0][0]
-        steady = effect.reads or all((g == level).all() for g in gains)
-        if effect.of_torque or not steady or not (theta is None or effect.linear):
+        gain = np.concatenate([t.gain[:, joints] for t in prediction.torques])
+        constant = effect.reads or not np.ptp(gain, axis=0).any()
+        if effect.of_torque or (exact and not (constant and effect.linear)):
             return self.experiment.columns(effect, prediction, theta)
         fixed = self.fixed(effect, prediction)
-        return fixed if (level == 1.0).all() else fixed / level[None, :, None]
+        return fixed if effect.reads or (gain == 1.0).all() else fixed / gain.mean(axis=0)[None, :, None]
 
     def fixed(self, effect: Effect, prediction: Prediction) -> Array:
         """Return the columns of an effect of the motion alone, as in a model without gains."""

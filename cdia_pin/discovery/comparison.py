@@ -145,7 +145,7 @@ def compare(model: Dynamics, logs: Log | Sequence[Log], *, conditioning: Conditi
         LogError: If a log is too short or of other joints.
     """
     given = [logs] if isinstance(logs, Log) else list(logs)
-    experiment = Experiment.of(model.robot, [condition(log, conditioning) for log in given])
+    experiment = Experiment.of(model.robot, [condition(log, model.robot, conditioning) for log in given])
     prediction = experiment.predict(model)
     use, residual = experiment.informative, prediction.residual
     time, q, v, a = experiment.compared_motion()

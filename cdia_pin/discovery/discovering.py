@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import cdia_pin
 from cdia_pin.discovery.candidates import Columns, enumerate_candidates, screen
 from cdia_pin.discovery.confusion import find_confusions
-from cdia_pin.discovery.evidence import Evidence
+from cdia_pin.discovery.evidence import Evidence, Fit, needed_gain
 from cdia_pin.discovery.experiment import Experiment, Prediction
 from cdia_pin.discovery.fitting import Whitened, gather, refit, with_intervals
 from cdia_pin.discovery.heldout import held_out_rms, rms
@@ -28,8 +28,10 @@ from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
+Swaps = set[tuple[str, str]]
 
 PASSES = 5  # searches at most, each with the noise that the one before left, until nothing changes
+ROUGHLY = 2  # iterations of a refit while searching
 MOST_MOVES = 120
 GENERIC_SIZE = 10  # families of larger effects do not take part in the first estimate of the noise
 
@@ -72,8 +74,8 @@ def discover(
     given = [logs] if isinstance(logs, Log) else list(logs)
     others = [] if holdout is None else [holdout] if isinstance(holdout, Log) else list(holdout)
     tell("conditioning", 0.0)
-    experiment = Experiment.of(model.robot, [condition(log, settings.conditioning) for log in given])
-    unseen = [condition(log, settings.conditioning) for log in others]
+    experiment = Experiment.of(model.robot, [condition(log, model.robot, settings.conditioning) for log in given])
+    unseen = [condition(log, model.robot, settings.conditioning) for log in others]
     held_out = Experiment.of(model.robot, unseen) if unseen else None
     columns = Columns(experiment)
 
@@ -81,10 +83,11 @@ def discover(
     noise = _first_noise(experiment, columns, model, families, settings)
     whitened = Whitened.of(experiment, noise, settings.blocks)
     found = _Found(model, gather(experiment, columns, experiment.predict(model), [], whitened), whitened)
+    futile: Swaps = set()
     for k in range(PASSES):
         before = set(_labels(found.model))
         lap = lambda s, share, k=k: tell(s, 0.1 + 0.75 * (k + share) / PASSES)  # noqa: E731
-        found = _search(experiment, columns, found.model, families, whitened, settings, lap)
+        found = _search(experiment, columns, found.model, families, whitened, settings, futile, lap)
         structure = _structure(experiment, columns, found)
         whitened = Whitened.of(experiment, structure.noise, settings.blocks)
         if k > 0 and set(_labels(found.model)) == before:
@@ -123,37 +126,54 @@ def _search(
     families: list[list[Effect]],
     whitened: Whitened,
     settings: DiscoverySettings,
+    futile: Swaps,
     tell: Progress,
 ) -> _Found:
     """Add, drop and exchange effects, refitting and differentiating anew after each move.
 
     A move is kept only if the cost falls at its own optimum, not just in the normal equations that proposed it, so
-    that the search cannot turn in circles.
+    that the search cannot turn in circles. A swap that failed is not tried again, in whatever company: a gain on the
+    model's torque seems able to replace the friction in that torque, until the friction is gone.
     """
-    room = settings.most_effects
     model, _ = refit(experiment, columns, model, whitened)
-    prediction = experiment.predict(model)
-    evidence = _candidates_beside(experiment, columns, prediction, families, whitened)
-    now = evidence.fit(_indices(evidence, model))
-    tabu: set[Names] = set()
-    moves = 0
-    while moves < MOST_MOVES:
-        better = improve(evidence, now.chosen, tabu, most=room, may_add=room > 0)
+    evidence = _candidates_beside(experiment, columns, experiment.predict(model), families, whitened)
+    now = evidence.fit(_indices(evidence, model), bodies=True)
+    failed: set[Names] = set()
+    for moves in range(MOST_MOVES):
+        present = names(evidence, now.chosen)
+
+        def allowed(chosen: tuple[int, ...], evidence: Evidence = evidence, present: Names = present) -> bool:
+            tried = names(evidence, chosen)
+            return tried not in failed and not _swaps(present, tried) & futile
+
+        better = improve(evidence, now.chosen, allowed, most=settings.most_effects)
         if better is None:
             break
-        moves += 1
         trial = _model_of(model, evidence, better.chosen, better.theta)
         tell(_what_changed(model, trial), 1.0 - 0.9**moves)
-        tabu.add(names(evidence, better.chosen))
-        trial, _ = refit(experiment, columns, trial, whitened)
-        trial = refine_shapes(experiment, columns, trial, whitened)
+        failed.add(names(evidence, better.chosen))
+        trial, _ = refit(experiment, columns, trial, whitened, ROUGHLY)
+        trial = refine_shapes(experiment, columns, trial, whitened, known=_labels(model))
         beside = _candidates_beside(experiment, columns, experiment.predict(trial), families, whitened)
-        fit = beside.fit(_indices(beside, trial))
-        dropped = len(fit.chosen) < len(now.chosen) and set(_labels(trial)) < set(_labels(model))
-        if not dropped and now.physical and not fit.cost < now.cost:
+        fit = beside.fit(_indices(beside, trial), bodies=True)
+        if not fit.physical or fit.cost > now.cost + _sacrifice(evidence, now, better):
+            futile |= _swaps(present, frozenset(_labels(trial)))
             continue
         model, evidence, now = trial, beside, fit
     return _Found(model, evidence, whitened)
+
+
+def _sacrifice(evidence: Evidence, now: Fit, after: Fit) -> float:
+    """Return the cost that a move may add: none, or what an effect that is dropped would have had to earn."""
+    dropped = set(now.chosen) - set(after.chosen)
+    if not now.physical:
+        return float("inf")
+    return max((evidence.least_gain[c] for c in dropped), default=0.0) if set(after.chosen) < set(now.chosen) else -1e-6
+
+
+def _swaps(before: Names, after: Names) -> Swaps:
+    """Return which effect came for which."""
+    return {(new, old) for new in after - before for old in before - after}
 
 
 def _indices(evidence: Evidence, model: Dynamics) -> list[int]:
@@ -181,7 +201,12 @@ def _candidates_beside(
     screened = screen(families, columns, prediction, whitened.noise, leftover)
     present = [t.effect for t in prediction.model.terms]
     evidence = gather(experiment, columns, prediction, list(dict.fromkeys([*present, *screened])), whitened)
-    return replace(evidence, searched={e.label: 1 for e in present} | {f[0].label: len(f) for f in families})
+    looked_for = {e.label: 1 for e in present} | {f[0].label: len(f) for f in families}
+    use = experiment.informative
+    needed = needed_gain(
+        np.sum(leftover**2, axis=0), rms(prediction.residual, use), rms(experiment.measured, use)
+    )
+    return replace(evidence, searched=looked_for, needed=needed)
 
 
 def _model_of(model: Dynamics, evidence: Evidence, chosen: Sequence[int], theta: Array) -> Dynamics:
@@ -254,7 +279,7 @@ def _trace(
         best = max(pending, key=lambda t: gains[index[t.effect]])
         pending.remove(best)
         chosen.append(index[best.effect])
-        model, _ = refit(experiment, columns, model.add(best), whitened)
+        model, _ = refit(experiment, columns, model.add(best), whitened, ROUGHLY + 1)
         confusions = find_confusions(beside, [index[t.effect] for t in final.terms], index[best.effect])
         steps.append(_step(best, model, experiment, held_out, columns, whitened, confusions, use))
     return tuple(steps)

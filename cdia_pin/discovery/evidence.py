@@ -22,8 +22,10 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-PRICE_PER_PARAMETER = 4.0  # beside log K: parsimony between nested effects
-WORTH = 0.04  # least share of one joint's sum of squares that an effect must explain to be worth a name
+PRICE_PER_PARAMETER = 4.0  # beside the log of the samples: parsimony between nested effects
+PARAMETER_WORTH = 0.012  # share of one joint's sum of squares that a parameter must explain beside its rivals
+WORTH = 0.08  # least share of what is left of a joint that an effect must explain to be worth a name
+SMALLEST_TORQUE = 0.01  # of a joint's RMS torque: an effect below that changes nothing a user would notice
 MOST_INFLATION = 1e5  # of a parameter's variance by the others, beyond which it repeats them
 REPAIRS = 4  # rounds of holding unphysical parameters at their nearest physical value
 
@@ -34,10 +36,10 @@ class Fit:
 
     Attributes:
         chosen: Indices of the candidates.
-        theta: Their parameters one after another, physical unless `physical` is false.
+        theta: Their parameters one after another, physical unless ``physical`` is false.
         chi2: Sum of squares left, in variances of the noise [1].
         cost: chi2 plus the price of the parameters [1].
-        physical: Whether physical parameters fit about as well as any.
+        physical: Whether physical parameters were found, none of which repeats the others.
     """
 
     chosen: tuple[int, ...]
@@ -57,6 +59,7 @@ class Evidence:
         blocks: XᵀX of each block with y as its last column, shape (B, P + 1, P + 1).
         samples: Whitened samples of all joints.
         searched: In how many shapes each candidate, by label, was looked for.
+        needed: Sum of squares of each joint that an effect must explain to be worth a name [1], shape (n,).
     """
 
     robot: RobotModel
@@ -64,11 +67,14 @@ class Evidence:
     blocks: Array
     samples: int
     searched: Mapping[str, int] | None = None
+    needed: Array | None = None
 
     def __post_init__(self) -> None:
         ends = np.cumsum([e.size for e in self.effects])
         self.spans = [np.arange(end - e.size, end) for e, end in zip(self.effects, ends, strict=True)]
-        self._fits: dict[tuple[int, ...], Fit] = {}
+        self._bounds = [e.bounds(self.robot) for e in self.effects]
+        self._fits: dict[tuple[tuple[int, ...], bool], Fit] = {}
+        self._free: dict[tuple[int, ...], tuple[Array, float]] = {}
 
     @cached_property
     def total(self) -> Array:
@@ -105,52 +111,68 @@ class Evidence:
     @cached_property
     def price(self) -> Array:
         """What each candidate must gain to be worth naming [1], shape (number of candidates,)."""
-        names = len({e.label for e in self.effects})
+        names = max(len({e.label for e in self.effects}), 1)
         sizes = np.array([e.size for e in self.effects])
-        per_parameter = np.log(max(self.samples / self.robot.n, 2.0)) + PRICE_PER_PARAMETER
+        own = self.samples / self.robot.n  # of one joint
+        per_parameter = max(np.log(max(own, 2.0)) + PRICE_PER_PARAMETER, PARAMETER_WORTH * own)
         shapes = Counter((e.label for e in self.effects)) if self.searched is None else self.searched
         looked = np.array([2 * np.log(shapes[e.label]) for e in self.effects])
         rare = np.array([e.rarity for e in self.effects])
-        return self.freedom * per_parameter + np.log(names) + looked + rare + 0.5 * sizes
+        return self.freedom * per_parameter + 2 * np.log(names) + looked + rare + 0.5 * sizes
 
     @cached_property
     def least_gain(self) -> Array:
         """What each candidate must explain beside the others of its set, significant and worth a name [1]."""
-        return np.maximum(self.price, WORTH * self.samples / self.robot.n)
+        if self.needed is None:
+            return np.maximum(self.price, WORTH * self.samples / self.robot.n)
+        of_joints = np.array([np.median(self.needed[list(e.acts_on(self.robot))]) for e in self.effects])
+        return np.maximum(self.price, of_joints)
 
     # ------------------------------------------------------------- one set
 
-    def fit(self, chosen: Sequence[int]) -> Fit:
-        """Fit a set of candidates together, holding what would be unphysical at its bound."""
-        key = tuple(sorted(chosen))
-        if key not in self._fits:
-            self._fits[key] = self._fit(key)
-        return self._fits[key]
+    def fit(self, chosen: Sequence[int], *, bodies: bool = False) -> Fit:
+        """Fit a set of candidates together, holding parameters at the bounds that they would pass.
 
-    def _fit(self, chosen: tuple[int, ...]) -> Fit:
+        Args:
+            chosen: Indices of the candidates.
+            bodies: Whether rigid bodies are made physically consistent too, which takes a hundred times longer.
+        """
+        key = tuple(sorted(chosen))
+        if (key, bodies) not in self._fits:
+            self._fits[key, bodies] = self._fit(key, bodies)
+        return self._fits[key, bodies]
+
+    def bound(self, chosen: Sequence[int]) -> float:
+        """Return a cost that no physical fit of a set can be below, much sooner than the fit itself [1]."""
+        key = tuple(sorted(chosen))
+        return self._optimum(key)[1] + float(self.price[list(key)].sum())
+
+    def _optimum(self, chosen: tuple[int, ...]) -> tuple[Array, float]:
+        """Return the best parameters of a set, physical or not, and the sum of squares they leave."""
+        if chosen not in self._free:
+            columns = self.columns(chosen)
+            theta = self._solve(self.total, columns, np.ones(len(columns), bool), np.zeros(len(columns)))
+            self._free[chosen] = (theta, self._chi2(self.total, columns, theta))
+        return self._free[chosen]
+
+    def _fit(self, chosen: tuple[int, ...], bodies: bool) -> Fit:
         columns = self.columns(chosen)
-        price = float(self.price[list(chosen)].sum()) if chosen else 0.0
-        left = float(self.total[-1, -1])
-        if not chosen:
-            return Fit((), np.zeros(0), left, left, True)
-        free = np.ones(len(columns), bool)
-        theta = self._solve(self.total, columns, free, np.zeros(len(columns)))
-        best = self._chi2(self.total, columns, theta)
-        if not self._is_physical(chosen, theta):
-            theta = self._constrained(chosen, columns, theta)
+        price = float(self.price[list(chosen)].sum())
+        theta, _ = self._optimum(chosen)
+        if chosen and not self._in_bounds(chosen, theta):
+            theta = self._bounded(chosen, columns, theta)
+        if bodies and not self._consistent(chosen, theta):
+            effects = [self.effects[c] for c in chosen]
+            gram = self.total[np.ix_(columns, columns)] + np.diag(self.prior[columns])
+            theta = consistent_parameters(gram, self.total[columns, -1], effects, self.robot)
         chi2 = self._chi2(self.total, columns, theta)
-        physical = (
-            self._is_physical(chosen, theta) and chi2 - best < 0.5 * price and not self._is_redundant(columns)
-        )
+        physical = self._in_bounds(chosen, theta) and not self._is_redundant(columns)
         return Fit(chosen, theta, chi2, chi2 + price, physical)
 
-    def _constrained(self, chosen: Sequence[int], columns: Array, theta: Array) -> Array:
-        """Return the best physical parameters near an unphysical optimum.
-
-        Bounds are met by holding what is beyond them; if bodies are then still impossible, by a semidefinite program.
-        """
-        effects = [self.effects[c] for c in chosen]
-        lower, upper = (np.concatenate(b) for b in zip(*(e.bounds(self.robot) for e in effects), strict=True))
+    def _bounded(self, chosen: Sequence[int], columns: Array, theta: Array) -> Array:
+        """Return parameters within their bounds, those that would pass them held there."""
+        limits = [self._bounds[c] for c in chosen]
+        lower, upper = (np.concatenate(b) for b in zip(*limits, strict=True))
         free = np.ones(len(columns), bool)
         for _ in range(REPAIRS):
             inside = np.clip(theta, lower, upper)
@@ -158,10 +180,23 @@ class Evidence:
                 break
             free &= inside == theta
             theta = self._solve(self.total, columns, free, inside)
-        if self._is_physical(chosen, theta) or not any(isinstance(e, Body) for e in effects):
-            return theta
-        gram = self.total[np.ix_(columns, columns)] + np.diag(self.prior[columns])
-        return consistent_parameters(gram, self.total[columns, -1], effects, self.robot)
+        return np.clip(theta, lower, upper)
+
+    def _in_bounds(self, chosen: Sequence[int], theta: Array) -> bool:
+        if not chosen:
+            return True
+        lower, upper = (np.concatenate(b) for b in zip(*(self._bounds[c] for c in chosen), strict=True))
+        return bool(np.all(theta >= lower) and np.all(theta <= upper))
+
+    def _consistent(self, chosen: Sequence[int], theta: Array) -> bool:
+        """Tell whether the rigid bodies of a set are possible."""
+        at = 0
+        for c in chosen:
+            effect = self.effects[c]
+            if isinstance(effect, Body) and not effect.is_physical(theta[at : at + effect.size], self.robot):
+                return False
+            at += effect.size
+        return True
 
     def columns(self, chosen: Sequence[int]) -> NDArray[np.intp]:
         """Return the columns of a set of candidates."""
@@ -193,14 +228,6 @@ class Evidence:
         at = np.append(columns, len(gram) - 1)
         return float(v @ gram[np.ix_(at, at)] @ v)
 
-    def _split(self, chosen: Sequence[int], theta: Array) -> list[tuple[Effect, Array]]:
-        out, at = [], 0
-        for c in chosen:
-            size = self.effects[c].size
-            out.append((self.effects[c], theta[at : at + size]))
-            at += size
-        return out
-
     def _is_redundant(self, columns: Array) -> bool:
         """Tell whether a parameter does what others of the set do already, as two levels of friction would."""
         gram = self.total[np.ix_(columns, columns)] + np.diag(self.prior[columns])
@@ -208,9 +235,6 @@ class Evidence:
         inflation = np.diag(np.linalg.inv(gram * np.outer(unit, unit)))
         lone = np.isinf(self.prior_scale[columns])  # the parameters of a body repeat each other, and have a prior
         return bool((inflation[lone] > MOST_INFLATION).any())
-
-    def _is_physical(self, chosen: Sequence[int], theta: Array) -> bool:
-        return all(e.is_physical(t, self.robot) for e, t in self._split(chosen, theta))
 
     # ------------------------------------------------------------- every candidate beside a set
 
@@ -242,3 +266,20 @@ class Evidence:
         for c, effect in enumerate(self.effects):
             out.setdefault(effect.size, []).append(c)
         return out
+
+
+def needed_gain(left: Array, residual_rms: Array, torque_rms: Array) -> Array:
+    """Return what an effect must explain of each joint to be worth a name.
+
+    It must lower what is left by a share that can be seen, and give a torque that matters beside the joint's own.
+
+    Args:
+        left: Sum of squares that the present model leaves, in variances of the noise [1], shape (n,).
+        residual_rms: RMS residual of the present model [N·m or N], shape (n,).
+        torque_rms: RMS measured torque [N·m or N], shape (n,).
+
+    Returns:
+        Sum of squares [1], shape (n,).
+    """
+    of_residual = np.maximum(residual_rms, 1e-12) / np.maximum(torque_rms, 1e-12)
+    return left * np.maximum(WORTH, (SMALLEST_TORQUE / of_residual) ** 2)

@@ -18,7 +18,7 @@ from cdia_pin.effects import Effect, Term
 Array = NDArray[np.float64]
 
 MOST_ITERATIONS = 8
-CONVERGED = 0.05  # standard deviations by which no parameter moves any more
+CONVERGED = 0.1  # standard deviations by which no parameter moves any more
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,13 @@ def gather(
     return Evidence(experiment.robot, list(effects), blocks, int(whitened.used.sum()))
 
 
-def refit(experiment: Experiment, columns: Columns, model: Dynamics, whitened: Whitened) -> tuple[Dynamics, Evidence]:
+def refit(
+    experiment: Experiment,
+    columns: Columns,
+    model: Dynamics,
+    whitened: Whitened,
+    iterations: int = MOST_ITERATIONS,
+) -> tuple[Dynamics, Evidence]:
     """Fit all terms of a model together by Gauss and Newton.
 
     Args:
@@ -97,16 +103,17 @@ def refit(experiment: Experiment, columns: Columns, model: Dynamics, whitened: W
         columns: Where columns come from.
         model: Its terms' parameters are where the iteration starts.
         whitened: Noise and blocks.
+        iterations: Most of them.
 
     Returns:
         The model at the optimum, and the normal equations of its terms there.
     """
     effects = [t.effect for t in model.terms]
     exact = all(e.linear and not e.of_torque for e in effects)
-    for _ in range(1 if exact else MOST_ITERATIONS):
+    for _ in range(1 if exact else iterations):
         evidence = gather(experiment, columns, experiment.predict(model), effects, whitened)
         before = np.concatenate([t.theta for t in model.terms]) if model.terms else np.zeros(0)
-        fit = evidence.fit(range(len(effects)))
+        fit = evidence.fit(range(len(effects)), bodies=True)
         model = with_parameters(model, fit.theta)
         moved = np.abs(fit.theta - before) * evidence.scale  # in standard deviations of a lone parameter
         if not len(moved) or moved.max() < CONVERGED:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -10,13 +10,14 @@ from cdia_pin.discovery.evidence import Evidence, Fit
 
 Names = frozenset[str]
 
-TRIED = 6  # candidates that are fitted after the gains have ranked them
+TRIED = 5  # candidates that are fitted after the gains have ranked them
+CLEAR = 5.0  # times the least gain: such an effect needs no further proof
 HOLDS = 0.5  # least share of a gain that is left on held-out blocks
 MARGIN = 1e-6  # a move must gain more than rounding
 
 
 def improve(
-    evidence: Evidence, chosen: Sequence[int], tabu: Collection[Names], *, most: int, may_add: bool = True
+    evidence: Evidence, chosen: Sequence[int], allowed: Callable[[tuple[int, ...]], bool], *, most: int
 ) -> Fit | None:
     """Return the best set that one move leads to, or None if no move lowers the cost.
 
@@ -25,37 +26,58 @@ def improve(
     Args:
         evidence: Normal equations of the candidates.
         chosen: Indices of the present set.
-        tabu: Sets that were tried and turned out worse than the normal equations promised.
+        allowed: Tells which sets may be tried; the normal equations of some promise what they do not hold.
         most: Largest number of effects.
-        may_add: False to only prune.
     """
     now = evidence.fit(chosen)
-    fresh = lambda f: names(evidence, f.chosen) not in tabu  # noqa: E731
-    needless = [f for f in map(evidence.fit, _drops(now.chosen)) if not now.physical or not _misses(evidence, now, f)]
-    if needless and now.chosen:
+    needless = [part for c in now.chosen if (part := _without(evidence, now, c)) is not None and allowed(part.chosen)]
+    if needless:
         return min(needless, key=lambda f: f.cost)
-    if not may_add:
+    if len(now.chosen) < most:
+        better = _cheapest(evidence, filter(allowed, _additions(evidence, now.chosen)), now.cost - MARGIN)
+        if better is not None:
+            return better
+    exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
+    better = _cheapest(evidence, (m for m in exchanges if len(m) <= len(now.chosen)), now.cost - MARGIN)
+    if better is not None:
+        return better
+    # two for one must be worth the additional name
+    worth = float(np.max(evidence.least_gain[list(now.chosen)], initial=0.0))
+    return _cheapest(evidence, (m for m in exchanges if len(m) > len(now.chosen)), now.cost + MARGIN - worth)
+
+
+def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float) -> Fit | None:
+    """Return the physical fit of least cost below a limit; sets whose bound is above the best are not fitted."""
+    best = None
+    for bound, chosen in sorted((evidence.bound(c), c) for c in {tuple(sorted(c)) for c in sets}):
+        if bound >= (best.cost if best else limit):
+            break
+        fit = evidence.fit(chosen)
+        if fit.physical and fit.cost < (best.cost if best else limit):
+            best = fit
+    return best
+
+
+def _without(evidence: Evidence, whole: Fit, lacking: int) -> Fit | None:
+    """Return the fit without an effect if it is not missed: too little explained, or not on held-out blocks."""
+    rest = tuple(c for c in whole.chosen if c != lacking)
+    needed = evidence.least_gain[lacking]
+    if whole.physical:
+        gain = evidence.bound(rest) + evidence.price[lacking] - whole.cost
+        if gain >= needed and _holds(evidence, whole, rest, gain):
+            return None
+    part = evidence.fit(rest)
+    if whole.physical and part.physical and part.chi2 - whole.chi2 >= needed and _holds(evidence, whole, rest, part.chi2 - whole.chi2):
         return None
-    additions = _additions(evidence, now.chosen) if len(now.chosen) < most else iter(())
-    for moves in (additions, _exchanges(evidence, now.chosen)):
-        better = [f for f in map(evidence.fit, moves) if f.physical and f.cost < now.cost - MARGIN and fresh(f)]
-        if better:
-            return min(better, key=lambda f: f.cost)
-    return None
+    return part
 
 
-def _misses(evidence: Evidence, whole: Fit, part: Fit) -> bool:
-    """Tell whether a set misses the effect that it lacks beside the whole."""
-    (lacking,) = set(whole.chosen) - set(part.chosen)
-    if not part.physical:
-        return True
-    gain = part.chi2 - whole.chi2
-    return gain >= evidence.least_gain[lacking] and _holds(evidence, whole, part, gain)
-
-
-def _holds(evidence: Evidence, whole: Fit, part: Fit, gain: float) -> bool:
+def _holds(evidence: Evidence, whole: Fit, rest: tuple[int, ...], gain: float) -> bool:
     """Tell whether what an effect explains is explained in blocks of time that it was not fitted to as well."""
-    return evidence.held_out(part.chosen) - evidence.held_out(whole.chosen) > HOLDS * gain
+    (lacking,) = set(whole.chosen) - set(rest)
+    if gain > CLEAR * evidence.least_gain[lacking]:
+        return True
+    return evidence.held_out(rest) - evidence.held_out(whole.chosen) > HOLDS * gain
 
 
 def names(evidence: Evidence, chosen: Sequence[int]) -> Names:
@@ -63,13 +85,8 @@ def names(evidence: Evidence, chosen: Sequence[int]) -> Names:
     return frozenset(evidence.effects[c].label for c in chosen)
 
 
-def _drops(chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-    for c in chosen:
-        yield tuple(x for x in chosen if x != c)
-
-
 def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float = 0.0) -> list[int]:
-    """Return the candidates whose gain beside a set best repays their price, at most `count`.
+    """Return the effects whose gain beside a set best repays their price, each in its best shape.
 
     Args:
         evidence: Normal equations of the candidates.
@@ -79,9 +96,16 @@ def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float =
     """
     gains = evidence.gains(chosen)
     profit = np.where(gains > evidence.least_gain - spare, gains - evidence.price, -np.inf)
-    labels = {evidence.effects[c].label for c in chosen}
-    order = [int(c) for c in np.argsort(profit)[::-1] if profit[c] > -spare and np.isfinite(profit[c])]
-    return [c for c in order if evidence.effects[c].label not in labels][:count]
+    taken = {evidence.effects[c].label for c in chosen}
+    out: list[int] = []
+    for c in np.argsort(profit)[::-1]:
+        if not profit[c] > -spare or len(out) == count:
+            break
+        label = evidence.effects[c].label
+        if label not in taken:  # of each effect only its best shape
+            taken.add(label)
+            out.append(int(c))
+    return out
 
 
 def _additions(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:

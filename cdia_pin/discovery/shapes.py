@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,9 @@ ROUNDS = 7
 NARROWER = 0.35  # each round's steps beside those of the round before
 
 
-def refine_shapes(experiment: Experiment, columns: Columns, model: Dynamics, whitened: Whitened) -> Dynamics:
+def refine_shapes(
+    experiment: Experiment, columns: Columns, model: Dynamics, whitened: Whitened, known: Collection[str] = ()
+) -> Dynamics:
     """Return the model with the shape of its terms moved to where the others allow the best fit.
 
     Args:
@@ -24,8 +27,9 @@ def refine_shapes(experiment: Experiment, columns: Columns, model: Dynamics, whi
         columns: Where columns come from.
         model: A fitted model.
         whitened: Noise and blocks.
+        known: Labels of terms whose shape is left as it is.
     """
-    for term in [t for t in model.terms if t.effect.shape]:
+    for term in [t for t in model.terms if t.effect.shape and t.label not in known]:
         (name,) = term.effect.shape_values
         rest = [t.effect for t in model.terms if t.label != term.label]
         grid = [e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))]

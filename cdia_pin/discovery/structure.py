@@ -25,16 +25,22 @@ class Structure:
     Attributes:
         left: Whether structure is left, shape (n,).
         improvement: Share by which they lower the held-out RMS [1], shape (n,).
-        noise: Noise of each joint if the model's residual is all noise.
-        innermost: Noise of each joint that they leave, before anything is known the better guess.
+        residual_noise: Noise of each joint if the model's residual is all noise.
+        innermost: Noise of each joint that they leave.
         floor: RMS of what they leave [N·m or N], shape (n,).
     """
 
     left: NDArray[np.bool_]
     improvement: Array
-    noise: tuple[NoiseModel, ...]
+    residual_noise: tuple[NoiseModel, ...]
     innermost: tuple[NoiseModel, ...]
     floor: Array
+
+    @property
+    def noise(self) -> tuple[NoiseModel, ...]:
+        """The best guess of each joint's noise: its residual, or what lies under the structure where some is left."""
+        both = zip(self.left, self.innermost, self.residual_noise, strict=True)
+        return tuple(inner if left else outer for left, inner, outer in both)
 
 
 def smooth_columns(experiment: Experiment, prediction: Prediction, j: int) -> Array:
@@ -50,7 +56,7 @@ def smooth_columns(experiment: Experiment, prediction: Prediction, j: int) -> Ar
     scaled = [(s - s.mean()) / (s.std() or 1.0) for s in others]
     columns = [
         *own,
-        np.column_stack([speed, speed * t, t, t**2, a[:, j], np.abs(a[:, j]), q[:, j] * v[:, j]]),
+        np.column_stack([speed, speed * t, a[:, j], np.abs(a[:, j]), q[:, j] * v[:, j]]),
         *([np.column_stack(scaled), np.column_stack(scaled) ** 2] if scaled else []),
     ]
     raw = np.column_stack([np.ones(len(t)), *columns])
@@ -80,8 +86,9 @@ def look_for_structure(
         rest = y - _project(both, y, use)
         noise = fit_noise(rest, use, experiment.nearness[:, j], experiment.lengths, both.shape[1])
         innermost.append(noise)
-        noises.append(fit_noise(
-            y - _project(fitted, y, use), use, experiment.nearness[:, j], experiment.lengths, fitted.shape[1]))
+        noise = fit_noise(
+            y - _project(fitted, y, use), use, experiment.nearness[:, j], experiment.lengths, fitted.shape[1])
+        noises.append(noise)
         freedom = max(int(use.sum()) - both.shape[1], 1)
         floor[j] = np.sqrt(np.sum(rest[use] ** 2) / freedom)
         white = lambda s, noise=noise, use=use: np.where(  # noqa: E731

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 HIGHEST_ORDER = 12
+WHITE = 0.03  # share of white noise taken for granted: no frequency is trusted without limit
 BORROWED = 20.0  # samples' worth of trust in the joint's overall noise
 
 
@@ -76,7 +77,7 @@ def fit_noise(
             counts[k] += w[k:] @ w[: length - k]
     covariance = products / np.maximum(counts, 1.0)
     covariance *= 1.0 - np.arange(order + 1) / (order + 1) * 0.05  # keeps the estimate a valid covariance
-    covariance[0] = covariance[0] * (1 + 1e-9) + 1e-18
+    covariance[0] = covariance[0] * (1 + WHITE) + 1e-18
     toeplitz = covariance[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
     coefficients = np.linalg.solve(toeplitz + 1e-9 * covariance[0] * np.eye(order), covariance[1:])
     noise = NoiseModel(coefficients, np.ones(len(residual)), tuple(lengths))

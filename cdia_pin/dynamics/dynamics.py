@@ -3,7 +3,8 @@ r"""An arm with terms added: the true plant, the nominal model and the improved 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -17,6 +18,8 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 
 SMALLEST_GAIN = 0.05  # [1], 1 + ∂f/∂τ is kept above it when solving for the torque
+MOST_DIVISIONS = 20  # to solve for the torque; effects in proportion to it take one, and one to see that
+SOLVED = 1e-9  # [1], change of the torque, relative to the largest, that needs no further division
 
 
 @dataclass(frozen=True)
@@ -48,8 +51,7 @@ class Dynamics:
 
     def __post_init__(self) -> None:
         for term in self.terms:
-            for joint in term.effect.scope:
-                self.robot.joint_index(joint)
+            term.check(self.robot)
 
     # ------------------------------------------------------------- composing
 
@@ -81,34 +83,44 @@ class Dynamics:
 
     # ------------------------------------------------------------- torques
 
+    def true_state(self, x: State) -> State:
+        """Return the state at the positions where the arm is, given those that its encoders read."""
+        shifting = [t for t in self.terms if t.effect.shifts]
+        return x.with_position(x.q + sum(t.shift(x) for t in shifting)) if shifting else x
+
     def missing_torque(self, x: State) -> Array:
         """Return f = Σ β Φ θ for a state with its actuator torque [N·m or N], shape (N, n)."""
-        return _sum((t for t in self.terms), x)
+        at = self.true_state(x)
+        return x.rigid_torque - at.rigid_torque + _sum((t for t in self.terms if not t.effect.shifts), at)
 
     def torques(self, x: State) -> Torques:
         """Solve for the actuator torque and the torque that is read, given the motion.
 
-        The torque-dependent effects are proportional to the torque of their own joint for either of its signs,
-        so that one division solves for it; effects of the reading come last.
+        Torque-dependent effects are proportional to the torque of their own joint for either of its signs, so
+        that one division solves for it; where one is not, divisions are repeated. Effects of the reading come
+        last. All effects but those of the encoders are evaluated where the arm is.
 
         Args:
-            x: The motion; its ``effort`` is not used.
+            x: The motion as it is read; its ``effort`` is not used.
 
         Returns:
             The torques, and how a small missing torque would change them.
         """
-        on_motion = [t for t in self.terms if not t.effect.reads]
-        still = [t for t in on_motion if not t.effect.of_torque]
-        driven = [t for t in on_motion if t.effect.of_torque]
-        tau = x.rigid_torque - _sum(still, x)
+        at = self.true_state(x)
+        on_motion = self.on_motion
+        tau = at.rigid_torque - _sum((t for t in on_motion if not t.of_torque), at)
         gain = np.ones_like(tau)
+        driven = [t for t in on_motion if t.of_torque]
         if driven:
-            without = _sum(driven, x.with_effort(np.zeros_like(tau)))
-            load = tau - without
-            gained = _sum(driven, x.with_effort(load)) - without
-            share = np.divide(gained, load, out=np.zeros_like(load), where=load != 0)
-            gain = np.maximum(1.0 + share, SMALLEST_GAIN)
-            tau = load / gain
+            without = _sum(driven, at.with_effort(np.zeros_like(tau)))
+            load = tau = tau - without
+            for _ in range(MOST_DIVISIONS):
+                gained = _sum(driven, at.with_effort(tau)) - without
+                share = np.divide(gained, tau, out=np.zeros_like(tau), where=tau != 0)
+                gain = np.maximum(1.0 + share, SMALLEST_GAIN)
+                before, tau = tau, load / gain
+                if np.abs(tau - before).max() <= SOLVED * np.abs(tau).max():
+                    break
         reading = tau - _sum((t for t in self.terms if t.effect.reads), x.with_effort(tau))
         return Torques(tau, reading, gain)
 
@@ -135,22 +147,49 @@ class Dynamics:
     ) -> Array:
         """Return the acceleration of one sample under an actuator torque [rad/s² or m/s²], shape (n,).
 
-        M q̈ + nle − τ − f is affine in q̈ for every effect: evaluating it at zero and at each unit acceleration
-        gives the inertia with all terms included.
+        Every effect is affine in q̈: its torque at zero and at each unit acceleration gives the inertia with
+        all terms included. Effects of the torque reading have no part in it.
+
+        Raises:
+            ModelError: If the inertia is singular, as a missing mass or rotor can make it.
         """
         q1, v1, tau1 = (np.asarray(s, float) for s in (q, v, tau))
-        terms = [t for t in self.terms if not t.effect.reads]
-        if not terms:
+        if not self.terms:
             return self.robot.forward_dynamics(q1, v1, tau1)
-        n = self.robot.n
-        repeat = lambda s: np.broadcast_to(s, (n + 1, n))  # noqa: E731
-        a = np.vstack([np.zeros(n), np.eye(n)])
-        x = State.of(
-            self.robot, repeat(q1), repeat(v1), a, effort=repeat(tau1), time=np.full(n + 1, time), sign_width=sign_width
+        still = np.zeros((1, self.robot.n))
+        x = self.true_state(
+            State.of(self.robot, q1, v1, still, effort=tau1, time=time, sign_width=sign_width)
         )
-        balance = x.rigid_torque - repeat(tau1) - _sum(terms, x)
-        mass_matrix = (balance[1:] - balance[0]).T
-        return np.linalg.solve(mass_matrix, -balance[0])
+        push = tau1 + _sum(self.on_motion, x)[0]
+        if not any(t.effect.of_acceleration for t in self.on_motion):
+            return self.robot.forward_dynamics(x.q[0], v1, push)
+        try:
+            bias = self.robot.nonlinear_effects(x.q[0], v1)
+            return np.linalg.solve(self._inertia(x), push - bias)
+        except np.linalg.LinAlgError:
+            labels = ", ".join(t.label for t in self.on_motion if t.effect.of_acceleration)
+            raise ModelError(f"the inertia of '{self.robot.name}' with {labels} is singular") from None
+
+    def mass_matrix(self, x: State) -> Array:
+        """Return M − ∂f/∂q̈ of one sample, whose positions are those that are read, shape (n, n)."""
+        return self._inertia(self.true_state(x))
+
+    def _inertia(self, x: State) -> Array:
+        """M − ∂f/∂q̈ of one sample at the positions where the arm is."""
+        n = self.robot.n
+        M = self.robot.mass_matrix(x.q[0])
+        inertial = [t for t in self.on_motion if t.effect.of_acceleration]
+        if inertial:
+            a = np.vstack([np.zeros(n), np.eye(n)])
+            q, v, effort, time = (np.repeat(s, n + 1, axis=0) for s in (x.q, x.v, x.effort, x.time))
+            f = _sum(inertial, replace(x, q=q, v=v, a=a, effort=effort, time=time))
+            M = M - (f[1:] - f[0]).T
+        return M
+
+    @cached_property
+    def on_motion(self) -> tuple[Term, ...]:
+        """Terms that act on the arm itself, not on its sensors."""
+        return tuple(t for t in self.terms if not (t.effect.reads or t.effect.shifts))
 
 
 def _sum(terms: Iterable[Term], x: State) -> Array:

@@ -10,6 +10,7 @@ import cdia_pin
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.errors import CdiaError, ModelError
+from cdia_pin.robot import catalogue
 from cdia_pin.robot.model import RobotModel
 
 SCHEMA = "cdia-model/1"
@@ -22,6 +23,9 @@ def save_model(model: Dynamics, path: str | Path, *, record: dict[str, Any] | No
         model: The robot's terms are written, the robot by name.
         path: File to write.
         record: How the numbers came about: logs, hashes, settings.
+
+    Raises:
+        ModelError: If the record is not plain JSON, or the file cannot be written.
     """
     path = Path(path)
     document = {
@@ -33,7 +37,11 @@ def save_model(model: Dynamics, path: str | Path, *, record: dict[str, Any] | No
         "record": record or {},
     }
     try:
-        path.write_text(json.dumps(document, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        text = json.dumps(document, indent=2, ensure_ascii=False)
+    except (TypeError, ValueError) as error:
+        raise ModelError(f"the record of a model must be plain JSON: {error}") from None
+    try:
+        path.write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         raise ModelError(f"cannot write the model to {path}: {error.strerror}") from None
     return path
@@ -43,25 +51,34 @@ def load_model(path: str | Path, robot: RobotModel) -> Dynamics:
     """Read a model written by `save_model`.
 
     Raises:
-        ModelError: If the file is no model, or belongs to other joints.
+        ModelError: If the file is no model, or belongs to another robot.
     """
     path = Path(path)
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise ModelError(f"cannot read the model {path}: {error.strerror}") from None
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise ModelError(f"{path} is not a model: {error}") from None
     if not isinstance(document, dict) or document.get("schema") != SCHEMA:
-        raise ModelError(f"{path} is not a model: expected a JSON object with \"schema\": \"{SCHEMA}\"")
-    if document.get("joints") != list(robot.joints):
-        raise ModelError(
-            f"{path} was made for the joints {', '.join(document.get('joints', []))} of "
-            f"'{document.get('robot')}', the robot '{robot.name}' has {', '.join(robot.joints)}"
-        )
+        raise ModelError(f'{path} is not a model: expected a JSON object with "schema": "{SCHEMA}"')
+    _require_same_robot(document, path, robot)
     try:
         return Dynamics(robot, tuple(Term.from_dict(t) for t in document["terms"]))
     except CdiaError as error:
         raise ModelError(f"{path}: {error}") from None
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
+    except (KeyError, TypeError, AttributeError, ValueError, IndexError) as error:
         raise ModelError(f"{path}: a term is not written as it must be ({error!r})") from None
+
+
+def _require_same_robot(document: dict[str, Any], path: Path, robot: RobotModel) -> None:
+    """Refuse other joints, and another robot of the catalogue whose joints have the same names."""
+    name, joints = str(document.get("robot")), document.get("joints")
+    if joints != list(robot.joints):
+        given = ", ".join(map(str, joints)) if isinstance(joints, list) else repr(joints)
+        raise ModelError(
+            f"{path} was made for the joints {given} of '{name}', "
+            f"the robot '{robot.name}' has {', '.join(robot.joints)}"
+        )
+    if name != robot.name and {name, robot.name} <= set(catalogue()):
+        raise ModelError(f"{path} was made for '{name}', the robot is '{robot.name}'")

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from cdia_pin.effects import arithmetic
 from cdia_pin.effects.actuation import ActuatorGain, JointSpring, PositionRipple, RotorInertia, TorqueOffset
-from cdia_pin.effects.effect import Effect, JointEffect, NonlinearEffect, Parameter
+from cdia_pin.effects.effect import Effect, Parameter
 from cdia_pin.effects.environment import BaseTilt, ToolWrench, ViscousMedium
 from cdia_pin.effects.expression import Expression, from_expression
 from cdia_pin.effects.friction import (
@@ -19,6 +20,8 @@ from cdia_pin.effects.friction import (
     ViscousFriction,
 )
 from cdia_pin.effects.inertia import LinkInertia, Payload
+from cdia_pin.effects.joint_effect import JointEffect
+from cdia_pin.effects.nonlinear_effect import NonlinearEffect
 from cdia_pin.effects.profile import (
     ALWAYS,
     Always,
@@ -88,18 +91,16 @@ def parse_effect(text: str, robot: RobotModel | None = None) -> Effect:
         EffectError: If the name is not in the vocabulary and is not an expression either.
         RobotError: If a joint is not of the robot.
     """
-    name, _, joints = text.strip().partition("@")
-    scope = [j.strip() for j in joints.split("+")] if joints else []
-    name = name.strip()
+    name, at, joints = (part.strip() for part in text.partition("@"))
+    scope = [j.strip() for j in joints.split("+")] if at else []
     if name in EFFECTS:
         effect = EFFECTS[name].from_scope(scope, {})
-    elif name.isidentifier():
+    elif not name or (name.isidentifier() and name not in (*arithmetic.SIGNALS, *arithmetic.CONSTANTS)):
         raise EffectError(unknown_name("effect", name, EFFECTS))
     else:
         effect = Expression.from_scope(scope, {"text": name})
     if robot is not None:
-        for joint in effect.scope:
-            robot.joint_index(joint)
+        effect.check(robot)
     return effect
 
 
@@ -108,14 +109,18 @@ def effect_from_dict(given: Mapping[str, Any]) -> Effect:
     name = str(given.get("effect", ""))
     if name not in EFFECTS:
         raise EffectError(unknown_name("effect", name, EFFECTS))
-    return EFFECTS[name].from_scope(given.get("joints", []), given.get("shape", {}))
+    joints, shape = given.get("joints", []), given.get("shape", {})
+    if not isinstance(joints, list | tuple) or not isinstance(shape, Mapping):
+        raise EffectError(f"{name}: joints must be a list and shape an object, given {joints!r}, {shape!r}")
+    return EFFECTS[name].from_scope(joints, shape)
 
 
 __all__ = [
-    "ALWAYS", "EFFECTS", "ActuatorGain", "Always", "AsymmetricFriction", "BaseTilt", "Between", "CoulombFriction",
-    "CoupledFriction", "Effect", "EffortDelay", "EncoderOffset", "Expression", "Incipient", "Intermittent",
-    "JointEffect", "JointSpring", "JointState", "LinkInertia", "LoadFriction", "NonlinearEffect", "Parameter",
-    "Payload", "PositionRipple", "Profile", "QuadraticFriction", "Region", "RotorInertia", "State",
-    "StribeckFriction", "Term", "ToolWrench", "TorqueOffset", "Unknown", "ViscousFriction", "ViscousMedium",
-    "after", "effect_from_dict", "from_expression", "parse_effect", "parse_term", "profile_from_dict", "register",
+    "ALWAYS", "EFFECTS", "ActuatorGain", "Always", "AsymmetricFriction", "BaseTilt", "Between",
+    "CoulombFriction", "CoupledFriction", "Effect", "EffortDelay", "EncoderOffset", "Expression", "Incipient",
+    "Intermittent", "JointEffect", "JointSpring", "JointState", "LinkInertia", "LoadFriction",
+    "NonlinearEffect", "Parameter", "Payload", "PositionRipple", "Profile", "QuadraticFriction", "Region",
+    "RotorInertia", "State", "StribeckFriction", "Term", "ToolWrench", "TorqueOffset", "Unknown",
+    "ViscousFriction", "ViscousMedium", "after", "effect_from_dict", "from_expression", "parse_effect",
+    "parse_term", "profile_from_dict", "register",
 ]  # fmt: skip

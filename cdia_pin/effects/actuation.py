@@ -9,7 +9,8 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.effect import JointEffect, Parameter
+from cdia_pin.effects.effect import Parameter
+from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.state import JointState, State
 
 Array = NDArray[np.float64]
@@ -19,7 +20,7 @@ HIGHEST_RIPPLE = 60.0  # [1/rad or 1/m], the fastest ripple that is searched for
 
 @dataclass(frozen=True)
 class ActuatorGain(JointEffect):
-    """The drive delivers more or less than asked, f = α τ, α > −1 (thesis Table 3)."""
+    """The drive delivers more or less than asked, f = α τ, α > −1 ([Thesis] Table 3)."""
 
     name: ClassVar[str] = "actuator_gain"
     equation: ClassVar[str] = "α τ"
@@ -50,6 +51,7 @@ class RotorInertia(JointEffect):
 
     name: ClassVar[str] = "rotor_inertia"
     equation: ClassVar[str] = "−I q̈"
+    of_acceleration: ClassVar[bool] = True
     parameters = (Parameter("inertia", "{inertia}", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -72,7 +74,9 @@ class JointSpring(JointEffect):
 
 @dataclass(frozen=True)
 class PositionRipple(JointEffect):
-    """Torque that repeats along the joint: cogging, gear teeth, f = a sin(w₀ q) + b cos(w₀ q) (thesis Table 2).
+    """Torque that repeats along the joint, f = a sin(w₀ q) + b cos(w₀ q) ([Thesis] Table 2).
+
+    Cogging of a motor, teeth of a gear; k sin(w₀ q + φ) with k² = a² + b² and φ = atan2(b, a).
 
     Attributes:
         frequency: w₀, radians of ripple per radian of joint [1/rad or 1/m].

@@ -13,12 +13,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from numbers import Real
 from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.state import JointState, State
+from cdia_pin.effects.state import State
 from cdia_pin.errors import EffectError, unknown_name
 from cdia_pin.robot.model import RobotModel
 
@@ -47,8 +48,8 @@ class Parameter:
 class Effect(ABC):
     """Base of all effects: a subclass states its parameters and its basis Φ, nothing else.
 
-    Subclasses are frozen dataclasses; their fields are the scope (a joint, two joints or nothing for the whole
-    arm) and the shape parameters s.
+    Subclasses are frozen dataclasses; their fields are the scope (a joint, two joints, or nothing for the
+    whole arm) and the shape parameters s. Its class variables are promises that the contract tests hold.
     """
 
     name: ClassVar[str]
@@ -58,9 +59,19 @@ class Effect(ABC):
     scope_fields: ClassVar[tuple[str, ...]] = ()
     linear: ClassVar[bool] = True  # is f linear in θ? otherwise `torque` and `jacobian` are overridden
     dissipative: ClassVar[bool] = False  # friction: never adds power within its bounds
+    of_torque: ClassVar[bool] = False  # Φ depends on the actuator torque, in proportion to it for either sign
+    of_acceleration: ClassVar[bool] = False  # Φ depends on q̈, and is affine in it
     reads: ClassVar[bool] = False  # distorts the torque reading after all else, not the motion
+    shifts: ClassVar[bool] = False  # distorts the position reading: the arm is at q + `shift`
     rarity: ClassVar[float] = 0.0  # how much sooner another explanation of equal merit is believed [1]
-    of_torque: ClassVar[bool] = False  # Φ depends on the actuator torque
+
+    def __post_init__(self) -> None:
+        for p in self.shape:
+            value = getattr(self, p.name)
+            if not isinstance(value, Real) or not p.lower <= float(value) <= p.upper:
+                raise EffectError(
+                    f"{self.label}: {p.name} must lie within {p.lower:g} and {p.upper:g}, given {value!r}"
+                )
 
     # ------------------------------------------------------------- physics
 
@@ -76,6 +87,10 @@ class Effect(ABC):
         """Return ∂f/∂θ, shape (N, n, p)."""
         return self.basis(x)
 
+    def shift(self, robot: RobotModel, theta: Array) -> Array:
+        """Return by how much the arm is further than its encoders read [rad or m], shape (n,)."""
+        return np.zeros(robot.n)
+
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return the smallest and largest physical parameters for this robot, each shape (p,)."""
         return (
@@ -89,11 +104,11 @@ class Effect(ABC):
         return bool(np.all(theta >= lower) and np.all(theta <= upper))
 
     def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
-        """Return the physical parameters next to an estimate, shape (p,)."""
+        """Return the physical parameters next to an estimate, shape (p,); a physical one is kept as it is."""
         return np.clip(theta, *self.bounds(robot))
 
     def prior_scale(self, robot: RobotModel) -> Array:
-        """Return the size of parameter that would surprise nobody, ``inf`` where nothing is known, shape (p,).
+        """Return the size of parameter that would surprise nobody, ``inf`` where unknown, shape (p,).
 
         It keeps apart what a motion does not tell apart; where the motion does, it has no weight.
         """
@@ -110,6 +125,16 @@ class Effect(ABC):
     def label(self) -> str:
         """Name with its scope, such as ``coulomb_friction@elbow_joint`` or ``payload``."""
         return self.name + ("@" + "+".join(self.scope) if self.scope else "")
+
+    def check(self, robot: RobotModel) -> None:
+        """Make sure that the robot can have the effect.
+
+        Raises:
+            RobotError: If a joint is not of the robot.
+            EffectError: If the joints cannot have such an effect.
+        """
+        for joint in self.scope:
+            robot.joint_index(joint)
 
     def joints(self, robot: RobotModel) -> tuple[str, ...]:
         """Return the joints that the effect names; all of them for an effect of the whole arm."""
@@ -171,11 +196,13 @@ class Effect(ABC):
         Raises:
             EffectError: If the number of joints or a shape parameter does not fit.
         """
-        optional = [f for f in cls.scope_fields if cls._default(f) is None]
-        if len(scope) > len(cls.scope_fields) or len(scope) < len(cls.scope_fields) - len(optional):
-            wanted = len(cls.scope_fields)
-            hint = "@" + "+".join(["JOINT"] * wanted) if wanted else ""
-            raise EffectError(f"{cls.name} takes {wanted} joint(s): write {cls.name}{hint}")
+        most = len(cls.scope_fields)
+        least = most - sum(cls._default(f) is None for f in cls.scope_fields)
+        if not least <= len(scope) <= most or not all(isinstance(j, str) and j for j in scope):
+            count = f"{least}" if least == most else f"{least} or {most}"
+            hint = cls.name + ("@" + "+".join(["JOINT"] * most) if most else "")
+            given = "+".join(map(str, scope)) or "none"
+            raise EffectError(f"{cls.name} takes {count} joint(s), given {given}: write {hint}")
         valid = {f.name for f in fields(cls)} - set(cls.scope_fields)  # type: ignore[arg-type]
         for key in shape:
             if key not in valid:
@@ -185,59 +212,3 @@ class Effect(ABC):
     @classmethod
     def _default(cls, field_name: str) -> Any:
         return next(f.default for f in fields(cls) if f.name == field_name)  # type: ignore[arg-type]
-
-
-@dataclass(frozen=True)
-class JointEffect(Effect):
-    """An effect of one joint on its own torque: a subclass gives its columns.
-
-    Attributes:
-        joint: Name of the joint.
-    """
-
-    joint: str
-
-    scope_fields: ClassVar[tuple[str, ...]] = ("joint",)
-
-    @abstractmethod
-    def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the torque per unit of each parameter, p arrays of shape (N,)."""
-
-    def basis(self, x: State) -> Array:
-        """Return Φ, zero but for the row of the joint, shape (N, n, p)."""
-        out = np.zeros((len(x), x.robot.n, self.size))
-        out[:, x.robot.joint_index(self.joint), :] = np.column_stack(self.columns(x.joint(self.joint)))
-        return out
-
-    def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
-        """Return the index of the joint."""
-        return (robot.joint_index(self.joint),)
-
-    @classmethod
-    def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
-        """Yield every joint."""
-        yield from ((j,) for j in robot.joints)
-
-
-class NonlinearEffect(Effect):
-    """An effect whose torque is not linear in θ: a subclass gives `torque`, the rest is differentiated."""
-
-    linear: ClassVar[bool] = False
-    steps: ClassVar[tuple[float, ...]] = ()  # finite-difference step of each parameter, in its unit
-
-    @abstractmethod
-    def torque(self, x: State, theta: Array) -> Array:
-        """Return f [N·m or N] for parameters θ (p,), shape (N, n)."""
-
-    def jacobian(self, x: State, theta: Array) -> Array:
-        """Return ∂f/∂θ by central differences, shape (N, n, p)."""
-        out = np.empty((len(x), x.robot.n, self.size))
-        for i, step in enumerate(self.steps):
-            shift = np.zeros(self.size)
-            shift[i] = step
-            out[:, :, i] = (self.torque(x, theta + shift) - self.torque(x, theta - shift)) / (2 * step)
-        return out
-
-    def basis(self, x: State) -> Array:
-        """Return ∂f/∂θ at θ = 0, shape (N, n, p)."""
-        return self.jacobian(x, np.zeros(self.size))

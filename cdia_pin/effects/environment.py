@@ -8,39 +8,69 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.effect import Effect, NonlinearEffect, Parameter
+from cdia_pin.effects.effect import Effect, Parameter
+from cdia_pin.effects.nonlinear_effect import NonlinearEffect
 from cdia_pin.effects.state import State
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
+
+STEEPEST = 0.9  # [1], largest part of gravity that a tilt moves sideways, 64°
 
 
 @dataclass(frozen=True)
 class BaseTilt(NonlinearEffect):
     """Gravity does not point where the URDF says, f = −K(q) Δg with |g + Δg| = |g|.
 
-    ``tilt_x`` and ``tilt_y`` are the parts of gravity added along the two base axes across it; what they take
-    from the main axis follows from its constant size, so f is not linear.
+    ``tilt_x`` and ``tilt_y`` are the parts of gravity added across it: along the x and y axes of a base whose
+    gravity is along z, else along the two base axes most across gravity, in their order. What they take from
+    the main axis follows from gravity's constant size, so f is not linear.
     """
 
     name: ClassVar[str] = "base_tilt"
     equation: ClassVar[str] = "−K(q) Δg,  |g + Δg| = |g|"
-    parameters = (
-        Parameter("tilt_x", "m/s²", lower=-9.0, upper=9.0),
-        Parameter("tilt_y", "m/s²", lower=-9.0, upper=9.0),
-    )
+    parameters = (Parameter("tilt_x", "m/s²"), Parameter("tilt_y", "m/s²"))
     steps: ClassVar[tuple[float, ...]] = (1e-5, 1e-5)
 
     def torque(self, x: State, theta: Array) -> Array:
         """Return f [N·m or N] for the tilt θ = (tilt_x, tilt_y) [m/s²], shape (N, n)."""
         return -x.gravity_regressor @ self.gravity_change(x.robot.gravity_vector, theta)
 
+    def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
+        """Return bounds within which gravity keeps its size [m/s²]."""
+        most = STEEPEST * float(np.linalg.norm(robot.gravity_vector))
+        return np.full(2, -most), np.full(2, most)
+
+    def is_physical(self, theta: Array, robot: RobotModel) -> bool:
+        """Tell whether both parts together leave something of gravity along its main axis."""
+        _, most = self.bounds(robot)
+        return bool(np.hypot(*theta) <= most[0])
+
+    def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
+        """Return the tilt towards the same side, no steeper than possible, shape (2,)."""
+        if self.is_physical(theta, robot):
+            return np.array(theta, float)
+        _, most = self.bounds(robot)
+        return np.asarray(theta) * (most[0] * (1 - 1e-12) / np.hypot(*theta))
+
     @staticmethod
     def gravity_change(gravity: Array, theta: Array) -> Array:
         """Return Δg [m/s²] of the tilt, shape (3,)."""
         size = float(np.linalg.norm(gravity))
-        sideways = float(theta @ theta)
-        left = np.sqrt(max(size**2 - sideways, 0.0))
-        return np.array([*theta, 0.0]) + gravity * (left / size - 1.0)
+        if size == 0.0:
+            return np.zeros(3)  # where there is no gravity, a tilt changes nothing
+        left = np.sqrt(max(size**2 - float(theta @ theta), 0.0))
+        return theta @ _axes_across(gravity / size) + gravity * (left / size - 1.0)
+
+
+def _axes_across(direction: Array) -> Array:
+    """Return two unit vectors across a unit vector: the base axes most across it, made so exactly, (2, 3)."""
+    along = int(np.argmax(np.abs(direction)))
+    first, second = (np.eye(3)[i] for i in range(3) if i != along)
+    first = first - (first @ direction) * direction
+    first /= np.linalg.norm(first)
+    second = second - (second @ direction) * direction - (second @ first) * first
+    return np.stack([first, second / np.linalg.norm(second)])
 
 
 @dataclass(frozen=True)
@@ -61,10 +91,10 @@ class ToolWrench(Effect):
 
 @dataclass(frozen=True)
 class ViscousMedium(Effect):
-    """A fluid around the arm: drag on the links and buoyancy, f = −d Σ wₗ JₗᵀJₗ q̇ + (m_d/m) G (thesis 2.1).
+    """A fluid around the arm: drag and buoyancy, f = −d Σ wₗ JₗᵀJₗ q̇ + (m_d/m) G ([Thesis] 2.1).
 
     Drag and displaced volume are shared among the links by their mass (wₗ = mₗ/m), since a URDF does not say
-    how wide a link is.
+    how wide a link is. The fluid's added mass is left out.
     """
 
     name: ClassVar[str] = "viscous_medium"

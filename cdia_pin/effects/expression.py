@@ -1,36 +1,27 @@
-"""An effect written as one line of text, parsed to a safe subset of arithmetic and never evaluated as code."""
+"""An effect written as one line of text, such as ``sin(3*q)*dq``."""
 
 from __future__ import annotations
 
 import ast
-import operator
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.effect import Effect, JointEffect, Parameter
+from cdia_pin.effects import arithmetic
+from cdia_pin.effects.arithmetic import CONSTANTS, FUNCTIONS, KNOWN, SIGN, SIGNALS, Values
+from cdia_pin.effects.effect import Effect, Parameter
+from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.state import JointState
 from cdia_pin.errors import EffectError
 from cdia_pin.robot.model import RobotModel
 
-Array = NDArray[np.float64]
-Values = Mapping[str, Any]
+__all__ = ["CONSTANTS", "FUNCTIONS", "SIGNALS", "Expression", "from_expression"]
 
-SIGNALS = ("q", "dq", "ddq", "tau", "t")
-CONSTANTS = {"pi": np.pi, "e": np.e}
-FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "sin": np.sin, "cos": np.cos, "tan": np.tan, "tanh": np.tanh, "atan": np.arctan, "exp": np.exp,
-    "log": np.log, "sqrt": np.sqrt, "abs": np.abs, "minimum": np.minimum, "maximum": np.maximum,
-}  # fmt: skip
-OPERATORS: dict[type, Callable[..., Any]] = {
-    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
-    ast.Pow: operator.pow, ast.USub: operator.neg, ast.UAdd: operator.pos,
-}  # fmt: skip
-LONGEST = 300  # characters
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -38,8 +29,9 @@ class Expression(JointEffect):
     """A user's own effect, such as ``sin(3*q)*dq`` or ``a*dq**3 + b*sin(q)``.
 
     Known names are q, dq, ddq, tau, t of the joint, sign(dq) smoothed at rest, pi, e and the functions of
-    `FUNCTIONS`. Every other name is a parameter, in which the expression must be linear; without one, the whole
-    expression is scaled by ``coefficient``.
+    `FUNCTIONS`. Every other name is a parameter, in which the expression must be linear; without
+    one, the whole expression is scaled by ``coefficient``. In ddq it must be affine: accelerations are solved
+    for.
 
     Attributes:
         joint: Name of the joint; None stands for every joint in turn, as a candidate of a search.
@@ -53,17 +45,21 @@ class Expression(JointEffect):
     equation: ClassVar[str] = "your own: Σ θᵢ gᵢ(q, dq, ddq, tau, t)"
 
     def __post_init__(self) -> None:
-        tree = _parse(self.text)
-        names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-        known = {*SIGNALS, *CONSTANTS, *FUNCTIONS, "sign"}
-        object.__setattr__(self, "_tree", tree)
-        object.__setattr__(self, "_free", tuple(sorted(names - known)))
-        self._check_linear()
+        _ = self._tree  # raises if the text is not arithmetic
+        object.__setattr__(self, "text", self.text.strip())
+        if self.text in self._free:
+            raise EffectError(f"expression '{self.text}' is a bare parameter; known names are {KNOWN}")
+        _check_linear(self)
 
     @property
     def of_torque(self) -> bool:  # type: ignore[override]
         """Whether the expression names the torque."""
-        return any(isinstance(n, ast.Name) and n.id == "tau" for n in ast.walk(self._tree))  # type: ignore[attr-defined]
+        return "tau" in self._names
+
+    @property
+    def of_acceleration(self) -> bool:  # type: ignore[override]
+        """Whether the expression names the acceleration."""
+        return "ddq" in self._names
 
     @property
     def label(self) -> str:
@@ -73,45 +69,46 @@ class Expression(JointEffect):
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]
         """One parameter per free name, or the coefficient of the whole."""
-        names: tuple[str, ...] = self._free or ("coefficient",)  # type: ignore[attr-defined]
-        return tuple(Parameter(n, "{effort}/expression") for n in names)
+        return tuple(Parameter(n, "{effort}/expression") for n in self._free or ("coefficient",))
+
+    def check(self, robot: RobotModel) -> None:
+        """Make sure that the expression names a joint of the robot."""
+        if self.joint is None:
+            raise EffectError(f"expression '{self.text}' needs a joint: write {self.text}@JOINT")
+        super().check(robot)
 
     def columns(self, x: JointState) -> Sequence[Array]:
         """Return the expression with each parameter set to one and the others to zero."""
-        signals = {"q": x.q, "dq": x.v, "ddq": x.a, "tau": x.effort, "t": x.time, "sgn dq": x.sign}
-        free: tuple[str, ...] = self._free  # type: ignore[attr-defined]
-        if not free:
+        signals = {"q": x.q, "dq": x.v, "ddq": x.a, "tau": x.effort, "t": x.time, SIGN: x.sign}
+        if not self._free:
             return [self._evaluate(signals)]
-        rest = self._evaluate({**signals, **dict.fromkeys(free, 0.0)})
-        return [self._evaluate({**signals, **dict.fromkeys(free, 0.0), name: 1.0}) - rest for name in free]
+        zero = dict.fromkeys(self._free, np.float64(0.0))
+        return [self._evaluate({**signals, **zero, name: np.float64(1.0)}) for name in self._free]
 
     def expand(self, robot: RobotModel) -> Iterator[Effect]:
         """Yield the effect on its joint, or on each joint of the robot."""
         for joint in (self.joint,) if self.joint else robot.joints:
             yield replace(self, joint=joint)
 
-    def _evaluate(self, values: Values) -> Array:
-        with np.errstate(all="ignore"):
-            out = np.broadcast_to(_value(self._tree.body, values), np.shape(values["q"]))  # type: ignore[attr-defined]
-        if not np.isfinite(out).all():
-            raise EffectError(f"expression '{self.text}' is not finite on this motion (log, sqrt or division?)")
-        return np.asarray(out, float)
+    @cached_property
+    def _tree(self) -> ast.expr:
+        return arithmetic.parse(self.text)
 
-    def _check_linear(self) -> None:
-        free: tuple[str, ...] = self._free  # type: ignore[attr-defined]
-        if not free:
-            return
-        rng = np.random.default_rng(0)
-        probe = {s: rng.uniform(0.3, 0.9, 5) for s in (*SIGNALS, "sgn dq")}
-        with np.errstate(all="ignore"):
-            at = lambda k: np.asarray(_value(self._tree.body, {**probe, **dict(zip(free, k, strict=True))}))  # type: ignore[attr-defined]  # noqa: E731
-            zero, k = at(np.zeros(len(free))), rng.uniform(0.5, 1.5, len(free))
-            linear = np.allclose(at(2 * k), 2 * at(k), rtol=1e-9) and np.allclose(zero, 0.0)
-        if not linear:
+    @cached_property
+    def _names(self) -> frozenset[str]:
+        return frozenset(arithmetic.names(self._tree))
+
+    @cached_property
+    def _free(self) -> tuple[str, ...]:
+        return tuple(sorted(self._names - {*SIGNALS, SIGN, *CONSTANTS}))
+
+    def _evaluate(self, values: Values) -> Array:
+        out = np.broadcast_to(arithmetic.value(self._tree, values), np.shape(values["q"]))
+        if not np.isfinite(out).all():
             raise EffectError(
-                f"expression '{self.text}' is not linear in {', '.join(free)}; known names are "
-                f"{', '.join((*SIGNALS, 'sign', *CONSTANTS, *FUNCTIONS))}, every other name is a parameter"
+                f"expression '{self.text}' is not finite on this motion (division by 0, log, sqrt, power?)"
             )
+        return np.asarray(out, float)
 
 
 def from_expression(text: str, joint: str | None = None) -> Expression:
@@ -130,46 +127,36 @@ def from_expression(text: str, joint: str | None = None) -> Expression:
     return Expression(joint=joint, text=text)
 
 
-def _parse(text: str) -> ast.Expression:
-    if not text.strip() or len(text) > LONGEST:
-        raise EffectError(f"an expression has 1 to {LONGEST} characters, given {len(text)}")
-    try:
-        tree = ast.parse(text.strip(), mode="eval")
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise EffectError(f"expression '{text}' cannot be read: {error}") from None
-    for node in ast.walk(tree):
-        _check(node, text)
-    return tree
+def _check_linear(expression: Expression) -> None:
+    """Try the expression at drawn states: is it linear in its parameters and affine in ddq where finite?"""
+    text, tree, free = expression.text, expression._tree, expression._free
+    rng = np.random.default_rng(0)
+    draws = np.concatenate([rng.uniform(0.3, 0.9, 16), rng.uniform(1.5, 3.0, 8), rng.uniform(-2.0, 2.0, 24)])
+    probe = {s: rng.permutation(draws) for s in (*SIGNALS, SIGN)}
 
+    def at(theta: Array, ddq: float | None = None) -> Array:
+        values = {**probe, **dict(zip(free, theta, strict=True))}
+        if ddq is not None:
+            values["ddq"] = np.full(len(draws), ddq)
+        return np.broadcast_to(arithmetic.value(tree, values), len(draws))
 
-def _check(node: ast.AST, text: str) -> None:
-    allowed = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Name, ast.Load, ast.Constant, ast.Call, *OPERATORS)
-    if not isinstance(node, allowed):
-        raise EffectError(f"expression '{text}': {type(node).__name__} is not arithmetic")
-    if isinstance(node, ast.Constant) and (isinstance(node.value, bool) or not isinstance(node.value, int | float)):
-        raise EffectError(f"expression '{text}': {node.value!r} is not a number")
-    if isinstance(node, ast.Call):
-        known = (*FUNCTIONS, "sign")
-        if not isinstance(node.func, ast.Name) or node.func.id not in known or node.keywords:
-            raise EffectError(f"expression '{text}': the functions are {', '.join(known)}")
-        if node.func.id == "sign" and ast.unparse(node.args) != "dq":  # type: ignore[arg-type]
-            raise EffectError(f"expression '{text}': only sign(dq) is known, smoothed at rest")
-        if len(node.args) != (2 if node.func.id in {"minimum", "maximum"} else 1):
-            raise EffectError(f"expression '{text}': {node.func.id} takes another number of arguments")
+    def vanishes(remainder: Array, size: Array) -> bool:
+        finite = np.isfinite(remainder) & np.isfinite(size)
+        return bool((np.abs(remainder) <= 1e-9 * (1e-3 + np.abs(size)))[finite].all())
 
-
-def _value(node: ast.expr, values: Values) -> Any:
-    match node:
-        case ast.Constant():
-            return float(node.value)  # type: ignore[arg-type]
-        case ast.Name():
-            return values[node.id] if node.id in values else CONSTANTS[node.id]
-        case ast.UnaryOp():
-            return OPERATORS[type(node.op)](_value(node.operand, values))
-        case ast.BinOp():
-            return OPERATORS[type(node.op)](_value(node.left, values), _value(node.right, values))
-        case ast.Call(func=ast.Name(id="sign")):
-            return values["sgn dq"]
-        case ast.Call(func=ast.Name(id=name)):
-            return FUNCTIONS[name](*(_value(a, values) for a in node.args))
-    raise AssertionError(node)  # _check let nothing else through
+    if not np.isfinite(at(rng.normal(size=len(free)))).any():
+        raise EffectError(f"expression '{text}' is not finite at any state that was tried")
+    with np.errstate(all="ignore"):
+        for _ in range(4 if free else 0):
+            one, two = rng.normal(size=(2, len(free)))
+            first, second, size = at(one), at(two), np.abs(at(one)) + np.abs(at(two))
+            if not (vanishes(at(one + two) - first - second, size) and vanishes(at(-one) + first, size)):
+                raise EffectError(
+                    f"expression '{text}' is not linear in {', '.join(free)}; known names are {KNOWN}, every "
+                    "other name is a parameter"
+                )
+        if expression.of_acceleration:
+            one = rng.normal(size=len(free))
+            bent = at(one, 2.0) + at(one, -3.0) - at(one, 1.0) - at(one, -2.0)  # zero for an affine ddq
+            if not vanishes(bent, np.abs(at(one, 2.0)) + np.abs(at(one, -3.0))):
+                raise EffectError(f"expression '{text}' must be linear in ddq, for a motion to be solved for")

@@ -9,8 +9,10 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.effect import JointEffect, Parameter
+from cdia_pin.effects.effect import Effect, Parameter
+from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.state import JointState, State
+from cdia_pin.errors import EffectError
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -20,7 +22,7 @@ VISCOUS = "{effort}·s/{position}"
 
 @dataclass(frozen=True)
 class CoulombFriction(JointEffect):
-    """Dry friction of constant size, f = −α sgn q̇ (thesis Table 2, Coulomb)."""
+    """Dry friction of constant size, f = −α sgn q̇ ([Thesis] Table 2, Coulomb)."""
 
     name: ClassVar[str] = "coulomb_friction"
     equation: ClassVar[str] = "−α sgn(q̇)"
@@ -34,7 +36,7 @@ class CoulombFriction(JointEffect):
 
 @dataclass(frozen=True)
 class ViscousFriction(JointEffect):
-    """Friction in proportion to speed, f = −α q̇ (thesis Table 2, Viscous)."""
+    """Friction in proportion to speed, f = −α q̇ ([Thesis] Table 2, Viscous)."""
 
     name: ClassVar[str] = "viscous_friction"
     equation: ClassVar[str] = "−α q̇"
@@ -48,7 +50,7 @@ class ViscousFriction(JointEffect):
 
 @dataclass(frozen=True)
 class StribeckFriction(JointEffect):
-    """Dry friction that falls as speed grows, f = −(α₀ + α₁ exp(−β|q̇|)) sgn q̇ (thesis Table 2).
+    """Dry friction that falls as speed grows, f = −(α₀ + α₁ exp(−β|q̇|)) sgn q̇ ([Thesis] Table 2).
 
     Attributes:
         decay: β, inverse of the Stribeck speed [s/rad or s/m].
@@ -63,18 +65,19 @@ class StribeckFriction(JointEffect):
         Parameter("level", "{effort}", lower=0.0),
         Parameter("breakaway", "{effort}", lower=0.0),
     )
-    shape = (Parameter("decay", "s/{position}", lower=0.1, upper=1e3),)
+    shape = (Parameter("decay", "s/{position}", lower=1e-3, upper=1e4),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
         """Return the columns of the level and of the breakaway part."""
         return [-x.sign, -np.exp(-self.decay * np.abs(x.v)) * x.sign]
 
     def shape_grid(self, x: State) -> Sequence[Self]:
-        """Return decays whose range is wide beside the smoothing of sgn and narrow beside the speeds driven."""
+        """Return decays wide beside the smoothing of sgn and narrow beside the speeds driven."""
         j = x.robot.joint_index(self.joint)
         fast = np.percentile(np.abs(x.v[:, j]), 95)
         width = float(np.broadcast_to(x.sign_width, (x.robot.n,))[j])
-        narrowest = max(8.0 * width, 0.04 * fast)  # a Stribeck speed that the smoothing cannot imitate
+        # A Stribeck speed that the smoothing cannot imitate, and that is within the shape's bounds.
+        narrowest = max(8.0 * width, 0.04 * fast, 1.0 / self.shape[0].upper)
         if fast <= 3 * narrowest:
             return []
         return [self.with_shape(decay=float(1.0 / s)) for s in np.geomspace(narrowest, fast / 3, 6)]
@@ -82,7 +85,7 @@ class StribeckFriction(JointEffect):
 
 @dataclass(frozen=True)
 class AsymmetricFriction(JointEffect):
-    """Coulomb and viscous friction that differ by direction, f = −(α± sgn q̇ + β± q̇) (thesis Table 2)."""
+    """Coulomb and viscous friction that differ by direction, f = −(α± sgn q̇ + β± q̇) ([Thesis] Table 2)."""
 
     name: ClassVar[str] = "asymmetric_friction"
     equation: ClassVar[str] = "−(α± sgn(q̇) + β± q̇)"
@@ -130,7 +133,7 @@ class LoadFriction(JointEffect):
 
 
 @dataclass(frozen=True)
-class CoupledFriction(JointEffect):
+class CoupledFriction(Effect):
     """Friction between two joints that share a gear, f = −(c s + l sgn s) on both, s = q̇ᵢ + q̇ⱼ.
 
     Attributes:
@@ -138,6 +141,7 @@ class CoupledFriction(JointEffect):
         other: Name of the second joint.
     """
 
+    joint: str
     other: str
 
     name: ClassVar[str] = "coupled_friction"
@@ -146,9 +150,17 @@ class CoupledFriction(JointEffect):
     scope_fields: ClassVar[tuple[str, ...]] = ("joint", "other")
     parameters = (Parameter("coefficient", VISCOUS, lower=0.0), Parameter("level", "{effort}", lower=0.0))
 
-    def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the columns for the speed of the shared gear."""
-        return [-x.v, -x.sign]
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.joint == self.other:
+            raise EffectError(f"{self.name} takes two different joints, given {self.joint} twice")
+
+    def check(self, robot: RobotModel) -> None:
+        """Make sure that both joints are of the robot, and turn or slide alike: their speeds are added."""
+        super().check(robot)
+        i, j = self.acts_on(robot)
+        if robot.is_prismatic[i] != robot.is_prismatic[j]:
+            raise EffectError(f"{self.label}: a revolute and a prismatic joint cannot share a gear")
 
     def basis(self, x: State) -> Array:
         """Return Φ, alike in the rows of both joints, shape (N, n, 2)."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -26,30 +27,34 @@ BODY = (
 )
 SURPRISING_MASS = 5.0  # [kg], least scale of a body's prior
 SURPRISING_REACH = 0.3  # [m], distance of its centre of mass, likewise
+ROUNDING = 1e-5  # [1], smallest second moment of a possible body, relative to their sum
 
 
 class Body(Effect):
     """A rigid body that is added to, or taken from, the link of a joint."""
 
     parameters = BODY
+    of_acceleration: ClassVar[bool] = True
 
     @abstractmethod
     def carrier(self, robot: RobotModel) -> int:
         """Return the index of the joint whose link the body is part of."""
 
+    def to_joint_frame(self, robot: RobotModel) -> Array:
+        """Return A with π_joint = A π, from the body's frame to that of the joint, shape (10, 10)."""
+        return np.eye(10)
+
     def in_joint_frame(self, theta: Array, robot: RobotModel) -> Array:
         """Return the body's parameters about the frame of the carrying joint, shape (10,)."""
-        return theta
-
-    def from_joint_frame(self, parameters: Array, robot: RobotModel) -> Array:
-        """Return the body's own parameters from those about the frame of the carrying joint, shape (10,)."""
-        return parameters
+        return self.to_joint_frame(robot) @ theta
 
     def basis(self, x: State) -> Array:
         """Return −Y of a unit body, shape (N, n, 10)."""
-        j = self.carrier(x.robot)
-        columns = -x.torque_regressor[:, :, 10 * j : 10 * j + 10]
-        return columns @ np.column_stack([self.in_joint_frame(unit, x.robot) for unit in np.eye(10)])
+        return -self._regressor(x) @ self.to_joint_frame(x.robot)
+
+    def torque(self, x: State, theta: Array) -> Array:
+        """Return f = −Y π [N·m or N] for the body θ = π, shape (N, n)."""
+        return -self._regressor(x) @ self.in_joint_frame(theta, x.robot)
 
     def total(self, theta: Array, robot: RobotModel) -> Array:
         """Return the parameters of link and body together, about the joint's frame, shape (10,)."""
@@ -57,14 +62,15 @@ class Body(Effect):
 
     def is_physical(self, theta: Array, robot: RobotModel) -> bool:
         """Tell whether link and body together are a possible body."""
-        total = self.total(theta, robot)
-        return bool(super().is_physical(theta, robot) and is_physical(total, 1e-6 * max(1.0, float(np.abs(total).max()))))
+        return super().is_physical(theta, robot) and bool(is_physical(self.total(theta, robot), ROUNDING))
 
     def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
-        """Return an estimate with its mass and first moments kept and its inertia made possible, shape (10,).
+        """Return an estimate with mass and first moments kept and its inertia made possible, shape (10,).
 
-        The mass is raised where it must be; the second moments about the centre of mass lose what is negative.
+        The mass is raised where it must be; second moments about the centre of mass lose what is negative.
         """
+        if self.is_physical(theta, robot):
+            return np.array(theta, float)
         lower, upper = self.bounds(robot)
         total = self.total(np.clip(theta, lower, upper), robot)
         link = robot.inertial_parameters[self.carrier(robot)]
@@ -74,12 +80,16 @@ class Body(Effect):
         values, vectors = np.linalg.eigh(pseudo[:3, :3] - total[0] * np.outer(moment, moment))
         about_centre = vectors @ np.diag(np.maximum(values, 0.0)) @ vectors.T
         pseudo[:3, :3] = about_centre + total[0] * np.outer(moment, moment)
-        return self.from_joint_frame(from_pseudo_inertia(pseudo) - link, robot)
+        return np.linalg.solve(self.to_joint_frame(robot), from_pseudo_inertia(pseudo) - link)
 
     def prior_scale(self, robot: RobotModel) -> Array:
-        """Return the size of body that would surprise nobody: as heavy as its link, within reach of its joint."""
+        """Return the size of body that would surprise nobody: as heavy as its link, near its joint."""
         mass = max(SURPRISING_MASS, float(robot.inertial_parameters[self.carrier(robot)][0]))
         return np.array([mass] + [mass * SURPRISING_REACH] * 3 + [mass * SURPRISING_REACH**2] * 6)
+
+    def _regressor(self, x: State) -> Array:
+        j = self.carrier(x.robot)
+        return x.torque_regressor[:, :, 10 * j : 10 * j + 10]
 
 
 @dataclass(frozen=True)
@@ -119,8 +129,8 @@ class LinkInertia(Body):
 class Payload(Body):
     """A rigid body on the tool, f = −Y_tool π [Wensing2018].
 
-    The parameters are about the tool frame. A negative mass means that the real arm lacks a tool which the URDF
-    carries; link and payload together stay a possible body.
+    The parameters are about the tool frame. A negative mass means that the real arm lacks a tool which the
+    URDF carries; link and payload together stay a possible body.
     """
 
     name: ClassVar[str] = "payload"
@@ -130,16 +140,17 @@ class Payload(Body):
         """Return the index of the joint that moves the tool."""
         return robot.joint_index(robot.tool_joint)
 
-    def in_joint_frame(self, theta: Array, robot: RobotModel) -> Array:
-        """Return the body's parameters about the frame of the tool's joint, shape (10,)."""
-        return transform_parameters(robot.tool_placement) @ theta
-
-    def from_joint_frame(self, parameters: Array, robot: RobotModel) -> Array:
-        """Return the body's parameters about the tool frame, shape (10,)."""
-        return np.linalg.solve(transform_parameters(robot.tool_placement), parameters)
+    def to_joint_frame(self, robot: RobotModel) -> Array:
+        """Return A with π_joint = A π: from the tool frame to that of the tool's joint, shape (10, 10)."""
+        return _tool_transform(robot)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return bounds that take away no more mass than the URDF carries on the tool's link."""
         lower, upper = super().bounds(robot)
         lower[0] = -0.98 * robot.inertial_parameters[self.carrier(robot)][0]
         return lower, upper
+
+
+@lru_cache(maxsize=32)
+def _tool_transform(robot: RobotModel) -> Array:
+    return transform_parameters(robot.tool_placement)

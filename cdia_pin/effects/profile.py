@@ -1,10 +1,11 @@
-"""Profiles β ∈ [0, 1]: where in time or state an effect is present (thesis 2.2.2)."""
+"""Profiles β ∈ [0, 1]: where in time or state an effect is present ([Thesis] 2.2.2)."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from numbers import Real
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.effects.state import State
 from cdia_pin.errors import EffectError, unknown_name
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 INF = float("inf")
@@ -21,6 +23,23 @@ class Profile(ABC):
     """Presence of an effect; a subclass is a frozen dataclass of its numbers."""
 
     kind: ClassVar[str]
+    words: ClassVar[tuple[str, ...]] = ()  # fields that are names; all others are numbers
+
+    def __post_init__(self) -> None:
+        for name, given in asdict(self).items():  # type: ignore[call-overload]
+            if name in self.words:
+                if not isinstance(given, str):
+                    raise EffectError(f"profile '{self.kind}': {name} must be a name, given {given!r}")
+            elif isinstance(given, bool) or not isinstance(given, Real) or np.isnan(float(given)):
+                raise EffectError(f"profile '{self.kind}': {name} must be a number, given {given!r}")
+
+    @property
+    def of_torque(self) -> bool:
+        """Whether β depends on the actuator torque."""
+        return False
+
+    def check(self, robot: RobotModel) -> None:  # noqa: B027  (most profiles name nothing)
+        """Make sure that the robot has what the profile names; raises RobotError."""
 
     @abstractmethod
     def __call__(self, x: State) -> Array:
@@ -58,6 +77,7 @@ class Between(Profile):
     kind: ClassVar[str] = "between"
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not self.start < self.end:
             raise EffectError(f"a profile must start before it ends, given {self.start} s to {self.end} s")
 
@@ -88,13 +108,24 @@ class Region(Profile):
     upper: float = INF
 
     kind: ClassVar[str] = "region"
+    words: ClassVar[tuple[str, ...]] = ("joint", "signal")
     SIGNALS: ClassVar[tuple[str, ...]] = ("position", "velocity", "speed", "effort")
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.signal not in self.SIGNALS:
             raise EffectError(unknown_name("signal of a region", self.signal, self.SIGNALS))
         if not self.lower < self.upper:
             raise EffectError(f"a region must begin below its end, given {self.lower} to {self.upper}")
+
+    @property
+    def of_torque(self) -> bool:
+        """Whether the region is one of torque."""
+        return self.signal == "effort"
+
+    def check(self, robot: RobotModel) -> None:
+        """Make sure that the joint is of the robot; raises RobotError."""
+        robot.joint_index(self.joint)
 
     def __call__(self, x: State) -> Array:
         """Return one within the region."""
@@ -119,8 +150,11 @@ class Incipient(Profile):
     kind: ClassVar[str] = "incipient"
 
     def __post_init__(self) -> None:
-        if not self.rate > 0:
-            raise EffectError(f"an incipient profile needs a rate above 0 1/s, given {self.rate}")
+        super().__post_init__()
+        if not (0 < self.rate < INF and np.isfinite(self.start)):
+            raise EffectError(
+                f"an incipient profile needs a start and a rate above 0 1/s, given {self.start}, {self.rate}"
+            )
 
     def __call__(self, x: State) -> Array:
         """Return the share that has grown."""
@@ -144,9 +178,11 @@ class Intermittent(Profile):
     kind: ClassVar[str] = "intermittent"
 
     def __post_init__(self) -> None:
-        if not (self.period > 0 and 0 < self.duty <= 1):
+        super().__post_init__()
+        if not (np.isfinite(self.start) and 0 < self.period < INF and 0 < self.duty <= 1):
             raise EffectError(
-                f"an intermittent profile needs period > 0 s and 0 < duty ≤ 1, given {self.period}, {self.duty}"
+                "an intermittent profile needs a start [s], a period above 0 [s] and 0 < duty ≤ 1, given "
+                f"{self.start}, {self.period}, {self.duty}"
             )
 
     def __call__(self, x: State) -> Array:
@@ -169,4 +205,5 @@ def profile_from_dict(given: Mapping[str, Any]) -> Profile:
         return PROFILES[kind](**numbers)
     except TypeError:
         fields = ", ".join(PROFILES[kind].__dataclass_fields__)  # type: ignore[attr-defined]
-        raise EffectError(f"profile '{kind}' takes {fields or 'nothing'}, given {', '.join(numbers)}") from None
+        given_fields = ", ".join(map(str, numbers)) or "nothing"
+        raise EffectError(f"profile '{kind}' takes {fields or 'nothing'}, given {given_fields}") from None

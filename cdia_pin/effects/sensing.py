@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.effect import NonlinearEffect, Parameter
+from cdia_pin.effects.effect import Parameter
+from cdia_pin.effects.nonlinear_effect import NonlinearEffect
 from cdia_pin.effects.state import State
 from cdia_pin.robot.model import RobotModel
 
@@ -20,6 +21,9 @@ Array = NDArray[np.float64]
 class EncoderOffset(NonlinearEffect):
     """The joint is not where its encoder says, q = q_read + δ; f is the torque that the model misses by it.
 
+    A model evaluates all its other effects at q; a simulation moves at q and reads q − δ. The effect's own
+    `torque` is what the rigid body alone misses.
+
     Attributes:
         joint: Name of the joint.
     """
@@ -29,14 +33,20 @@ class EncoderOffset(NonlinearEffect):
     name: ClassVar[str] = "encoder_offset"
     equation: ClassVar[str] = "ID(q) − ID(q + δ)"
     scope_fields: ClassVar[tuple[str, ...]] = ("joint",)
+    of_acceleration: ClassVar[bool] = True
+    shifts: ClassVar[bool] = True
     parameters = (Parameter("offset", "{position}", lower=-0.5, upper=0.5),)
     steps: ClassVar[tuple[float, ...]] = (1e-5,)
 
     def torque(self, x: State, theta: Array) -> Array:
         """Return f [N·m or N] for the offset θ = (δ,), shape (N, n)."""
-        shifted = x.q.copy()
-        shifted[:, x.robot.joint_index(self.joint)] += theta[0]
-        return x.rigid_torque - x.robot.inverse_dynamics(shifted, x.v, x.a)
+        return x.rigid_torque - x.with_position(x.q + self.shift(x.robot, theta)).rigid_torque
+
+    def shift(self, robot: RobotModel, theta: Array) -> Array:
+        """Return δ at the joint and zero elsewhere [rad or m], shape (n,)."""
+        out = np.zeros(robot.n)
+        out[robot.joint_index(self.joint)] = theta[0]
+        return out
 
     @classmethod
     def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
@@ -48,8 +58,8 @@ class EncoderOffset(NonlinearEffect):
 class EffortDelay(NonlinearEffect):
     """The torque reading lags, τ_read(t) = τ(t − d), f = τ(t) − τ(t − d); d < 0 where it leads.
 
-    A command that is logged before it acts reads as a leading torque. The effect needs a trajectory: on a single
-    sample it is zero.
+    A command that is logged before it acts reads as a leading torque. The effect needs a trajectory: on a
+    single sample it is zero.
 
     Attributes:
         joint: Name of the joint, or None where all readings lag alike.
@@ -68,18 +78,19 @@ class EffortDelay(NonlinearEffect):
     def torque(self, x: State, theta: Array) -> Array:
         """Return f [N·m or N] for the delay θ = (d,), shape (N, n)."""
         out = np.zeros_like(x.effort)
-        if len(x) < 4 or np.ptp(x.time) == 0:
+        if len(x) < 4 or np.ptp(x.time) == 0 or theta[0] == 0:
             return out
-        for j in self.acts_on(x.robot):
-            out[:, j] = x.effort[:, j] - self.delayed(x.time, x.effort[:, j], float(theta[0]))
+        joints = list(self.acts_on(x.robot))
+        effort = x.effort[:, joints]
+        out[:, joints] = effort - self.delayed(x.time, effort, float(theta[0]))
         return out
 
     @staticmethod
     def delayed(time: Array, signal: Array, delay: float) -> Array:
-        """Return the signal as it was `delay` seconds before, held at both ends, shape (N,)."""
-        from scipy.interpolate import CubicSpline
+        """Return a signal as it was `delay` seconds before, held at both ends, shape (N,) or (N, n)."""
+        from scipy.interpolate import CubicSpline  # noqa: PLC0415  (importing the package must stay light)
 
-        return CubicSpline(time, signal)(np.clip(time - delay, time[0], time[-1]))
+        return np.asarray(CubicSpline(time, signal)(np.clip(time - delay, time[0], time[-1])))
 
     def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
         """Return the index of the joint, or of all joints."""
@@ -87,6 +98,5 @@ class EffortDelay(NonlinearEffect):
 
     @classmethod
     def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
-        """Yield the whole arm, then every joint."""
+        """Yield the whole arm: a search does not ask whether one drive alone is late."""
         yield ()
-        yield from ((j,) for j in robot.joints)

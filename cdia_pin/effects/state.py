@@ -84,8 +84,8 @@ class State:
         """
         q2, v2 = np.atleast_2d(np.asarray(q, float)), np.atleast_2d(np.asarray(v, float))
         a2 = np.zeros_like(q2) if a is None else np.atleast_2d(np.asarray(a, float))
-        tau = robot.inverse_dynamics(q2, v2, a2) if effort is None else np.atleast_2d(np.asarray(effort, float))
-        t = np.zeros(len(q2)) if time is None else np.atleast_1d(np.asarray(time, float))
+        tau = robot.inverse_dynamics(q2, v2, a2) if effort is None else np.atleast_2d(effort).astype(float)
+        t = np.zeros(len(q2)) if time is None else np.broadcast_to(np.asarray(time, float), (len(q2),))
         return cls(robot, q2, v2, a2, tau, t, np.broadcast_to(np.asarray(sign_width, float), (robot.n,)))
 
     def __len__(self) -> int:
@@ -99,11 +99,14 @@ class State:
         )
 
     def with_effort(self, effort: Array) -> State:
-        """Return the same motion under other actuator torques, keeping what does not depend on them."""
+        """Return the same motion under other actuator torques, keeping what was computed for it."""
         twin = replace(self, effort=effort)
-        kept = ("sign", "rigid_torque", "torque_regressor", "gravity_regressor", "tool_jacobian", "drag_matrix")
-        twin.__dict__.update({k: self.__dict__[k] for k in kept if k in self.__dict__})
+        twin.__dict__.update({k: v for k, v in self.__dict__.items() if k not in self.__dataclass_fields__})
         return twin
+
+    def with_position(self, q: Array) -> State:
+        """Return the same speeds and torques at other positions [rad or m], shape (N, n)."""
+        return replace(self, q=q)
 
     @cached_property
     def sign(self) -> Array:
@@ -134,10 +137,3 @@ class State:
     def drag_matrix(self) -> Array:
         """Mass-weighted mean of JₗᵀJₗ at the links' centres of mass, shape (N, n, n)."""
         return self.robot.point_mass_matrix(self.q) / self.robot.total_mass
-
-    @cached_property
-    def effort_rate(self) -> Array:
-        """Time derivative of the actuator torque, zero for a single sample, shape (N, n)."""
-        if len(self) < 3 or np.ptp(self.time) == 0:
-            return np.zeros_like(self.effort)
-        return np.gradient(self.effort, self.time, axis=0)

@@ -35,6 +35,7 @@ class Term:
     ci95: tuple[tuple[float, float], ...] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "theta", tuple(float(v) for v in self.theta))  # hashable, and plain in JSON
         if len(self.theta) != self.effect.size:
             names = ", ".join(p.name for p in self.effect.parameters)
             raise EffectError(f"{self.effect.label} takes {names}; given {len(self.theta)} number(s)")
@@ -56,13 +57,28 @@ class Term:
         return self.effect.label
 
     @property
+    def of_torque(self) -> bool:
+        """Whether the term depends on the actuator torque."""
+        return self.effect.of_torque or self.profile.of_torque
+
+    def check(self, robot: RobotModel) -> None:
+        """Make sure that the robot can have the term; raises RobotError or EffectError."""
+        self.effect.check(robot)
+        self.profile.check(robot)
+
+    @property
     def values(self) -> dict[str, float]:
         """Parameters by name."""
         return {p.name: v for p, v in zip(self.effect.parameters, self.theta, strict=True)}
 
     def torque(self, x: State) -> Array:
         """Return β Φ θ [N·m or N], shape (N, n)."""
-        return self.profile(x)[:, None] * self.effect.torque(x, np.array(self.theta))
+        f = self.effect.torque(x, np.array(self.theta))
+        return f if self.profile is ALWAYS else self.profile(x)[:, None] * f
+
+    def shift(self, x: State) -> Array:
+        """Return by how much the arm is further than its encoders read [rad or m], shape (N, n)."""
+        return self.profile(x)[:, None] * self.effect.shift(x.robot, np.array(self.theta))
 
     def jacobian(self, x: State) -> Array:
         """Return β ∂f/∂θ, shape (N, n, p)."""
@@ -88,21 +104,25 @@ class Term:
 
     @classmethod
     def from_dict(cls, given: Mapping[str, Any]) -> Term:
-        """Read back what `to_dict` wrote.
+        """Read back what `to_dict` wrote; a parameter may also be written as a bare number.
 
         Raises:
             EffectError: If a name is unknown or a number is missing.
         """
-        from cdia_pin.effects import effect_from_dict
+        from cdia_pin.effects import effect_from_dict  # noqa: PLC0415  (the vocabulary holds terms too)
 
         effect = effect_from_dict(given)
         written = given.get("parameters", {})
-        missing = [p.name for p in effect.parameters if p.name not in written]
+        names = [p.name for p in effect.parameters]
+        missing = [n for n in names if n not in written]
         if missing:
             raise EffectError(f"{effect.label}: no value for parameter(s) {', '.join(missing)}")
-        ordered = [written[p.name] for p in effect.parameters]
+        for name in written:
+            if name not in names:
+                raise EffectError(f"{effect.label}: " + unknown_name("parameter", name, names))
+        ordered = [w if isinstance(w, Mapping) else {"value": w} for w in (written[n] for n in names)]
         ci95 = None
-        if all("ci95" in p for p in ordered):
+        if ordered and all("ci95" in p for p in ordered):
             ci95 = tuple((float(p["ci95"][0]), float(p["ci95"][1])) for p in ordered)
         theta = tuple(float(p["value"]) for p in ordered)
         return cls(effect, theta, profile_from_dict(given.get("profile", {})), ci95)

@@ -10,15 +10,19 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.effect import JointEffect, Parameter
+from cdia_pin.effects.effect import Parameter
+from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.state import JointState, State
+from cdia_pin.errors import EffectError
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Unknown(JointEffect):
-    """Learned torque of one joint, f = Σ lᵢ exp(−(q−aᵢ)²/σ²) + Σ sᵢ exp(−(q̇−bᵢ)²/ω²) + h τ (thesis eq. 3.1).
+    """Learned torque, f = Σ lᵢ exp(−(q−aᵢ)²/σ²) + Σ sᵢ exp(−(q̇−bᵢ)²/ω²) + h τ ([Thesis] eq. 3.1).
+
+    It says how large the missing torque is and where, not what it is.
 
     Attributes:
         joint: Name of the joint.
@@ -39,8 +43,14 @@ class Unknown(JointEffect):
 
     def __post_init__(self) -> None:
         # JSON gives lists; a frozen effect is hashable only with tuples
-        object.__setattr__(self, "position_centres", tuple(self.position_centres))
-        object.__setattr__(self, "velocity_centres", tuple(self.velocity_centres))
+        for name in ("position_centres", "velocity_centres"):
+            centres = np.asarray(getattr(self, name), float)
+            if centres.ndim != 1 or not np.isfinite(centres).all():
+                raise EffectError(f"{self.label}: {name} must be a list of finite numbers")
+            object.__setattr__(self, name, tuple(centres.tolist()))
+        for name in ("position_width", "velocity_width"):
+            if not 0.0 < getattr(self, name) < np.inf:
+                raise EffectError(f"{self.label}: {name} must be above 0, given {getattr(self, name)}")
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]
@@ -58,7 +68,8 @@ class Unknown(JointEffect):
         return [*at_q, *at_v, x.effort]
 
     def fitted_to(self, x: State, neurons: int = 7) -> Self:
-        """Return the effect with its neurons spread over the positions and speeds driven."""
+        """Return the effect with its neurons, two or more of each kind, spread over the motion."""
+        neurons = max(neurons, 2)
         j = x.robot.joint_index(self.joint)
         q, v = np.ptp(x.q[:, j]) or 1.0, np.ptp(x.v[:, j]) or 1.0
         return self.with_shape(

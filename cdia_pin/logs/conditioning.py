@@ -8,6 +8,7 @@ M q̈ + nle = τ + f are treated alike [Gautier1997].
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,12 +17,17 @@ from numpy.typing import ArrayLike, NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
 LOWEST_CUTOFF, HIGHEST_CUTOFF = 5.0, 25.0  # [Hz]
+HIGHEST_SHARE = 0.15  # of the log's rate
+FLAT = 10.0  # times the spectrum's floor: power below that is noise
+AMPLIFIED = 2.0  # computed over measured torque: a band where it is larger holds no motion
 SHORTEST = 3.0  # [s], less cannot be conditioned
 MOTION_OVERSAMPLING = 8.0  # rate of the motion over the cut-off: nonlinear effects make harmonics
+KERNEL = 5.0  # periods of the cut-off after which the filter's response is below 10⁻⁵
 TORQUE_OVERSAMPLING = 2.2  # rate of the compared torques over the cut-off: just above Nyquist
 
 
@@ -68,11 +74,40 @@ class Motion:
     speed_noise: Array
     record: dict[str, Any]
 
-    @property
-    def ends(self) -> slice:
-        """Which compared torques are far enough from the ends."""
+    @cached_property
+    def kept(self) -> NDArray[np.intp]:
+        """Samples that are compared: every `decimation`-th, far enough from the ends, shape (K,)."""
+        every = np.arange(0, len(self.time), self.decimation)
         cut = int(np.ceil(self.record["trim"] / self.cutoff * self.rate / self.decimation))
-        return slice(cut, -cut or None)
+        return every[cut : len(every) - cut]
+
+    @cached_property
+    def _filter(self) -> Any:
+        """The zero-phase filter at the samples that are compared, a sparse matrix of shape (K, N).
+
+        It equals `zero_phase` and costs a tenth, since most of what a filter computes is decimated away. Beyond the
+        ends the signal goes on as its odd mirror image.
+        """
+        from scipy.sparse import csr_array
+
+        count = len(self.time)
+        reach = min(int(np.ceil(KERNEL / self.cutoff * self.rate)), count - 1)
+        impulse = np.zeros(4 * reach + 1)
+        impulse[2 * reach] = 1.0
+        kernel = zero_phase(impulse, self.cutoff, self.rate)[reach : 3 * reach + 1]
+        kernel /= kernel.sum()
+        rows = np.repeat(np.arange(len(self.kept)), 2 * reach + 1)
+        columns = (self.kept[:, None] + np.arange(-reach, reach + 1)).ravel()
+        weights = np.tile(kernel, len(self.kept))
+        entries = [(rows, columns, weights)]
+        for end, beyond in ((0, columns < 0), (count - 1, columns >= count)):
+            # x(end ± i) = 2 x(end) − x(end ∓ i)
+            entries.append((rows[beyond], np.full(beyond.sum(), end), 2 * weights[beyond]))
+            weights = np.where(beyond, -weights, weights)
+            columns = np.where(beyond, 2 * end - columns, columns)
+        entries[0] = (rows, columns, weights)
+        i, j, w = (np.concatenate(part) for part in zip(*entries, strict=True))
+        return csr_array((w, (i, j)), shape=(len(self.kept), count))
 
     def compared(self, torque: ArrayLike) -> Array:
         """Filter a torque and decimate it to the samples that are compared.
@@ -83,14 +118,14 @@ class Motion:
         Returns:
             Shape (K,) or (K, n).
         """
-        return zero_phase(torque, self.cutoff, self.rate)[:: self.decimation][self.ends]
+        return np.asarray(self._filter @ np.ascontiguousarray(torque, dtype=float))
 
     def sampled(self, signal: ArrayLike) -> Array:
         """Return a signal of the motion, unfiltered, at the samples that are compared."""
-        return np.asarray(signal)[:: self.decimation][self.ends]
+        return np.asarray(signal)[self.kept]
 
 
-def condition(log: Log, settings: Conditioning | None = None) -> Motion:
+def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None) -> Motion:
     """Condition a log.
 
     Velocities are derived from the positions, also where the log has its own: a drive's velocity has been
@@ -98,6 +133,7 @@ def condition(log: Log, settings: Conditioning | None = None) -> Motion:
 
     Args:
         log: The measured log.
+        robot: Its robot; the cut-off is chosen with its help.
         settings: Cut-off and trimming; the cut-off is chosen from the log if omitted.
 
     Returns:
@@ -113,7 +149,7 @@ def condition(log: Log, settings: Conditioning | None = None) -> Motion:
         )
     even = uniform(log)
     rate = (len(even.time) - 1) / even.duration
-    cutoff = settings.cutoff or choose_cutoff(even.position, rate)
+    cutoff = settings.cutoff or choose_cutoff(even, robot)
     if not 0 < cutoff < 0.4 * rate:
         raise LogError(
             f"{log.source}: a cut-off of {cutoff:g} Hz does not fit a log of {rate:.4g} Hz (at most 0.4 of it)"
@@ -150,32 +186,49 @@ def condition(log: Log, settings: Conditioning | None = None) -> Motion:
     )
 
 
-def choose_cutoff(position: Array, rate: float) -> float:
-    """Choose a cut-off from the positions: where their accelerations sink into the noise.
+def choose_cutoff(even: Log, robot: RobotModel) -> float:
+    """Choose a cut-off from the log: up to where positions still tell of the motion, and not of their own noise.
 
-    The acceleration's spectrum is (2πf)⁴ times the position's. The cut-off is the lowest frequency above which,
-    on every joint, only noise is left, kept within 5 to 25 Hz and well below half the rate.
+    Two signs of noise end the band: the positions' spectrum is flat on every joint, or the rigid-body torque computed
+    from them is larger than the measured torque on most joints, since accelerations amplify what is no motion.
 
     Args:
-        position: Uniformly sampled, shape (N, n).
-        rate: Sampling rate [Hz].
+        even: A uniformly sampled log.
+        robot: Its robot.
 
     Returns:
-        Cut-off [Hz].
+        Cut-off [Hz], within 5 to 25 Hz and well below half the rate.
     """
-    highest = min(HIGHEST_CUTOFF, 0.2 * rate)
-    window = np.hanning(len(position))[:, None]
-    line = np.linspace(0, 1, len(position))[:, None]
-    moving = position - (position[0] + line * (position[-1] - position[0]))
-    power = np.abs(np.fft.rfft(moving * window, axis=0)) ** 2
-    frequency = np.fft.rfftfreq(len(position), 1 / rate)
-    floor = np.median(power[frequency > 0.3 * rate], axis=0)
-    edges = np.geomspace(LOWEST_CUTOFF, highest, 16) if highest > LOWEST_CUTOFF else np.array([highest])
+    rate = (len(even.time) - 1) / even.duration
+    highest = min(HIGHEST_CUTOFF, HIGHEST_SHARE * rate)
+    if highest <= LOWEST_CUTOFF:
+        return highest
+    edges = np.geomspace(LOWEST_CUTOFF, highest, 14)
+    position, frequency = _spectrum(even.position, rate)
+    floor = np.median(position[frequency > 0.3 * rate], axis=0)
+    q = zero_phase(even.position, highest, rate)
+    every = max(1, int(rate / (4 * highest)))
+    v = differentiate(q, rate)
+    motion = [x[::every] for x in (q, v, differentiate(v, rate))]
+    computed, low_rate = _spectrum(robot.inverse_dynamics(*motion), rate / every)
+    measured, _ = _spectrum(zero_phase(even.effort, highest, rate)[::every], rate / every)
     for low, high in zip(edges[:-1], edges[1:], strict=True):
-        band = (frequency >= low) & (frequency < high)
-        if band.any() and not (power[band].mean(axis=0) > 10 * floor).any():
+        band, low_band = ((f >= low) & (f < high) for f in (frequency, low_rate))
+        if not band.any() or not low_band.any():
+            continue
+        flat = (position[band].mean(axis=0) < FLAT * floor).all()
+        amplified = np.median(computed[low_band].mean(axis=0) / np.maximum(measured[low_band].mean(axis=0), 1e-300))
+        if flat or amplified > AMPLIFIED**2:
             return float(low)
-    return float(edges[-1])
+    return float(highest)
+
+
+def _spectrum(signal: Array, rate: float) -> tuple[Array, Array]:
+    """Power of each column, less the line through its ends, and the frequencies [Hz]."""
+    line = np.linspace(0, 1, len(signal))[:, None]
+    moving = signal - (signal[0] + line * (signal[-1] - signal[0]))
+    power = np.abs(np.fft.rfft(moving * np.hanning(len(signal))[:, None], axis=0)) ** 2
+    return power, np.fft.rfftfreq(len(signal), 1 / rate)
 
 
 def _speed_noise(raw: Array, smooth: Array, rate: float, cutoff: float) -> Array:

@@ -55,7 +55,7 @@ def match_joints(
         return JointNames(found, _note("joint names differ from the robot's by a prefix", found, joints))
     if found := _counted(given, joints):
         return JointNames(
-            found, _note("numbered joints taken in the robot's order (joint_map changes it)", found, joints)
+            found, _note("numbered joints taken in the robot's order (--joint-map changes it)", found, joints)
         )
     missing = [j for j in joints if j not in by_name]
     raise LogError(

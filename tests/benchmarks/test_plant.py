@@ -1,6 +1,7 @@
 """The plant against Pinocchio and against the table of effects: M q̈ + nle = τ + f, f as stated."""
 
 import ast
+import importlib.util
 from collections.abc import Callable
 from pathlib import Path
 
@@ -468,3 +469,22 @@ def test_holdout_has_the_same_faults_under_another_motion(plants) -> None:
     scenario = singles(plants("ur5"))[0]
     assert scenario.holdout().faults == scenario.faults
     assert scenario.holdout().seed != scenario.seed
+
+
+# ---------------------------------------------------------------- the demo's log
+
+
+def test_demo_log_is_what_its_script_makes(tmp_path: Path) -> None:
+    script = Path(benchmarks.plant.__file__).parents[2] / "examples" / "make_demo_log.py"
+    spec = importlib.util.spec_from_file_location("make_demo_log", script)
+    demo = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(demo)
+    demo.write(demo.make_run(), tmp_path / "demo.csv")
+    made, ships = (
+        (p.read_text().splitlines()[0], np.loadtxt(p, delimiter=",", skiprows=1))
+        for p in (tmp_path / "demo.csv", demo.OUT)
+    )
+    assert made[0] == ships[0]
+    assert "velocity" not in ships[0]
+    np.testing.assert_allclose(made[1], ships[1], atol=1e-3)
+    assert demo.OUT.stat().st_size < 1.2e6

@@ -109,6 +109,17 @@ def test_numbered_columns_follow_the_robots_order_with_a_note(ur5, tmp_path, pla
     assert any("numbered" in note for note in log.notes)
 
 
+def test_topics_before_joints_and_dates_as_times_are_understood(ur5, tmp_path, plain):
+    lines = text_of(ur5.joints).splitlines()
+    names = [name.split(".") for name in lines[0].split(",")[1:]]
+    header = ["time", *(f"/joint_states/{joint}/{signal}" for signal, joint in names)]
+    rows = [f"2024-05-01T12:00:{0.01 * k:06.3f}," + line.split(",", 1)[1] for k, line in enumerate(lines[1:])]
+    log = read_log(write(tmp_path / "x.csv", "\n".join([",".join(header), *rows])), ur5)
+    np.testing.assert_allclose(log.time, plain.time, atol=1e-9)
+    np.testing.assert_array_equal(log.velocity, plain.velocity)
+    assert any("since 1970" in note for note in log.notes)
+
+
 def test_velocity_may_be_missing_and_is_not_made_up(ur5, tmp_path):
     path = write(tmp_path / "x.csv", text_of(ur5.joints, signals=("position", "effort")))
     log = read_log(path, ur5)
@@ -269,7 +280,7 @@ def test_missing_files_unknown_suffixes_and_wrong_keywords_are_errors_of_ours(ur
         read_log(path, ur5, joint_map={"elbow_joint": "wrist_1_joint", "wrist_1_joint": "wrist_1_joint"})
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.binary(max_size=300), st.sampled_from([".csv", ".parquet", ".npz", ".tsv"]))
 def test_no_bytes_at_all_escape_as_a_foreign_error(ur5, tmp_path, content, suffix):
     path = tmp_path / f"x{suffix}"
@@ -278,7 +289,7 @@ def test_no_bytes_at_all_escape_as_a_foreign_error(ur5, tmp_path, content, suffi
         read_log(path, ur5)
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.integers(0, 5000), st.binary(min_size=1, max_size=8))
 def test_damage_anywhere_in_a_csv_gives_a_log_or_an_error_of_ours(ur5, tmp_path, where, junk):
     data = bytearray(text_of(ur5.joints).encode())

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.checks.conventions import search_conventions
+from cdia_pin.logs.checks.conventions import SEARCH_SAMPLES, search_conventions
 from cdia_pin.logs.checks.effort_kind import check_effort_kind
 from cdia_pin.logs.checks.excitation import check_excitation
 from cdia_pin.logs.checks.finding import Finding, LogCheck
@@ -66,7 +66,7 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
             advice="record 10 s or more without a gap",
         )
         return
-    search = search_conventions(motion, robot)
+    search = search_conventions(motion.thin(SEARCH_SAMPLES), robot)
     yield from check_conventions(log, robot, search)
     motion = search.conventions.apply(motion, robot)
     yield from check_excitation(log, robot, motion)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 DEGREE = float(np.pi / 180.0)
+SEARCH_SAMPLES = 400  # plenty for five coefficients; each hypothesis costs an inverse dynamics of them
 CERTAIN = 1.5  # [1] gain in misfit that no measured log came near without a reason
 LIKELY = 0.7  # [1]
 BROKEN = 0.2  # share left unexplained from which an effort may be misread; missing physics leaves less

@@ -202,7 +202,9 @@ def _judge(log: Log, known: dict[int, GravityGain], value: dict[str, Any]) -> Fi
             value=value,
         )
     inverse = ",".join(f"{log.joints[k]}:{1 / g.gain:.3g}" for k, g in known.items())
-    kind = next(kind for kind in KINDS if kind.smallest <= middle < kind.largest)
+    farthest = max((g.gain for g in known.values()), key=lambda gain: abs(np.log(max(gain, 1e-9))))
+    deciding = farthest if 0.5 <= min(middle, farthest) <= max(middle, farthest) < 2.0 else middle
+    kind = next(kind for kind in KINDS if kind.smallest <= deciding < kind.largest)
     return Finding(
         "effort_kind",
         kind.severity,

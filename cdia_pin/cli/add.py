@@ -1,0 +1,87 @@
+"""``cdia add``: add one effect and see the error fall."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cdia_pin.cli.console import progress, stdout
+from cdia_pin.cli.discovery_files import DiscoveryFiles
+from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, require_unseen, show_inputs
+from cdia_pin.cli.options import (
+    Check,
+    Convert,
+    Cutoff,
+    Gains,
+    Holdout,
+    JointMap,
+    Json,
+    Logs,
+    Model,
+    Report,
+    Robot,
+    Save,
+    Topic,
+)
+
+
+def add(
+    ctx: typer.Context,
+    effect: Annotated[
+        str,
+        typer.Argument(
+            metavar="EFFECT[@JOINT]",
+            show_default=False,
+            help="What to add (see cdia effects), or an expression such as 'sin(3*q)*dq@elbow_joint'.",
+        ),
+    ],
+    logs: Logs,
+    *,
+    robot: Robot,
+    model: Model = None,
+    holdout: Holdout = None,
+    save: Save = None,
+    cutoff: Cutoff = None,
+    gains: Gains = None,
+    joint_map: JointMap = None,
+    convert: Convert = None,
+    topic: Topic = None,
+    check: Check = True,
+    report: Report = None,
+    json: Json = None,
+) -> None:
+    """Add one effect to a model, fitted to the logs, and show the error before and after.
+
+    What the model has already is fitted again together with it.
+    """
+    unseen = holdout or []
+    files = DiscoveryFiles(save, json, report)
+    files.require_writable([*logs, *unseen])
+    require_unseen(unseen, logs)
+    if Path(effect).is_file():
+        raise CommandError(f"'{effect}' is a file: the effect comes before the logs, cdia add EFFECT LOG...")
+    console = stdout(json)
+    known = load_inputs(robot, model)
+    with progress() as tell:
+        from cdia_pin import discovery
+        from cdia_pin.effects import parse_effect
+        from cdia_pin.logs.conditioning import Conditioning
+
+        added = parse_effect(effect, known.robot)
+        settings = discovery.DiscoverySettings(conditioning=Conditioning(cutoff=cutoff))
+        reading = Reading(gains, joint_map, convert, topic)
+        given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
+        held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
+        found = discovery.add_effect(
+            known, added, given, holdout=held_out or None, settings=settings, progress=tell
+        )
+    from cdia_pin.viewers import discovery_table
+
+    show_inputs(console, known, given, held_out)
+    console.print(discovery_table(found))
+    files.write(
+        console, found, known, given, conditioning=settings.conditioning, checks=checks, command=ctx.obj
+    )

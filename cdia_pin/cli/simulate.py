@@ -1,0 +1,129 @@
+"""``cdia simulate``: the log of an arm with faults."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+import cdia_pin
+from cdia_pin.cli.console import progress, stdout
+from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.inputs import load_inputs, show_inputs
+from cdia_pin.cli.options import Json, Robot
+from cdia_pin.cli.outputs import require_writable, write_all, write_json
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from cdia_pin.dynamics import Dynamics
+    from cdia_pin.logs import Log
+
+SCHEMA = "cdia-events/1"
+QUANTUM = 2e-5  # [rad or m], of the encoders of an arm with noise
+
+
+def simulate(
+    *,
+    robot: Robot,
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out", "-o", metavar="LOG", show_default=False, help="Log to write: .csv, .parquet or .npz."
+        ),
+    ],
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--fault",
+            metavar="FAULT",
+            show_default=False,
+            help="What the arm has and its URDF does not, 'EFFECT@JOINT: NAME=VALUE, …'; may be repeated.",
+        ),
+    ] = None,
+    duration: Annotated[float, typer.Option("--duration", metavar="S", help="Length \\[s].")] = 20.0,
+    rate: Annotated[
+        float, typer.Option("--rate", metavar="HZ", help="Samples of the log per second \\[Hz].")
+    ] = 250.0,
+    noise: Annotated[
+        float,
+        typer.Option(
+            "--noise",
+            metavar="SHARE",
+            help=f"Noise of the torques over their RMS, with encoder steps of {QUANTUM:g} rad; 0: no flaw.",
+        ),
+    ] = 0.01,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the motion and the noise.")] = 0,
+    json: Json = None,
+) -> None:
+    """Simulate an arm with faults on an exciting motion, under computed torque that does not know of them.
+
+    A fault may come and go: after, until, period (s), rate (1/s), duty, or q, dq, speed, tau=LOWER..UPPER.
+    """
+    import numpy as np
+
+    from cdia_pin.dynamics import Dynamics
+    from cdia_pin.dynamics.sensors import Sensors
+    from cdia_pin.dynamics.simulate import simulate as run
+    from cdia_pin.dynamics.trajectories import exciting_trajectory
+    from cdia_pin.effects import parse_term
+    from cdia_pin.logs import write_log
+    from cdia_pin.logs.writing import WRITABLE
+
+    if out.suffix.lower() not in WRITABLE:
+        raise CommandError(f"cannot write {out}: the suffix must be one of {', '.join(WRITABLE)}")
+    if seed < 0:
+        raise CommandError(f"a seed is 0 or more, given {seed}")
+    require_writable(out, json)
+    console = stdout(json)
+    plant = Dynamics(load_inputs(robot, None).robot, tuple(parse_term(text) for text in fault or []))
+    motion_source, noise_source = np.random.default_rng(seed).spawn(2)
+    with progress() as tell:
+        tell(f"simulating {duration:g} s", 0.0)
+        motion = exciting_trajectory(plant.robot, motion_source, duration=duration)
+        sensors = Sensors(effort_share=noise, position_quantum=QUANTUM if noise else 0.0)
+        log = run(plant, motion, rate=rate, sensors=sensors, rng=noise_source)
+    error = np.sqrt(np.mean((log.position - motion(log.time).q) ** 2, axis=0))
+    tracking = dict(zip(plant.robot.joints, error.tolist(), strict=True))
+    show_inputs(console, plant, [log], role="plant")
+    _show(console, plant, log, tracking)
+    document: dict[str, Any] = {
+        "schema": SCHEMA,
+        "robot": plant.robot.name,
+        "joints": list(plant.robot.joints),
+        "events": [],
+        "tracking_rms": tracking,
+        "plant": [t.to_dict(plant.robot) for t in plant.terms],
+        "record": {
+            "version": cdia_pin.__version__,
+            "duration": duration,
+            "rate": rate,
+            "noise": noise,
+            "seed": seed,
+            "log": str(out),
+        },
+    }
+    write_all(console, (out, lambda f: write_log(log, f)), (json, lambda f: write_json(document, f)))
+
+
+def _show(console: Console, plant: Dynamics, log: Log, tracking: dict[str, float]) -> None:
+    import numpy as np
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    table.add_column("joint", style="bold", overflow="fold")
+    for heading in ("moves over", "fastest", "torque RMS", "tracking error RMS"):
+        table.add_column(heading, justify="right")
+    travel, fastest = (
+        np.ptp(log.position, axis=0),
+        np.abs(np.gradient(log.position, log.time, axis=0)).max(axis=0),
+    )
+    effort = np.sqrt(np.mean(log.effort**2, axis=0))
+    for j, joint in enumerate(plant.robot.joints):
+        x, f = ("m", "N") if plant.robot.is_prismatic[j] else ("rad", "N·m")
+        values = ((travel[j], x), (fastest[j], f"{x}/s"), (effort[j], f), (tracking[joint], x))
+        table.add_row(Text(joint), *(f"{value:.3g} {unit}" for value, unit in values))
+    console.print(table)

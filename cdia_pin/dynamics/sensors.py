@@ -1,0 +1,68 @@
+"""What sensors make of a simulated motion: offsets, delays, noise, quanta."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.errors import ModelError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """Imperfections of the sensors of a simulated arm; perfect by default.
+
+    Noise is white and normal, and is that of the recording: the controller reads without it.
+
+    Attributes:
+        position_noise: Standard deviation of the positions' noise [rad or m].
+        position_quantum: Step of the encoders [rad or m].
+        velocity_noise: Standard deviation of the velocities' noise [rad/s or m/s].
+        effort_noise: Standard deviation of the torques' noise [N·m or N].
+        effort_share: The same as a share of each joint's RMS torque, added to it [1].
+        velocity: Whether velocities are recorded at all.
+    """
+
+    position_noise: float = 0.0
+    position_quantum: float = 0.0
+    velocity_noise: float = 0.0
+    effort_noise: float = 0.0
+    effort_share: float = 0.0
+    velocity: bool = True
+
+    def __post_init__(self) -> None:
+        for f in fields(self):
+            if not 0.0 <= getattr(self, f.name) < np.inf:
+                raise ModelError(f"sensors: {f.name} must be 0 or more, given {getattr(self, f.name)}")
+
+    @property
+    def noisy(self) -> bool:
+        """Whether a source of noise is needed."""
+        return any((self.position_noise, self.velocity_noise, self.effort_noise, self.effort_share))
+
+    def read_position(self, q: Array, rng: np.random.Generator | None) -> Array:
+        """Return positions as recorded [rad or m], shape of q."""
+        return quantised(_with_noise(q, self.position_noise, rng), self.position_quantum)
+
+    def read_velocity(self, v: Array, rng: np.random.Generator | None) -> Array | None:
+        """Return velocities as recorded [rad/s or m/s], shape of v, or None."""
+        return _with_noise(v, self.velocity_noise, rng) if self.velocity else None
+
+    def read_effort(self, tau: Array, rng: np.random.Generator | None) -> Array:
+        """Return torques as recorded [N·m or N], shape (N, n)."""
+        return _with_noise(tau, self.effort_noise + self.effort_share * np.sqrt(np.mean(tau**2, axis=0)), rng)
+
+
+def quantised(signal: Array, quantum: float) -> Array:
+    """Return a signal rounded to multiples of a quantum; as it is where that is zero."""
+    return signal if quantum == 0.0 else quantum * np.round(signal / quantum)
+
+
+def _with_noise(signal: Array, deviation: float | Array, rng: np.random.Generator | None) -> Array:
+    if rng is None or not np.any(deviation):
+        return signal.copy()
+    return signal + deviation * rng.standard_normal(signal.shape)

@@ -1,0 +1,207 @@
+r"""A plant under control in time, and the log that its sensors record.
+
+Positions live at t_k, velocities halfway between them (leapfrog [Hairer2006]); with h the step,
+
+.. math:: a_k = \ddot q(q_k, \dot q_k, \tau_k), \quad \dot q_{k+1/2} = \dot q_{k-1/2} + h a_k, \quad
+          q_{k+1} = q_k + h \dot q_{k+1/2}, \quad \dot q_{k+1} = \dot q_{k+1/2} + \tfrac{h}{2} a_k
+
+of second order in h for one evaluation per step. The second difference of the positions around t_k is just
+the acceleration that the torque recorded at t_k causes: holding it over a step adds no lag to the log.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.dynamics.controllers import ComputedTorque, Controller
+from cdia_pin.dynamics.dynamics import Dynamics
+from cdia_pin.dynamics.sensors import Sensors
+from cdia_pin.dynamics.smoothing import Stiffness
+from cdia_pin.dynamics.trajectories import Reference, Trajectory
+from cdia_pin.effects import State, Term
+from cdia_pin.errors import ModelError
+from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
+
+FASTEST = 1e3  # [rad/s or m/s], beyond which a simulation has diverged
+WATCHED = 50  # steps between looks at that
+WIDE = 0.05  # [1], smoothing of sgn over largest speed that a log makes a note of
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What really happened at every step of a simulation.
+
+    Attributes:
+        time: Time [s], shape (K,).
+        q: Positions where the arm was [rad or m], shape (K, n).
+        v: Velocities [rad/s or m/s], shape (K, n).
+        a: Accelerations [rad/s² or m/s²], shape (K, n).
+        effort: Torques commanded [N·m or N], shape (K, n).
+        sign_width: Smoothing of sgn q̇ [rad/s or m/s], shape (n,).
+    """
+
+    time: Array
+    q: Array
+    v: Array
+    a: Array
+    effort: Array
+    sign_width: Array
+
+    def state(self, plant: Dynamics) -> State:
+        """Return the run as effects see it."""
+        return State(plant.robot, self.q, self.v, self.a, self.effort, self.time, self.sign_width)
+
+
+def simulate(
+    plant: Dynamics,
+    trajectory: Trajectory,
+    controller: Controller | None = None,
+    *,
+    duration: float | None = None,
+    rate: float = 250.0,
+    step: float | None = None,
+    sensors: Sensors | None = None,
+    rng: np.random.Generator | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Log:
+    """Let a plant follow a motion and record it.
+
+    Args:
+        plant: The true arm. Its encoder offsets and effort delays act on what is read.
+        trajectory: The motion asked for; the arm starts in it, at rest.
+        controller: Computed torque on the bare robot if omitted. It is asked at every step.
+        duration: Length [s]; that of the motion if omitted.
+        rate: Samples of the log per second [Hz].
+        step: Largest step [s]; between 1 ms and 0.2 ms if omitted, as sharp as friction needs it.
+        sensors: Imperfections of the recording; none if omitted.
+        rng: Source of their noise.
+        progress: Told the share that is done, now and then.
+
+    Returns:
+        Log of positions, velocities and commanded torques.
+
+    Raises:
+        ModelError: If the simulation diverges, or a setting is out of its range.
+    """
+    sensors = sensors or Sensors()
+    if sensors.noisy and rng is None:
+        raise ModelError("noise needs a source: give rng=np.random.default_rng(seed)")
+    stiffness = Stiffness.of(plant, trajectory)
+    if not rate > 0:
+        raise ModelError(f"a log needs a rate above 0 Hz, given {rate}")
+    every = int(np.ceil(1.0 / rate / stiffness.step(step) - 1e-9))
+    step = 1.0 / rate / every
+    run = run_plant(plant, trajectory, controller, stiffness, duration=duration, step=step, progress=progress)
+    return record(plant, run, every, sensors, rng).noted(*_notes(plant, run, stiffness))
+
+
+def run_plant(
+    plant: Dynamics,
+    trajectory: Trajectory,
+    controller: Controller | None = None,
+    stiffness: Stiffness | None = None,
+    *,
+    duration: float | None = None,
+    step: float = 1e-3,
+    progress: Callable[[float], None] | None = None,
+) -> Run:
+    """Integrate a plant under control, without sensors.
+
+    Args:
+        plant: The true arm.
+        trajectory: The motion asked for.
+        controller: Computed torque on the bare robot if omitted.
+        stiffness: Of the plant along the motion, where it is known already.
+        duration: Length [s]; that of the motion if omitted.
+        step: Step h [s].
+        progress: Told the share that is done, now and then.
+
+    Raises:
+        ModelError: If the simulation diverges.
+    """
+    duration = trajectory.duration if duration is None else duration
+    count = int(np.floor(duration / step + 1e-9)) + 1 if duration > 0 else 0
+    if count < 2:
+        raise ModelError(f"a simulation needs a duration above its step of {step:g} s, given {duration} s")
+    command = ComputedTorque(Dynamics(plant.robot)) if controller is None else controller
+    width = (stiffness or Stiffness.of(plant, trajectory)).sign_width(step)
+    arm = Dynamics(plant.robot, plant.on_motion)
+    time = step * np.arange(count, dtype=float)
+    asked = trajectory(time)
+    n = plant.robot.n
+    empty = [np.empty((count, n)) for _ in range(4)]
+    out = Run(time, empty[0], empty[1], empty[2], empty[3], width)
+    shifting = [t for t in plant.terms if t.effect.shifts]
+    v = half = tau = np.zeros(n)
+    q = asked.q[0] + _shift(shifting, State.of(plant.robot, asked.q[0], v, effort=tau, time=0.0))[0]
+    for k in range(count):
+        t = float(time[k])
+        read = q - _shift(shifting, State.of(plant.robot, q, v, effort=tau, time=t))[0] if shifting else q
+        tau = command(t, read, v, Reference(asked.q[k], asked.v[k], asked.a[k]))
+        a = arm.forward_dynamics(q, v, tau, t, width)
+        out.q[k], out.v[k], out.a[k], out.effort[k] = q, v, a, tau
+        half = half + (step if k else 0.5 * step) * a
+        q = q + step * half
+        v = half + 0.5 * step * a
+        if k % WATCHED:
+            continue
+        if progress:
+            progress(k / count)
+        if not np.abs(v).max() < FASTEST:
+            joint = plant.robot.joints[int(np.argmax(np.nan_to_num(np.abs(v), nan=np.inf)))]
+            raise ModelError(
+                f"the simulation diverged, {joint} is beyond all speeds at {t:.3g} s; are the parameters and "
+                f"the controller's gains possible, and is a step of {step:g} s small enough?"
+            )
+    return out
+
+
+def record(
+    plant: Dynamics,
+    run: Run,
+    every: int = 1,
+    sensors: Sensors | None = None,
+    rng: np.random.Generator | None = None,
+) -> Log:
+    """Return the log of a run: readings distorted by the plant's own sensor effects, then by noise.
+
+    Args:
+        plant: Whose encoder offsets and effort delays act.
+        run: What happened.
+        every: How many steps make a sample.
+        sensors: Noise and quanta; none if omitted.
+        rng: Source of the noise.
+    """
+    sensors = sensors or Sensors()
+    x = run.state(plant)
+    position = run.q - _shift([t for t in plant.terms if t.effect.shifts], x)
+    effort = run.effort - sum(t.torque(x) for t in plant.terms if t.effect.reads)
+    kept = np.s_[::every]
+    return Log(
+        joints=plant.robot.joints,
+        time=run.time[kept],
+        position=sensors.read_position(position[kept], rng),
+        effort=sensors.read_effort(effort[kept], rng),
+        velocity=sensors.read_velocity(run.v[kept], rng),
+        source=f"simulation of {plant.robot.name}",
+    )
+
+
+def _shift(shifting: Sequence[Term], x: State) -> Array:
+    """How much further the arm is than its encoders read [rad or m], shape (N, n)."""
+    return sum((t.shift(x) for t in shifting), np.zeros_like(x.q))
+
+
+def _notes(plant: Dynamics, run: Run, stiffness: Stiffness) -> list[str]:
+    wide = stiffness.rough & (run.sign_width > WIDE * stiffness.speed) & (stiffness.speed > 0)
+    return [
+        f"friction of {plant.robot.joints[j]} changes its sign over {run.sign_width[j]:.2g} "
+        f"{'m/s' if plant.robot.is_prismatic[j] else 'rad/s'}, not at once; a smaller step narrows it"
+        for j in np.flatnonzero(wide)
+    ]

@@ -1,0 +1,457 @@
+"use strict";
+// Builds the report from the data in the page. Texts enter as text nodes only, never as markup.
+
+const DATA = JSON.parse(document.getElementById("data").textContent);
+const FOUND = DATA.discovery;
+const IMPROVED = DATA.joints.some((j) => j.after);
+const REPORT = document.getElementById("report");
+let charts = []; // [{plot, box, height}] that follow the width of the window
+let chosen = 0; // joint that is shown
+
+// ---------------------------------------------------------------- words and numbers
+
+function h(tag, attributes, ...children) {
+  const node = document.createElement(tag);
+  for (const [key, value] of Object.entries(attributes || {})) {
+    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
+    else if (value !== null && value !== undefined && value !== false) node.setAttribute(key, value);
+  }
+  node.append(...children.flat(9).filter((c) => c !== null && c !== undefined && c !== false));
+  return node;
+}
+
+function num(x, digits = 3) {
+  if (x === null || x === undefined) return "–";
+  if (x === 0) return "0";
+  const power = Math.floor(Math.log10(Math.abs(x)));
+  const text = power < -4 || power > 6 ? x.toExponential(digits - 1) : x.toFixed(Math.max(digits - 1 - power, 0));
+  return text.replaceAll("-", "−");
+}
+
+function percent(share) {
+  if (share === null || share === undefined) return "–";
+  const value = 100 * share;
+  if (value > 0 && value < 0.005) return "<0.01\u00a0%";
+  return value.toFixed(value >= 9.95 ? 0 : value >= 0.995 ? 1 : 2) + "\u00a0%";
+}
+
+const withUnit = (x, unit, digits) => (x === null || x === undefined ? "–" : num(x, digits) + "\u00a0" + unit);
+const plural = (n, word) => n + " " + word + (n === 1 ? "" : "s");
+const mean = (values) => values.reduce((s, v) => s + v, 0) / values.length;
+const share = (j, rms) => rms / Math.max(j.torque_rms, 1e-12);
+const tokens = () => getComputedStyle(document.documentElement);
+const color = (name) => tokens().getPropertyValue("--" + name).trim();
+
+function mostTelling() {
+  const worth = DATA.joints.map((j) => share(j, j.before.rms) - (j.after ? share(j, j.after.rms) : 0));
+  return worth.indexOf(Math.max(...worth));
+}
+
+function table(heads, rows) {
+  const cells = (tag, row) => row.map((c) => (c instanceof Node && c.tagName === tag.toUpperCase() ? c : h(tag, {}, c)));
+  return h("div", { class: "scroll" }, h("table", {},
+    heads ? h("thead", {}, h("tr", {}, cells("th", heads))) : null,
+    h("tbody", {}, rows.map((row) => h("tr", {}, cells("td", row))))));
+}
+const right = (tag, text, extra = "") => h(tag, { class: "n " + extra }, text);
+
+// ---------------------------------------------------------------- head and verdict
+
+function head() {
+  const logs = DATA.logs;
+  const name = (l) => [h("b", {}, l.source), l.sha256 ? " (sha256 " + l.sha256.slice(0, 12) + "…)" : ""];
+  const rates = [...new Set(logs.map((l) => num(l.log_rate) + " Hz"))].join(", ");
+  const cutoffs = [...new Set(logs.map((l) => num(l.cutoff) + " Hz"))].join(", ");
+  const fact = (label, ...value) => h("li", {}, label + " ", value);
+  return h("header", {},
+    h("h1", {}, DATA.title),
+    h("ul", { class: "facts" },
+      fact("Robot", h("b", {}, DATA.robot)),
+      logs.map((l) => fact("Log", name(l))),
+      DATA.holdout.map((l) => fact("Held-out log", name(l))),
+      fact("Compared", h("b", {}, num(DATA.duration) + " s"), ", " + DATA.samples + " independent samples"),
+      fact("Recorded at", h("b", {}, rates)),
+      fact("Filtered at", h("b", {}, cutoffs)),
+      fact("Model as given", h("b", {}, DATA.given.length ? "URDF + " + DATA.given.join(" + ") : "URDF alone")),
+      fact("cdia-pin", h("b", {}, DATA.version))),
+    DATA.command ? h("pre", {}, h("code", {}, DATA.command)) : null);
+}
+
+const CHIPS = {
+  "nothing-missing": ["good", "nothing is missing"],
+  explained: ["good", "explained down to the noise"],
+  unexplained: ["warn", "structure is left"],
+};
+
+function verdict() {
+  const before = mean(DATA.joints.map((j) => share(j, j.before.rms)));
+  if (!FOUND) {
+    const worst = [...DATA.joints].sort((x, y) => share(y, y.before.rms) - share(x, x.before.rms))[0];
+    const r = DATA.regions.before[0];
+    return h("section", { class: "card verdict" }, h("div", {},
+      h("p", { class: "first" }, "The model misses the measured torque by " + percent(before) + " (mean over the joints), most on "
+        + worst.name + " (" + percent(share(worst, worst.before.rms)) + ")."),
+      r ? h("p", {}, "It is farthest from its own mean error " + regionWords(r) + ".") : null,
+      h("p", { class: "soft" }, "Which physical effect is missing is what ", h("code", {}, "cdia discover"), " finds out, with the same log and robot.")));
+  }
+  const [style, label] = CHIPS[FOUND.verdict] || ["warn", FOUND.verdict];
+  const last = FOUND.trace[FOUND.trace.length - 1];
+  const numbers = FOUND.trace.length > 1
+    ? h("div", { class: "numbers" }, h("span", {}, percent(FOUND.trace[0].mean)), h("span", { class: "arrow" }, "→"), h("span", {}, percent(last.mean)))
+    : h("div", { class: "numbers" }, h("span", { class: "soft" }, percent(FOUND.trace[0].mean)));
+  return h("section", { class: "card verdict" },
+    h("div", {},
+      h("span", { class: "chip " + style }, label),
+      FOUND.sentences.map((s, k) => h("p", { class: k ? "" : "first" }, s))),
+    h("div", { class: "fall" }, numbers,
+      h("small", {}, "error, share of the torque RMS,"), h("small", {}, "mean over the joints"),
+      h("small", {}, (FOUND.trace.length > 1 ? "held out " + percent(last.heldout_mean) + " · " : "") + "noise floor " + percent(FOUND.floor_mean))));
+}
+
+// ---------------------------------------------------------------- effects
+
+function effects() {
+  if (!FOUND || !FOUND.effects.length) return null;
+  const rows = FOUND.effects.map((e) => [
+    right("td", String(e.number), "soft"),
+    h("td", {}, h("b", {}, e.name), h("div", { class: "soft" }, e.joints.length ? "on " + e.joints.join(" and ") : "on the whole arm"),
+      h("div", { class: "equation" }, "f = " + e.equation)),
+    h("td", {}, h("div", { class: "parameters" },
+      [...e.parameters, ...e.shape].map((p) => [
+        h("span", { class: "soft" }, p.name), h("span", { class: p.telling === false ? "faint" : "" }, p.text)])),
+      e.profile ? h("div", { class: "soft" }, "present: " + e.profile) : null),
+    h("td", {}, e.error.joint, h("div", {}, h("span", { class: "b" }, percent(e.error.before)), " → ", h("span", { class: "a" }, percent(e.error.after)))),
+    h("td", {}, e.confusions.length ? byMotion(e.confusions) : h("span", { class: "soft" }, "nothing else tried comes near")),
+  ]);
+  return h("section", {}, h("h2", {}, "What the model lacks"),
+    h("p", { class: "lead" }, "Each effect adds a torque f on the right of M q̈ + nle = τ + f. Parameters with their 95 % interval; faint ones cannot be told from zero. Order: the most telling first."),
+    h("div", { class: "card" }, table([right("th", ""), wide("24%", "effect"), wide("29%", "parameters ± 95 %"),
+      wide("13%", "error where it helps most"), "could be mistaken for"], rows)));
+}
+
+const wide = (width, text) => h("th", { style: "width:" + width }, text);
+
+function byMotion(confusions) {
+  const groups = new Map();
+  for (const c of confusions) groups.set(c.motion, [...(groups.get(c.motion) || []), c.words]);
+  return [...groups].map(([motion, words]) => h("div", { class: "other" }, words.join(", "),
+    h("div", { class: "soft" }, "to tell apart: " + motion)));
+}
+
+// ---------------------------------------------------------------- errors by joint
+
+function errors() {
+  const largest = Math.max(...DATA.joints.map((j) => Math.max(share(j, j.before.rms), j.after ? share(j, j.after.rms) : 0)));
+  const at = (s) => "left:" + (100 * s) / largest + "%";
+  const bar = (s, style) => h("i", { class: style, style: "width:" + (100 * s) / largest + "%" });
+  const both = (j, rms, style) => [right("td", withUnit(rms, j.units.load), style), right("td", rms === null ? "–" : percent(share(j, rms)), style)];
+  const rows = DATA.joints.map((j) => [
+    h("td", {}, j.name, j.structure_left ? h("div", { class: "soft" }, "structure is left") : null),
+    right("td", withUnit(j.torque_rms, j.units.load)),
+    ...both(j, j.before.rms, "b"),
+    ...(j.after ? both(j, j.after.rms, "a") : []),
+    ...(FOUND ? [...both(j, j.heldout, ""), ...both(j, j.floor, "soft")] : []),
+    h("td", { class: "wide-only" }, h("div", { class: "bar", role: "img", "aria-label": j.name + ": " + percent(share(j, j.before.rms)) },
+      bar(share(j, j.before.rms), "one"), j.after ? bar(share(j, j.after.rms), "two") : null,
+      FOUND ? h("i", { class: "mark", style: at(share(j, j.floor)) }) : null)),
+  ]);
+  const pair = (label) => h("th", { colspan: 2, class: "n" }, label);
+  const heads = ["joint", right("th", "torque RMS"), pair("as given"), ...(IMPROVED ? [pair("improved")] : []),
+    ...(FOUND ? [pair("held out"), pair("noise floor")] : []), h("th", { class: "wide-only", style: "width:22%" }, "share of the torque RMS")];
+  return h("section", {}, h("h2", {}, "Error by joint"),
+    h("p", { class: "lead" }, "RMS of model torque less measured torque, and its share of the measured torque's RMS."
+      + (FOUND ? " Held out: the improved model on data it was not fitted to. Noise floor: what nothing smooth in the motion explains (the tick at the bars)." : "")),
+    h("div", { class: "card" }, table(heads, rows)));
+}
+
+// ---------------------------------------------------------------- the error falling
+
+const font = () => "12px " + getComputedStyle(document.body).fontFamily;
+const axis = (label, more = {}) => ({
+  label, labelSize: label ? 20 : 0, labelFont: font(), font: font(), stroke: color("soft"), labelGap: 2, size: 30,
+  grid: { stroke: color("grid"), width: 1 }, ticks: { stroke: color("line"), width: 1, size: 4 }, gap: 4, ...more,
+});
+const axisNumber = (u, values) => values.map((v) => (v === null ? "" : String(+v.toPrecision(6)).replace("-", "−")));
+
+function chart(box, height, options, data) {
+  const plot = new uPlot({ width: Math.max(box.clientWidth, 200), height, ...options }, data, box);
+  charts.push({ plot, box, height });
+  return plot;
+}
+
+function legend(...items) {
+  return h("div", { class: "legend" }, items.filter(Boolean).map(([name, kind, label]) => h("span", {}, swatch(name, kind), label)));
+}
+
+function swatch(name, kind) {
+  const ns = "http://www.w3.org/2000/svg";
+  const make = (tag, attributes) => {
+    const node = document.createElementNS(ns, tag);
+    for (const [k, v] of Object.entries(attributes)) node.setAttribute(k, v);
+    return node;
+  };
+  const svg = make("svg", { width: 22, height: 12, "aria-hidden": "true" });
+  const paint = "var(--" + name + ")";
+  const dash = { dashed: "5 3", dotted: "2 3" }[kind];
+  if (kind === "dots") for (const x of [4, 11, 18]) svg.append(make("circle", { cx: x, cy: 6 + (x % 3) - 1, r: 2, fill: paint, opacity: 0.6 }));
+  else if (kind === "band") svg.append(make("rect", { width: 22, height: 12, fill: paint }));
+  else svg.append(make("line", { x1: 0, x2: 22, y1: 6, y2: 6, stroke: paint, "stroke-width": kind === "thin" ? 1.5 : 2.5, ...(dash ? { "stroke-dasharray": dash } : {}) }));
+  if (kind === "means") svg.append(make("circle", { cx: 11, cy: 6, r: 3.5, fill: paint }));
+  return svg;
+}
+
+function fallChart(box, height, fitted, heldout, floor, labels) {
+  const steps = fitted.map((_, k) => k);
+  const top = 108 * Math.max(...fitted, ...heldout, floor);
+  const line = (name, extra) => ({ stroke: color(name), width: 2, points: { show: true, size: 6, fill: color(name) }, ...extra });
+  chart(box, height, {
+    legend: { show: false }, cursor: { show: false }, padding: [10, 14, 0, 0],
+    scales: { x: { time: false, range: [-0.15, Math.max(steps.length - 1, 1) + 0.15] }, y: { range: [0, top || 1] } },
+    axes: [
+      axis(labels ? "effects added (numbers as in the table above; 0 = as given)" : null, {
+        splits: () => steps, values: (u, s) => s.map((v) => (steps.length > (labels ? 40 : 12) && v % 2 ? "" : String(v))), grid: { show: false } }),
+      axis(labels ? "% of torque RMS" : null, { size: labels ? 44 : 50, values: (u, s) => axisNumber(u, s).map((v) => (labels ? v : v + " %")) }),
+    ],
+    series: [{},
+      line("heldout", { dash: [6, 4], points: { show: true, size: 5, fill: color("card"), stroke: color("heldout") } }),
+      line("after"),
+      line("floor", { width: 1.5, dash: [2, 3], points: { show: false } })],
+  }, [steps, heldout.map((v) => 100 * v), fitted.map((v) => 100 * v), steps.map(() => 100 * floor)]);
+}
+
+function falling() {
+  if (!FOUND || FOUND.trace.length < 2) return null;
+  const trace = FOUND.trace;
+  const big = h("div", { class: "chart" });
+  const boxes = DATA.joints.map(() => h("div", { class: "chart" }));
+  const heads = ["added", ...DATA.joints.map((j) => right("th", j.short)), right("th", "mean"), right("th", "held out")];
+  const rows = trace.map((s, k) => [(k ? k + ". " : "") + s.added, ...s.share.map((v) => right("td", percent(v))), right("td", percent(s.mean)), right("td", percent(s.heldout_mean))]);
+  rows.push([h("td", { class: "soft" }, "noise floor"), ...FOUND.floor.map((v) => right("td", percent(v), "soft")), right("td", percent(FOUND.floor_mean), "soft"), ""]);
+  return {
+    node: h("section", {}, h("h2", {}, "The error falling, step by step"),
+      h("p", { class: "lead" }, "RMS error as a share of the torque RMS. After each added effect all effects so far are fitted together. Held out: " + (DATA.holdout.length
+        ? "the held-out log." : "each block of time predicted from the others.")),
+      legend(["after", "means", "fitted"], ["heldout", "dashed", "held out"], ["floor", "dotted", "noise floor"]),
+      h("div", { class: "card" }, h("h3", {}, "Mean over the joints"), big),
+      h("div", { class: "grid", style: "margin-top:14px" }, DATA.joints.map((j, k) => h("div", { class: "card" }, h("h3", {}, j.name), boxes[k]))),
+      h("details", { style: "margin-top:14px" }, h("summary", {}, "The numbers"), h("div", {}, table(heads, rows)))),
+    draw() {
+      fallChart(big, 250, trace.map((s) => s.mean), trace.map((s) => s.heldout_mean), FOUND.floor_mean, true);
+      boxes.forEach((box, j) => fallChart(box, 150, trace.map((s) => s.share[j]), trace.map((s) => s.heldout[j]), FOUND.floor[j], false));
+    },
+  };
+}
+
+// ---------------------------------------------------------------- one joint: torque and residual over time
+
+const add = (x, y) => x.map((v, k) => (v === null || y[k] === null ? null : v + y[k]));
+
+function shade(j) {
+  return (u) => {
+    const { left, top, width, height } = u.bbox;
+    const x = (t) => Math.min(Math.max(u.valToPos(t, "x", true), left), left + width);
+    u.ctx.fillStyle = color("band");
+    for (const [from, to] of j.time.rest) u.ctx.fillRect(x(from), top, x(to) - x(from), height);
+    u.ctx.fillStyle = color("soft");
+    for (const t of j.time.logs) if (t >= u.scales.x.min && t <= u.scales.x.max) u.ctx.fillRect(x(t), top, 1, height);
+  };
+}
+
+function overTime(j) {
+  const [torque, residual] = [h("div", { class: "chart" }), h("div", { class: "chart" })];
+  const unit = j.units.load;
+  const value = (u, v) => (v === null || v === undefined ? "–" : withUnit(v, unit));
+  const line = (label, name, width) => ({ label, stroke: color(name), width, value, points: { show: false } });
+  const options = (label, series) => ({
+    scales: { x: { time: false } }, padding: [8, 12, 0, 0], legend: { markers: { width: 0, fill: (u, k) => u.series[k].stroke(u, k) } }, hooks: { drawClear: [shade(j)] },
+    cursor: { sync: { key: "joint-" + j.name }, points: { size: 7 } },
+    axes: [axis("time [s]", { values: axisNumber }), axis(label, { size: 58, values: axisNumber })],
+    series: [{ label: "time", value: (u, v) => (v === null ? "–" : num(v, 4) + " s") }, ...series],
+  });
+  return {
+    node: h("div", { class: "card stack" },
+      h("h3", {}, j.name + ": measured and model torque"),
+      j.time.rest.length || j.time.logs.length ? legend(
+        j.time.rest.length && ["band", "band", "near rest, where friction is whatever holds the joint: not counted"],
+        j.time.logs.length && ["soft", "thin", "vertical line: the next log begins"]) : null,
+      torque, h("h3", {}, j.name + ": residual, model less measured"), residual,
+      h("div", { class: "soft", style: "font-size:13px" }, "Drag across a chart to zoom, double-click to go back.")),
+    draw() {
+      const t = j.time;
+      const given = [line("as given", "before", 1.5)];
+      const improved = t.after ? [line("improved", "after", 1.5)] : [];
+      chart(torque, 280, options("torque [" + unit + "]", [line("measured", "measured", 4), ...given, ...improved]),
+        [t.time, t.measured, add(t.measured, t.before), ...(t.after ? [add(t.measured, t.after)] : [])]);
+      chart(residual, 220, options("residual [" + unit + "]", [...given, ...improved]), [t.time, t.before, ...(t.after ? [t.after] : [])]);
+    },
+  };
+}
+
+// ---------------------------------------------------------------- one joint: residual against motion
+
+const SYMBOLS = { velocity: "q̇", position: "q", acceleration: "q̈", load: "τ of the model" };
+const alpha = (css, a) => css + Math.round(a * 255).toString(16).padStart(2, "0"); // colours are #rrggbb
+
+function range(values, margin = 0.04) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const v of values) if (v !== null) [low, high] = [Math.min(low, v), Math.max(high, v)];
+  if (!(high >= low)) return [-1, 1];
+  const room = (high - low || Math.abs(high) || 1) * margin;
+  return [low - room, high + room];
+}
+
+function dots(name, opacity) {
+  return (u, s) => {
+    const [x, y] = u.data[s];
+    const { left, top, width, height } = u.bbox;
+    const size = 2.4 * devicePixelRatio;
+    u.ctx.save();
+    u.ctx.beginPath(); u.ctx.rect(left, top, width, height); u.ctx.clip();
+    u.ctx.fillStyle = alpha(color(name), opacity);
+    for (let k = 0; k < x.length; k++) u.ctx.fillRect(u.valToPos(x[k], "x", true) - size / 2, u.valToPos(y[k], "y", true) - size / 2, size, size);
+    u.ctx.restore();
+    return null;
+  };
+}
+
+function curves(a) {
+  return (u) => {
+    const c = u.ctx, px = devicePixelRatio, { left, top, width, height } = u.bbox;
+    const X = (v) => u.valToPos(v, "x", true), Y = (v) => u.valToPos(v, "y", true);
+    const path = (xs, ys) => { c.beginPath(); xs.forEach((x, k) => (k ? c.lineTo(X(x), Y(ys[k])) : c.moveTo(X(x), Y(ys[k])))); c.stroke(); };
+    c.save();
+    c.beginPath(); c.rect(left, top, width, height); c.clip();
+    c.lineJoin = "round";
+    c.strokeStyle = color("soft"); c.lineWidth = px;
+    path([u.scales.x.min, u.scales.x.max], [0, 0]);
+    for (const [which, name] of [["before", "before"], ["after", "after"]]) {
+      const m = a.means[which];
+      if (!m) continue;
+      for (const [paint, more] of [[color("card"), 3], [color(name), 0]]) { // a halo keeps the line apart from its cloud
+        c.strokeStyle = c.fillStyle = paint; c.lineWidth = (2 + more) * px;
+        path(m.x, m.mean);
+        m.x.forEach((x, k) => { c.beginPath(); c.arc(X(x), Y(m.mean[k]), (3.4 + more / 2) * px, 0, 7); c.fill(); });
+      }
+    }
+    if (a.curve) { c.strokeStyle = color("curve"); c.lineWidth = 2.2 * px; c.setLineDash([7 * px, 4 * px]); path(...a.curve); }
+    c.restore();
+  };
+}
+
+function againstMotion(j) {
+  const names = Object.keys(j.against);
+  const boxes = names.map(() => h("div", { class: "chart" }));
+  const told = (m) => [h("span", { class: "b" }, percent(m.before.share)), m.after ? [" → ", h("span", { class: "a" }, percent(m.after.share))] : null];
+  const curve = names.some((s) => j.against[s].curve);
+  const helping = FOUND ? FOUND.effects.filter((e) => !e.joints.length || e.joints.includes(j.name)).map((e) => e.name) : [];
+  return {
+    node: h("div", { class: "stack" },
+      legend(["before", "dots", "residual as given"], ["before", "means", "its mean by region"],
+        IMPROVED && ["after", "dots", "residual improved"], IMPROVED && ["after", "means", "its mean by region"],
+        curve && ["curve", "dashed", "what the added effects explain" + (helping.length ? ": " + helping.join(", ") : "")]),
+      h("div", { class: "two-up" }, names.map((s, k) => h("div", { class: "card" },
+        h("h3", {}, "against " + s), h("div", { class: "legend" }, h("span", {}, "means by region account for ", told(j.against[s].means), " of the residual's variance")), boxes[k])))),
+    draw() {
+      names.forEach((s, k) => {
+        const a = j.against[s], c = j.cloud;
+        const clouds = [["before", [c[s], c.before], 0.35]];
+        if (c.after) clouds.push(["after", [s === "load" ? c.load_after : c[s], c.after], 0.4]);
+        const xs = range(clouds.flatMap(([, cloud]) => cloud[0])), ys = range(clouds.flatMap(([, cloud]) => cloud[1]));
+        chart(boxes[k], 250, {
+          mode: 2, legend: { show: false }, cursor: { show: false }, padding: [8, 12, 0, 0],
+          scales: { x: { time: false, range: xs }, y: { range: ys } },
+          axes: [axis(s + " " + SYMBOLS[s] + " of " + j.name + " [" + j.units[s] + "]", { values: axisNumber }),
+            axis("residual [" + j.units.load + "]", { size: 58, values: axisNumber })],
+          series: [null, ...clouds.map(([name, , opacity]) => ({ stroke: color(name), paths: dots(name, opacity) }))],
+          hooks: { draw: [curves(a)] },
+        }, [null, ...clouds.map(([, cloud]) => cloud)]);
+      });
+    },
+  };
+}
+
+function joints() {
+  const place = h("div", { class: "stack" });
+  let mine = []; // charts of the joint that is shown
+  const buttons = DATA.joints.map((j, k) => h("button", { type: "button", onclick: () => show(k) }, j.name,
+    h("small", {}, h("span", { class: "b" }, percent(share(j, j.before.rms))), j.after ? [" → ", h("span", { class: "a" }, percent(share(j, j.after.rms)))] : null)));
+  function show(k) {
+    chosen = k;
+    buttons.forEach((b, i) => b.setAttribute("aria-pressed", String(i === k)));
+    for (const c of mine) c.plot.destroy();
+    charts = charts.filter((c) => !mine.includes(c));
+    const others = charts.length;
+    const parts = [overTime(DATA.joints[k]), againstMotion(DATA.joints[k])];
+    place.replaceChildren(parts[0].node, h("h3", { style: "margin-top:26px;font-size:16px" }, DATA.joints[k].name + ": residual against its motion and load"), parts[1].node);
+    parts.forEach((p) => p.draw());
+    mine = charts.slice(others);
+  }
+  return {
+    node: h("section", {}, h("h2", {}, "Joint by joint"),
+      h("p", { class: "lead" }, "Choose a joint. The residual is the torque f that the model lacks: where its mean bends with the velocity, think of friction; with the position, of gravity or springs; with the acceleration, of inertia; with the load, of gains."),
+      h("div", { class: "picker", role: "group", "aria-label": "joint" }, buttons), place),
+    draw() { show(chosen); },
+  };
+}
+
+// ---------------------------------------------------------------- regions and records
+
+const regionWords = (r) => "on " + r.joint + ": |residual| " + num(r.ratio, 2) + "× its mean where " + r.where;
+
+function regions() {
+  const of = (name, style, list) => list && list.length ? h("div", { class: "card dense" },
+    h("h3", { class: style }, name),
+    table(["joint", "where", right("th", "× its mean"), right("th", "bias there")], list.map((r) => [
+      r.joint, r.where, right("td", num(r.ratio, 2)),
+      right("td", withUnit(r.bias, DATA.joints.find((j) => j.name === r.joint).units.load, 2))]))) : null;
+  return h("section", {}, h("h2", {}, "Worst regions"),
+    h("p", { class: "lead" }, "Where a joint's |residual| (RMS) is largest beside that of its whole log. A ratio near 1 everywhere means that the error is spread evenly, as noise is."),
+    h("div", { class: IMPROVED ? "two-up" : "" }, of("Model as given", "b", DATA.regions.before), of("Improved model", "a", DATA.regions.after)));
+}
+
+const RECORDED = {
+  cutoff: "cut-off of the filter [Hz]", trim: "cut from both ends [periods of the cut-off]", source: "log", log_rate: "rate of the log [Hz]",
+  motion_rate: "rate of positions, velocities, accelerations [Hz]", compared_rate: "rate of compared torques [Hz]",
+  blocks: "blocks of time, each predicted from the others", effects: "effects tried",
+};
+
+function records() {
+  const list = (record) => table(null, Object.entries(record).map(([k, v]) => [
+    h("td", { class: "soft", style: "width:30%" }, RECORDED[k] || k.replaceAll("_", " ")),
+    h("td", {}, Array.isArray(v) ? (v.length ? v.map((x) => h("div", {}, String(x))) : "none")
+      : v !== null && typeof v === "object" ? JSON.stringify(v) : typeof v === "number" ? String(+v.toPrecision(5)) : v === "" ? "–" : String(v))]));
+  const record = (l, what) => h("details", {}, h("summary", {}, what + " " + l.source), h("div", {}, list(l)));
+  const checks = DATA.checks.map((c) => h("details", { open: c.problems ? "" : null },
+    h("summary", {}, "Check of " + c.source + ": " + (c.problems ? plural(c.problems, "finding") + " to look at" : "nothing to worry about")),
+    h("div", {}, table(["", "about", "joint", "finding"], c.findings.map((f) => [
+      h("td", { class: "mark-" + f.severity }, f.severity), f.topic.replaceAll("_", " "), f.joint || "",
+      h("td", {}, f.message, f.advice ? h("div", { class: "soft" }, "→ " + f.advice) : null)])))));
+  return h("section", {}, h("h2", {}, "What was done to the log"),
+    h("p", { class: "lead" }, "Positions and torques pass one zero-phase filter; velocity and acceleration are derived from the positions; what the model predicts is filtered again together with what was measured."),
+    checks, DATA.logs.map((l) => record(l, "Conditioning of")), DATA.holdout.map((l) => record(l, "Conditioning of the held-out log")),
+    FOUND ? h("details", {}, h("summary", {}, "Settings of the discovery"), h("div", {}, list(FOUND.settings))) : null,
+    h("details", {}, h("summary", {}, "Words used on this page"), h("div", {}, h("p", {}, "Residual: torque that the model predicts for the measured motion, less the measured torque. Positive: the joint moved as if helped by a torque that the model lacks."),
+      h("p", {}, "Relative error: RMS residual over RMS measured torque of that joint. Samples near rest are not counted for joints that move, since static friction there takes any value."),
+      h("p", {}, "Noise floor: what is left when smooth functions of position, velocity, load and time are fitted to the residual as well. No model is likely to get far below it."))));
+}
+
+// ---------------------------------------------------------------- page
+
+function build() {
+  for (const c of charts) c.plot.destroy();
+  charts = [];
+  const parts = [head(), verdict(), effects(), errors(), falling(), joints(), regions(), records(),
+    h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")].filter(Boolean);
+  REPORT.replaceChildren(...parts.map((p) => (p instanceof Node ? p : p.node)));
+  for (const p of parts) if (p.draw) p.draw();
+}
+
+function fit() {
+  for (const { plot, box, height } of charts) if (box.clientWidth && box.clientWidth !== plot.width) plot.setSize({ width: box.clientWidth, height });
+}
+
+chosen = mostTelling();
+build();
+new ResizeObserver(fit).observe(REPORT);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", build);
+matchMedia("print").addEventListener("change", fit);

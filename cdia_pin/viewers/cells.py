@@ -1,0 +1,33 @@
+"""Cells of tables for the terminal: texts as they are, never markup."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from cdia_pin.viewers.words import NO_BREAK
+
+
+def new_table(*heads: str, left: Sequence[int]) -> Table:
+    """Return an empty table; the columns in `left` hold text and may wrap, the others hold numbers."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True, header_style="bold")
+    table.caption_justify = "left"
+    for k, head in enumerate(heads):
+        text = k in left
+        table.add_column(clean(head), justify="left" if text else "right", no_wrap=not text, vertical="top")
+    return table
+
+
+def add_row(table: Table, *cells: str, style: str = "") -> None:
+    """Add a row of texts."""
+    table.add_row(*(clean(c) for c in cells), style=style)
+
+
+def clean(text: str, style: str = "") -> Text:
+    """Return text as it is, never as markup, without characters that would steer a terminal."""
+    text = text.replace(NO_BREAK, " ")
+    plain = (c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
+    return Text("".join(plain), style)

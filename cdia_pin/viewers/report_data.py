@@ -1,0 +1,136 @@
+"""Everything that a report shows, as one plain dictionary; results are read here, nothing is estimated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cdia_pin.errors import CdiaError
+from cdia_pin.viewers.report_discovery import discovery_data
+from cdia_pin.viewers.report_series import SIGNALS, against, cloud, compact_one, end_to_end, over_time
+from cdia_pin.viewers.words import joint_units, region_words, short_names
+
+if TYPE_CHECKING:
+    from cdia_pin.discovery import Comparison, Discovery
+    from cdia_pin.logs import LogCheck
+    from cdia_pin.robot.model import RobotModel
+
+SCHEMA = "cdia-report/1"
+REGIONS = 12  # worst regions listed for a model
+
+
+def report_data(
+    comparison: Comparison,
+    improved: Comparison | None = None,
+    discovery: Discovery | None = None,
+    checks: Sequence[LogCheck] = (),
+    *,
+    title: str = "",
+    command: str = "",
+    points: int = 2000,
+) -> dict[str, Any]:
+    """Collect what a report shows.
+
+    Args:
+        comparison: The model as given against the logs.
+        improved: The improved model against the same logs.
+        discovery: How one became the other.
+        checks: What was inferred about the logs.
+        title: Headline; made from the robot if empty.
+        command: The command that made the report.
+        points: Most samples of a curve or cloud.
+
+    Returns:
+        Schema ``cdia-report/1``, ready for JSON.
+
+    Raises:
+        CdiaError: If the results are not of one robot and the same logs.
+    """
+    robot = comparison.model.robot
+    _require_same(comparison, improved, discovery)
+    time, _ = end_to_end(comparison)
+    return {
+        "schema": SCHEMA,
+        "title": title or _title(robot, discovery),
+        "command": command,
+        "version": comparison.record["version"],
+        "robot": robot.name,
+        "given": [t.label for t in comparison.model.terms],
+        "logs": comparison.record["logs"],
+        "holdout": discovery.record.get("holdout", []) if discovery else [],
+        "duration": float(f"{time[-1] - time[0]:.5g}"),
+        "samples": len(time),
+        "joints": [_joint(j, comparison, improved, discovery, points) for j in range(robot.n)],
+        "discovery": discovery_data(discovery) if discovery else None,
+        "regions": {"before": _regions(comparison), "after": _regions(improved) if improved else None},
+        "checks": [_check(c) for c in checks],
+    }
+
+
+def _title(robot: RobotModel, discovery: Discovery | None) -> str:
+    return f"{robot.name}: where the model fails" + (", and what it lacks" if discovery else "")
+
+
+def _require_same(comparison: Comparison, improved: Comparison | None, discovery: Discovery | None) -> None:
+    joints = comparison.model.robot.joints
+    for other in (improved, discovery):
+        if other is not None and other.model.robot.joints != joints:
+            given = ", ".join(other.model.robot.joints)
+            raise CdiaError(f"a report is of one robot; these are of {', '.join(joints)} and of {given}")
+    if improved is not None and not np.array_equal(improved.time, comparison.time):
+        raise CdiaError("a report compares models on the same logs, filtered alike; these comparisons differ")
+
+
+def _check(check: LogCheck) -> dict[str, Any]:
+    shown = ("topic", "severity", "joint", "message", "advice")
+    return {
+        "source": check.source,
+        "problems": len(check.problems),
+        "findings": [{k: getattr(f, k) for k in shown} for f in check.findings],
+    }
+
+
+# ------------------------------------------------------------------ joints
+
+
+def _joint(
+    j: int, before: Comparison, after: Comparison | None, found: Discovery | None, points: int
+) -> dict[str, Any]:
+    robot = before.model.robot
+    joint = robot.joints[j]
+    return {
+        "name": joint,
+        "short": short_names(robot.joints)[joint],
+        "units": joint_units(robot, joint),
+        "torque_rms": compact_one(before.torque_rms[j]),
+        "before": _errors(before, j),
+        "after": None if after is None else _errors(after, j),
+        "heldout": None if found is None else compact_one(found.trace[-1].heldout_rms[j]),
+        "floor": None if found is None else compact_one(found.noise_floor[j]),
+        "structure_left": found is not None and joint in found.structure_left,
+        "time": over_time(before, after, j, points),
+        "cloud": cloud(before, after, j, points),
+        "against": {s: against(s, before, after, joint, j) for s in SIGNALS},
+    }
+
+
+def _errors(comparison: Comparison, j: int) -> dict[str, Any]:
+    return {
+        "rms": compact_one(comparison.rms[j]),
+        "bias": compact_one(comparison.bias[j]),
+        "autocorrelation": compact_one(comparison.autocorrelation[j]),
+    }
+
+
+def _regions(comparison: Comparison) -> list[dict[str, Any]]:
+    return [
+        {
+            "joint": r.joint,
+            "where": region_words(r),
+            "ratio": compact_one(r.ratio),
+            "bias": compact_one(r.bias),
+        }
+        for r in comparison.worst_regions[:REGIONS]
+    ]

@@ -1,0 +1,105 @@
+"""The part of a report that a discovery adds: verdict, effects, the error falling."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cdia_pin.viewers.report_series import compact, compact_one
+from cdia_pin.viewers.verdict import mean_share, verdict_sentences
+from cdia_pin.viewers.words import (
+    confusion_words,
+    effect_name,
+    effect_words,
+    joint_units,
+    number,
+    profile_words,
+    with_interval,
+    with_unit,
+)
+
+if TYPE_CHECKING:
+    from cdia_pin.discovery import Discovery, Step
+    from cdia_pin.effects import Term
+    from cdia_pin.robot.model import RobotModel
+
+
+def discovery_data(found: Discovery) -> dict[str, Any]:
+    """Return verdict, effects and errors step by step, ready for JSON."""
+    torque = np.maximum(found.torque_rms, 1e-12)
+    return {
+        "verdict": found.verdict,
+        "sentences": verdict_sentences(found),
+        "structure_left": list(found.structure_left),
+        "effects": [_effect(k, found) for k in range(1, len(found.trace))],
+        "trace": [
+            {
+                "added": effect_words(s.term.effect) if s.term else "model as given",
+                "share": compact(s.rms / torque),
+                "heldout": compact(s.heldout_rms / torque),
+                "mean": compact_one(mean_share(s.rms, found)),
+                "heldout_mean": compact_one(mean_share(s.heldout_rms, found)),
+            }
+            for s in found.trace
+        ],
+        "floor": compact(found.noise_floor / torque),
+        "floor_mean": compact_one(mean_share(found.noise_floor, found)),
+        "settings": {k: v for k, v in found.record.items() if k not in {"logs", "holdout", "version"}},
+    }
+
+
+def _effect(k: int, found: Discovery) -> dict[str, Any]:
+    step, robot = found.trace[k], found.model.robot
+    term = step.term
+    assert term is not None  # only the first step of a trace is without
+    return {
+        "number": k,
+        "name": effect_name(term.effect),
+        "joints": list(term.effect.scope),
+        "equation": term.effect.equation,
+        "parameters": parameters(term, robot),
+        "shape": shape_parameters(term, robot),
+        "profile": profile_words(term),
+        "error": _largest_fall(found.trace[k - 1], step, found),
+        "confusions": [{"words": confusion_words(c), "motion": c.motion} for c in step.confusions],
+    }
+
+
+def parameters(term: Term, robot: RobotModel) -> list[dict[str, Any]]:
+    """Return name and text of each parameter, and whether its interval leaves out zero."""
+    intervals = term.ci95 or (None,) * len(term.theta)
+    rows = zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True)
+    return [
+        {
+            "name": p.name.replace("_", " "),
+            "text": with_interval(value, interval, unit),
+            "telling": interval is None or not bool(interval[0] <= 0.0 <= interval[1]),
+        }
+        for p, value, unit, interval in rows
+    ]
+
+
+def shape_parameters(term: Term, robot: RobotModel) -> list[dict[str, str]]:
+    """Return name and text of each shape parameter of an effect."""
+    effect = term.effect
+    units = joint_units(robot, effect.scope[0] if effect.scope else robot.joints[0])
+    words = {"{position}": units["position"], "{effort}": units["load"]}
+    out = []
+    for p in effect.shape:
+        unit = p.unit
+        for word, meant in words.items():
+            unit = unit.replace(word, meant)
+        out.append({"name": p.name, "text": with_unit(number(effect.shape_values[p.name]), unit)})
+    return out
+
+
+def _largest_fall(before: Step, after: Step, found: Discovery) -> dict[str, Any]:
+    """Return the joint on which a step lowered the error most, and the error there over its torque."""
+    torque = np.maximum(found.torque_rms, 1e-12)
+    j = int(np.argmax((before.rms - after.rms) / torque))
+    return {
+        "joint": found.model.robot.joints[j],
+        "before": compact_one(before.rms[j] / torque[j]),
+        "after": compact_one(after.rms[j] / torque[j]),
+    }

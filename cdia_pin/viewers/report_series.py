@@ -1,0 +1,145 @@
+"""Curves and clouds of a report: one joint's signals, thinned to what a chart can show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from cdia_pin.discovery import Comparison
+    from cdia_pin.discovery.comparison import Shape
+
+Array = NDArray[np.float64]
+
+SIGNALS = ("velocity", "position", "acceleration", "load")
+CURVE_BINS = 48  # regions of the curve of what was added
+CURVE_FEWEST = 3  # samples that each of them must hold
+LEAST_SHARE = 0.6  # of the variance of what was added that its curve must hold to be one
+SAME = 1e-9  # [N·m or N], models whose torques differ by less are one model on that joint
+
+
+def compact(values: Iterable[float]) -> list[float | None]:
+    """Return numbers with 5 significant digits, None where they are not finite."""
+    return [float(f"{v:.5g}") if np.isfinite(v) else None for v in values]
+
+
+def compact_one(value: float) -> float | None:
+    """Return one number likewise."""
+    return compact([value])[0]
+
+
+def end_to_end(comparison: Comparison) -> tuple[Array, list[int]]:
+    """Lay the logs of a comparison one after the other.
+
+    Returns:
+        Time that always increases [s], shape (K,), and the index at which each further log begins.
+    """
+    time = np.asarray(comparison.time, float)
+    step = np.diff(time)
+    usual = 1.0 / min(log["compared_rate"] for log in comparison.record["logs"])
+    breaks = np.flatnonzero((step <= 0) | (step > 1.5 * usual))
+    step[breaks] = usual
+    return time[0] + np.concatenate([[0.0], np.cumsum(step)]), [int(b) + 1 for b in breaks]
+
+
+def over_time(before: Comparison, after: Comparison | None, j: int, points: int) -> dict[str, Any]:
+    """Return measured torque and residuals of joint j over time, extremes kept where samples are left out.
+
+    Args:
+        before: Comparison of the model as given.
+        after: Comparison of the improved model.
+        j: Column of the joint.
+        points: Most samples to return.
+    """
+    time, breaks = end_to_end(before)
+    keep = extremes([before.measured[:, j], before.residual[:, j]], points)
+    return {
+        "time": [round(float(t), 3) for t in time[keep]],
+        "measured": compact(before.measured[keep, j]),
+        "before": compact(before.residual[keep, j]),
+        "after": None if after is None else compact(after.residual[keep, j]),
+        "rest": _intervals(time, ~before.informative[:, j]),
+        "logs": [round(float(time[b]), 3) for b in breaks],
+    }
+
+
+def extremes(signals: list[Array], points: int) -> NDArray[np.intp]:
+    """Return indices of at most so many samples, with the extremes of each signal in every stretch."""
+    count = len(signals[0])
+    if count <= points:
+        return np.arange(count)
+    kept = []
+    for stretch in np.array_split(np.arange(count), max(points // (2 * len(signals)), 1)):
+        for signal in signals:
+            kept += [stretch[np.argmin(signal[stretch])], stretch[np.argmax(signal[stretch])]]
+    return np.unique(kept)
+
+
+def cloud(before: Comparison, after: Comparison | None, j: int, points: int) -> dict[str, Any]:
+    """Return motion, load and residuals of joint j at the samples that count.
+
+    Both models share the motion; the load is the torque of each model itself.
+    """
+    use = np.flatnonzero(before.informative[:, j])
+    use = use[:: -(-len(use) // points) or 1]  # every so many-th, rounded up
+    pick = lambda signal: compact(signal[use, j])  # noqa: E731
+    return {
+        **{name: pick(before.signals[name]) for name in SIGNALS},
+        "before": pick(before.residual),
+        "after": None if after is None else pick(after.residual),
+        "load_after": None if after is None else pick(after.signals["load"]),
+    }
+
+
+def against(signal: str, before: Comparison, after: Comparison | None, joint: str, j: int) -> dict[str, Any]:
+    """Return means of a joint's residual by region of a signal, and the curve that the added effects explain.
+
+    The curve is the difference of both residuals: the torque of what was added, filtered as they are. It is
+    None where that torque is no function of this signal.
+    """
+    means = {"before": _means(before.shapes[joint][signal])}
+    curve = None
+    if after is not None:
+        means["after"] = _means(after.shapes[joint][signal])
+        use = before.informative[:, j]
+        added = (before.residual - after.residual)[use, j]
+        if len(added) and np.abs(added).max() > SAME:
+            curve = _curve(before.signals[signal][use, j], added)
+    return {"means": means, "curve": curve}
+
+
+def _means(shape: Shape) -> dict[str, Any]:
+    known = np.isfinite(shape.mean)
+    middles = (shape.edges[:-1] + shape.edges[1:]) / 2
+    return {
+        "x": compact(middles[known]),
+        "mean": compact(shape.mean[known]),
+        "spread": compact(shape.spread[known]),
+        "share": float(f"{shape.share:.4g}"),
+    }
+
+
+def _curve(x: Array, y: Array) -> list[list[float | None]] | None:
+    low, high = np.percentile(x, [0.5, 99.5])
+    inside = (x >= low) & (x <= high)
+    x, y = x[inside], y[inside]
+    at = np.minimum(((x - low) / ((high - low) or 1.0) * CURVE_BINS).astype(int), CURVE_BINS - 1)
+    count = np.bincount(at, minlength=CURVE_BINS)
+    middle, mean = (np.bincount(at, s, CURVE_BINS) / np.maximum(count, 1) for s in (x, y))
+    if np.sum((y - mean[at]) ** 2) > (1 - LEAST_SHARE) * np.sum((y - y.mean()) ** 2):
+        return None
+    known = count >= CURVE_FEWEST
+    return [compact(middle[known]), compact(mean[known])]
+
+
+def _intervals(time: Array, where: NDArray[np.bool_]) -> list[list[float]]:
+    edge = np.diff(np.concatenate([[0], where.astype(int), [0]]))
+    starts, ends = np.flatnonzero(edge == 1), np.flatnonzero(edge == -1) - 1
+    half = 0.5 * float(np.median(np.diff(time)))
+    return [
+        [round(float(time[s]) - half, 3), round(float(time[e]) + half, 3)]
+        for s, e in zip(starts, ends, strict=True)
+    ]

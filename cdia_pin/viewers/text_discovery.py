@@ -1,0 +1,122 @@
+"""A discovery in the terminal: the error falling, the effects, their doubles, the verdict."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.console import Group, RenderableType
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from cdia_pin.viewers.cells import clean, new_table
+from cdia_pin.viewers.report_discovery import parameters, shape_parameters
+from cdia_pin.viewers.verdict import mean_share, verdict_sentences
+from cdia_pin.viewers.words import (
+    confusion_words,
+    effect_name,
+    effect_words,
+    listed,
+    percent,
+    profile_words,
+    short_names,
+)
+
+if TYPE_CHECKING:
+    from cdia_pin.discovery import Discovery, Step
+
+MANY = 4  # parameters; of an effect with more, only those that differ from zero are listed
+NOTABLE_FALL = 0.1  # share of a joint's error by which a step must lower it to stand out
+VERDICT_STYLE = {"nothing-missing": "green", "explained": "green", "unexplained": "yellow"}
+
+
+def discovery_table(found: Discovery) -> RenderableType:
+    """Return the error falling step by step, the effects found, and the verdict in words.
+
+    Args:
+        found: The outcome of ``discover``.
+    """
+    parts: list[RenderableType] = [_steps(found)]
+    if found.steps:
+        parts.append(_effects(found))
+    if sum(len({c.motion for c in s.confusions}) for s in found.steps) > 1:  # else the verdict says it
+        parts.append(_confusions(found))
+    said = verdict_sentences(found)
+    style = VERDICT_STYLE.get(found.verdict, "")
+    parts += [Padding(clean(s, f"bold {style}" if k == 0 else ""), (0, 1)) for k, s in enumerate(said)]
+    return Group(*parts)
+
+
+def _steps(found: Discovery) -> Table:
+    joints = found.model.robot.joints
+    names = short_names(joints)
+    heads = [names[j].replace("_", "\n", 1) for j in joints]
+    table = new_table("error, % of torque RMS", *heads, "mean", "held\nout", left=(0,))
+    torque = np.maximum(found.torque_rms, 1e-12)
+    for k, step in enumerate(found.trace):
+        share = step.rms / torque
+        fell = step.rms < (1 - NOTABLE_FALL) * found.trace[max(k - 1, 0)].rms
+        table.add_row(
+            clean(_added(step, names)),
+            *(Text(_figure(s), "bold green" if f else "") for s, f in zip(share, fell, strict=True)),
+            Text(_figure(mean_share(step.rms, found)), "bold"),
+            Text(_figure(mean_share(step.heldout_rms, found))),
+        )
+    floor = [_figure(s) for s in found.noise_floor / torque]
+    table.add_row(
+        *(Text(c, "dim") for c in ("noise floor", *floor, _figure(mean_share(found.noise_floor, found)), ""))
+    )
+    return table
+
+
+def _added(step: Step, names: dict[str, str]) -> str:
+    if step.term is None:
+        return "model as given"
+    effect = step.term.effect
+    return ", ".join([f"+ {effect_name(effect)}", *(names[j] for j in effect.scope)])
+
+
+def _effects(found: Discovery) -> Table:
+    table = new_table("found", "f, and its parameters ± 95 %", left=(0, 1))
+    for step in found.steps:
+        term = step.term
+        assert term is not None  # only the first step of a trace is without
+        numbers = (*_told(step, found), *shape_parameters(term, found.model.robot))
+        name = clean(effect_name(term.effect), "bold")
+        name.append_text(clean(f"\n{listed(term.effect.scope) or 'whole arm'}", "not bold"))
+        rows = [f"{p['name']} {p['text']}" for p in numbers]
+        if profile_words(term):
+            rows.append(f"present: {profile_words(term)}")
+        table.add_row(name, clean("\n".join([f"f = {term.effect.equation}", *rows])))
+    return table
+
+
+def _told(step: Step, found: Discovery) -> list[dict[str, str]]:
+    assert step.term is not None
+    told = parameters(step.term, found.model.robot)
+    if len(told) <= MANY:
+        return told
+    telling = [p for p in told if p["telling"]]
+    silent = len(told) - len(telling)
+    return [*telling, {"name": f"({silent} more, not told from 0)", "text": ""}] if silent else telling
+
+
+def _confusions(found: Discovery) -> RenderableType:
+    """Return what could be mistaken for what, under each motion that would tell it."""
+    by_motion: dict[str, dict[str, list[str]]] = {}
+    for step in found.steps:
+        for c in step.confusions:
+            assert step.term is not None  # only the first step of a trace is without
+            pairs = by_motion.setdefault(c.motion, {})
+            pairs.setdefault(effect_words(step.term.effect), []).append(confusion_words(c))
+    parts: list[RenderableType] = []
+    for motion, pairs in by_motion.items():
+        parts.append(clean(f"To tell them apart, {motion}:", "italic"))
+        lines = (clean(f"{one} ↔ {', '.join(others)}") for one, others in pairs.items())
+        parts += [Padding(line, (0, 0, 0, 2)) for line in lines]
+    return Padding(Group(*parts), (0, 1, 1, 1))
+
+
+def _figure(share: float) -> str:
+    return percent(share).removesuffix("%").rstrip()

@@ -1,0 +1,101 @@
+"""What a discovery means, in plain sentences: the same in the terminal and on the page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cdia_pin.viewers.words import confusion_words, effect_words, listed, percent
+
+if TYPE_CHECKING:
+    from cdia_pin.discovery import Discovery, Step
+
+NAMED = 3  # effects that a sentence names before it counts the others
+
+
+def verdict_sentences(found: Discovery) -> list[str]:
+    """Return what a discovery means, in plain sentences, the verdict first.
+
+    Args:
+        found: The outcome of ``discover``.
+
+    Returns:
+        Sentences for the head of a report or the end of a terminal's output.
+    """
+    robot = found.model.robot.name
+    log = "the logs" if len(found.record.get("logs", ())) > 1 else "the log"
+    if found.verdict == "nothing-missing":
+        said = [f"Nothing is missing: the model of {robot} explains {log} down to the noise."]
+    elif found.verdict == "explained":
+        added = "is added" if len(found.steps) == 1 else "are added"
+        said = [f"The model of {robot} explains {log} down to the noise once {_what(found.steps)} {added}."]
+    else:
+        said = _structure_sentences(found)
+    return [*said, _error_sentence(found), *_confusion_sentences(found.steps)]
+
+
+def mean_share(errors: Sequence[float] | np.ndarray, found: Discovery) -> float:
+    """Return the mean over the joints of error over torque RMS [1]."""
+    return float(np.mean(np.asarray(errors) / np.maximum(found.torque_rms, 1e-12)))
+
+
+def _what(steps: Sequence[Step]) -> str:
+    if len(steps) <= NAMED:
+        return _named(steps)
+    return f"{len(steps)} effects (the most telling: {_named(steps[:NAMED])})"
+
+
+def _named(steps: Sequence[Step]) -> str:
+    return listed(effect_words(s.term.effect) for s in steps if s.term)
+
+
+def _structure_sentences(found: Discovery) -> list[str]:
+    left, joints = found.structure_left, found.model.robot.joints
+    few, every = len(left) < NAMED, len(left) == len(joints)
+    counted = f"all {len(joints)} joints" if every else f"{len(left)} of the {len(joints)} joints"
+    where = listed(left) if few else counted
+    rest = f"on {where} structure is left that nothing tried explains."
+    if not found.steps:
+        said = [f"{rest[0].upper()}{rest[1:]}"]
+    elif len(found.steps) <= NAMED:
+        said = [f"The model of {found.model.robot.name} lacks {_named(found.steps)}; {rest}"]
+    else:
+        said = [
+            f"The model of {found.model.robot.name} lacks {len(found.steps)} effects; {rest}",
+            f"The most telling are {_named(found.steps[:NAMED])}.",
+        ]
+    return said if few or every else [*said, f"The residual still follows the motion on {listed(left)}."]
+
+
+def _error_sentence(found: Discovery) -> str:
+    first, last = found.trace[0], found.trace[-1]
+    floor = f"the noise floor is {percent(mean_share(found.noise_floor, found))}"
+    before = percent(mean_share(first.rms, found))
+    if len(found.trace) == 1:
+        return f"The error is {before} of the measured torque (mean over the joints), {floor}."
+    after, unseen = percent(mean_share(last.rms, found)), percent(mean_share(last.heldout_rms, found))
+    return (
+        f"The error falls from {before} to {after} of the measured torque (mean over the joints); "
+        f"on data that was not fitted it is {unseen}, {floor}."
+    )
+
+
+def _confusion_sentences(steps: Sequence[Step]) -> list[str]:
+    doubtful = [s for s in steps if s.term and s.confusions]
+    if not doubtful:
+        return []
+    if len(doubtful) > 1:
+        some = f"{len(doubtful)} of the" if len(doubtful) < len(steps) else "All"
+        return [
+            f"{some} {len(steps)} effects could be mistaken for others with this motion; "
+            "the motions that would tell them apart are listed."
+        ]
+    step = doubtful[0]
+    assert step.term is not None
+    others = listed(confusion_words(c) for c in step.confusions)
+    return [
+        f"With this motion, {effect_words(step.term.effect)} is hard to tell from {others}; "
+        f"to tell them apart: {step.confusions[0].motion}."
+    ]

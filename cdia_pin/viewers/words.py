@@ -1,0 +1,129 @@
+"""Words and numbers that the terminal and the page share: one wording for one result."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from cdia_pin.discovery.comparison import signal_units
+
+if TYPE_CHECKING:
+    from cdia_pin.discovery import Confusion
+    from cdia_pin.discovery.comparison import Region
+    from cdia_pin.effects import Effect, Term
+    from cdia_pin.robot.model import RobotModel
+
+NO_BREAK = "\N{NO-BREAK SPACE}"
+
+
+# ------------------------------------------------------------------ numbers
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Return a number with so many significant digits, a power of ten only where it is tiny or huge."""
+    if value == 0 or not math.isfinite(value):
+        return f"{value:g}".replace("-", "−")
+    power = math.floor(math.log10(abs(value)))
+    text = f"{value:.{digits - 1}e}" if not -4 <= power < 7 else f"{value:.{max(digits - 1 - power, 0)}f}"
+    return text.replace("-", "−")
+
+
+def percent(share: float) -> str:
+    """Return a share as ``97 %``, ``4.6 %`` or ``0.92 %``."""
+    if not math.isfinite(share):
+        return "–"
+    value = 100 * share
+    if 0 < value < 0.005:
+        return f"<0.01{NO_BREAK}%"
+    return f"{value:.{0 if value >= 9.95 else 1 if value >= 0.995 else 2}f}{NO_BREAK}%"
+
+
+def with_interval(value: float, interval: tuple[float, float] | None, unit: str) -> str:
+    """Return ``4.10 ± 0.21 N·m``, with the digits that the interval leaves; the unit 1 is not written.
+
+    Args:
+        value: An estimate.
+        interval: Its lower and upper end, None where there is none.
+        unit: Its unit.
+    """
+    lower, upper = interval or (value, value)
+    half = (upper - lower) / 2
+    if not (math.isfinite(half) and half > 1e-9 * abs(value)):
+        return with_unit(number(value), unit)
+    places = _places(half)
+    fixed = lambda x: (f"{x:.{places}f}" if places <= 6 else f"{x:.2e}").replace("-", "−")  # noqa: E731
+    if abs((lower + upper) / 2 - value) > 0.1 * half:
+        return with_unit(f"{fixed(value)} [{fixed(lower)}, {fixed(upper)}]", unit)
+    return with_unit(f"{fixed(value)} ± {fixed(half)}", unit)
+
+
+def _places(width: float) -> int:
+    """Return the decimals that leave two digits of a width."""
+    return max(1 - math.floor(math.log10(float(f"{width:.1e}"))), 0)
+
+
+def with_unit(text: str, unit: str) -> str:
+    """Return a number with its unit; the unit 1 is not written."""
+    return text if unit == "1" else f"{text}{NO_BREAK}{unit}"
+
+
+def region_words(region: Region) -> str:
+    """Return ``velocity in [−0.10, 0.10] rad/s``, with the digits that tell the ends apart."""
+    width = abs(region.upper - region.lower)
+    places = _places(width) if width > 0 else 3
+    ends = (f"{round(x, places) + 0.0:.{places}f}".replace("-", "−") for x in (region.lower, region.upper))
+    return f"{region.signal} in [{f',{NO_BREAK}'.join(ends)}]{NO_BREAK}{region.unit}"
+
+
+# ------------------------------------------------------------------ names
+
+
+def joint_units(robot: RobotModel, joint: str) -> dict[str, str]:
+    """Return the unit of each signal of a joint: position, velocity, acceleration, load and time."""
+    return signal_units(bool(robot.is_prismatic[robot.joint_index(joint)]))
+
+
+def short_names(joints: Sequence[str]) -> dict[str, str]:
+    """Return names without the words that all of them begin or end with, such as ``panda_`` or ``_joint``."""
+    words = [j.split("_") for j in joints]
+    first = last = 0
+    if len(joints) > 1:
+        most = min(map(len, words)) - 1
+        while first < most and len({w[first] for w in words}) == 1:
+            first += 1
+        while last < most - first and len({w[-1 - last] for w in words}) == 1:
+            last += 1
+    return {j: "_".join(w[first : len(w) - last]) for j, w in zip(joints, words, strict=True)}
+
+
+def effect_name(effect: Effect) -> str:
+    """Return ``coulomb friction`` for the effect of that name, or a user's expression as it is written."""
+    name = effect.label.partition("@")[0]
+    return name.replace("_", " ") if name.isidentifier() else name
+
+
+def effect_words(effect: Effect) -> str:
+    """Return ``coulomb friction on elbow_joint``, or ``payload`` for an effect of the whole arm."""
+    return effect_name(effect) + (f" on {listed(effect.scope)}" if effect.scope else "")
+
+
+def confusion_words(confusion: Confusion) -> str:
+    """Return the other explanation, ``load friction on elbow_joint``."""
+    return " with ".join(effect_words(e) for e in confusion.effects)
+
+
+def profile_words(term: Term) -> str:
+    """Return where a term is present, empty if always."""
+    given = term.profile.to_dict()
+    kind = str(given.pop("kind"))
+    if kind == "always":
+        return ""
+    said = (f"{k} {v:g}" if isinstance(v, float) else f"{k} {v}" for k, v in given.items())
+    return f"{kind} ({', '.join(said)})"
+
+
+def listed(items: Iterable[str]) -> str:
+    """Return ``a``, ``a and b`` or ``a, b and c``."""
+    names = list(items)
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

@@ -1,0 +1,48 @@
+"""``cdia robots`` and ``cdia effects``."""
+
+import pytest
+
+from cdia_pin.effects import EFFECTS
+from cdia_pin.robot import catalogue
+
+
+def test_every_robot_is_listed(cdia):
+    found = cdia("robots", "--json", "-").json
+    assert found["schema"] == "cdia-robots/1"
+    assert [r["name"] for r in found["robots"]] == list(catalogue())
+    shown = cdia("robots").out
+    assert all(name in shown for name in catalogue())
+
+
+def test_one_robot_shows_its_joints(cdia):
+    shown = cdia("robots", "ur5").out
+    assert "elbow_joint" in shown
+    assert "rad/s" in shown
+
+
+def test_a_urdf_file_is_a_robot(cdia):
+    path = catalogue()["scara"].path
+    (entry,) = cdia("robots", path, "--json", "-").json["robots"]
+    assert entry["joints"] == ["joint1", "joint2", "joint3", "joint4"]
+
+
+def test_every_effect_is_listed_with_equation_and_units(cdia):
+    found = cdia("effects", "--json", "-").json
+    assert found["schema"] == "cdia-effects/1"
+    assert [e["effect"] for e in found["effects"]] == list(EFFECTS)
+    assert all(p["unit"] for e in found["effects"] for p in e["parameters"])
+    shown = cdia("effects").out
+    assert all(name in shown for name in EFFECTS)
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_each_effect_explains_itself(cdia, name):
+    outcome = cdia("effects", name)
+    assert outcome.code == 0
+    assert EFFECTS[name].equation in outcome.out
+
+
+def test_units_follow_the_joint(cdia):
+    (entry,) = cdia("effects", "viscous_friction", "--json", "-").json["effects"]
+    (parameter,) = entry["parameters"]
+    assert (parameter["unit"], parameter["unit_sliding"]) == ("N·m·s/rad", "N·s/m")

@@ -1,0 +1,408 @@
+"""What every effect promises, held for each class of the vocabulary without naming one.
+
+A new effect is covered as soon as it is in `cdia_pin.effects.EFFECTS`; see docs/effects.md.
+"""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from cdia_pin.discovery.experiment import Experiment
+from cdia_pin.dynamics import Dynamics, exciting_trajectory, simulate
+from cdia_pin.effects import (
+    EFFECTS,
+    Effect,
+    Expression,
+    JointEffect,
+    JointState,
+    Parameter,
+    Region,
+    State,
+    Term,
+    after,
+    effect_from_dict,
+    parse_effect,
+    register,
+)
+from cdia_pin.errors import EffectError, RobotError
+from cdia_pin.logs.conditioning import condition
+from cdia_pin.robot import RobotModel, load_robot
+
+ROBOTS = ("ur5", "scara")  # revolute joints; revolute ones and a prismatic one
+
+
+@dataclass(frozen=True)
+class HardeningSpring(JointEffect):
+    """An effect as a user would add it: one class, f = −k (q − r)³."""
+
+    rest: float = 0.1
+
+    name: ClassVar[str] = "hardening_spring"
+    equation: ClassVar[str] = "−k (q − r)³"
+    parameters = (Parameter("stiffness", "{effort}/{position}³", lower=0.0),)
+    shape = (Parameter("rest", "{position}", lower=-7.0, upper=7.0),)
+
+    def columns(self, x: JointState) -> Sequence[np.ndarray]:
+        """Return the column of the stiffness."""
+        return [-((x.q - self.rest) ** 3)]
+
+
+KINDS = [*EFFECTS.values(), HardeningSpring]
+USER_EXPRESSIONS = ("sin(3*q)*dq", "a*dq**3 + b*sin(2*q)", "k*tau*sign(dq)", "-m*ddq + c*cos(q)*t")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def users_effect():
+    register(HardeningSpring)
+    yield
+    del EFFECTS[HardeningSpring.name]
+
+
+@cache
+def robot_of(name: str) -> RobotModel:
+    return load_robot(name)
+
+
+@cache
+def state_of(name: str) -> State:
+    """A motion in which every joint moves both ways, under torques that are not just the rigid body's."""
+    robot = robot_of(name)
+    time = np.linspace(0.0, 10.0, 41)[1:-1]
+    q, v, a = exciting_trajectory(robot, np.random.default_rng(2), duration=10.0)(time)
+    tau = 1.1 * robot.inverse_dynamics(q, v, a) + np.sin(time)[:, None]
+    return State.of(robot, q, v, a, effort=tau, time=time, sign_width=0.01)
+
+
+@cache
+def examples() -> tuple[tuple[str, Effect], ...]:
+    """One instance for each kind of scope: of revolute joints, of prismatic joints, of the whole arm."""
+    out = []
+    for name in ROBOTS:
+        robot = robot_of(name)
+        for kind in KINDS:
+            seen = set()
+            for scope in kind.scopes(robot):
+                sort = tuple(bool(robot.is_prismatic[robot.joint_index(j)]) for j in scope)
+                if sort not in seen:
+                    seen.add(sort)
+                    out.append((name, kind.from_scope(scope, {})))
+    return (*out, *(("ur5", Expression("elbow_joint", text)) for text in USER_EXPRESSIONS))
+
+
+def each(chosen: Callable[[Effect], object] = lambda _: True) -> pytest.MarkDecorator:
+    """Run a test for every example, or for those that it is about."""
+    cases = [(robot, effect) for robot, effect in examples() if chosen(effect)]
+    ids = [f"{robot}-{effect.name}-{effect.label}" for robot, effect in cases]
+    return pytest.mark.parametrize(("name", "effect"), cases, ids=ids)
+
+
+def drawn(effect: Effect, robot: RobotModel, seed: int = 0) -> np.ndarray:
+    """Parameters of a moderate size within the effect's bounds."""
+    rng = np.random.default_rng(seed)
+    lower, upper = effect.bounds(robot)
+    theta = np.empty(effect.size)
+    for i, (low, high) in enumerate(zip(lower, upper, strict=True)):
+        if np.isfinite(low) and np.isfinite(high):
+            theta[i] = rng.uniform(0.9 * low + 0.1 * high, 0.1 * low + 0.9 * high)
+        elif np.isfinite(low):
+            theta[i] = low + rng.exponential()
+        else:
+            theta[i] = rng.normal()
+    return effect.nearest_physical(theta, robot)
+
+
+def scale(f: np.ndarray) -> float:
+    return max(1.0, float(np.abs(f).max()))
+
+
+# ------------------------------------------------------------------ physics
+
+
+@each()
+def test_torque_basis_and_jacobian_have_the_shapes_of_the_equation(name, effect):
+    robot, x = robot_of(name), state_of(name)
+    theta = drawn(effect, robot)
+    assert effect.basis(x).shape == (len(x), robot.n, effect.size)
+    assert effect.jacobian(x, theta).shape == (len(x), robot.n, effect.size)
+    assert effect.torque(x, theta).shape == (len(x), robot.n)
+    one = State.of(robot, x.q[0], x.v[0], x.a[0], effort=x.effort[0])
+    assert effect.torque(one, theta).shape == (1, robot.n)
+
+
+@each()
+def test_no_parameters_no_torque(name, effect):
+    x = state_of(name)
+    zero = np.zeros(effect.size)
+    np.testing.assert_allclose(effect.torque(x, zero), 0.0, atol=1e-12)
+    np.testing.assert_array_equal(effect.shift(x.robot, zero), 0.0)
+
+
+@each()
+def test_a_linear_effect_is_linear(name, effect):
+    x, robot = state_of(name), robot_of(name)
+    one, two = drawn(effect, robot, 1), drawn(effect, robot, 2)
+    together = effect.torque(x, one - 2 * two)
+    apart = effect.torque(x, one) - 2 * effect.torque(x, two)
+    if effect.linear:
+        np.testing.assert_allclose(together, apart, atol=1e-9 * scale(apart))
+        np.testing.assert_allclose(effect.basis(x) @ one, effect.torque(x, one), atol=1e-9 * scale(apart))
+
+
+@each()
+def test_the_jacobian_is_the_derivative_of_the_torque(name, effect):
+    x, robot = state_of(name), robot_of(name)
+    theta = 0.5 * drawn(effect, robot)
+    jacobian = effect.jacobian(x, theta)
+    for i, step in enumerate(1e-4 * np.maximum(np.abs(theta), 1e-2)):
+        shift = step * np.eye(effect.size)[i]
+        slope = (effect.torque(x, theta + shift) - effect.torque(x, theta - shift)) / (2 * step)
+        np.testing.assert_allclose(jacobian[:, :, i], slope, atol=1e-4 * scale(slope))
+
+
+@each()
+def test_torque_appears_on_its_joints_and_nowhere_else(name, effect):
+    robot, x = robot_of(name), state_of(name)
+    f = effect.torque(x, drawn(effect, robot))
+    acted = list(effect.acts_on(robot))
+    assert {robot.joint_index(j) for j in effect.scope} & set(acted) or not effect.scope
+    np.testing.assert_array_equal(np.delete(f, acted, axis=1), 0.0)
+
+
+@each(lambda effect: effect.dissipative)
+def test_friction_never_adds_power(name, effect):
+    robot = robot_of(name)
+    rng = np.random.default_rng(5)
+    q, tau = rng.normal(size=(2, 200, robot.n))
+    v = rng.normal(size=(200, robot.n)) * 10.0 ** rng.uniform(-5, 1, (200, 1))
+    x = State.of(robot, q, v, effort=30 * tau, sign_width=0.01)
+    for seed in range(3):
+        power = np.einsum("ki,ki->k", effect.torque(x, drawn(effect, robot, seed)), v)
+        assert (power <= 1e-12).all()
+        assert power.min() < 0
+    at_rest = replace(x, v=np.zeros_like(v))
+    np.testing.assert_array_equal(effect.torque(at_rest, drawn(effect, robot)), 0.0)
+
+
+@each(lambda effect: not effect.reads)  # a late reading needs its neighbours in time
+def test_the_torque_of_a_trajectory_is_that_of_its_samples(name, effect):
+    robot, x = robot_of(name), state_of(name)
+    theta = drawn(effect, robot)
+    f = effect.torque(x, theta)
+    for k in (0, 7, len(x) - 1):
+        one = State.of(
+            robot, x.q[k], x.v[k], x.a[k], effort=x.effort[k], time=x.time[k], sign_width=x.sign_width
+        )
+        np.testing.assert_allclose(effect.torque(one, theta)[0], f[k], atol=1e-9 * scale(f))
+
+
+@each()
+def test_it_depends_on_the_actuator_torque_exactly_if_it_says_so(name, effect):
+    x = state_of(name)
+    theta = drawn(effect, x.robot)
+    other = x.with_effort(x.effort + 1.0 + np.cos(3 * x.time)[:, None])
+    assert effect.of_torque == (not np.array_equal(effect.torque(other, theta), effect.torque(x, theta)))
+    if effect.of_torque and not effect.reads:  # in proportion for either sign: models divide to solve for it
+        none, once, thrice = (effect.torque(x.with_effort(k * x.effort), theta) for k in (0, 1, 3))
+        np.testing.assert_allclose(thrice - none, 3 * (once - none), atol=1e-9 * scale(thrice))
+
+
+@each()
+def test_it_is_affine_in_the_acceleration_and_without_it_unless_it_says_so(name, effect):
+    x = state_of(name)
+    theta = drawn(effect, x.robot)
+    none, once, thrice = (effect.torque(replace(x, a=k * x.a), theta) for k in (0, 1, 3))
+    if not effect.of_acceleration:
+        np.testing.assert_array_equal(none, once)
+    np.testing.assert_allclose(thrice - none, 3 * (once - none), atol=1e-8 * scale(thrice))
+
+
+@each()
+def test_it_shifts_the_encoders_exactly_if_it_says_so(name, effect):
+    robot = robot_of(name)
+    assert effect.shifts == bool(effect.shift(robot, drawn(effect, robot)).any())
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda k: k.name)
+def test_its_flags_say_no_more_than_is_true_on_some_joint(kind):
+    x = state_of("ur5")
+    effects = [kind.from_scope(scope, {}) for scope in kind.scopes(x.robot)]
+    drawings = [(e, drawn(e, x.robot, 1), drawn(e, x.robot, 2)) for e in effects]
+    if any(e.of_acceleration for e in effects):
+        heavier = replace(x, a=2 * x.a)
+        assert any(not np.array_equal(e.torque(heavier, one), e.torque(x, one)) for e, one, _ in drawings)
+    if not all(e.linear for e in effects):
+        bent = [e.torque(x, one + two) - e.torque(x, one) - e.torque(x, two) for e, one, two in drawings]
+        assert np.abs(bent).max() > 1e-3
+
+
+# ------------------------------------------------------------------ units and bounds
+
+
+@each()
+def test_every_parameter_has_a_unit_of_its_joint(name, effect):
+    robot = robot_of(name)
+    units = effect.units(robot)
+    assert len(units) == effect.size == len(effect.parameters)
+    for unit in units:
+        assert unit and "{" not in unit
+    if len(effect.scope) and robot.is_prismatic[robot.joint_index(effect.scope[0])]:
+        assert not any("rad" in u for u in units)
+    assert len({p.name for p in effect.parameters}) == effect.size
+
+
+@each()
+def test_bounds_are_in_order_and_allow_no_effect(name, effect):
+    robot = robot_of(name)
+    lower, upper = effect.bounds(robot)
+    assert lower.shape == upper.shape == (effect.size,)
+    assert (lower < upper).all()
+    assert effect.is_physical(np.zeros(effect.size), robot)
+
+
+@each()
+def test_the_nearest_physical_parameters_are_physical_and_stay(name, effect):
+    robot = robot_of(name)
+    rng = np.random.default_rng(9)
+    for size in (0.1, 1.0, 30.0):
+        wild = size * rng.normal(size=effect.size)
+        near = effect.nearest_physical(wild, robot)
+        assert near.shape == (effect.size,)
+        assert effect.is_physical(near, robot)
+        np.testing.assert_array_equal(effect.nearest_physical(near, robot), near)
+    theta = drawn(effect, robot, 4)
+    np.testing.assert_array_equal(effect.nearest_physical(theta, robot), theta)
+    assert effect.prior_scale(robot).shape == (effect.size,)
+    assert (effect.prior_scale(robot) > 0).all()
+
+
+@each()
+def test_shapes_worth_trying_are_shapes_of_the_same_effect(name, effect):
+    for other in effect.shape_grid(state_of(name)):
+        assert type(other) is type(effect)
+        assert other.label == effect.label
+        for p in other.shape:
+            assert p.lower <= other.shape_values[p.name] <= p.upper
+    for p in effect.shape:
+        with pytest.raises(EffectError, match=p.name):
+            effect.with_shape(**{p.name: np.nan})
+
+
+# ------------------------------------------------------------------ names and files
+
+
+@each()
+def test_it_survives_a_file_exactly(name, effect):
+    robot = robot_of(name)
+    theta = tuple(drawn(effect, robot, 6).tolist())
+    ci95 = tuple((t - 0.1, t + 0.1) for t in theta)
+    for profile in (after(4.0), Region(robot.joints[0], "speed", upper=0.3)):
+        term = Term(effect, theta, profile, ci95)
+        again = Term.from_dict(json.loads(json.dumps(term.to_dict(robot))))
+        assert again == term
+        assert again.ci95 == ci95
+    assert effect_from_dict(json.loads(json.dumps(effect.to_dict()))) == effect
+
+
+@each()
+def test_it_is_found_by_its_label(name, effect):
+    found = parse_effect(effect.label, robot_of(name))
+    assert found == effect
+    assert found.label == effect.label
+
+
+@each()
+def test_equal_effects_are_one_in_a_set(name, effect):
+    assert len({effect, replace(effect), effect_from_dict(effect.to_dict())}) == 1
+
+
+@each(lambda effect: effect.scope)
+def test_another_robot_cannot_have_it(name, effect):
+    with pytest.raises(RobotError, match=effect.scope[0]):
+        Dynamics(robot_of("scara" if name == "ur5" else "ur5"), (Term(effect, (0.0,) * effect.size),))
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda k: k.name)
+def test_too_many_joints_are_refused_with_the_form_to_write(kind):
+    with pytest.raises(EffectError, match=f"write {kind.name}"):
+        kind.from_scope(["a", "b", "c"], {})
+
+
+def test_a_name_is_taken_once():
+    @dataclass(frozen=True)
+    class Impostor(HardeningSpring):
+        pass
+
+    with pytest.raises(EffectError, match="exists already"):
+        register(Impostor)
+
+
+# ------------------------------------------------------------------ a fault in a plant, found in its log
+
+SHARE = 0.15  # largest torque of each parameter, beside the RMS torque of the joints
+LOG = {"duration": 8.0, "rate": 200.0}
+
+
+@cache
+def reference():
+    return exciting_trajectory(robot_of("ur5"), np.random.default_rng(3), duration=8.0, base=0.15)
+
+
+@cache
+def asked() -> State:
+    time = np.linspace(0.0, LOG["duration"], 400)
+    return State.of(robot_of("ur5"), *reference()(time), time=time, sign_width=0.01)
+
+
+def visible(kind: type[Effect]) -> Effect:
+    """An effect on joints that carry load, with a shape that this motion shows."""
+    scopes = list(kind.scopes(asked().robot))
+    grid = kind.from_scope(scopes[min(2, len(scopes) - 1)], {}).shape_grid(asked())
+    return grid[len(grid) // 2]
+
+
+def sensible(effect: Effect) -> np.ndarray:
+    """Physical parameters, each of them worth a share of the torque that the motion takes."""
+    x, robot = asked(), asked().robot
+    acted = list(effect.acts_on(robot))
+    columns = np.abs(effect.basis(x)[:, acted]).max(axis=(0, 1))
+    unit = SHARE * np.sqrt(np.mean(x.effort[:, acted] ** 2)) / np.maximum(columns, 1e-6)
+    rng = np.random.default_rng(8)
+    theta = np.where(columns > 1e-6, unit * rng.uniform(0.6, 1.0, effect.size), 0.0)
+    return effect.nearest_physical(theta, robot)
+
+
+def fitted(effect: Effect, experiment: Experiment) -> tuple[np.ndarray, np.ndarray]:
+    """Fit one effect to an experiment by Gauss and Newton; return its parameters and their columns."""
+    theta = np.zeros(effect.size)
+    used = experiment.informative[:, list(effect.acts_on(experiment.robot))]
+    for _ in range(5):
+        prediction = experiment.predict(Dynamics(experiment.robot, (Term(effect, tuple(theta)),)))
+        columns = experiment.columns(effect, prediction, theta)[used]
+        left = prediction.residual[:, list(effect.acts_on(experiment.robot))][used]
+        unit = 1.0 / np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-9)
+        theta = theta + unit * np.linalg.lstsq(columns * unit, left, rcond=1e-6)[0]
+    return theta, columns * unit
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda k: k.name)
+def test_a_fault_in_the_plant_is_recovered_from_its_log(kind):
+    robot = robot_of("ur5")
+    effect = visible(kind)
+    truth = sensible(effect)
+    plant = Dynamics(robot, (Term(effect, tuple(truth)),))
+    experiment = Experiment.of(robot, [condition(simulate(plant, reference(), **LOG), robot)])
+    theta, columns = fitted(effect, experiment)
+    healthy, with_truth, with_fit = (
+        experiment.predict(Dynamics(robot, terms)).residual[experiment.informative]
+        for terms in ((), plant.terms, (Term(effect, tuple(theta)),))
+    )
+    missing = np.sqrt(np.mean(healthy**2))
+    assert np.sqrt(np.mean(with_truth**2)) < 0.03 * missing, "the plant is not what the effect says"
+    assert np.sqrt(np.mean(with_fit**2)) < 0.03 * missing
+    if np.linalg.cond(columns) < 30:  # otherwise this motion does not tell its parameters apart
+        np.testing.assert_allclose(theta, truth, rtol=0.05, atol=0.02 * np.abs(truth).max())

@@ -1,0 +1,89 @@
+"""Tables for the terminal: readable in 80 columns, and no name becomes markup."""
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.robot import load_robot
+from cdia_pin.viewers import check_table, comparison_table, discovery_table, where_it_fails
+
+WIDTHS = (80, 100)
+
+
+def printed(table, width=100):
+    console = Console(file=io.StringIO(), width=width, color_system=None)
+    console.print(table)
+    text = console.file.getvalue()
+    assert max(map(len, text.splitlines())) <= width
+    return text
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_every_joint_has_its_error_and_unit(results, width):
+    text = printed(comparison_table(results.given), width)
+    assert all(joint in text for joint in results.robot.joints)
+    assert "N·m" in text
+    assert "mean" in text
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_regions_say_where(results, width):
+    text = printed(where_it_fails(results.given, most=3), width)
+    assert " in [" in text
+    assert text.count("joint") == 3 + 1  # the head has the word as well
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_a_discovery_shows_steps_numbers_doubts_and_verdict(doubtful, width):
+    text = " ".join(printed(discovery_table(doubtful), width).split())
+    assert "model as given" in text
+    assert "+ stribeck friction, joint3" in text
+    assert "level 4.00 ± 0.10 N·m" in text
+    assert "decay 8.00 s/rad" in text
+    assert "noise floor" in text
+    assert "hard to tell from coulomb friction on joint3" in text
+
+
+def test_effects_of_a_real_discovery_are_listed(results):
+    text = printed(discovery_table(results.discovery))
+    for step in results.discovery.steps:
+        assert step.term.effect.equation in text
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_seven_joints_fit_in_the_width(results, width):
+    panda = load_robot("panda")
+    pad = lambda x: [*x, *x][: panda.n]  # noqa: E731
+    first = results.discovery.trace[0]
+    wide = replace(
+        results.discovery,
+        model=Dynamics(panda),
+        trace=(replace(first, rms=np.array(pad(first.rms)), heldout_rms=np.array(pad(first.rms))),),
+        noise_floor=np.array(pad(results.discovery.noise_floor)),
+        torque_rms=np.array(pad(results.discovery.torque_rms)),
+        structure_left=panda.joints,
+        verdict="unexplained",
+    )
+    text = printed(discovery_table(wide), width)
+    assert all(f"joint{k}" in text for k in range(1, 8))
+    assert "…" not in text
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_findings_are_listed_problems_first(results, width):
+    (check,) = results.checks
+    text = printed(check_table(check), width)
+    marks = [line.split()[1] for line in text.splitlines() if line.strip()[:1] in set("✓·!✗")]
+    assert sorted(marks, key=["error", "warning", "info", "ok"].index) == marks
+    assert len(marks) == len(check.findings)
+
+
+def test_names_are_never_markup(hostile):
+    joint = hostile.robot.joints[1]
+    assert joint.startswith("[red]")
+    assert "[red]j2" in printed(comparison_table(hostile.given), 160)
+    assert "[red]j2" in printed(discovery_table(hostile.discovery), 160)

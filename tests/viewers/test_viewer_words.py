@@ -1,0 +1,111 @@
+"""Numbers and sentences that terminal and page share."""
+
+from dataclasses import replace
+
+import pytest
+
+from cdia_pin.discovery.comparison import Region
+from cdia_pin.effects import CoulombFriction, Payload, from_expression
+from cdia_pin.viewers import verdict_sentences
+from cdia_pin.viewers.words import (
+    effect_words,
+    listed,
+    number,
+    percent,
+    region_words,
+    short_names,
+    with_interval,
+)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (12.345, "12.3"),
+        (-0.5, "−0.500"),
+        (1234.5, "1234"),
+        (0.00012, "0.000120"),
+        (1e-9, "1.00e−09"),
+    ],
+)
+def test_numbers_have_three_digits(value, text):
+    assert number(value) == text
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [
+        (0.97, "97 %"),
+        (0.046, "4.6 %"),
+        (0.0092, "0.92 %"),
+        (1e-6, "<0.01 %"),
+        (0.0, "0.00 %"),
+        (float("nan"), "–"),
+    ],
+)
+def test_shares_are_percent(share, text):
+    assert percent(share).replace("\xa0", " ") == text
+
+
+@pytest.mark.parametrize(
+    ("value", "interval", "unit", "text"),
+    [
+        (4.1234, (3.91, 4.33), "N·m", "4.12 ± 0.21 N·m"),
+        (1234.5, (1000.0, 1469.0), "N·m", "1234 ± 234 N·m"),
+        (0.5, (0.0, 0.9), "1", "0.50 [0.00, 0.90]"),
+        (-3.2, None, "N", "−3.20 N"),
+        (2.0, (2.0, 2.0), "kg", "2.00 kg"),
+    ],
+)
+def test_an_interval_decides_the_digits(value, interval, unit, text):
+    assert with_interval(value, interval, unit).replace("\xa0", " ") == text
+
+
+def test_the_ends_of_a_region_are_told_apart():
+    region = Region("j", "velocity", -0.0004, 0.4, 1.0, 0.1, 2.0, "rad/s")
+    assert region_words(region).replace("\xa0", " ") == "velocity in [0.00, 0.40] rad/s"
+
+
+@pytest.mark.parametrize(
+    ("names", "short"),
+    [
+        (["panda_joint1", "panda_joint2"], ["joint1", "joint2"]),
+        (["shoulder_pan_joint", "elbow_joint"], ["shoulder_pan", "elbow"]),
+        (["joint1", "joint2"], ["joint1", "joint2"]),
+        (["a_b", "a_b_c"], ["b", "b_c"]),
+        (["only_joint"], ["only_joint"]),
+    ],
+)
+def test_short_names_leave_out_what_all_share(names, short):
+    assert list(short_names(names).values()) == short
+
+
+def test_effects_in_words():
+    assert effect_words(CoulombFriction(joint="elbow_joint")) == "coulomb friction on elbow_joint"
+    assert effect_words(Payload()) == "payload"
+    assert effect_words(from_expression("sin(3*q)*dq", "wrist")) == "sin(3*q)*dq on wrist"
+
+
+def test_lists_in_words():
+    assert [listed(x) for x in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
+
+
+def test_nothing_missing_says_so(results):
+    found = replace(results.discovery, verdict="nothing-missing", trace=results.discovery.trace[:1])
+    said = verdict_sentences(found)
+    assert said[0].startswith("Nothing is missing")
+    assert "noise floor" in said[1]
+
+
+def test_explained_names_the_effect_and_the_doubt(doubtful):
+    said = " ".join(verdict_sentences(doubtful))
+    assert "down to the noise once stribeck friction on joint3 is added" in said
+    assert "hard to tell from coulomb friction on joint3; to tell them apart: move the joint slowly" in said
+
+
+def test_unexplained_names_the_joints(doubtful):
+    found = replace(doubtful, verdict="unexplained", structure_left=("joint1",))
+    assert "on joint1 structure is left" in verdict_sentences(found)[0]
+    alone = replace(found, trace=found.trace[:1], structure_left=found.model.robot.joints)
+    assert verdict_sentences(alone)[0] == "On all 4 joints structure is left that nothing tried explains."
