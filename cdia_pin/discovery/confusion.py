@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from cdia_pin.discovery.evidence import Evidence
 from cdia_pin.discovery.result import Confusion
-from cdia_pin.discovery.search import ranked
+from cdia_pin.discovery.moves import ranked
 
 DOUBT = 12.0  # difference of cost up to which two explanations count as hard to tell apart
 SAME = 0.01  # or the share of what the effect explains by which the other may fall short

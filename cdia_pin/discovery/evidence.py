@@ -147,6 +147,10 @@ class Evidence:
         key = tuple(sorted(chosen))
         return self._optimum(key)[1] + float(self.price[list(key)].sum())
 
+    def free_chi2(self, chosen: Sequence[int]) -> float:
+        """Return the sum of squares that a set leaves if its parameters need not be physical [1]."""
+        return self._optimum(tuple(sorted(chosen)))[1]
+
     def _optimum(self, chosen: tuple[int, ...]) -> tuple[Array, float]:
         """Return the best parameters of a set, physical or not, and the sum of squares they leave."""
         if chosen not in self._free:

@@ -36,10 +36,9 @@ class Whitened:
     edges: NDArray[np.intp]
 
     @classmethod
-    def of(cls, experiment: Experiment, noise: Sequence[NoiseModel], blocks: int) -> Whitened:
+    def of(cls, experiment: Experiment, noise: Sequence[NoiseModel], edges: NDArray[np.intp]) -> Whitened:
         """Combine an experiment's informative samples with the noise of its joints."""
         kept = np.column_stack([m.kept for m in noise])
-        edges = np.linspace(0, len(experiment.measured), blocks + 1).astype(int)
         return cls(tuple(noise), experiment.informative & kept, edges)
 
     def joint(self, j: int, signal: Array) -> Array:

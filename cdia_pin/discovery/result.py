@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
@@ -48,6 +49,25 @@ class Step:
 
 
 @dataclass(frozen=True)
+class Ranked:
+    """What one candidate would explain by itself.
+
+    Attributes:
+        term: The effect with parameters and intervals, fitted beside the model as given.
+        heldout_before: RMS residual of each joint on data that was not fitted, without it [N·m or N], shape (n,).
+        heldout_after: The same with it.
+        plausible: Whether the best fit is physical without being held at a bound.
+        confusions: Other effects that would explain about as much.
+    """
+
+    term: Term
+    heldout_before: Array
+    heldout_after: Array
+    plausible: bool
+    confusions: tuple[Confusion, ...]
+
+
+@dataclass(frozen=True)
 class Discovery:
     """The outcome of `discover`.
 
@@ -58,6 +78,7 @@ class Discovery:
         noise_floor: RMS that nothing smooth in the motion explains [N·m or N], shape (n,).
         structure_left: Joints whose residual is not noise.
         torque_rms: RMS of the measured torque, shape (n,).
+        ranking: What each of the most telling candidates would explain by itself, the best first.
         record: Logs, hashes, settings and version, enough to run it again.
     """
 
@@ -67,6 +88,7 @@ class Discovery:
     noise_floor: Array
     structure_left: tuple[str, ...]
     torque_rms: Array
+    ranking: tuple[Ranked, ...]
     record: dict[str, Any]
 
     @property
@@ -83,7 +105,7 @@ class Discovery:
             "robot": robot.name,
             "joints": list(robot.joints),
             "verdict": self.verdict,
-            "effects": [_effect_entry(step, self.model) for step in self.steps],
+            "effects": [_entry(s.term, s.confusions, robot) for s in self.steps if s.term is not None],
             "trace": [
                 {
                     "added": step.term.label if step.term else None,
@@ -95,13 +117,19 @@ class Discovery:
             "noise_floor": by_joint(self.noise_floor),
             "torque_rms": by_joint(self.torque_rms),
             "structure_left": list(self.structure_left),
+            "ranking": [
+                {
+                    **_entry(r.term, r.confusions, robot),
+                    "plausible": r.plausible,
+                    "heldout_rms": {"before": by_joint(r.heldout_before), "after": by_joint(r.heldout_after)},
+                }
+                for r in self.ranking
+            ],
             "record": self.record,
         }
 
 
-def _effect_entry(step: Step, model: Dynamics) -> dict[str, Any]:
-    term, robot = step.term, model.robot
-    assert term is not None  # the first step of a trace is not an effect
+def _entry(term: Term, confusions: tuple[Confusion, ...], robot: RobotModel) -> dict[str, Any]:
     entry: dict[str, Any] = {
         "effect": term.effect.name,
         "joints": list(term.effect.joints(robot)),
@@ -116,6 +144,6 @@ def _effect_entry(step: Step, model: Dynamics) -> dict[str, Any]:
             "joints": list(dict.fromkeys(j for e in c.effects for j in e.joints(robot))),
             "motion": c.motion,
         }
-        for c in step.confusions
+        for c in confusions
     ]
     return entry

@@ -1,138 +1,109 @@
-"""Search for the set of effects with the least cost: add, drop, swap, split and merge until nothing helps."""
+"""The search for the set of effects of least cost, refitting and differentiating anew after each move."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cdia_pin.discovery.evidence import Evidence, Fit
+from cdia_pin.discovery.fitting import Whitened, refit
+from cdia_pin.discovery.moves import Names, improve, names
+from cdia_pin.discovery.problem import Problem
+from cdia_pin.discovery.shapes import refine_shapes
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Term
 
-Names = frozenset[str]
+Array = NDArray[np.float64]
+Progress = Callable[[str, float], None]
+Swaps = set[tuple[str, str]]
 
-TRIED = 5  # candidates that are fitted after the gains have ranked them
-CLEAR = 5.0  # times the least gain: such an effect needs no further proof
-HOLDS = 0.5  # least share of a gain that is left on held-out blocks
-MARGIN = 1e-6  # a move must gain more than rounding
-
-
-def improve(
-    evidence: Evidence, chosen: Sequence[int], allowed: Callable[[tuple[int, ...]], bool], *, most: int
-) -> Fit | None:
-    """Return the best set that one move leads to, or None if no move lowers the cost.
-
-    Dropping comes before the other moves, so that an effect which a later one made needless never guides the search.
-
-    Args:
-        evidence: Normal equations of the candidates.
-        chosen: Indices of the present set.
-        allowed: Tells which sets may be tried; the normal equations of some promise what they do not hold.
-        most: Largest number of effects.
-    """
-    now = evidence.fit(chosen)
-    needless = [part for c in now.chosen if (part := _without(evidence, now, c)) is not None and allowed(part.chosen)]
-    if needless:
-        return min(needless, key=lambda f: f.cost)
-    if len(now.chosen) < most:
-        better = _cheapest(evidence, filter(allowed, _additions(evidence, now.chosen)), now.cost - MARGIN)
-        if better is not None:
-            return better
-    exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
-    better = _cheapest(evidence, (m for m in exchanges if len(m) <= len(now.chosen)), now.cost - MARGIN)
-    if better is not None:
-        return better
-    # two for one must be worth the additional name
-    worth = float(np.max(evidence.least_gain[list(now.chosen)], initial=0.0))
-    return _cheapest(evidence, (m for m in exchanges if len(m) > len(now.chosen)), now.cost + MARGIN - worth)
+ROUGHLY = 2  # iterations of a refit while searching
+MOST_MOVES = 120
 
 
-def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float) -> Fit | None:
-    """Return the physical fit of least cost below a limit; sets whose bound is above the best are not fitted."""
-    best = None
-    for bound, chosen in sorted((evidence.bound(c), c) for c in {tuple(sorted(c)) for c in sets}):
-        if bound >= (best.cost if best else limit):
-            break
-        fit = evidence.fit(chosen)
-        if fit.physical and fit.cost < (best.cost if best else limit):
-            best = fit
-    return best
+def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps, tell: Progress) -> Dynamics:
+    """Add, drop and exchange effects, refitting and differentiating anew after each move.
 
-
-def _without(evidence: Evidence, whole: Fit, lacking: int) -> Fit | None:
-    """Return the fit without an effect if it is not missed: too little explained, or not on held-out blocks."""
-    rest = tuple(c for c in whole.chosen if c != lacking)
-    needed = evidence.least_gain[lacking]
-    if whole.physical:
-        gain = evidence.bound(rest) + evidence.price[lacking] - whole.cost
-        if gain >= needed and _holds(evidence, whole, rest, gain):
-            return None
-    part = evidence.fit(rest)
-    if whole.physical and part.physical and part.chi2 - whole.chi2 >= needed and _holds(evidence, whole, rest, part.chi2 - whole.chi2):
-        return None
-    return part
-
-
-def _holds(evidence: Evidence, whole: Fit, rest: tuple[int, ...], gain: float) -> bool:
-    """Tell whether what an effect explains is explained in blocks of time that it was not fitted to as well."""
-    (lacking,) = set(whole.chosen) - set(rest)
-    if gain > CLEAR * evidence.least_gain[lacking]:
-        return True
-    return evidence.held_out(rest) - evidence.held_out(whole.chosen) > HOLDS * gain
-
-
-def names(evidence: Evidence, chosen: Sequence[int]) -> Names:
-    """Return what a set is called, whatever its shapes."""
-    return frozenset(evidence.effects[c].label for c in chosen)
-
-
-def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float = 0.0) -> list[int]:
-    """Return the effects whose gain beside a set best repays their price, each in its best shape.
+    A move is kept only if the cost falls at its own optimum, not just in the normal equations that proposed it, so
+    that the search cannot turn in circles. A swap that failed is not tried again, in whatever company: a gain on the
+    model's torque seems able to replace the friction in that torque, until the friction is gone.
 
     Args:
-        evidence: Normal equations of the candidates.
-        chosen: The set.
-        count: How many to return.
-        spare: Cost that may be lost beyond the price.
+        problem: Logs and candidates.
+        model: Where the search starts; its terms may be dropped.
+        whitened: Noise and blocks.
+        futile: Swaps that failed before; those that fail here are added.
+        tell: Called with what changed and the share done.
+
+    Returns:
+        The model that no move improves.
     """
-    gains = evidence.gains(chosen)
-    profit = np.where(gains > evidence.least_gain - spare, gains - evidence.price, -np.inf)
-    taken = {evidence.effects[c].label for c in chosen}
-    out: list[int] = []
-    for c in np.argsort(profit)[::-1]:
-        if not profit[c] > -spare or len(out) == count:
+    experiment, columns = problem.experiment, problem.columns
+    model, _ = refit(experiment, columns, model, whitened)
+    evidence = problem.beside(experiment.predict(model), whitened)
+    now = evidence.fit(_indices(evidence, model), bodies=True)
+    failed: set[Names] = set()
+    for moves in range(MOST_MOVES):
+        present = names(evidence, now.chosen)
+
+        def allowed(chosen: tuple[int, ...], evidence: Evidence = evidence, present: Names = present) -> bool:
+            tried = names(evidence, chosen)
+            return tried not in failed and not _swaps(present, tried) & futile
+
+        better = improve(evidence, now.chosen, allowed, most=problem.settings.most_effects)
+        if better is None:
             break
-        label = evidence.effects[c].label
-        if label not in taken:  # of each effect only its best shape
-            taken.add(label)
-            out.append(int(c))
-    return out
+        trial = _model_of(model, evidence, better.chosen, better.theta)
+        tell(_what_changed(model, trial), 1.0 - 0.9**moves)
+        failed.add(names(evidence, better.chosen))
+        trial, _ = refit(experiment, columns, trial, whitened, ROUGHLY)
+        trial = refine_shapes(experiment, columns, trial, whitened, known=_labels(model))
+        beside = problem.beside(experiment.predict(trial), whitened)
+        fit = beside.fit(_indices(beside, trial), bodies=True)
+        if not fit.physical or fit.cost > now.cost + _sacrifice(evidence, now, better):
+            futile |= _swaps(present, frozenset(_labels(trial)))
+            continue
+        model, evidence, now = trial, beside, fit
+    return model
 
 
-def _additions(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-    for c in ranked(evidence, chosen, TRIED):
-        with_it = (*chosen, c)
-        yield with_it
-        # what the addition made needless or unphysical goes in the same move
-        yield from (tuple(x for x in with_it if x != other) for other in chosen)
+def _sacrifice(evidence: Evidence, now: Fit, after: Fit) -> float:
+    """Return the cost that a move may add: none, or what an effect that is dropped would have had to earn."""
+    dropped = set(now.chosen) - set(after.chosen)
+    if not now.physical:
+        return float("inf")
+    return max((evidence.least_gain[c] for c in dropped), default=0.0) if set(after.chosen) < set(now.chosen) else -1e-6
 
 
-def _exchanges(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-    """Yield sets with one effect for another, two for one, one for two."""
+def _swaps(before: Names, after: Names) -> Swaps:
+    """Return which effect came for which."""
+    return {(new, old) for new in after - before for old in before - after}
+
+
+def _indices(evidence: Evidence, model: Dynamics) -> list[int]:
+    present = {t.effect for t in model.terms}
+    return [i for i, e in enumerate(evidence.effects) if e in present]
+
+
+def _labels(model: Dynamics) -> list[str]:
+    return [t.label for t in model.terms]
+
+
+def _what_changed(before: Dynamics, after: Dynamics) -> str:
+    had, has = set(_labels(before)), set(_labels(after))
+    return ", ".join([*(f"+ {x}" for x in sorted(has - had)), *(f"− {x}" for x in sorted(had - has))])
+
+
+def _model_of(model: Dynamics, evidence: Evidence, chosen: Sequence[int], theta: Array) -> Dynamics:
+    profiles = {t.effect: t.profile for t in model.terms}
+    terms, at = [], 0
     for c in chosen:
-        rest = tuple(x for x in chosen if x != c)
-        lost = evidence.fit(rest).cost - evidence.fit(chosen).cost
-        for other in ranked(evidence, rest, TRIED, spare=-min(lost, 0.0)):
-            if other == c:
-                continue
-            yield (*rest, other)
-            if evidence.effects[c].size > 1:
-                yield from ((*rest, other, third) for third in ranked(evidence, (*rest, other), 3) if third != c)
-        for second in rest:
-            if second > c and _touch(evidence, c, second):
-                fewer = tuple(x for x in rest if x != second)
-                yield from ((*fewer, other) for other in ranked(evidence, fewer, 3) if other not in {c, second})
-
-
-def _touch(evidence: Evidence, one: int, two: int) -> bool:
-    robot = evidence.robot
-    return bool(set(evidence.effects[one].acts_on(robot)) & set(evidence.effects[two].acts_on(robot)))
+        effect = evidence.effects[c]
+        values = tuple(float(v) for v in theta[at : at + effect.size])
+        term = Term(effect, values)
+        terms.append(replace(term, profile=profiles[effect]) if effect in profiles else term)
+        at += effect.size
+    return Dynamics(model.robot, tuple(terms))

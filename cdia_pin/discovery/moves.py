@@ -1,0 +1,140 @@
+"""Moves of the search: add, drop, swap, split and merge effects while the cost falls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+
+import numpy as np
+
+from cdia_pin.discovery.evidence import Evidence, Fit
+
+Names = frozenset[str]
+
+TRIED = 5  # candidates that are fitted after the gains have ranked them
+CLEAR = 5.0  # times the least gain: such an effect needs no further proof
+HOLDS = 0.5  # least share of a gain that is left on held-out blocks
+MARGIN = 1e-6  # a move must gain more than rounding
+
+
+def improve(
+    evidence: Evidence, chosen: Sequence[int], allowed: Callable[[tuple[int, ...]], bool], *, most: int
+) -> Fit | None:
+    """Return the best set that one move leads to, or None if no move lowers the cost.
+
+    Dropping comes before the other moves, so that an effect which a later one made needless never guides the search.
+
+    Args:
+        evidence: Normal equations of the candidates.
+        chosen: Indices of the present set.
+        allowed: Tells which sets may be tried; the normal equations of some promise what they do not hold.
+        most: Largest number of effects.
+    """
+    now = evidence.fit(chosen)
+    needless = [part for c in now.chosen if (part := _without(evidence, now, c)) is not None and allowed(part.chosen)]
+    if needless:
+        return min(needless, key=lambda f: f.cost)
+    if len(now.chosen) < most:
+        better = _cheapest(evidence, filter(allowed, _additions(evidence, now.chosen)), now.cost - MARGIN)
+        if better is not None:
+            return better
+    exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
+    freedom = lambda m: float(evidence.freedom[list(m)].sum())  # noqa: E731
+    simpler = [m for m in exchanges if len(m) <= len(now.chosen) or freedom(m) < freedom(now.chosen)]
+    better = _cheapest(evidence, simpler, now.cost - MARGIN)
+    if better is not None:
+        return better
+    # two for one, with more parameters, must be worth the additional name
+    worth = float(np.max(evidence.least_gain[list(now.chosen)], initial=0.0))
+    return _cheapest(evidence, exchanges, now.cost - MARGIN - worth)
+
+
+def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float) -> Fit | None:
+    """Return the physical fit of least cost below a limit; sets whose bound is above the best are not fitted."""
+    best = None
+    for bound, chosen in sorted((evidence.bound(c), c) for c in {tuple(sorted(c)) for c in sets}):
+        if bound >= (best.cost if best else limit):
+            break
+        fit = evidence.fit(chosen)
+        if fit.physical and fit.cost < (best.cost if best else limit):
+            best = fit
+    return best
+
+
+def _without(evidence: Evidence, whole: Fit, lacking: int) -> Fit | None:
+    """Return the fit without an effect if it is not missed: too little explained, or not on held-out blocks."""
+    rest = tuple(c for c in whole.chosen if c != lacking)
+    needed = evidence.least_gain[lacking]
+    if whole.physical:
+        gain = evidence.bound(rest) + evidence.price[lacking] - whole.cost
+        if gain >= needed and _holds(evidence, whole, rest, gain):
+            return None
+    part = evidence.fit(rest)
+    if whole.physical and part.physical and part.chi2 - whole.chi2 >= needed and _holds(evidence, whole, rest, part.chi2 - whole.chi2):
+        return None
+    return part
+
+
+def _holds(evidence: Evidence, whole: Fit, rest: tuple[int, ...], gain: float) -> bool:
+    """Tell whether what an effect explains is explained in blocks of time that it was not fitted to as well."""
+    (lacking,) = set(whole.chosen) - set(rest)
+    if gain > CLEAR * evidence.least_gain[lacking]:
+        return True
+    return evidence.held_out(rest) - evidence.held_out(whole.chosen) > HOLDS * gain
+
+
+def names(evidence: Evidence, chosen: Sequence[int]) -> Names:
+    """Return what a set is called, whatever its shapes."""
+    return frozenset(evidence.effects[c].label for c in chosen)
+
+
+def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float = 0.0) -> list[int]:
+    """Return the effects whose gain beside a set best repays their price, each in its best shape.
+
+    Args:
+        evidence: Normal equations of the candidates.
+        chosen: The set.
+        count: How many to return.
+        spare: Cost that may be lost beyond the price.
+    """
+    gains = evidence.gains(chosen)
+    profit = np.where(gains > evidence.least_gain - spare, gains - evidence.price, -np.inf)
+    taken = {evidence.effects[c].label for c in chosen}
+    out: list[int] = []
+    for c in np.argsort(profit)[::-1]:
+        if not profit[c] > -spare or len(out) == count:
+            break
+        label = evidence.effects[c].label
+        if label not in taken:  # of each effect only its best shape
+            taken.add(label)
+            out.append(int(c))
+    return out
+
+
+def _additions(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    for c in ranked(evidence, chosen, TRIED):
+        with_it = (*chosen, c)
+        yield with_it
+        # what the addition made needless or unphysical goes in the same move
+        yield from (tuple(x for x in with_it if x != other) for other in chosen)
+
+
+def _exchanges(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    """Yield sets with one effect for another, two for one, one for two."""
+    for c in chosen:
+        rest = tuple(x for x in chosen if x != c)
+        lost = evidence.fit(rest).cost - evidence.fit(chosen).cost
+        for other in ranked(evidence, rest, TRIED, spare=-min(lost, 0.0)):
+            if other == c:
+                continue
+            yield (*rest, other)
+            if evidence.effects[c].size > 1:
+                yield from ((*rest, other, third) for third in ranked(evidence, (*rest, other), 3) if third != c)
+        for second in rest:
+            if second > c and _touch(evidence, c, second):
+                fewer = tuple(x for x in rest if x != second)
+                yield from ((*fewer, other) for other in ranked(evidence, fewer, 3) if other not in {c, second})
+
+
+def _touch(evidence: Evidence, one: int, two: int) -> bool:
+    robot = evidence.robot
+    return bool(set(evidence.effects[one].acts_on(robot)) & set(evidence.effects[two].acts_on(robot)))

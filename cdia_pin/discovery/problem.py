@@ -1,0 +1,111 @@
+"""The problem of a discovery: logs, candidates and settings, and what follows from them for any model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.discovery.candidates import Columns, enumerate_candidates, screen
+from cdia_pin.discovery.evidence import Evidence, needed_gain
+from cdia_pin.discovery.experiment import Experiment, Prediction
+from cdia_pin.discovery.fitting import Whitened, gather
+from cdia_pin.discovery.heldout import rms
+from cdia_pin.discovery.settings import DiscoverySettings
+from cdia_pin.discovery.structure import Structure, look_for_structure
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Effect
+from cdia_pin.logs.conditioning import condition
+from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
+
+GENERIC_SIZE = 10  # larger effects do not take part in the first estimate of the noise
+GENERIC_SHAPES = 20  # nor do those with more shapes
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What a discovery works on.
+
+    Attributes:
+        experiment: The conditioned logs.
+        held_out: Conditioned logs that are only predicted, if any.
+        columns: Columns of effects, kept for reuse.
+        families: Candidates, each effect and scope with its shapes.
+        settings: The settings.
+    """
+
+    experiment: Experiment
+    held_out: Experiment | None
+    columns: Columns
+    families: tuple[list[Effect], ...]
+    settings: DiscoverySettings
+
+    @classmethod
+    def of(cls, model: Dynamics, logs: Sequence[Log], holdout: Sequence[Log], settings: DiscoverySettings) -> Problem:
+        """Condition the logs and enumerate the candidates."""
+        robot = model.robot
+        motions, unseen = ([condition(log, robot, settings.conditioning) for log in part] for part in (logs, holdout))
+        experiment = Experiment.of(robot, motions)
+        families = enumerate_candidates(experiment, experiment.predict(model), settings)
+        return cls(
+            experiment,
+            Experiment.of(robot, unseen) if unseen else None,
+            Columns(experiment),
+            tuple(families),
+            settings,
+        )
+
+    @property
+    def edges(self) -> NDArray[np.intp]:
+        """First compared sample of each block of time, and the end, shape (B + 1,)."""
+        return np.linspace(0, len(self.experiment.measured), self.settings.blocks + 1).astype(int)
+
+    def first_noise(self, model: Dynamics) -> Whitened:
+        """Estimate the noise before anything is known: what all simple effects together leave."""
+        generic = [f[0] for f in self.families if f[0].size < GENERIC_SIZE and len(f) < GENERIC_SHAPES]
+        effects = list(dict.fromkeys([*(t.effect for t in model.terms), *generic]))
+        return self.whitened(self._structure(self.experiment.predict(model), effects), innermost=True)
+
+    def whitened(self, structure: Structure, *, innermost: bool = False) -> Whitened:
+        """Return what whitens residuals whose structure is known."""
+        noise = structure.innermost if innermost else structure.noise
+        return Whitened.of(self.experiment, noise, self.edges)
+
+    def structure(self, model: Dynamics) -> Structure:
+        """Look for structure in what a fitted model leaves."""
+        return self._structure(self.experiment.predict(model), [t.effect for t in model.terms])
+
+    def beside(self, prediction: Prediction, whitened: Whitened) -> Evidence:
+        """Form the normal equations of a model's effects and all candidates around it."""
+        joints = range(self.experiment.robot.n)
+        leftover = np.column_stack([whitened.joint(j, prediction.residual[:, j]) for j in joints])
+        screened = screen(self.families, self.columns, prediction, whitened.noise, leftover)
+        present = [t.effect for t in prediction.model.terms]
+        effects = list(dict.fromkeys([*present, *screened]))
+        evidence = gather(self.experiment, self.columns, prediction, effects, whitened)
+        use = self.experiment.informative
+        return replace(
+            evidence,
+            searched={e.label: 1 for e in present} | {f[0].label: len(f) for f in self.families},
+            needed=needed_gain(
+                np.sum(leftover**2, axis=0),
+                rms(prediction.residual, use),
+                rms(self.experiment.measured, use),
+            ),
+        )
+
+    def _structure(self, prediction: Prediction, effects: Sequence[Effect]) -> Structure:
+        """Look for structure beside effects, as if each joint had its own parameters of them."""
+        present = {t.effect: np.array(t.theta) for t in prediction.model.terms}
+        own: list[list[Array]] = [[np.zeros((len(prediction.residual), 0))] for _ in self.experiment.robot.joints]
+        for effect in effects:
+            x = self.columns.of(effect, prediction, present.get(effect))
+            for i, j in enumerate(effect.acts_on(self.experiment.robot)):
+                own[j].append(x[:, i, :])
+        return look_for_structure(
+            self.experiment, prediction, [np.column_stack(parts) for parts in own], self.edges
+        )
