@@ -12,7 +12,7 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from cdia_pin import effects
-    from cdia_pin.discovery import Comparison, Discovery, DiscoverySettings, compare, discover
+    from cdia_pin.discovery import Comparison, Discovery, DiscoverySettings, add_effect, compare, discover
     from cdia_pin.dynamics import Dynamics, load_model, save_model
     from cdia_pin.dynamics.simulate import simulate
     from cdia_pin.dynamics.trajectories import exciting_trajectory
@@ -39,6 +39,7 @@ _HOME = {
     "write_log": "logs",
     "check_log": "logs",
     "Conditioning": "logs.conditioning",
+    "add_effect": "discovery",
     "compare": "discovery",
     "discover": "discovery",
     "Comparison": "discovery",
@@ -59,6 +60,7 @@ __all__ = [
     "RobotModel",
     "Term",
     "__version__",
+    "add_effect",
     "check_log",
     "compare",
     "discover",

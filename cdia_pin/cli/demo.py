@@ -80,6 +80,11 @@ def _tell_the_story(console: Console, log: Path, files: DiscoveryFiles) -> None:
 
     console.print()
     files.write(console, found, known, logs, conditioning=Conditioning(), checks=[checked], command=found_by)
+    strongest = found.steps[0].term.label if found.steps and found.steps[0].term else "EFFECT@JOINT"
+    console.print(
+        f"One effect at a time: cdia add {strongest} {name} --robot {ROBOT}", markup=False, soft_wrap=True
+    )
+    console.print("Your own log: cdia check LOG --robot R, with R from cdia robots or a URDF file")
 
 
 def _step(console: Console, number: int, question: str, command: str) -> None:

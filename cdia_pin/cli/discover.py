@@ -11,6 +11,7 @@ from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, require_unseen, show_inputs
 from cdia_pin.cli.options import (
+    OUTPUT,
     Check,
     Convert,
     Cutoff,
@@ -25,6 +26,7 @@ from cdia_pin.cli.options import (
     Save,
     Topic,
 )
+from cdia_pin.cli.ranking_table import SHOWN, ranking_table
 
 if TYPE_CHECKING:
     from cdia_pin.effects import Effect
@@ -61,6 +63,9 @@ def discover(
             rich_help_panel=SEARCH,
         ),
     ] = None,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Show the whole ranking of single effects.", rich_help_panel=OUTPUT)
+    ] = False,
     cutoff: Cutoff = None,
     gains: Gains = None,
     joint_map: JointMap = None,
@@ -97,6 +102,8 @@ def discover(
     from cdia_pin.viewers import discovery_table
 
     show_inputs(console, known, given, held_out)
+    if found.ranking:
+        console.print(ranking_table(found, None if everything else SHOWN))
     console.print(discovery_table(found))
     files.write(console, found, known, given, conditioning=conditioning, checks=checks, command=ctx.obj)
 

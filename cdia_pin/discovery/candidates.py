@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.discovery.experiment import Experiment, Prediction
+from cdia_pin.discovery.experiment import Experiment, Prediction, rms
 from cdia_pin.discovery.settings import DiscoverySettings
 from cdia_pin.discovery.whitening import NoiseModel
 from cdia_pin.effects import EFFECTS, Effect, Expression, PositionRipple, RotorInertia, Unknown
@@ -17,6 +17,7 @@ from cdia_pin.errors import EffectError, unknown_name
 Array = NDArray[np.float64]
 
 LARGE_FAMILY = 12  # an effect with more shapes than that is screened before it is a candidate
+LEAST_RIGID_SHARE = 0.2  # of a joint's torque that must be the rigid body's for a gain to be told from friction
 SCREENED = 2  # shapes that pass the screening
 
 
@@ -32,13 +33,15 @@ def enumerate_candidates(experiment: Experiment, prediction: Prediction, setting
         if name not in EFFECTS:
             raise EffectError(unknown_name("effect", name, EFFECTS))
     x = experiment.along(prediction)
+    rigid = np.vstack([s.motion.compared(s.state.rigid_torque) for s in experiment.segments])
+    rigid_share = rms(rigid, experiment.informative) / np.maximum(rms(experiment.measured, experiment.informative), 1e-12)
     families: list[list[Effect]] = []
     for name in names:
         if EFFECTS[name] is Expression:
             continue
         for scope in EFFECTS[name].scopes(robot):
             effect = EFFECTS[name].from_scope(scope, {})
-            if _can_be_seen(effect, experiment):
+            if _can_be_seen(effect, experiment, rigid_share):
                 families.append(list(effect.shape_grid(x)))
     for effect in settings.extra:
         families.extend([e] for e in _expanded(effect, experiment))
@@ -52,11 +55,17 @@ def _expanded(effect: Effect, experiment: Experiment) -> Iterator[Effect]:
         yield effect
 
 
-def _can_be_seen(effect: Effect, experiment: Experiment) -> bool:
-    """Tell whether the joints named by an effect of motion move at all."""
-    if not (effect.dissipative or isinstance(effect, RotorInertia | PositionRipple)):
-        return True
-    return not any(experiment.resting[experiment.robot.joint_index(j)] for j in effect.scope)
+def _can_be_seen(effect: Effect, experiment: Experiment, rigid_share: Array) -> bool:
+    """Tell whether an effect can show on this motion.
+
+    Effects of motion need a joint that moves; those of the torque one that carries something, for where all torque is
+    friction, a gain is only another name for it.
+    """
+    joints = [experiment.robot.joint_index(j) for j in effect.scope]
+    if effect.of_torque and joints and (rigid_share[joints] < LEAST_RIGID_SHARE).any():
+        return False
+    moves = effect.dissipative or isinstance(effect, RotorInertia | PositionRipple)
+    return not (moves and experiment.resting[joints].any())
 
 
 class Columns:

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import cdia_pin
-from cdia_pin.discovery.experiment import Experiment
-from cdia_pin.discovery.heldout import rms
+from cdia_pin.discovery.experiment import Experiment, rms
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.log import Log

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import cdia_pin
+from cdia_pin.discovery.experiment import rms
 from cdia_pin.discovery.fitting import Whitened, refit
-from cdia_pin.discovery.heldout import rms
 from cdia_pin.discovery.problem import Problem
 from cdia_pin.discovery.ranking import rank
 from cdia_pin.discovery.result import Discovery, Ranked, Step

@@ -159,6 +159,12 @@ class Experiment:
         return replace(self.segments[first].state, effort=prediction.torques[first].actuator)
 
 
+def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:
+    """Return the root mean square of each joint's signal over the samples that count, shape (n,)."""
+    count = np.maximum(informative.sum(axis=0), 1)
+    return np.sqrt(np.sum(np.where(informative, signal, 0.0) ** 2, axis=0) / count)
+
+
 def _sign_width(motion: Motion) -> Array:
     return np.maximum(
         WIDTH_OVER_NOISE * motion.speed_noise, WIDTH_OVER_SPEED * np.percentile(np.abs(motion.v), 95, axis=0) + 1e-6

@@ -1,4 +1,4 @@
-"""Errors, on what was fitted and on what was not."""
+"""Held-out errors: each block of time predicted from the others."""
 
 from __future__ import annotations
 
@@ -6,16 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.discovery.candidates import Columns
-from cdia_pin.discovery.experiment import Experiment, Prediction
+from cdia_pin.discovery.experiment import Experiment, Prediction, rms
 from cdia_pin.discovery.fitting import Whitened, gather
 
 Array = NDArray[np.float64]
-
-
-def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:
-    """Return the root mean square of each joint's signal over the samples that count, shape (n,)."""
-    count = np.maximum(informative.sum(axis=0), 1)
-    return np.sqrt(np.sum(np.where(informative, signal, 0.0) ** 2, axis=0) / count)
 
 
 def held_out_rms(experiment: Experiment, columns: Columns, prediction: Prediction, whitened: Whitened) -> Array:

@@ -13,7 +13,8 @@ Names = frozenset[str]
 TRIED = 5  # candidates that are fitted after the gains have ranked them
 CLEAR = 5.0  # times the least gain: such an effect needs no further proof
 HOLDS = 0.5  # least share of a gain that is left on held-out blocks
-MARGIN = 1e-6  # a move must gain more than rounding
+EXCESS = 0.02  # of what is left beyond the noise: an exchange must gain more
+MARGIN = 1.0  # variances of the noise: a move must gain more
 
 
 def improve(
@@ -35,17 +36,18 @@ def improve(
         return min(needless, key=lambda f: f.cost)
     if len(now.chosen) < most:
         better = _cheapest(evidence, filter(allowed, _additions(evidence, now.chosen)), now.cost - MARGIN)
-        if better is not None:
+        if better is not None and (not now.physical or holds(evidence, now, better)):
             return better
     exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
+    margin = max(MARGIN, EXCESS * (now.chi2 - evidence.samples))  # far from the noise, small change is no change
     freedom = lambda m: float(evidence.freedom[list(m)].sum())  # noqa: E731
     simpler = [m for m in exchanges if len(m) <= len(now.chosen) or freedom(m) < freedom(now.chosen)]
-    better = _cheapest(evidence, simpler, now.cost - MARGIN)
+    better = _cheapest(evidence, simpler, now.cost - margin)
     if better is not None:
         return better
     # two for one, with more parameters, must be worth the additional name
     worth = float(np.max(evidence.least_gain[list(now.chosen)], initial=0.0))
-    return _cheapest(evidence, exchanges, now.cost - MARGIN - worth)
+    return _cheapest(evidence, exchanges, now.cost - margin - worth)
 
 
 def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float) -> Fit | None:
@@ -61,25 +63,22 @@ def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float)
 
 
 def _without(evidence: Evidence, whole: Fit, lacking: int) -> Fit | None:
-    """Return the fit without an effect if it is not missed: too little explained, or not on held-out blocks."""
+    """Return the fit without an effect that explains too little to be missed."""
     rest = tuple(c for c in whole.chosen if c != lacking)
     needed = evidence.least_gain[lacking]
-    if whole.physical:
-        gain = evidence.bound(rest) + evidence.price[lacking] - whole.cost
-        if gain >= needed and _holds(evidence, whole, rest, gain):
-            return None
-    part = evidence.fit(rest)
-    if whole.physical and part.physical and part.chi2 - whole.chi2 >= needed and _holds(evidence, whole, rest, part.chi2 - whole.chi2):
+    if whole.physical and evidence.free_chi2(rest) - whole.chi2 >= needed:
         return None
-    return part
+    part = evidence.fit(rest)
+    return None if whole.physical and part.physical and part.chi2 - whole.chi2 >= needed else part
 
 
-def _holds(evidence: Evidence, whole: Fit, rest: tuple[int, ...], gain: float) -> bool:
-    """Tell whether what an effect explains is explained in blocks of time that it was not fitted to as well."""
-    (lacking,) = set(whole.chosen) - set(rest)
-    if gain > CLEAR * evidence.least_gain[lacking]:
+def holds(evidence: Evidence, before: Fit, after: Fit) -> bool:
+    """Tell whether what an addition explains is explained in blocks of time that it was not fitted to as well."""
+    gain = before.chi2 - after.chi2
+    added = [c for c in after.chosen if c not in before.chosen]
+    if gain > CLEAR * max(evidence.least_gain[c] for c in added):
         return True
-    return evidence.held_out(rest) - evidence.held_out(whole.chosen) > HOLDS * gain
+    return evidence.held_out(before.chosen) - evidence.held_out(after.chosen) > HOLDS * gain
 
 
 def names(evidence: Evidence, chosen: Sequence[int]) -> Names:

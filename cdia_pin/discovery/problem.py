@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from cdia_pin.discovery.candidates import Columns, enumerate_candidates, screen
 from cdia_pin.discovery.evidence import Evidence, needed_gain
-from cdia_pin.discovery.experiment import Experiment, Prediction
+from cdia_pin.discovery.experiment import Experiment, Prediction, rms
 from cdia_pin.discovery.fitting import Whitened, gather
-from cdia_pin.discovery.heldout import rms
 from cdia_pin.discovery.settings import DiscoverySettings
 from cdia_pin.discovery.structure import Structure, look_for_structure
 from cdia_pin.dynamics import Dynamics
@@ -74,6 +73,10 @@ class Problem:
         """Return what whitens residuals whose structure is known."""
         noise = structure.innermost if innermost else structure.noise
         return Whitened.of(self.experiment, noise, self.edges)
+
+    def rms(self, model: Dynamics) -> Array:
+        """Return the RMS residual of a model [N·m or N], shape (n,)."""
+        return rms(self.experiment.predict(model).residual, self.experiment.informative)
 
     def structure(self, model: Dynamics) -> Structure:
         """Look for structure in what a fitted model leaves."""

@@ -21,15 +21,17 @@ Progress = Callable[[str, float], None]
 Swaps = set[tuple[str, str]]
 
 ROUGHLY = 2  # iterations of a refit while searching
+VISIBLE = 0.02  # share by which an additional effect must lower the RMS of some joint, as a user sees it
 MOST_MOVES = 120
+MOST_REJECTED = 6  # moves in a row that did not hold what they promised
 
 
 def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps, tell: Progress) -> Dynamics:
     """Add, drop and exchange effects, refitting and differentiating anew after each move.
 
     A move is kept only if the cost falls at its own optimum, not just in the normal equations that proposed it, so
-    that the search cannot turn in circles. A swap that failed is not tried again, in whatever company: a gain on the
-    model's torque seems able to replace the friction in that torque, until the friction is gone.
+    that the search cannot turn in circles. A swap that failed for an effect of the torque is not tried again, in
+    whatever company: a gain seems able to replace the friction in that torque, until the friction is gone.
 
     Args:
         problem: Logs and candidates.
@@ -45,8 +47,12 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
     model, _ = refit(experiment, columns, model, whitened)
     evidence = problem.beside(experiment.predict(model), whitened)
     now = evidence.fit(_indices(evidence, model), bodies=True)
+    now_errors = problem.rms(model)
     failed: set[Names] = set()
+    rejected = 0
     for moves in range(MOST_MOVES):
+        if rejected == MOST_REJECTED:
+            break
         present = names(evidence, now.chosen)
 
         def allowed(chosen: tuple[int, ...], evidence: Evidence = evidence, present: Names = present) -> bool:
@@ -63,10 +69,15 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
         trial = refine_shapes(experiment, columns, trial, whitened, known=_labels(model))
         beside = problem.beside(experiment.predict(trial), whitened)
         fit = beside.fit(_indices(beside, trial), bodies=True)
-        if not fit.physical or fit.cost > now.cost + _sacrifice(evidence, now, better):
-            futile |= _swaps(present, frozenset(_labels(trial)))
+        errors = problem.rms(trial)
+        grew = len(fit.theta) > len(now.theta)
+        unseen = grew and not (errors < (1 - VISIBLE) * now_errors).any()
+        if not fit.physical or unseen or fit.cost > now.cost + _sacrifice(evidence, now, better):
+            driven = {t.label for t in trial.terms if t.effect.of_torque}
+            rejected += 1
+            futile |= {s for s in _swaps(present, frozenset(_labels(trial))) if s[0] in driven}
             continue
-        model, evidence, now = trial, beside, fit
+        model, evidence, now, now_errors, rejected = trial, beside, fit, errors, 0
     return model
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ Array = NDArray[np.float64]
 
 NEURONS = 7  # radial bases over position, speed and load
 LEAST_IMPROVEMENT = 0.03  # share by which held-out RMS must fall for structure to be worth a word
+PLAIN_IMPROVEMENT = 0.25  # the same where slow structure was not whitened away as noise
 RIDGES = (1e-3, 1e-2, 1e-1)  # how firmly smooth functions are held back, beside columns of unit norm
 ALARM = 1e-4  # probability of calling noise structure, per joint
 
@@ -78,32 +80,38 @@ def look_for_structure(
 
     n = experiment.robot.n
     left, improvement, floor = np.zeros(n, bool), np.zeros(n), np.zeros(n)
-    noises, innermost = [], []
+    outer, inner = [], []
     for j in range(n):
-        use = experiment.informative[:, j]
+        use, nearness = experiment.informative[:, j], experiment.nearness[:, j]
+        smooth = smooth_columns(experiment, prediction, j)
         y, fitted = prediction.residual[:, j], _orthonormal(own[j], use)
-        both = _orthonormal(np.column_stack([own[j], smooth_columns(experiment, prediction, j)]), use)
+        both = _orthonormal(np.column_stack([own[j], smooth]), use)
         rest = y - _project(both, y, use)
-        noise = fit_noise(rest, use, experiment.nearness[:, j], experiment.lengths, both.shape[1])
-        innermost.append(noise)
-        noise = fit_noise(
-            y - _project(fitted, y, use), use, experiment.nearness[:, j], experiment.lengths, fitted.shape[1])
-        noises.append(noise)
-        freedom = max(int(use.sum()) - both.shape[1], 1)
-        floor[j] = np.sqrt(np.sum(rest[use] ** 2) / freedom)
-        white = lambda s, noise=noise, use=use: np.where(  # noqa: E731
-            (use & noise.kept).reshape(-1, *([1] * (s.ndim - 1))), noise.whiten(s), 0.0
+        inner.append(fit_noise(rest, use, nearness, experiment.lengths, both.shape[1]))
+        outer.append(
+            fit_noise(y - _project(fitted, y, use), use, nearness, experiment.lengths, fitted.shape[1])
         )
-        rss_own, rss_both = _left_after(white(fitted), white(y)), _left_after(white(both), white(y))
+        floor[j] = np.sqrt(np.sum(rest[use] ** 2) / max(int(use.sum()) - both.shape[1], 1))
+        by_outer, by_inner = (partial(_white, noise=noise, use=use) for noise in (outer[j], inner[j]))
+        rss_own, rss_both = (_left_after(by_outer(x), by_outer(y)) for x in (fitted, both))
         more = max(both.shape[1] - fitted.shape[1], 1)
-        spare = max(int((use & noise.kept).sum()) - both.shape[1], 1)
+        spare = max(int((use & outer[j].kept).sum()) - both.shape[1], 1)
         chance = float(fdtrc(more, spare, max((rss_own - rss_both) / more, 0.0) / (rss_both / spare)))
-        before = _held_out(white(fitted), np.zeros((len(y), 0)), white(y), edges, 0.0)
-        smooth = white(smooth_columns(experiment, prediction, j))
-        after = min(_held_out(white(fitted), smooth, white(y), edges, ridge) for ridge in RIDGES)
-        improvement[j] = 1.0 - np.sqrt(after / before) if before > 0 else 0.0
-        left[j] = chance < ALARM and improvement[j] > LEAST_IMPROVEMENT
-    return Structure(left, improvement, tuple(noises), tuple(innermost), floor)
+        improvement[j], plain = (_improvement(*map(w, (fitted, smooth, y)), edges) for w in (by_outer, by_inner))
+        left[j] = (chance < ALARM and improvement[j] > LEAST_IMPROVEMENT) or plain > PLAIN_IMPROVEMENT
+    return Structure(left, improvement, tuple(outer), tuple(inner), floor)
+
+
+def _white(signal: Array, noise: NoiseModel, use: NDArray[np.bool_]) -> Array:
+    used = (use & noise.kept).reshape(-1, *([1] * (signal.ndim - 1)))
+    return np.where(used, noise.whiten(signal), 0.0)
+
+
+def _improvement(own: Array, smooth: Array, y: Array, edges: NDArray[np.intp]) -> float:
+    """Return the share by which smooth functions lower the held-out RMS."""
+    before = _held_out(own, np.zeros((len(y), 0)), y, edges, 0.0)
+    after = min(_held_out(own, smooth, y, edges, ridge) for ridge in RIDGES)
+    return 1.0 - float(np.sqrt(after / before)) if before > 0 else 0.0
 
 
 def _bases(signal: Array, count: int) -> Array:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from cdia_pin.discovery.confusion import find_confusions
 from cdia_pin.discovery.evidence import Evidence
+from cdia_pin.discovery.experiment import rms
 from cdia_pin.discovery.fitting import Whitened, refit, with_intervals
-from cdia_pin.discovery.heldout import held_out_rms, rms
+from cdia_pin.discovery.heldout import held_out_rms
 from cdia_pin.discovery.problem import Problem
 from cdia_pin.discovery.result import Confusion, Step
 from cdia_pin.dynamics import Dynamics

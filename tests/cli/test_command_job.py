@@ -82,6 +82,12 @@ def test_discover_says_what_it_found_and_where_it_is(discovered, out):
     assert discovered.err == ""
 
 
+def test_discover_ranks_single_candidates(discovered, discovery):
+    assert "by itself" in discovered.out
+    first = discovery["ranking"][0]
+    assert {"effect", "joints", "parameters", "plausible", "heldout_rms", "confusable_with"} <= set(first)
+
+
 def test_the_saved_model_makes_the_error_fall(cdia, discovery, log, out):
     before = cdia("compare", log, *ROBOT, "--json", "-").json["relative_rms"]
     after = cdia("compare", log, *ROBOT, "--model", out / "found.json", "--json", "-").json["relative_rms"]
@@ -105,6 +111,10 @@ def test_only_named_effects_and_own_ones_are_searched(cdia, log):
     assert [e["effect"] for e in found["effects"]] == ["expression"]
 
 
+def labels(path) -> list[str]:
+    return [t.label for t in load_model(path, load_robot("double_pendulum")).terms]
+
+
 def test_add_makes_the_error_fall(cdia, log, out):
     saved = out / "added.json"
     outcome = cdia(
@@ -114,7 +124,17 @@ def test_add_makes_the_error_fall(cdia, log, out):
     before, after = json.loads((out / "added_result.json").read_text())["trace"]
     assert (before["added"], after["added"]) == (None, "coulomb_friction@joint2")
     assert after["heldout_rms"]["joint2"] < 0.2 * before["heldout_rms"]["joint2"]
-    assert [t.label for t in load_model(saved, load_robot("double_pendulum")).terms] == [
+    assert labels(saved) == ["coulomb_friction@joint2"]
+
+
+def test_add_says_where_an_effect_explains_nothing(cdia, log):
+    assert "does not lower the error" in cdia("add", "torque_offset@joint1", log, *ROBOT).out
+
+
+def test_an_effect_that_is_there_already_is_replaced(cdia, log, out):
+    model, again = out / "added.json", out / "again.json"
+    assert cdia("add", "coulomb_friction@joint2", log, *ROBOT, "--model", model, "--save", again).code == 0
+    assert [t.label for t in load_model(again, load_robot("double_pendulum")).terms] == [
         "coulomb_friction@joint2"
     ]
 

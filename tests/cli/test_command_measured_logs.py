@@ -17,26 +17,21 @@ def test_a_bag_says_the_same_as_the_csv(cdia, measured):
         assert bag[key] == pytest.approx(csv[key], rel=1e-3)
 
 
+SIMPLE = ("--effects", "coulomb_friction,viscous_friction,torque_offset")  # quick
 LOGS = {
-    "panda": ("panda/exciting.csv", "panda", ()),
+    "panda": ("panda/exciting.csv", "panda", SIMPLE),
     "ur10": ("ur10/exciting.csv", "ur10", ()),
-    "ur10e": ("ur10e/fourier_40s.csv", "ur10e/ur10e.urdf", ("--gains", "ur10e/drive_gains.json")),
+    "ur10e": ("ur10e/fourier_40s.csv", "ur10e/ur10e.urdf", (*SIMPLE, "--gains", "ur10e/drive_gains.json")),
 }
 
 
 @pytest.mark.parametrize("arm", LOGS)
 def test_discover_ends_with_a_verdict_and_a_model(cdia, measured, tmp_path, arm):
-    log, robot, more = LOGS[arm]
+    log, robot, options = LOGS[arm]
     robot = str(measured / robot) if robot.endswith(".urdf") else robot
-    more = [a if a.startswith("--") else measured / a for a in more]
+    options = [measured / o if o.endswith(".json") else o for o in options]
     model, result = tmp_path / "model.json", tmp_path / "result.json"
-    searched = (
-        "--effects",
-        "coulomb_friction,viscous_friction,torque_offset",
-    )  # the search is tested elsewhere
-    outcome = cdia(
-        "discover", measured / log, "--robot", robot, *more, *searched, "--save", model, "--json", result
-    )
+    outcome = cdia("discover", measured / log, "--robot", robot, *options, "--save", model, "--json", result)
     assert outcome.code == 0, outcome.err
     found = json.loads(result.read_text())
     assert found["verdict"] in VERDICTS

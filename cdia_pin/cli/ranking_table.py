@@ -1,0 +1,67 @@
+"""What each candidate would explain by itself, as a table."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from cdia_pin.discovery import Discovery, Ranked
+
+SHOWN = 4  # candidates, unless all are asked for
+NAMED = 2  # parameters, and other explanations, of each
+
+
+def ranking_table(found: Discovery, most: int | None = SHOWN) -> Table:
+    """Return the candidates that explain most, each fitted beside the model as given.
+
+    Args:
+        found: The outcome of ``discover``.
+        most: How many; all if None.
+    """
+    import numpy as np
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    from cdia_pin.viewers.words import confusion_words, effect_words, percent
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, caption_justify="left")
+    table.add_column("by itself", overflow="fold")
+    table.add_column("held-out error", justify="right", no_wrap=True)
+    table.add_column("parameters", overflow="fold")
+    table.add_column("could also be", overflow="fold")
+    torque = np.maximum(found.torque_rms, 1e-12)
+    for r in found.ranking[:most]:
+        before, after = (percent(float(np.mean(e / torque))) for e in (r.heldout_before, r.heldout_after))
+        others = [confusion_words(c) for c in r.confusions]
+        more = [f"{len(others) - NAMED} more"] if len(others) > NAMED else []
+        said = Text(effect_words(r.term.effect))
+        if not r.plausible:
+            said.append("\nheld at a bound: not plausible", style="yellow")
+        cells = ("\n".join(_parameters(r, found)), ", ".join(others[:NAMED] + more))
+        table.add_row(said, f"{before} → {after}", *map(Text, cells))
+    hidden = len(found.ranking) - table.row_count
+    table.caption = (
+        "each candidate fitted alone beside the model as given; error over torque RMS, mean of joints"
+    )
+    table.caption += f"; {hidden} more with --all" if hidden else ""
+    return table
+
+
+def _parameters(ranked: Ranked, found: Discovery) -> list[str]:
+    """The parameters that differ from zero most clearly."""
+    from cdia_pin.viewers.words import number, with_unit
+
+    term = ranked.term
+    units = term.effect.units(found.model.robot)
+    ends = term.ci95 or tuple((v, v) for v in term.theta)
+    rows = zip(term.values.items(), units, ends, strict=True)
+    clear = [
+        (abs(value) / max(upper - lower, 1e-12), f"{name} {with_unit(number(value), unit)}")
+        for (name, value), unit, (lower, upper) in rows
+    ]
+    kept = sorted(sorted(clear, reverse=True)[:NAMED], key=clear.index)
+    left = len(clear) - len(kept)
+    return [text for _, text in kept] + ([f"({left} more)"] if left else [])
