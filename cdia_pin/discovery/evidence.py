@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 
 PRICE_PER_PARAMETER = 4.0  # beside the log of the samples: parsimony between nested effects
 PARAMETER_WORTH = 0.012  # share of one joint's sum of squares that a parameter must explain beside its rivals
-WORTH = 0.08  # least share of what is left of a joint that an effect must explain to be worth a name
-SMALLEST_TORQUE = 0.01  # of a joint's RMS torque: an effect below that changes nothing a user would notice
+WORTH = 0.1  # least share of what is left of a joint that an effect must explain to be worth a name
+SMALLEST_TORQUE = 0.015  # of a joint's RMS torque: an effect below that changes nothing a user would notice
 MOST_INFLATION = 1e5  # of a parameter's variance by the others, beyond which it repeats them
 REPAIRS = 4  # rounds of holding unphysical parameters at their nearest physical value
 

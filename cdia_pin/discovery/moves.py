@@ -10,6 +10,7 @@ from cdia_pin.discovery.evidence import Evidence, Fit
 
 Names = frozenset[str]
 
+LOCAL = 2  # joints that an effect may act on to be split or merged with its neighbours
 TRIED = 5  # candidates that are fitted after the gains have ranked them
 CLEAR = 5.0  # times the least gain: such an effect needs no further proof
 HOLDS = 0.5  # least share of a gain that is left on held-out blocks
@@ -118,22 +119,23 @@ def _additions(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[in
 
 
 def _exchanges(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-    """Yield sets with one effect for another, two for one, one for two."""
+    """Yield sets with one effect for another and, within a joint, two for one and one for two."""
+    local = [c for c in chosen if len(evidence.effects[c].acts_on(evidence.robot)) <= LOCAL]
     for c in chosen:
         rest = tuple(x for x in chosen if x != c)
-        lost = evidence.fit(rest).cost - evidence.fit(chosen).cost
+        lost = evidence.bound(rest) - evidence.fit(chosen).cost
         for other in ranked(evidence, rest, TRIED, spare=-min(lost, 0.0)):
             if other == c:
                 continue
             yield (*rest, other)
-            if evidence.effects[c].size > 1:
+            if c in local and evidence.effects[c].size > 1:
                 yield from ((*rest, other, third) for third in ranked(evidence, (*rest, other), 3) if third != c)
-        for second in rest:
-            if second > c and _touch(evidence, c, second):
+        for second in local:
+            if c in local and second > c and _share_a_joint(evidence, c, second):
                 fewer = tuple(x for x in rest if x != second)
                 yield from ((*fewer, other) for other in ranked(evidence, fewer, 3) if other not in {c, second})
 
 
-def _touch(evidence: Evidence, one: int, two: int) -> bool:
-    robot = evidence.robot
-    return bool(set(evidence.effects[one].acts_on(robot)) & set(evidence.effects[two].acts_on(robot)))
+def _share_a_joint(evidence: Evidence, one: int, two: int) -> bool:
+    joints = (set(evidence.effects[c].acts_on(evidence.robot)) for c in (one, two))
+    return bool(set.intersection(*joints))

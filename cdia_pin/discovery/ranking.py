@@ -16,7 +16,7 @@ from cdia_pin.discovery.trace import step_of
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 
-SHOWN = 8
+SHOWN = 6
 
 
 def rank(problem: Problem, model: Dynamics, whitened: Whitened, count: int = SHOWN) -> tuple[Ranked, ...]:

@@ -21,7 +21,7 @@ Progress = Callable[[str, float], None]
 Swaps = set[tuple[str, str]]
 
 ROUGHLY = 2  # iterations of a refit while searching
-VISIBLE = 0.02  # share by which an additional effect must lower the RMS of some joint, as a user sees it
+VISIBLE = 0.04  # share by which an additional effect must lower the RMS of some joint, as a user sees it
 MOST_MOVES = 120
 MOST_REJECTED = 6  # moves in a row that did not hold what they promised
 

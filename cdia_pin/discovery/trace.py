@@ -12,7 +12,7 @@ from cdia_pin.discovery.result import Confusion, Step
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 
-ITERATIONS = 3  # of the refits between the first and the last
+ITERATIONS = 2  # of the refits between the first and the last
 
 
 def trace(problem: Problem, base: Dynamics, found: Dynamics, whitened: Whitened) -> tuple[Dynamics, tuple[Step, ...]]:
