@@ -5,4 +5,14 @@ from cdia_pin.discovery.discovering import add_effect, discover
 from cdia_pin.discovery.result import Confusion, Discovery, Ranked, Step
 from cdia_pin.discovery.settings import DiscoverySettings
 
-__all__ = ["Comparison", "Confusion", "Discovery", "DiscoverySettings", "Ranked", "Step", "add_effect", "compare", "discover"]
+__all__ = [
+    "Comparison",
+    "Confusion",
+    "Discovery",
+    "DiscoverySettings",
+    "Ranked",
+    "Step",
+    "add_effect",
+    "compare",
+    "discover",
+]

@@ -17,11 +17,15 @@ from cdia_pin.errors import EffectError, unknown_name
 Array = NDArray[np.float64]
 
 LARGE_FAMILY = 12  # an effect with more shapes than that is screened before it is a candidate
-LEAST_RIGID_SHARE = 0.2  # of a joint's torque that must be the rigid body's for a gain to be told from friction
+LEAST_RIGID_SHARE = (
+    0.2  # of a joint's torque that must be the rigid body's for a gain to be told from friction
+)
 SCREENED = 2  # shapes that pass the screening
 
 
-def enumerate_candidates(experiment: Experiment, prediction: Prediction, settings: DiscoverySettings) -> list[list[Effect]]:
+def enumerate_candidates(
+    experiment: Experiment, prediction: Prediction, settings: DiscoverySettings
+) -> list[list[Effect]]:
     """Return the candidates in families of one effect and scope, each with its shapes.
 
     Raises:
@@ -34,7 +38,9 @@ def enumerate_candidates(experiment: Experiment, prediction: Prediction, setting
             raise EffectError(unknown_name("effect", name, EFFECTS))
     x = experiment.along(prediction)
     rigid = np.vstack([s.motion.compared(s.state.rigid_torque) for s in experiment.segments])
-    rigid_share = rms(rigid, experiment.informative) / np.maximum(rms(experiment.measured, experiment.informative), 1e-12)
+    rigid_share = rms(rigid, experiment.informative) / np.maximum(
+        rms(experiment.measured, experiment.informative), 1e-12
+    )
     families: list[list[Effect]] = []
     for name in names:
         if EFFECTS[name] is Expression:
@@ -94,7 +100,9 @@ class Columns:
     def fixed(self, effect: Effect, prediction: Prediction) -> Array:
         """Return the columns of an effect of the motion alone, as in a model without gains."""
         if effect not in self._fixed:
-            bare = replace(prediction, torques=tuple(replace(t, gain=np.ones_like(t.gain)) for t in prediction.torques))
+            bare = replace(
+                prediction, torques=tuple(replace(t, gain=np.ones_like(t.gain)) for t in prediction.torques)
+            )
             self._fixed[effect] = self.experiment.columns(effect, bare)
         return self._fixed[effect]
 
@@ -113,7 +121,11 @@ class Columns:
 
 
 def screen(
-    families: Iterable[list[Effect]], columns: Columns, prediction: Prediction, noise: Sequence[NoiseModel], leftover: Array
+    families: Iterable[list[Effect]],
+    columns: Columns,
+    prediction: Prediction,
+    noise: Sequence[NoiseModel],
+    leftover: Array,
 ) -> list[Effect]:
     """Keep of each large family the shapes that fit what is left best, and all of the small ones.
 

@@ -63,7 +63,7 @@ class Shape:
     edges: Array
     mean: Array
     spread: Array
-    count: Array
+    count: NDArray[np.intp]
     share: float
 
 
@@ -129,7 +129,9 @@ class Comparison:
         }
 
 
-def compare(model: Dynamics, logs: Log | Sequence[Log], *, conditioning: Conditioning | None = None) -> Comparison:
+def compare(
+    model: Dynamics, logs: Log | Sequence[Log], *, conditioning: Conditioning | None = None
+) -> Comparison:
     """Compare the torque that a model predicts with the torque that was measured.
 
     Args:
@@ -160,7 +162,9 @@ def compare(model: Dynamics, logs: Log | Sequence[Log], *, conditioning: Conditi
         of_joint = {name: values[:, j] for name, values in signals.items()} | {"time": time}
         shapes[joint] = {name: _shape(x[use[:, j]], residual[use[:, j], j]) for name, x in of_joint.items()}
         units = signal_units(bool(model.robot.is_prismatic[j]))
-        found = [r for name, s in shapes[joint].items() for r in _regions(joint, name, s, errors[j], units[name])]
+        found = [
+            r for name, s in shapes[joint].items() for r in _regions(joint, name, s, errors[j], units[name])
+        ]
         regions += sorted(found, key=lambda r: -r.ratio)[:REGIONS]
     return Comparison(
         model=model,

@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cdia_pin.discovery.evidence import Evidence
-from cdia_pin.discovery.result import Confusion
 from cdia_pin.discovery.moves import ranked
+from cdia_pin.discovery.result import Confusion
 
-DOUBT = 12.0  # difference of cost up to which two explanations count as hard to tell apart
-SAME = 0.01  # or the share of what the effect explains by which the other may fall short
+DOUBT = 20.0  # difference of cost up to which two explanations count as hard to tell apart
+FAINT = 0.05  # or the share of one joint's noise: nobody would see the difference
 
 
-def find_confusions(evidence: Evidence, chosen: Sequence[int], one: int, most: int = 4) -> tuple[Confusion, ...]:
-    """Return the effects that would explain nearly as much in the place of one that was found.
+def find_confusions(
+    evidence: Evidence, chosen: Sequence[int], one: int, most: int = 4
+) -> tuple[Confusion, ...]:
+    """Return what would explain nearly as much in the place of an effect, or of it and another on its joint.
 
     Args:
         evidence: Normal equations of all candidates around the final model.
@@ -21,20 +23,28 @@ def find_confusions(evidence: Evidence, chosen: Sequence[int], one: int, most: i
         one: Which of them.
         most: How many confusions to report.
     """
-    rest = [c for c in chosen if c != one]
-    with_it, without = evidence.fit(chosen), evidence.fit(rest)
-    tolerated = max(DOUBT, SAME * (without.chi2 - with_it.chi2))
-    found: list[tuple[float, Confusion]] = []
-    seen = {evidence.effects[c].label for c in chosen}
-    for other in ranked(evidence, rest, 4 * most, spare=tolerated):
-        effect = evidence.effects[other]
-        if effect.label in seen:
-            continue
-        fit = evidence.fit([*rest, other])
-        if fit.physical and fit.cost - with_it.cost < tolerated:
-            seen.add(effect.label)
-            found.append((fit.cost, Confusion((effect,), motion_between(evidence.effects[one].name, effect.name))))
-    return tuple(c for _, c in sorted(found, key=lambda f: f[0])[:most])
+    tolerated = max(DOUBT, FAINT * evidence.samples / evidence.robot.n)
+    limit = evidence.fit(chosen).cost + tolerated
+    taken = {evidence.effects[c].label for c in chosen}
+    rivals: dict[str, tuple[float, int]] = {}
+    for replaced in ([one], *([one, c] for c in _neighbours(evidence, chosen, one))):
+        rest = [c for c in chosen if c not in replaced]
+        for other in ranked(evidence, rest, 2 * most, spare=tolerated):
+            label = evidence.effects[other].label
+            if label in taken or evidence.bound([*rest, other]) > limit:
+                continue
+            fit = evidence.fit([*rest, other])
+            if fit.physical and fit.cost < min(limit, rivals.get(label, (limit, 0))[0]):
+                rivals[label] = (fit.cost, other)
+    found = [evidence.effects[c] for _, c in sorted(rivals.values())[:most]]
+    return tuple(Confusion((e,), motion_between(evidence.effects[one].name, e.name)) for e in found)
+
+
+def _neighbours(evidence: Evidence, chosen: Sequence[int], one: int) -> list[int]:
+    """Return the other found effects that act on just the same joint."""
+    joints = evidence.effects[one].acts_on(evidence.robot)
+    alone = len(joints) == 1
+    return [c for c in chosen if alone and c != one and evidence.effects[c].acts_on(evidence.robot) == joints]
 
 
 MOTIONS = {

@@ -59,7 +59,9 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
     settings.verbose = False
     problem = sparse.csc_matrix(np.triu(gram * np.outer(unit, unit)))
     constraints = sparse.csc_matrix(np.vstack(rows) * unit)
-    solver = clarabel.DefaultSolver(problem, -unit * right, constraints, np.concatenate(offsets), cones, settings)
+    solver = clarabel.DefaultSolver(
+        problem, -unit * right, constraints, np.concatenate(offsets), cones, settings
+    )
     solution = solver.solve()
     if str(solution.status) not in {"Solved", "AlmostSolved"}:
         return np.zeros(len(right))

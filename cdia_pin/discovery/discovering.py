@@ -96,7 +96,8 @@ def add_effect(
     whitened = problem.first_noise(model)
     tell(f"fitting {effect.label}", 0.3)
     base = model.remove(effect.label) if effect.label in {t.label for t in model.terms} else model
-    trials = [effect] if isinstance(effect, Expression) else list(effect.shape_grid(_state(problem, model)))
+    along = problem.experiment.along(problem.experiment.predict(model))
+    trials = [effect] if isinstance(effect, Expression) else list(effect.shape_grid(along))
     if not trials:
         raise EffectError(f"{effect.label} cannot be seen in these logs: its joint hardly moves")
     if isinstance(effect, Unknown) or not effect.shape:
@@ -106,10 +107,6 @@ def add_effect(
     best = refine_shapes(problem.experiment, problem.columns, best, whitened, [t.label for t in base.terms])
     whitened = problem.whitened(problem.structure(best))
     return _concluded(problem, base, best, whitened, (), tell)
-
-
-def _state(problem: Problem, model: Dynamics):  # type: ignore[no-untyped-def]
-    return problem.experiment.along(problem.experiment.predict(model))
 
 
 def _fitted(problem: Problem, base: Dynamics, effect: Effect, whitened: Whitened) -> tuple[Dynamics, float]:

@@ -21,6 +21,8 @@ from cdia_pin.effects.inertia import Body
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]
 
 PRICE_PER_PARAMETER = 4.0  # beside the log of the samples: parsimony between nested effects
 PARAMETER_WORTH = 0.012  # share of one joint's sum of squares that a parameter must explain beside its rivals
@@ -115,7 +117,7 @@ class Evidence:
         sizes = np.array([e.size for e in self.effects])
         own = self.samples / self.robot.n  # of one joint
         per_parameter = max(np.log(max(own, 2.0)) + PRICE_PER_PARAMETER, PARAMETER_WORTH * own)
-        shapes = Counter((e.label for e in self.effects)) if self.searched is None else self.searched
+        shapes = Counter(e.label for e in self.effects) if self.searched is None else self.searched
         looked = np.array([2 * np.log(shapes[e.label]) for e in self.effects])
         rare = np.array([e.rarity for e in self.effects])
         return self.freedom * per_parameter + 2 * np.log(names) + looked + rare + 0.5 * sizes
@@ -173,7 +175,7 @@ class Evidence:
         physical = self._in_bounds(chosen, theta) and not self._is_redundant(columns)
         return Fit(chosen, theta, chi2, chi2 + price, physical)
 
-    def _bounded(self, chosen: Sequence[int], columns: Array, theta: Array) -> Array:
+    def _bounded(self, chosen: Sequence[int], columns: Indices, theta: Array) -> Array:
         """Return parameters within their bounds, those that would pass them held there."""
         limits = [self._bounds[c] for c in chosen]
         lower, upper = (np.concatenate(b) for b in zip(*limits, strict=True))
@@ -202,21 +204,21 @@ class Evidence:
             at += effect.size
         return True
 
-    def columns(self, chosen: Sequence[int]) -> NDArray[np.intp]:
+    def columns(self, chosen: Sequence[int]) -> Indices:
         """Return the columns of a set of candidates."""
         return np.concatenate([self.spans[c] for c in chosen]) if len(chosen) else np.zeros(0, int)
 
     def held_out(self, chosen: Sequence[int]) -> float:
         """Return the sum of squares when each block is predicted from the others, in variances of the noise."""
         columns = self.columns(tuple(sorted(chosen)))
-        return sum(self._chi2(b, columns, self.without(b, sorted(chosen))) for b in self.blocks)
+        return float(np.sum([self._chi2(b, columns, self.without(b, sorted(chosen))) for b in self.blocks]))
 
     def without(self, block: Array, chosen: Sequence[int]) -> Array:
         """Return the parameters of a set fitted to all but one block, shape (P,)."""
         columns = self.columns(tuple(chosen))
         return self._solve(self.total - block, columns, np.ones(len(columns), bool), np.zeros(len(columns)))
 
-    def _solve(self, gram: Array, columns: Array, free: Array, start: Array) -> Array:
+    def _solve(self, gram: Array, columns: Indices, free: Mask, start: Array) -> Array:
         theta = np.where(free, 0.0, start)
         at = columns[free]
         if len(at):
@@ -227,17 +229,19 @@ class Evidence:
         return theta
 
     @staticmethod
-    def _chi2(gram: Array, columns: Array, theta: Array) -> float:
+    def _chi2(gram: Array, columns: Indices, theta: Array) -> float:
         v = np.append(theta, -1.0)
         at = np.append(columns, len(gram) - 1)
         return float(v @ gram[np.ix_(at, at)] @ v)
 
-    def _is_redundant(self, columns: Array) -> bool:
+    def _is_redundant(self, columns: Indices) -> bool:
         """Tell whether a parameter does what others of the set do already, as two levels of friction would."""
         gram = self.total[np.ix_(columns, columns)] + np.diag(self.prior[columns])
         unit = 1.0 / np.sqrt(np.diag(gram))
         inflation = np.diag(np.linalg.inv(gram * np.outer(unit, unit)))
-        lone = np.isinf(self.prior_scale[columns])  # the parameters of a body repeat each other, and have a prior
+        lone = np.isinf(
+            self.prior_scale[columns]
+        )  # the parameters of a body repeat each other, and have a prior
         return bool((inflation[lone] > MOST_INFLATION).any())
 
     # ------------------------------------------------------------- every candidate beside a set
@@ -249,7 +253,9 @@ class Evidence:
         if len(at):
             matrix = rest[np.ix_(at, at)] + np.diag(self.prior[at])
             unit = 1.0 / self.scale[at]
-            solved = unit[:, None] * np.linalg.solve(matrix * np.outer(unit, unit), unit[:, None] * rest[at, :])
+            solved = unit[:, None] * np.linalg.solve(
+                matrix * np.outer(unit, unit), unit[:, None] * rest[at, :]
+            )
             rest = rest - rest[:, at] @ solved
         out = np.zeros(len(self.effects))
         for size, members in self._by_size.items():
@@ -260,7 +266,9 @@ class Evidence:
             # a column that the set explains already to one part in 10⁵ adds nothing but rounding
             diagonal = self.prior[spans] + 1e-5 * np.einsum("cii->ci", own)
             theta = np.linalg.solve(gram + np.eye(size) * diagonal[:, None, :], right[:, :, None])[:, :, 0]
-            out[members] = 2 * np.einsum("cp,cp->c", theta, right) - np.einsum("cp,cpq,cq->c", theta, gram, theta)
+            out[members] = 2 * np.einsum("cp,cp->c", theta, right) - np.einsum(
+                "cp,cpq,cq->c", theta, gram, theta
+            )
         out[list(chosen)] = 0.0
         return out
 

@@ -93,7 +93,9 @@ class Experiment:
             near_rest = np.abs(motion.v) < NEAR_REST * width
             segments.append(Segment(motion, state, measured))
             moving.append(motion.compared(near_rest.astype(float)) < MOST_NEAR_REST)
-            nearness.append(np.digitize(motion.sampled(_time_from_rest(motion, near_rest)) * motion.cutoff, DISTANCES))
+            nearness.append(
+                np.digitize(motion.sampled(_time_from_rest(motion, near_rest)) * motion.cutoff, DISTANCES)
+            )
         all_moving = np.vstack(moving)
         return cls(
             robot,
@@ -117,7 +119,10 @@ class Experiment:
     def predict(self, model: Dynamics) -> Prediction:
         """Predict the torque readings along all segments."""
         torques = tuple(model.torques(s.state) for s in self.segments)
-        rows = [s.motion.compared(t.reading - s.motion.effort) for s, t in zip(self.segments, torques, strict=True)]
+        rows = [
+            s.motion.compared(t.reading - s.motion.effort)
+            for s, t in zip(self.segments, torques, strict=True)
+        ]
         return Prediction(model, torques, np.vstack(rows))
 
     def columns(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
@@ -148,7 +153,8 @@ class Experiment:
     def compared_motion(self) -> tuple[Array, Array, Array, Array]:
         """Return time, q, v, a at the compared samples of all segments; shapes (K,) and (K, n)."""
         parts = [
-            [s.motion.sampled(x) for x in (s.motion.time, s.motion.q, s.motion.v, s.motion.a)] for s in self.segments
+            [s.motion.sampled(x) for x in (s.motion.time, s.motion.q, s.motion.v, s.motion.a)]
+            for s in self.segments
         ]
         time, q, v, a = (np.concatenate(p) for p in zip(*parts, strict=True))
         return time, q, v, a
@@ -167,7 +173,8 @@ def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:
 
 def _sign_width(motion: Motion) -> Array:
     return np.maximum(
-        WIDTH_OVER_NOISE * motion.speed_noise, WIDTH_OVER_SPEED * np.percentile(np.abs(motion.v), 95, axis=0) + 1e-6
+        WIDTH_OVER_NOISE * motion.speed_noise,
+        WIDTH_OVER_SPEED * np.percentile(np.abs(motion.v), 95, axis=0) + 1e-6,
     )
 
 

@@ -12,7 +12,9 @@ from cdia_pin.discovery.fitting import Whitened, gather
 Array = NDArray[np.float64]
 
 
-def held_out_rms(experiment: Experiment, columns: Columns, prediction: Prediction, whitened: Whitened) -> Array:
+def held_out_rms(
+    experiment: Experiment, columns: Columns, prediction: Prediction, whitened: Whitened
+) -> Array:
     """Return the RMS of each joint when every block of time is predicted by a fit to the others.
 
     Blocks are contiguous: a splice of raw motion would fabricate accelerations. Effects that are not linear are

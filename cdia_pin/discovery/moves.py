@@ -32,7 +32,9 @@ def improve(
         most: Largest number of effects.
     """
     now = evidence.fit(chosen)
-    needless = [part for c in now.chosen if (part := _without(evidence, now, c)) is not None and allowed(part.chosen)]
+    needless = [
+        part for c in now.chosen if (part := _without(evidence, now, c)) is not None and allowed(part.chosen)
+    ]
     if needless:
         return min(needless, key=lambda f: f.cost)
     if len(now.chosen) < most:
@@ -40,7 +42,9 @@ def improve(
         if better is not None and (not now.physical or holds(evidence, now, better)):
             return better
     exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
-    margin = max(MARGIN, EXCESS * (now.chi2 - evidence.samples))  # far from the noise, small change is no change
+    margin = max(
+        MARGIN, EXCESS * (now.chi2 - evidence.samples)
+    )  # far from the noise, small change is no change
     freedom = lambda m: float(evidence.freedom[list(m)].sum())  # noqa: E731
     simpler = [m for m in exchanges if len(m) <= len(now.chosen) or freedom(m) < freedom(now.chosen)]
     better = _cheapest(evidence, simpler, now.cost - margin)
@@ -129,11 +133,15 @@ def _exchanges(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[in
                 continue
             yield (*rest, other)
             if c in local and evidence.effects[c].size > 1:
-                yield from ((*rest, other, third) for third in ranked(evidence, (*rest, other), 3) if third != c)
+                yield from (
+                    (*rest, other, third) for third in ranked(evidence, (*rest, other), 3) if third != c
+                )
         for second in local:
             if c in local and second > c and _share_a_joint(evidence, c, second):
                 fewer = tuple(x for x in rest if x != second)
-                yield from ((*fewer, other) for other in ranked(evidence, fewer, 3) if other not in {c, second})
+                yield from (
+                    (*fewer, other) for other in ranked(evidence, fewer, 3) if other not in {c, second}
+                )
 
 
 def _share_a_joint(evidence: Evidence, one: int, two: int) -> bool:

@@ -44,10 +44,14 @@ class Problem:
     settings: DiscoverySettings
 
     @classmethod
-    def of(cls, model: Dynamics, logs: Sequence[Log], holdout: Sequence[Log], settings: DiscoverySettings) -> Problem:
+    def of(
+        cls, model: Dynamics, logs: Sequence[Log], holdout: Sequence[Log], settings: DiscoverySettings
+    ) -> Problem:
         """Condition the logs and enumerate the candidates."""
         robot = model.robot
-        motions, unseen = ([condition(log, robot, settings.conditioning) for log in part] for part in (logs, holdout))
+        motions, unseen = (
+            [condition(log, robot, settings.conditioning) for log in part] for part in (logs, holdout)
+        )
         experiment = Experiment.of(robot, motions)
         families = enumerate_candidates(experiment, experiment.predict(model), settings)
         return cls(
@@ -104,7 +108,9 @@ class Problem:
     def _structure(self, prediction: Prediction, effects: Sequence[Effect]) -> Structure:
         """Look for structure beside effects, as if each joint had its own parameters of them."""
         present = {t.effect: np.array(t.theta) for t in prediction.model.terms}
-        own: list[list[Array]] = [[np.zeros((len(prediction.residual), 0))] for _ in self.experiment.robot.joints]
+        own: list[list[Array]] = [
+            [np.zeros((len(prediction.residual), 0))] for _ in self.experiment.robot.joints
+        ]
         for effect in effects:
             x = self.columns.of(effect, prediction, present.get(effect))
             for i, j in enumerate(effect.acts_on(self.experiment.robot)):

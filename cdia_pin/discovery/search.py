@@ -75,7 +75,7 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
         if not fit.physical or unseen or fit.cost > now.cost + _sacrifice(evidence, now, better):
             driven = {t.label for t in trial.terms if t.effect.of_torque}
             rejected += 1
-            futile |= {s for s in _swaps(present, frozenset(_labels(trial))) if s[0] in driven}
+            futile.update(s for s in _swaps(present, frozenset(_labels(trial))) if s[0] in driven)
             continue
         model, evidence, now, now_errors, rejected = trial, beside, fit, errors, 0
     return model
@@ -86,7 +86,11 @@ def _sacrifice(evidence: Evidence, now: Fit, after: Fit) -> float:
     dropped = set(now.chosen) - set(after.chosen)
     if not now.physical:
         return float("inf")
-    return max((evidence.least_gain[c] for c in dropped), default=0.0) if set(after.chosen) < set(now.chosen) else -1e-6
+    return (
+        max((evidence.least_gain[c] for c in dropped), default=0.0)
+        if set(after.chosen) < set(now.chosen)
+        else -1e-6
+    )
 
 
 def _swaps(before: Names, after: Names) -> Swaps:

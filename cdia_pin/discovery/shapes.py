@@ -32,7 +32,9 @@ def refine_shapes(
     for term in [t for t in model.terms if t.effect.shape and t.label not in known]:
         (name,) = term.effect.shape_values
         rest = [t.effect for t in model.terms if t.label != term.label]
-        grid = [e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))]
+        grid = [
+            e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))
+        ]
         best, spread = term, _cell(term.effect.shape_values[name], grid) / 2
         for _ in range(ROUNDS):
             value = best.effect.shape_values[name]
@@ -42,7 +44,9 @@ def refine_shapes(
             fits = [evidence.fit([*range(len(rest)), len(rest) + i]) for i in range(len(tries))]
             step = float(np.clip(_bottom(*(f.chi2 for f in fits)), -1.5, 1.5)) * spread
             moved = float(np.clip(value + step, min(grid, default=value), max(grid, default=value)))
-            best = replace(best, effect=best.effect.with_shape(**{name: moved}), theta=_last(fits[1].theta, best))
+            best = replace(
+                best, effect=best.effect.with_shape(**{name: moved}), theta=_last(fits[1].theta, best)
+            )
             spread *= NARROWER
         model = Dynamics(model.robot, tuple(best if t.label == term.label else t for t in model.terms))
     return model

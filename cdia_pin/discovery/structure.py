@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import partial
 
@@ -97,7 +98,9 @@ def look_for_structure(
         more = max(both.shape[1] - fitted.shape[1], 1)
         spare = max(int((use & outer[j].kept).sum()) - both.shape[1], 1)
         chance = float(fdtrc(more, spare, max((rss_own - rss_both) / more, 0.0) / (rss_both / spare)))
-        improvement[j], plain = (_improvement(*map(w, (fitted, smooth, y)), edges) for w in (by_outer, by_inner))
+        improvement[j], plain = (
+            _improvement(white(fitted), white(smooth), white(y), edges) for white in (by_outer, by_inner)
+        )
         left[j] = (chance < ALARM and improvement[j] > LEAST_IMPROVEMENT) or plain > PLAIN_IMPROVEMENT
     return Structure(left, improvement, tuple(outer), tuple(inner), floor)
 
@@ -148,7 +151,7 @@ def _held_out(own: Array, smooth: Array, y: Array, edges: NDArray[np.intp], ridg
     gram, right = x.T @ x, x.T @ y
     penalty = np.diag(np.repeat([1e-9, ridge], [own.shape[1], smooth.shape[1]]))
     total = 0.0
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+    for start, stop in itertools.pairwise(edges):
         xb, yb = x[start:stop], y[start:stop]
         theta = np.linalg.solve(gram - xb.T @ xb + penalty, right - xb.T @ yb) if len(gram) else np.zeros(0)
         total += float(np.sum((yb - xb @ theta) ** 2))

@@ -10,12 +10,14 @@ from cdia_pin.discovery.heldout import held_out_rms
 from cdia_pin.discovery.problem import Problem
 from cdia_pin.discovery.result import Confusion, Step
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Term
+from cdia_pin.effects import Effect, Term
 
 ITERATIONS = 2  # of the refits between the first and the last
 
 
-def trace(problem: Problem, base: Dynamics, found: Dynamics, whitened: Whitened) -> tuple[Dynamics, tuple[Step, ...]]:
+def trace(
+    problem: Problem, base: Dynamics, found: Dynamics, whitened: Whitened
+) -> tuple[Dynamics, tuple[Step, ...]]:
     """Refit a found model with intervals, and say what each of its effects does to the error.
 
     Args:
@@ -47,7 +49,7 @@ def trace(problem: Problem, base: Dynamics, found: Dynamics, whitened: Whitened)
     return final, tuple(steps)
 
 
-def _most_telling(beside: Evidence, chosen: list[int], index: dict, pending: list[Term]) -> Term:  # type: ignore[type-arg]
+def _most_telling(beside: Evidence, chosen: list[int], index: dict[Effect, int], pending: list[Term]) -> Term:
     gains = beside.gains(chosen)
     return max(pending, key=lambda t: gains[index[t.effect]])
 

@@ -88,7 +88,7 @@ class EffortDelay(NonlinearEffect):
     @staticmethod
     def delayed(time: Array, signal: Array, delay: float) -> Array:
         """Return a signal as it was `delay` seconds before, held at both ends, shape (N,) or (N, n)."""
-        from scipy.interpolate import CubicSpline  # noqa: PLC0415  (importing the package must stay light)
+        from scipy.interpolate import CubicSpline
 
         return np.asarray(CubicSpline(time, signal)(np.clip(time - delay, time[0], time[-1])))
 

@@ -28,7 +28,7 @@ def parse_term(text: str, robot: RobotModel | None = None) -> Term:
         EffectError: If a name or number is not valid.
         RobotError: If a joint is not of the robot.
     """
-    from cdia_pin.effects import parse_effect  # noqa: PLC0415  (the vocabulary is made of these modules)
+    from cdia_pin.effects import parse_effect
 
     label, _, rest = text.partition(":")
     pairs: dict[str, str] = {}

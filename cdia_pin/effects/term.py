@@ -109,7 +109,7 @@ class Term:
         Raises:
             EffectError: If a name is unknown or a number is missing.
         """
-        from cdia_pin.effects import effect_from_dict  # noqa: PLC0415  (the vocabulary holds terms too)
+        from cdia_pin.effects import effect_from_dict
 
         effect = effect_from_dict(given)
         written = given.get("parameters", {})

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ Array = NDArray[np.float64]
 
 LOWEST_CUTOFF, HIGHEST_CUTOFF = 5.0, 25.0  # [Hz]
 HIGHEST_SHARE = 0.15  # of the log's rate
+FINEST = 1e-15  # floor over peak power of a position: about 10⁻⁶ of its travel
 FLAT = 10.0  # times the spectrum's floor: power below that is noise
 AMPLIFIED = 2.0  # computed over measured torque: a band where it is larger holds no motion
 SHORTEST = 3.0  # [s], less cannot be conditioned
@@ -205,19 +207,22 @@ def choose_cutoff(even: Log, robot: RobotModel) -> float:
         return highest
     edges = np.geomspace(LOWEST_CUTOFF, highest, 14)
     position, frequency = _spectrum(even.position, rate)
-    floor = np.median(position[frequency > 0.3 * rate], axis=0)
+    # positions without noise of their own, such as filtered ones, are taken to be as fine as the best encoders
+    floor = np.maximum(np.median(position[frequency > 0.3 * rate], axis=0), FINEST * position.max(axis=0))
     q = zero_phase(even.position, highest, rate)
     every = max(1, int(rate / (4 * highest)))
     v = differentiate(q, rate)
     motion = [x[::every] for x in (q, v, differentiate(v, rate))]
     computed, low_rate = _spectrum(robot.inverse_dynamics(*motion), rate / every)
     measured, _ = _spectrum(zero_phase(even.effort, highest, rate)[::every], rate / every)
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         band, low_band = ((f >= low) & (f < high) for f in (frequency, low_rate))
         if not band.any() or not low_band.any():
             continue
         flat = (position[band].mean(axis=0) < FLAT * floor).all()
-        amplified = np.median(computed[low_band].mean(axis=0) / np.maximum(measured[low_band].mean(axis=0), 1e-300))
+        amplified = np.median(
+            computed[low_band].mean(axis=0) / np.maximum(measured[low_band].mean(axis=0), 1e-300)
+        )
         if flat or amplified > AMPLIFIED**2:
             return float(low)
     return float(highest)
@@ -228,7 +233,7 @@ def _spectrum(signal: Array, rate: float) -> tuple[Array, Array]:
     line = np.linspace(0, 1, len(signal))[:, None]
     moving = signal - (signal[0] + line * (signal[-1] - signal[0]))
     power = np.abs(np.fft.rfft(moving * np.hanning(len(signal))[:, None], axis=0)) ** 2
-    return power, np.fft.rfftfreq(len(signal), 1 / rate)
+    return power, np.asarray(np.fft.rfftfreq(len(signal), 1 / rate), float)
 
 
 def _speed_noise(raw: Array, smooth: Array, rate: float, cutoff: float) -> Array:

@@ -122,6 +122,6 @@ def _linear(time: Array, given: Array, signal: Array) -> Array:
 def _akima(time: Array, given: Array, signal: Array) -> Array:
     if len(given) < 5:
         return _linear(time, given, signal)
-    from scipy.interpolate import Akima1DInterpolator  # noqa: PLC0415  (importing the package must stay light)
+    from scipy.interpolate import Akima1DInterpolator
 
     return np.asarray(Akima1DInterpolator(given, signal, axis=0)(time))

@@ -57,15 +57,15 @@ def columns_of(log: Log) -> dict[str, Array]:
 
 
 def _write_arrow(log: Log, path: Path, suffix: str) -> None:
-    import pyarrow as pa  # noqa: PLC0415  (pyarrow is slow to import)
+    import pyarrow as pa
 
     table = pa.table(columns_of(log))
     if suffix == ".parquet":
-        from pyarrow import parquet  # noqa: PLC0415
+        from pyarrow import parquet
 
         parquet.write_table(table, path)
         return
-    from pyarrow import csv  # noqa: PLC0415
+    from pyarrow import csv
 
     with path.open("wb") as file:
         file.write((",".join(table.column_names) + "\n").encode())  # pyarrow would put it in quotes

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.text_discovery import discovery_table
-from cdia_pin.viewers.words import joint_units, number, percent, region_words, with_unit
+from cdia_pin.viewers.words import joint_units, number, percent, region_words, short_names, with_unit
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison
@@ -30,13 +30,14 @@ def comparison_table(comparison: Comparison) -> Table:
     robot = comparison.model.robot
     heads = ("joint", "torque RMS", "error RMS", "error", "bias", "autocorr.", "follows")
     table = new_table(*heads, left=(0, 6))
+    short = short_names(robot.joints)
     for j, joint in enumerate(robot.joints):
         unit = joint_units(robot, joint)["load"]
         shapes = comparison.shapes[joint]
         signal = max(shapes, key=lambda s: shapes[s].share)
         add_row(
             table,
-            joint,
+            short[joint],
             with_unit(number(comparison.torque_rms[j]), unit),
             with_unit(number(comparison.rms[j]), unit),
             percent(comparison.relative_rms[j]),
@@ -57,11 +58,12 @@ def where_it_fails(comparison: Comparison, most: int = 10) -> Table:
         most: How many regions to list.
     """
     table = new_table("joint", "where", "|residual| there", "bias there", "× its mean", left=(0, 1))
+    short = short_names(comparison.model.robot.joints)
     for r in comparison.worst_regions[:most]:
         unit = joint_units(comparison.model.robot, r.joint)["load"]
         add_row(
             table,
-            r.joint,
+            short[r.joint],
             region_words(r),
             with_unit(number(r.rms), unit),
             with_unit(number(r.bias, 2), unit),

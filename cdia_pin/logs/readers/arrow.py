@@ -21,7 +21,7 @@ def table_from_arrow(arrow: pa.Table, source: str, notes: tuple[str, ...] = ()) 
     Raises:
         LogError: If a column name is given twice.
     """
-    import pyarrow as pa  # noqa: PLC0415  (pyarrow is slow to import)
+    import pyarrow as pa
 
     names = list(arrow.column_names)
     twice = sorted({n for n in names if names.count(n) > 1})

@@ -100,8 +100,8 @@ def _delimiter(header: str) -> str:
 
 
 def _parse(text: bytes, names: list[str], delimiter: str, source: str, notes: list[str]) -> pa.Table:
-    import pyarrow as pa  # noqa: PLC0415  (pyarrow is slow to import)
-    from pyarrow import csv  # noqa: PLC0415
+    import pyarrow as pa
+    from pyarrow import csv
 
     broken: list[tuple[int, str]] = []
 

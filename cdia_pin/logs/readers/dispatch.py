@@ -50,14 +50,14 @@ def read_table(
         raise LogError(f"{source}: the file is empty")
     digest = hashlib.sha256(data).hexdigest()
     if suffix in {".parquet", ".pq"}:
-        from cdia_pin.logs.readers.parquet import read_parquet  # noqa: PLC0415
+        from cdia_pin.logs.readers.parquet import read_parquet
 
         return read_parquet(data, source), digest
     if suffix == ".npz":
-        from cdia_pin.logs.readers.npz import read_npz  # noqa: PLC0415
+        from cdia_pin.logs.readers.npz import read_npz
 
         return read_npz(data, source), digest
-    from cdia_pin.logs.readers.csv import read_csv  # noqa: PLC0415
+    from cdia_pin.logs.readers.csv import read_csv
 
     return read_csv(data, source), digest
 
@@ -66,7 +66,7 @@ def _bag(
     path: Path, joints: Sequence[str], joint_map: Mapping[str, str] | None, topic: str | None
 ) -> tuple[Table, str]:
     """Read a bag, or the only storage file of a directory that has no metadata."""
-    from cdia_pin.logs.readers.rosbag import read_rosbag  # noqa: PLC0415
+    from cdia_pin.logs.readers.rosbag import read_rosbag
 
     files = [path]
     if path.is_dir():

@@ -13,8 +13,8 @@ def read_parquet(data: bytes, source: str) -> Table:
     Raises:
         LogError: If the bytes are not Parquet.
     """
-    import pyarrow as pa  # noqa: PLC0415  (pyarrow is slow to import)
-    from pyarrow import parquet  # noqa: PLC0415
+    import pyarrow as pa
+    from pyarrow import parquet
 
     try:
         arrow = parquet.read_table(pa.BufferReader(data))

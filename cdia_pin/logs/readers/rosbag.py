@@ -145,8 +145,8 @@ def _choose(
 
 def _joint_states(path: Path, source: str) -> tuple[list[_Topic], list[str]]:
     """All JointState messages by topic, and the other topics with their types."""
-    from rosbags.rosbag2 import Reader  # noqa: PLC0415  (only bags need it)
-    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
+    from rosbags.rosbag2 import Reader
+    from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_HUMBLE)  # JointState is the same in every ROS 2
     topics: dict[str, _Topic] = {}
