@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 JOBS ?= 2
+export OPENBLAS_NUM_THREADS ?= 1  # small matrices: threads only cost
 
 .PHONY: install test lint demo bench clean help
 

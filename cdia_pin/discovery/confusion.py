@@ -9,7 +9,6 @@ from cdia_pin.discovery.moves import ranked
 from cdia_pin.discovery.result import Confusion
 
 DOUBT = 20.0  # difference of cost up to which two explanations count as hard to tell apart
-FAINT = 0.05  # or the share of one joint's noise: nobody would see the difference
 
 
 def find_confusions(
@@ -23,8 +22,9 @@ def find_confusions(
         one: Which of them.
         most: How many confusions to report.
     """
-    tolerated = max(DOUBT, FAINT * evidence.samples / evidence.robot.n)
-    limit = evidence.fit(chosen).cost + tolerated
+    found = evidence.fit(chosen)
+    tolerated = DOUBT * max(1.0, found.chi2 / max(evidence.samples, 1))  # structure that is left makes all less sure
+    limit = found.cost + tolerated
     taken = {evidence.effects[c].label for c in chosen}
     rivals: dict[str, tuple[float, int]] = {}
     for replaced in ([one], *([one, c] for c in _neighbours(evidence, chosen, one))):
@@ -36,8 +36,8 @@ def find_confusions(
             fit = evidence.fit([*rest, other])
             if fit.physical and fit.cost < min(limit, rivals.get(label, (limit, 0))[0]):
                 rivals[label] = (fit.cost, other)
-    found = [evidence.effects[c] for _, c in sorted(rivals.values())[:most]]
-    return tuple(Confusion((e,), motion_between(evidence.effects[one].name, e.name)) for e in found)
+    best = [evidence.effects[c] for _, c in sorted(rivals.values())[:most]]
+    return tuple(Confusion((e,), motion_between(evidence.effects[one].name, e.name)) for e in best)
 
 
 def _neighbours(evidence: Evidence, chosen: Sequence[int], one: int) -> list[int]:
