@@ -23,7 +23,9 @@ def find_confusions(
         most: How many confusions to report.
     """
     found = evidence.fit(chosen)
-    tolerated = DOUBT * max(1.0, found.chi2 / max(evidence.samples, 1))  # structure that is left makes all less sure
+    tolerated = DOUBT * max(
+        1.0, found.chi2 / max(evidence.samples, 1)
+    )  # structure that is left makes all less sure
     limit = found.cost + tolerated
     taken = {evidence.effects[c].label for c in chosen}
     rivals: dict[str, tuple[float, int]] = {}

@@ -191,7 +191,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
 def choose_cutoff(even: Log, robot: RobotModel) -> float:
     """Choose a cut-off from the log: up to where positions still tell of the motion, and not of their own noise.
 
-    Two signs of noise end the band: the positions' spectrum is flat on every joint, or the rigid-body torque computed
+    Two signs of noise end the band: the spectra of positions and torques are flat on every joint, or the rigid-body torque computed
     from them is larger than the measured torque on most joints, since accelerations amplify what is no motion.
 
     Args:
@@ -209,6 +209,8 @@ def choose_cutoff(even: Log, robot: RobotModel) -> float:
     position, frequency = _spectrum(even.position, rate)
     # positions without noise of their own, such as filtered ones, are taken to be as fine as the best encoders
     floor = np.maximum(np.median(position[frequency > 0.3 * rate], axis=0), FINEST * position.max(axis=0))
+    effort, _ = _spectrum(even.effort, rate)
+    hiss = np.median(effort[frequency > 0.3 * rate], axis=0)
     q = zero_phase(even.position, highest, rate)
     every = max(1, int(rate / (4 * highest)))
     v = differentiate(q, rate)
@@ -219,7 +221,9 @@ def choose_cutoff(even: Log, robot: RobotModel) -> float:
         band, low_band = ((f >= low) & (f < high) for f in (frequency, low_rate))
         if not band.any() or not low_band.any():
             continue
-        flat = (position[band].mean(axis=0) < FLAT * floor).all()
+        flat = (position[band].mean(axis=0) < FLAT * floor).all() and (
+            effort[band].mean(axis=0) < FLAT * hiss
+        ).all()
         amplified = np.median(
             computed[low_band].mean(axis=0) / np.maximum(measured[low_band].mean(axis=0), 1e-300)
         )

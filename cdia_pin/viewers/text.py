@@ -28,7 +28,7 @@ def comparison_table(comparison: Comparison) -> Table:
         comparison: The outcome of ``compare``.
     """
     robot = comparison.model.robot
-    heads = ("joint", "torque RMS", "error RMS", "error", "bias", "autocorr.", "follows")
+    heads = ("joint", "torque RMS", "error RMS", "error", "bias", "lag 1", "follows")
     table = new_table(*heads, left=(0, 6))
     short = short_names(robot.joints)
     for j, joint in enumerate(robot.joints):
@@ -43,11 +43,14 @@ def comparison_table(comparison: Comparison) -> Table:
             percent(comparison.relative_rms[j]),
             with_unit(number(comparison.bias[j], 2), unit),
             f"{comparison.autocorrelation[j]:.2f}".replace("-", "−"),
-            f"{signal} ({percent(shapes[signal].share)})",
+            f"{signal} {percent(shapes[signal].share)}",
         )
     add_row(table, "mean", "", "", percent(float(np.mean(comparison.relative_rms))), "", "", "", style="bold")
     table.columns[0].min_width = max(map(len, short.values()))
-    table.caption = "error = model − measured; follows: the signal whose regions hold most of its variance"
+    table.caption = (
+        "error = model − measured; lag 1: its autocorrelation one sample apart; "
+        "follows: the signal whose regions hold most of its variance"
+    )
     return table
 
 

@@ -34,7 +34,7 @@ def test_it_is_one_small_file(page):
 
 
 def test_a_long_log_still_fits(results, tmp_path):
-    given, many = results.given, 60
+    given, many = results.given, 80
     tall = lambda x: np.tile(x, (many, 1))  # noqa: E731
     long = replace(
         given,
