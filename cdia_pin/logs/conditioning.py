@@ -191,8 +191,9 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
 def choose_cutoff(even: Log, robot: RobotModel) -> float:
     """Choose a cut-off from the log: up to where positions still tell of the motion, and not of their own noise.
 
-    Two signs of noise end the band: the spectra of positions and torques are flat on every joint, or the rigid-body torque computed
-    from them is larger than the measured torque on most joints, since accelerations amplify what is no motion.
+    Two signs of noise end the band: the spectra of positions and torques are flat on every joint, or the rigid-body
+    torque computed from the positions is larger than the measured one on most joints, since accelerations amplify
+    what is no motion.
 
     Args:
         even: A uniformly sampled log.
