@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from cdia_pin.discovery.evidence import Evidence
 from cdia_pin.discovery.moves import ranked
 from cdia_pin.discovery.result import Confusion
+from cdia_pin.effects import Effect
+from cdia_pin.effects.inertia import Body
+from cdia_pin.robot.model import RobotModel
 
 DOUBT = 20.0  # difference of cost up to which two explanations count as hard to tell apart
 
@@ -39,7 +42,7 @@ def find_confusions(
             if fit.physical and fit.cost < min(limit, rivals.get(label, (limit, 0))[0]):
                 rivals[label] = (fit.cost, other)
     best = [evidence.effects[c] for _, c in sorted(rivals.values())[:most]]
-    return tuple(Confusion((e,), motion_between(evidence.effects[one].name, e.name)) for e in best)
+    return tuple(Confusion((e,), motion_between(evidence.effects[one], e, evidence.robot)) for e in best)
 
 
 def _neighbours(evidence: Evidence, chosen: Sequence[int], one: int) -> list[int]:
@@ -80,7 +83,9 @@ NEEDS = {
 }
 
 
-def motion_between(one: str, other: str) -> str:
+def motion_between(one: Effect, other: Effect, robot: RobotModel) -> str:
     """Return in words a motion in which two effects differ."""
-    needs = dict.fromkeys(NEEDS.get(name, "position") for name in (one, other))
+    if isinstance(one, Body) and isinstance(other, Body) and one.carrier(robot) == other.carrier(robot):
+        return "no motion does, both are a body on the same link: repeat the log with the tool taken off"
+    needs = dict.fromkeys(NEEDS.get(e.name, "position") for e in (one, other))
     return "; ".join(MOTIONS[n] for n in needs)
