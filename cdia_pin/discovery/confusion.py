@@ -11,7 +11,7 @@ from cdia_pin.effects import Effect
 from cdia_pin.effects.inertia import Body
 from cdia_pin.robot.model import RobotModel
 
-DOUBT = 20.0  # difference of cost up to which two explanations count as hard to tell apart
+DOUBT = 30.0  # difference of cost up to which two explanations count as hard to tell apart
 
 
 def find_confusions(
@@ -34,13 +34,21 @@ def find_confusions(
     rivals: dict[str, tuple[float, int]] = {}
     for replaced in ([one], *([one, c] for c in _neighbours(evidence, chosen, one))):
         rest = [c for c in chosen if c not in replaced]
-        for other in ranked(evidence, rest, 2 * most, spare=tolerated):
+        for other in ranked(evidence, rest, 3 * most, spare=tolerated + 4 * evidence.price_per_parameter):
             label = evidence.effects[other].label
-            if label in taken or evidence.bound([*rest, other]) > limit:
+            spare = evidence.price_per_parameter * evidence.freedom[other]
+            if label in taken or evidence.bound([*rest, other]) - spare > limit:
                 continue
             fit = evidence.fit([*rest, other])
-            if fit.physical and fit.cost < min(limit, rivals.get(label, (limit, 0))[0]):
-                rivals[label] = (fit.cost, other)
+            # a rival that needs only some of its parameters is as simple as they are
+            idle = (
+                max(evidence.freedom[other] - evidence.told_from_zero(fit, other), 0.0)
+                if len(replaced) > 1
+                else 0.0
+            )
+            cost = fit.cost - evidence.price_per_parameter * idle
+            if fit.physical and cost < min(limit, rivals.get(label, (limit, 0))[0]):
+                rivals[label] = (cost, other)
     best = [evidence.effects[c] for _, c in sorted(rivals.values())[:most]]
     return tuple(Confusion((e,), motion_between(evidence.effects[one], e, evidence.robot)) for e in best)
 

@@ -106,7 +106,7 @@ def add_effect(
     best = min(fits, key=lambda f: f[1])[0]
     best = refine_shapes(problem.experiment, problem.columns, best, whitened, [t.label for t in base.terms])
     whitened = problem.whitened(problem.structure(best))
-    return _concluded(problem, base, best, whitened, (), tell)
+    return _concluded(problem, base, best, whitened, (), tell, forced=(effect.label,))
 
 
 def _fitted(problem: Problem, base: Dynamics, effect: Effect, whitened: Whitened) -> tuple[Dynamics, float]:
@@ -122,8 +122,9 @@ def _concluded(
     whitened: Whitened,
     ranking: tuple[Ranked, ...],
     tell: Progress,
+    forced: tuple[str, ...] = (),
 ) -> Discovery:
-    final, steps = trace(problem, base, found, whitened)
+    final, steps = trace(problem, base, found, whitened, forced)
     structure = problem.structure(final)
     tell("done", 1.0)
     left = tuple(j for j, s in zip(base.robot.joints, structure.left, strict=True) if s)
@@ -142,6 +143,8 @@ def _concluded(
             "holdout": [s.motion.record for s in problem.held_out.segments] if problem.held_out else [],
             "blocks": problem.settings.blocks,
             "effects": list(problem.settings.effects) if problem.settings.effects else "all",
+            "extra": [e.to_dict() for e in problem.settings.extra],
+            "most_effects": problem.settings.most_effects,
         },
     )
 

@@ -110,17 +110,21 @@ class Evidence:
             out.append(np.sum(values > max(1.0, 1e-9 * values[-1])) + len(effect.shape))
         return np.array(out, float)
 
+    @property
+    def price_per_parameter(self) -> float:
+        """What a parameter must gain beside its rivals [1]."""
+        own = self.samples / self.robot.n  # of one joint
+        return max(float(np.log(max(own, 2.0))) + PRICE_PER_PARAMETER, PARAMETER_WORTH * own)
+
     @cached_property
     def price(self) -> Array:
         """What each candidate must gain to be worth naming [1], shape (number of candidates,)."""
         names = max(len({e.label for e in self.effects}), 1)
         sizes = np.array([e.size for e in self.effects])
-        own = self.samples / self.robot.n  # of one joint
-        per_parameter = max(np.log(max(own, 2.0)) + PRICE_PER_PARAMETER, PARAMETER_WORTH * own)
         shapes = Counter(e.label for e in self.effects) if self.searched is None else self.searched
         looked = np.array([2 * np.log(shapes[e.label]) for e in self.effects])
         rare = np.array([e.rarity for e in self.effects])
-        return self.freedom * per_parameter + 2 * np.log(names) + looked + rare + 0.5 * sizes
+        return self.freedom * self.price_per_parameter + 2 * np.log(names) + looked + rare + 0.5 * sizes
 
     @cached_property
     def least_gain(self) -> Array:
@@ -207,6 +211,17 @@ class Evidence:
     def columns(self, chosen: Sequence[int]) -> Indices:
         """Return the columns of a set of candidates."""
         return np.concatenate([self.spans[c] for c in chosen]) if len(chosen) else np.zeros(0, int)
+
+    def told_from_zero(self, fit: Fit, one: int) -> int:
+        """Return how many parameters of one effect of a fit are told from zero."""
+        columns = self.columns(fit.chosen)
+        gram = self.total[np.ix_(columns, columns)] + np.diag(self.prior[columns])
+        unit = 1.0 / self.scale[columns]
+        deviation = unit * np.sqrt(
+            np.abs(np.diag(np.linalg.pinv(gram * np.outer(unit, unit), hermitian=True)))
+        )
+        own = np.isin(columns, self.spans[one])
+        return int(np.sum(np.abs(fit.theta[own]) > 2 * deviation[own]))
 
     def held_out(self, chosen: Sequence[int]) -> float:
         """Return the sum of squares when each block is predicted from the others, in variances of the noise."""

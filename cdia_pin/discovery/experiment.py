@@ -20,8 +20,12 @@ Array = NDArray[np.float64]
 WIDTH_OVER_NOISE = 3.0  # sgn is smoothed over this many standard deviations of the speed's noise
 WIDTH_OVER_SPEED = 0.005  # and over at least this share of the speeds driven
 NEAR_REST = 2.0  # widths; slower than that, friction is whatever keeps the joint where it is
-DISTANCES = (0.5, 1.0, 2.0, 4.0)  # classes of distance from rest, in periods of the cut-off
-MOST_NEAR_REST = 0.1  # share of the filter's window spent near rest that makes a sample uninformative
+DISTANCES = (
+    0.5,
+    1.0,
+    2.0,
+    4.0,
+)  # classes of distance from rest, in periods of the cut-off; the first is left out
 RESTING = 0.5  # a joint near rest for longer than this share of the log is taken as resting
 
 
@@ -92,10 +96,9 @@ class Experiment:
                 )
             near_rest = np.abs(motion.v) < NEAR_REST * width
             segments.append(Segment(motion, state, measured))
-            moving.append(motion.compared(near_rest.astype(float)) < MOST_NEAR_REST)
-            nearness.append(
-                np.digitize(motion.sampled(_time_from_rest(motion, near_rest)) * motion.cutoff, DISTANCES)
-            )
+            distance = motion.sampled(_time_from_rest(motion, near_rest)) * motion.cutoff
+            nearness.append(np.digitize(distance, DISTANCES))
+            moving.append(distance > DISTANCES[0])
         all_moving = np.vstack(moving)
         return cls(
             robot,

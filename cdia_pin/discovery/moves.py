@@ -12,6 +12,7 @@ Names = frozenset[str]
 
 LOCAL = 2  # joints that an effect may act on to be split or merged with its neighbours
 TRIED = 5  # candidates that are fitted after the gains have ranked them
+STAYS = 0.5  # of the least gain of a new effect: enough for one that is in the set
 CLEAR = 5.0  # times the least gain: such an effect needs no further proof
 HOLDS = 0.5  # least share of a gain that is left on held-out blocks
 EXCESS = 0.02  # of what is left beyond the noise: an exchange must gain more
@@ -70,11 +71,16 @@ def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float)
 def _without(evidence: Evidence, whole: Fit, lacking: int) -> Fit | None:
     """Return the fit without an effect that explains too little to be missed."""
     rest = tuple(c for c in whole.chosen if c != lacking)
-    needed = evidence.least_gain[lacking]
+    needed = missed(evidence, lacking)
     if whole.physical and evidence.free_chi2(rest) - whole.chi2 >= needed:
         return None
     part = evidence.fit(rest)
     return None if whole.physical and part.physical and part.chi2 - whole.chi2 >= needed else part
+
+
+def missed(evidence: Evidence, one: int) -> float:
+    """Return what an effect of a set must explain to stay: less than to come, lest it come and go."""
+    return max(float(evidence.price[one]), STAYS * float(evidence.least_gain[one]))
 
 
 def holds(evidence: Evidence, before: Fit, after: Fit) -> bool:

@@ -2,56 +2,85 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
+import numpy as np
+
 from cdia_pin.discovery.confusion import find_confusions
-from cdia_pin.discovery.evidence import Evidence
 from cdia_pin.discovery.experiment import rms
 from cdia_pin.discovery.fitting import Whitened, refit, with_intervals
 from cdia_pin.discovery.heldout import held_out_rms
 from cdia_pin.discovery.problem import Problem
 from cdia_pin.discovery.result import Confusion, Step
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Effect, Term
+from cdia_pin.effects import Term
 
+WORSE = 0.005  # share by which an effect may raise the held-out error, mean over the joints
 ITERATIONS = 2  # of the refits between the first and the last
 
 
 def trace(
-    problem: Problem, base: Dynamics, found: Dynamics, whitened: Whitened
+    problem: Problem, base: Dynamics, found: Dynamics, whitened: Whitened, forced: Collection[str] = ()
 ) -> tuple[Dynamics, tuple[Step, ...]]:
     """Refit a found model with intervals, and say what each of its effects does to the error.
+
+    An effect that makes the blocks of time which it was not fitted to worse is left out: such a log moves too little to
+    tell what it is.
 
     Args:
         problem: Logs and candidates.
         base: The model that the discovery started from.
         found: The model that it ended with.
         whitened: Noise and blocks.
+        forced: Labels of effects that stay in any case.
 
     Returns:
         The model at its optimum, and the steps from the base to it.
     """
     experiment, columns = problem.experiment, problem.columns
-    final, evidence = refit(experiment, columns, found, whitened)
+    ordered = _ordered(problem, base, found, whitened)
+    known = {t.label for t in base.terms}
+    model = Dynamics(base.robot, tuple(t for t in found.terms if t.label in known))
+    models, error = [], _mean_error(problem, base, whitened)
+    for term in ordered:
+        trial, _ = refit(experiment, columns, model.add(term), whitened, ITERATIONS)
+        with_it = _mean_error(problem, trial, whitened)
+        if with_it < error * (1 + WORSE) or term.label in forced:
+            model, error = trial, with_it
+            models.append((term.label, trial))
+    final, evidence = refit(experiment, columns, model, whitened)
     final = with_intervals(final, evidence)
     beside = problem.beside(experiment.predict(final), whitened)
-    index = {e: i for i, e in enumerate(beside.effects)}
-    known = {t.label for t in base.terms}
-    pending = [t for t in final.terms if t.label not in known]
-    model = Dynamics(base.robot, tuple(t for t in final.terms if t.label in known))
-    chosen, everything = [index[t.effect] for t in model.terms], [index[t.effect] for t in final.terms]
+    index = {e.label: i for i, e in enumerate(beside.effects) if e in {t.effect for t in final.terms}}
     steps = [step_of(problem, None, base, whitened)]
-    while pending:
-        best = _most_telling(beside, chosen, index, pending)
-        pending.remove(best)
-        chosen.append(index[best.effect])
-        model = final if not pending else refit(experiment, columns, model.add(best), whitened, ITERATIONS)[0]
-        confusions = find_confusions(beside, everything, index[best.effect])
-        steps.append(step_of(problem, best, model, whitened, confusions))
+    for k, (label, partial) in enumerate(models):
+        confusions = find_confusions(beside, list(index.values()), index[label])
+        shown = final if k == len(models) - 1 else partial
+        steps.append(step_of(problem, final.find(label), shown, whitened, confusions))
     return final, tuple(steps)
 
 
-def _most_telling(beside: Evidence, chosen: list[int], index: dict[Effect, int], pending: list[Term]) -> Term:
-    gains = beside.gains(chosen)
-    return max(pending, key=lambda t: gains[index[t.effect]])
+def _ordered(problem: Problem, base: Dynamics, found: Dynamics, whitened: Whitened) -> list[Term]:
+    """Return the terms that were found, each the most telling beside those before it."""
+    known = {t.label for t in base.terms}
+    beside = problem.beside(problem.experiment.predict(found), whitened)
+    index = {e: i for i, e in enumerate(beside.effects)}
+    chosen = [index[t.effect] for t in found.terms if t.label in known]
+    pending, out = [t for t in found.terms if t.label not in known], []
+    while pending:
+        gains = beside.gains(chosen)
+        best = max(pending, key=lambda t: gains[index[t.effect]])
+        pending.remove(best)
+        chosen.append(index[best.effect])
+        out.append(best)
+    return out
+
+
+def _mean_error(problem: Problem, model: Dynamics, whitened: Whitened) -> float:
+    """Return the relative RMS of blocks that are predicted from the others, mean over the joints [1]."""
+    experiment = problem.experiment
+    error = held_out_rms(experiment, problem.columns, experiment.predict(model), whitened)
+    return float(np.mean(error / np.maximum(rms(experiment.measured, experiment.informative), 1e-12)))
 
 
 def step_of(

@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 LOWEST_CUTOFF, HIGHEST_CUTOFF = 5.0, 25.0  # [Hz]
 HIGHEST_SHARE = 0.15  # of the log's rate
 FINEST = 1e-15  # floor over peak power of a position: about 10⁻⁶ of its travel
+FINEST_EFFORT = 1e-9  # the same for torques, which nothing measures that finely
 FLAT = 10.0  # times the spectrum's floor: power below that is noise
 AMPLIFIED = 2.0  # computed over measured torque: a band where it is larger holds no motion
 SHORTEST = 3.0  # [s], less cannot be conditioned
@@ -211,7 +212,7 @@ def choose_cutoff(even: Log, robot: RobotModel) -> float:
     # positions without noise of their own, such as filtered ones, are taken to be as fine as the best encoders
     floor = np.maximum(np.median(position[frequency > 0.3 * rate], axis=0), FINEST * position.max(axis=0))
     effort, _ = _spectrum(even.effort, rate)
-    hiss = np.median(effort[frequency > 0.3 * rate], axis=0)
+    hiss = np.maximum(np.median(effort[frequency > 0.3 * rate], axis=0), FINEST_EFFORT * effort.max(axis=0))
     q = zero_phase(even.position, highest, rate)
     every = max(1, int(rate / (4 * highest)))
     v = differentiate(q, rate)

@@ -1,0 +1,89 @@
+"""Effects hidden in a plant that is not our model are found by name; nothing is found where nothing is hidden."""
+
+import numpy as np
+import pytest
+
+from benchmarks.plant import scenarios
+from tests.discovery.conftest import label, labels, plant_of
+
+ARMS = ("ur5", "panda")
+FRACTION = 0.2  # of the joint's RMS torque
+
+
+def cases(kind, arms=ARMS):
+    """Name and number of each scenario; the plants are built when the tests run."""
+    count = {
+        "singles": len(scenarios.RECIPES),
+        "pairs": len(scenarios.PAIRS),
+        "triples": len(scenarios.TRIPLES),
+    }
+    names = list(scenarios.RECIPES) if kind == "singles" else [str(k) for k in range(count[kind])]
+    return [pytest.param(arm, k, id=f"{arm}-{name}") for arm in arms for k, name in enumerate(names)]
+
+
+def run(kind, arm, k):
+    plant = plant_of(arm)
+    scenario = getattr(scenarios, kind)(plant, FRACTION)[k]
+    return scenario, scenario.run(plant)
+
+
+def check(scenario, log_of_run, arm, discovered):
+    found = discovered(arm, log_of_run.log)
+    assert labels(found) == {label(f) for f in scenario.faults}
+    assert found.verdict == "explained"
+    last = found.trace[-1]
+    assert (last.heldout_rms <= 1.2 * found.noise_floor).all(), last.heldout_rms / found.noise_floor
+    return found
+
+
+@pytest.mark.parametrize(("arm", "k"), cases("singles"))
+def test_a_single_effect_is_named_and_nothing_else(arm, k, discovered):
+    scenario, done = run("singles", arm, k)
+    found = check(scenario, done, arm, discovered)
+    (fault,), (step,) = scenario.faults, found.steps
+    for name, value in step.term.values.items():
+        hidden = fault.parameters.get(name)
+        if isinstance(hidden, float) and fault.effect not in {"link_inertia", "payload"}:
+            assert value == pytest.approx(hidden, rel=0.05, abs=0.05 * max(map(abs, step.term.theta)))
+    if fault.effect == "payload":
+        assert step.term.values["mass"] == pytest.approx(fault.parameters["mass"], rel=0.02)
+
+
+@pytest.mark.parametrize(("arm", "k"), cases("pairs"))
+def test_pairs_on_one_joint_on_two_and_with_a_payload(arm, k, discovered):
+    scenario, done = run("pairs", arm, k)
+    check(scenario, done, arm, discovered)
+
+
+@pytest.mark.parametrize(("arm", "k"), cases("triples", ("ur5",)))
+def test_three_at_once(arm, k, discovered):
+    scenario, done = run("triples", arm, k)
+    check(scenario, done, arm, discovered)
+
+
+@pytest.mark.parametrize("k", range(9))
+def test_nothing_is_missing_from_a_clean_log(k, discovered):
+    scenario = scenarios.clean()[k]
+    found = discovered("ur5", scenario.run(plant_of("ur5")).log)
+    assert found.verdict == "nothing-missing"
+    assert labels(found) == set()
+
+
+@pytest.mark.parametrize(
+    ("arm", "k"), [(arm, k) for arm in ARMS for k in range(len(scenarios.OUTSIDE_RECIPES))]
+)
+def test_what_is_outside_the_vocabulary_is_called_unexplained(arm, k, discovered):
+    plant = plant_of(arm)
+    scenario = scenarios.outside(plant)[k]
+    found = discovered(arm, scenario.run(plant).log)
+    assert found.verdict == "unexplained"
+    assert scenario.faults[0].joint in found.structure_left
+
+
+def test_a_faulty_joint_is_found_on_another_motion_too(discovered):
+    plant = plant_of("ur5")
+    scenario = scenarios.singles(plant, FRACTION)[0].holdout()
+    found = discovered("ur5", scenario.run(plant).log)
+    assert labels(found) == {label(f) for f in scenario.faults}
+    (level,) = found.steps[0].term.theta
+    assert np.isclose(level, scenario.faults[0].parameters["level"], rtol=0.03)

@@ -1,0 +1,174 @@
+"""Ways in which a search for the missing effect is known to go wrong; each has a test."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.plant import Fault, Noise
+from benchmarks.plant.motion import Fourier
+from cdia_pin import Dynamics, load_robot
+from cdia_pin.discovery import discover
+from cdia_pin.discovery.experiment import Experiment
+from cdia_pin.effects import StribeckFriction, Term, parse_effect
+from cdia_pin.logs import Log
+from cdia_pin.logs.conditioning import Conditioning, condition
+from cdia_pin.logs.derivatives import zero_phase
+from tests.discovery.conftest import labels, plant_of
+
+ELBOW = "elbow_joint"
+
+
+@pytest.fixture(scope="module")
+def plant():
+    return plant_of("ur5")
+
+
+@pytest.fixture(scope="module")
+def friction(plant):
+    """A run with Coulomb friction of 3 N·m on the elbow."""
+    return plant.run([Fault("coulomb_friction", joint=ELBOW, level=3.0)], seed=11, duration=24.0)
+
+
+def test_noise_in_the_torque_is_not_explained_by_a_gain(plant, ur5):
+    log = plant.run([], seed=12, duration=24.0).log
+    rng = np.random.default_rng(0)
+    noisy = replace(log, effort=log.effort + rng.normal(0, 0.5, log.effort.shape))  # wrist_3 is all noise
+    found = discover(Dynamics(ur5), noisy)
+    assert labels(found) == set()
+    assert found.verdict == "nothing-missing"
+
+
+def test_intervals_cover_the_truth_under_coloured_noise(plant, ur5):
+    hits = 0
+    for seed in range(8):
+        noise = Noise(colour="ar1", effort_fraction=0.02)
+        run = plant.run(
+            [Fault("coulomb_friction", joint=ELBOW, level=3.0)], seed=20 + seed, duration=24.0, noise=noise
+        )
+        found = discover(Dynamics(ur5), run.log)
+        assert labels(found) == {f"coulomb_friction@{ELBOW}"}
+        ((low, high),) = found.steps[0].term.ci95
+        hits += low <= 3.0 <= high
+    assert hits >= 7
+
+
+def test_drifting_noise_biases_no_more_than_three_percent(plant, ur5):
+    noise = Noise(colour="pink", effort_fraction=0.02)
+    fault = Fault("coulomb_friction", joint=ELBOW, level=3.0)
+    found = discover(Dynamics(ur5), plant.run([fault], seed=20, duration=24.0, noise=noise).log)
+    assert labels(found) == {f"coulomb_friction@{ELBOW}"}
+    assert found.steps[0].term.values["level"] == pytest.approx(3.0, rel=0.03)
+
+
+def test_two_logs_are_conditioned_apart(plant, ur5, friction):
+    other = plant.run([Fault("coulomb_friction", joint=ELBOW, level=3.0)], seed=13, duration=24.0).log
+    settings = Conditioning(cutoff=10.0)
+    motions = [condition(log, ur5, settings) for log in (friction.log, other)]
+    both = Experiment.of(ur5, motions)
+    alone = [Experiment.of(ur5, [m]) for m in motions]
+    assert np.allclose(both.measured, np.vstack([e.measured for e in alone]))
+    *_, a = both.compared_motion()
+    assert np.abs(a).max() <= max(np.abs(e.compared_motion()[3]).max() for e in alone)
+    found = discover(Dynamics(ur5), [friction.log, other])
+    assert labels(found) == {f"coulomb_friction@{ELBOW}"}
+
+
+def test_an_effect_that_the_model_has_is_fitted_again_and_not_added_twice(ur5, friction):
+    has_it = Dynamics(ur5).add(Term.of(parse_effect(f"coulomb_friction@{ELBOW}"), level=1.0))
+    found = discover(has_it, friction.log)
+    assert found.verdict == "nothing-missing"
+    (term,) = found.model.terms
+    assert term.values["level"] == pytest.approx(3.0, rel=0.02)
+
+
+def test_correlated_effects_are_fitted_together(plant, ur5):
+    faults = [
+        Fault("coulomb_friction", joint=ELBOW, level=3.0),
+        Fault("viscous_friction", joint=ELBOW, coefficient=4.0),
+    ]
+    found = discover(Dynamics(ur5), plant.run(faults, seed=14, duration=24.0).log)
+    values = {t.label: t.theta[0] for t in found.model.terms}
+    assert values == pytest.approx(
+        {f"coulomb_friction@{ELBOW}": 3.0, f"viscous_friction@{ELBOW}": 4.0}, rel=0.03
+    )
+
+
+def test_equal_columns_are_named_as_confusions(plant, ur5):
+    found = discover(
+        Dynamics(ur5), plant.run([Fault("payload", mass=1.0, com=(0, 0, 0.05), size=0.1)], seed=15).log
+    )
+    assert labels(found) == {"payload"}
+    others = {e.label: c.motion for c in found.steps[0].confusions for e in c.effects}
+    assert "link_inertia@wrist_3_joint" in others
+    assert "no motion" in others["link_inertia@wrist_3_joint"]
+
+
+def test_coulomb_and_offset_against_asymmetric_levels_is_not_decided_silently(plant, ur5):
+    fault = Fault("asymmetric_friction", joint=ELBOW, level_positive=2.0, level_negative=4.0)
+    found = discover(Dynamics(ur5), plant.run([fault], seed=16, duration=24.0).log)
+    named = labels(found)
+    asymmetric, pair = f"asymmetric_friction@{ELBOW}", {f"coulomb_friction@{ELBOW}", f"torque_offset@{ELBOW}"}
+    confused = {e.label for s in found.steps for c in s.confusions for e in c.effects}
+    assert named == {asymmetric} or (named == pair and asymmetric in confused)
+
+
+@pytest.mark.parametrize("robot", ["ur5", "panda"])
+def test_what_is_found_is_physical(robot, discovered):
+    arm = load_robot(robot)
+    joint = arm.joints[2]
+    faults = [Fault("link_inertia", joint=joint, mass=1.0, com=(0.01, 0.0, 0.02), inertia=0.1)]
+    found = discovered(robot, plant_of(robot).run(faults, seed=17, duration=24.0).log)
+    assert found.steps
+    assert all(t.effect.is_physical(np.array(t.theta), arm) for t in found.model.terms)
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        Fault("base_tilt", tilt_x=1.4, tilt_y=-0.9),
+        Fault("encoder_offset", joint=ELBOW, offset=0.1),
+        Fault("effort_delay", delay=0.02),
+        Fault("payload", mass=4.0, com=(0.03, 0.0, 0.08), size=0.15),
+    ],
+    ids=lambda f: f.effect,
+)
+def test_large_effects_that_are_not_linear_leave_nothing_for_others(fault, plant, ur5):
+    found = discover(Dynamics(ur5), plant.run([fault], seed=18, duration=30.0).log)
+    assert {s.term.effect.name for s in found.steps} == {fault.effect}
+    assert found.verdict == "explained"
+
+
+def test_coulomb_is_not_called_stribeck_and_a_wide_stribeck_is(plant, ur5, friction):
+    assert labels(discover(Dynamics(ur5), friction.log)) == {f"coulomb_friction@{ELBOW}"}
+    fault = Fault("stribeck_friction", joint=ELBOW, level=2.0, breakaway=3.0, decay=8.0)
+    found = discover(Dynamics(ur5), plant.run([fault], seed=19, duration=30.0).log)
+    assert labels(found) == {f"stribeck_friction@{ELBOW}"}
+    (term,) = found.model.terms
+    assert isinstance(term.effect, StribeckFriction)
+    assert term.effect.decay == pytest.approx(8.0, rel=0.15)
+
+
+def test_both_sides_pass_the_same_filter(ur5, friction):
+    motion = condition(friction.log, ur5, Conditioning(cutoff=12.0))
+    plain = zero_phase(motion.effort, motion.cutoff, motion.rate)[motion.kept]
+    assert motion.compared(motion.effort) == pytest.approx(plain, abs=1e-5 * np.abs(plain).max())
+
+
+def test_the_cut_off_follows_the_log_and_is_recorded(plant, ur5, friction):
+    quiet = plant.run([], seed=12, duration=24.0).log
+    assert condition(quiet, ur5).cutoff < condition(friction.log, ur5).cutoff
+    slow = Log(ur5.joints, *(x[::5] for x in (quiet.time, quiet.position, quiet.effort)))  # 50 Hz
+    assert condition(slow, ur5).cutoff <= 0.15 * 50
+    record = discover(Dynamics(ur5), quiet).to_dict()["record"]["logs"][0]
+    assert record["cutoff"] == condition(quiet, ur5).cutoff
+
+
+def test_little_motion_is_not_over_interpreted(plant, ur5):
+    small = plant.run([], seed=12, duration=24.0, motion=Fourier(amplitude=0.05)).log
+    assert labels(discover(Dynamics(ur5), small)) == set()
+
+
+def test_the_same_log_gives_the_same_result(ur5, friction):
+    first, again = (discover(Dynamics(ur5), friction.log).to_dict() for _ in range(2))
+    assert first == again
