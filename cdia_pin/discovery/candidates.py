@@ -111,9 +111,10 @@ class Columns:
         key = (family[0], id(noise))
         if key not in self._families:
             (j,) = family[0].acts_on(self.experiment.robot)
-            used = self.experiment.informative[:, j] & noise.kept
+            used = self.experiment.informative[:, j]
             stacked = np.stack([self.fixed(e, prediction)[:, 0, :] for e in family], axis=1)  # (K, C, p)
-            white = np.where(used[:, None, None], noise.whiten(stacked), 0.0).transpose(1, 2, 0)
+            at = used[:, None, None]
+            white = np.where(at, noise.whiten(np.where(at, stacked, 0.0)), 0.0).transpose(1, 2, 0)
             gram = white @ white.transpose(0, 2, 1)
             ridge = 1e-6 * np.einsum("cpp->c", gram)[:, None, None] * np.eye(gram.shape[1])
             self._families[key] = (np.ascontiguousarray(white), np.linalg.inv(gram + ridge))

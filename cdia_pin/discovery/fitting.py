@@ -38,13 +38,21 @@ class Whitened:
     @classmethod
     def of(cls, experiment: Experiment, noise: Sequence[NoiseModel], edges: NDArray[np.intp]) -> Whitened:
         """Combine an experiment's informative samples with the noise of its joints."""
-        kept = np.column_stack([m.kept for m in noise])
-        return cls(tuple(noise), experiment.informative & kept, edges)
+        return cls(tuple(noise), experiment.informative, edges)
+
+    @property
+    def samples(self) -> int:
+        """Innovations that count, of all joints."""
+        return sum(int((self.used[:, j] & m.kept).sum()) for j, m in enumerate(self.noise))
 
     def joint(self, j: int, signal: Array) -> Array:
-        """Whiten a signal of joint j and clear the samples that do not count, shape as given (K, …)."""
+        """Whiten a signal of joint j, shape as given (K, …).
+
+        Samples that do not count are cleared before, so that what happens near rest does not reach those after it, and
+        again after.
+        """
         used = self.used[:, j].reshape(-1, *([1] * (signal.ndim - 1)))
-        return np.where(used, self.noise[j].whiten(signal), 0.0)
+        return np.where(used, self.noise[j].whiten(np.where(used, signal, 0.0)), 0.0)
 
 
 def gather(
@@ -85,7 +93,7 @@ def gather(
         for b, (start, stop) in enumerate(zip(whitened.edges[:-1], whitened.edges[1:], strict=True)):
             rows = stacked[start:stop]
             blocks[b][np.ix_(at, at)] += rows.T @ rows
-    return Evidence(experiment.robot, list(effects), blocks, int(whitened.used.sum()))
+    return Evidence(experiment.robot, list(effects), blocks, whitened.samples)
 
 
 def refit(

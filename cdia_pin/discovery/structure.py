@@ -106,8 +106,8 @@ def look_for_structure(
 
 
 def _white(signal: Array, noise: NoiseModel, use: NDArray[np.bool_]) -> Array:
-    used = (use & noise.kept).reshape(-1, *([1] * (signal.ndim - 1)))
-    return np.where(used, noise.whiten(signal), 0.0)
+    used = use.reshape(-1, *([1] * (signal.ndim - 1)))
+    return np.where(used, noise.whiten(np.where(used, signal, 0.0)), 0.0)
 
 
 def _improvement(own: Array, smooth: Array, y: Array, edges: NDArray[np.intp]) -> float:

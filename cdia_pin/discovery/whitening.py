@@ -82,7 +82,7 @@ def fit_noise(
     coefficients = np.linalg.solve(toeplitz + 1e-9 * covariance[0] * np.eye(order), covariance[1:])
     noise = NoiseModel(coefficients, np.ones(len(residual)), tuple(lengths))
     usable = informative & noise.kept
-    innovations = noise.whiten(residual)
+    innovations = noise.whiten(used)
     power = float(np.sum(innovations[usable] ** 2)) / max(int(usable.sum()), 1)
     sigma = np.full(len(residual), power)
     for k in np.unique(nearness):

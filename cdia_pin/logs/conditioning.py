@@ -146,6 +146,10 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         LogError: If the log is too short, or the cut-off too high for its rate.
     """
     settings = settings or Conditioning()
+    if log.joints != robot.joints:
+        raise LogError(
+            f"{log.source}: its joints are {', '.join(log.joints)}, those of '{robot.name}' {', '.join(robot.joints)}"
+        )
     if log.duration < SHORTEST:
         raise LogError(
             f"{log.source}: {log.duration:.2g} s is too short to compare, at least {SHORTEST:g} s are needed"

@@ -1,6 +1,6 @@
 """Evidence: whatever is read from the normal equations equals what the samples themselves give."""
 
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -47,7 +47,7 @@ def problem(robot, effects, theta=None, *, seed=0, noise=1.0, mix=0.5):
     y = x @ (rng.standard_normal(size) if theta is None else np.asarray(theta, float))
     y = y + noise * rng.standard_normal(SAMPLES)
     whole = np.column_stack([x, y])
-    blocks = np.array([whole[a:b].T @ whole[a:b] for a, b in zip(EDGES[:-1], EDGES[1:], strict=True)])
+    blocks = np.array([whole[a:b].T @ whole[a:b] for a, b in pairwise(EDGES)])
     return Evidence(robot, effects, blocks, SAMPLES), x, y
 
 
@@ -153,7 +153,7 @@ def test_a_candidate_that_the_set_spans_gains_nothing(pendulum):
 def test_held_out_error_is_that_of_fits_to_the_other_blocks(pendulum, chosen):
     evidence, x, y = problem(pendulum, FREE, seed=5)
     at, expected = evidence.columns(chosen), 0.0
-    for start, stop in zip(EDGES[:-1], EDGES[1:], strict=True):
+    for start, stop in pairwise(EDGES):
         rest = np.r_[0:start, stop:SAMPLES]
         theta = np.linalg.lstsq(x[np.ix_(rest, at)], y[rest], rcond=None)[0]
         expected += float(np.sum((y[start:stop] - x[start:stop][:, at] @ theta) ** 2))

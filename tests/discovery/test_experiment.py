@@ -129,7 +129,7 @@ def test_the_measured_torque_is_never_a_regressor(name, pendulum, clean):
 
 def with_rest(robot, share):
     """A log whose second joint rests for a share of the time."""
-    t, q, v, a = motion(robot.n, seed=4)
+    t, q, _v, _a = motion(robot.n, seed=4)
     scale = np.clip((t - share * t[-1]) / 2.0, 0.0, 1.0)
     q[:, 1] *= scale**3
     made = make(robot, seed=4)
