@@ -113,7 +113,7 @@ def main_parameter(fault: Fault) -> dict[str, float]:
     return {name: float(value or 0.0)}
 
 
-def _unordered(label: str) -> tuple[str, frozenset[str]]:
+def _unordered(label: str) -> tuple[str, ...]:
     """Return an effect's name and its joints, whichever of two is written first."""
     name, _, joints = label.partition("@")
-    return name, frozenset(joints.split("+"))
+    return name, *sorted(joints.split("+"))

@@ -17,7 +17,7 @@ from cdia_pin.effects import Effect, Term
 
 Array = NDArray[np.float64]
 
-MOST_ITERATIONS = 8
+MOST_ITERATIONS = 20
 CONVERGED = 0.1  # standard deviations by which no parameter moves any more
 
 

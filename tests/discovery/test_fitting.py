@@ -102,7 +102,7 @@ def test_all_effects_are_fitted_together_and_not_one_to_what_the_other_left(pend
     ("effects", "truth", "starts"),
     [
         ([COULOMB, VISCOUS], [0.08, 0.05], [[0.0, 0.0], [1.0, 2.0]]),
-        ([ActuatorGain("joint1"), COULOMB], [-0.3, 0.06], [[0.0, 0.0], [0.5, 0.3]]),
+        ([ActuatorGain("joint1"), COULOMB], [-0.3, 0.06], [[0.0, 0.0], [0.2, 0.3]]),
         ([EncoderOffset("joint1"), OFFSET], [0.15, 0.05], [[0.0, 0.0], [-0.1, 0.2]]),
         ([EffortDelay()], [0.03], [[0.0], [-0.02]]),
         ([parse_effect("base_tilt")], [0.0, -3.0], [[0.0, 0.0], [0.0, 2.0]]),

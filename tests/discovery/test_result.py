@@ -9,7 +9,8 @@ import pytest
 from cdia_pin import Dynamics, compare, discover, load_robot
 from cdia_pin.discovery import Confusion, DiscoverySettings
 from cdia_pin.discovery.result import VERDICTS
-from cdia_pin.effects import CoulombFriction, TorqueOffset, parse_effect
+from cdia_pin.effects import CoulombFriction, Payload, Term, TorqueOffset
+from cdia_pin.robot.inertia import parameters_of
 from tests.discovery.made import make
 
 KEYS = ("schema", "robot", "joints", "verdict", "effects", "trace", "noise_floor")
@@ -21,8 +22,8 @@ def pendulum():
 
 
 def hidden(q, v, a):
-    """Viscous friction on the first joint, Coulomb friction on the second."""
-    return np.column_stack([-0.2 * v[:, 0], -0.04 * np.sign(v[:, 1])])
+    """Viscous friction on the first joint, quadratic friction on the second."""
+    return np.column_stack([-0.2 * v[:, 0], -0.04 * np.abs(v[:, 1]) * v[:, 1]])
 
 
 @pytest.fixture(scope="module")
@@ -36,17 +37,14 @@ def found(pendulum, made):
 
 
 @pytest.fixture(scope="module")
-def tilted(pendulum):
-    """A discovery whose effect belongs to the whole arm."""
-    tilt = parse_effect("base_tilt")
-    from cdia_pin.effects import Term
-
-    true = Dynamics(pendulum, (Term(tilt, (0.0, -1.5)),))
-    log = make(pendulum, noise=0.003, seed=2, duration=30.0).log
+def loaded(pendulum):
+    """A discovery whose effect belongs to the whole arm: a load of 100 g."""
+    body = parameters_of(0.1, [0.0, 0.0, 0.05], 1e-4 * np.eye(3))
+    true = Dynamics(pendulum, (Term(Payload(), tuple(body)),))
     made = make(pendulum, seed=2, duration=30.0)
-    effort = true.inverse_dynamics(made.q, made.v, made.a)
-    noise = log.effort - made.log.effort
-    return discover(Dynamics(pendulum), replace(log, effort=effort + noise))
+    noise = 0.003 * np.random.default_rng(0).standard_normal(made.q.shape)
+    effort = true.inverse_dynamics(made.q, made.v, made.a) + noise
+    return discover(Dynamics(pendulum), replace(made.log, effort=effort))
 
 
 def test_the_json_has_the_keys_of_its_schema(pendulum, found):
@@ -70,11 +68,11 @@ def test_the_json_has_the_keys_of_its_schema(pendulum, found):
 
 def test_what_is_found_is_written_by_name_joint_and_unit(found):
     entries = {(e["effect"], *e["joints"]): e["parameters"] for e in found.to_dict()["effects"]}
-    assert set(entries) == {("viscous_friction", "joint1"), ("coulomb_friction", "joint2")}
+    assert set(entries) == {("viscous_friction", "joint1"), ("quadratic_friction", "joint2")}
     assert entries["viscous_friction", "joint1"]["coefficient"]["unit"] == "N·m·s/rad"
     assert entries["viscous_friction", "joint1"]["coefficient"]["value"] == pytest.approx(0.2, rel=0.03)
-    assert entries["coulomb_friction", "joint2"]["level"]["unit"] == "N·m"
-    assert entries["coulomb_friction", "joint2"]["level"]["value"] == pytest.approx(0.04, rel=0.03)
+    assert entries["quadratic_friction", "joint2"]["coefficient"]["unit"] == "N·m·s²/rad²"
+    assert entries["quadratic_friction", "joint2"]["coefficient"]["value"] == pytest.approx(0.04, rel=0.03)
 
 
 def test_the_trace_begins_with_the_model_as_given_and_adds_one_effect_a_step(pendulum, found):
@@ -111,11 +109,21 @@ def test_held_out_logs_are_only_predicted(pendulum, made):
     assert (found.trace[-1].heldout_rms < 1.5 * found.noise_floor).all()
 
 
-def test_an_effect_of_the_whole_arm_lists_every_joint(pendulum, tilted):
-    (entry,) = tilted.to_dict()["effects"]
-    assert entry["effect"] == "base_tilt"
+def test_an_effect_of_the_whole_arm_lists_every_joint(pendulum, loaded):
+    (entry,) = loaded.to_dict()["effects"]
+    assert entry["effect"] == "payload"
     assert entry["joints"] == list(pendulum.joints)
-    assert entry["parameters"]["tilt_y"]["unit"] == "m/s²"
+    assert entry["parameters"]["mass"]["unit"] == "kg"
+    assert list(entry["parameters"]) == [p.name for p in Payload().parameters]
+
+
+def test_a_confusion_with_one_effect_names_it_and_its_joint(pendulum, loaded):
+    others = {(o["effect"], *o["joints"]): o["motion"] for o in _confusable(loaded)}
+    assert "no motion" in others["link_inertia", "joint2"]
+
+
+def _confusable(found):
+    return [o for e in found.to_dict()["effects"] for o in e["confusable_with"]]
 
 
 def test_a_confusion_with_two_effects_names_both_with_their_joints(found):
