@@ -176,7 +176,11 @@ class Evidence:
             gram = self.total[np.ix_(columns, columns)] + np.diag(self.prior[columns])
             theta = consistent_parameters(gram, self.total[columns, -1], effects, self.robot)
         chi2 = self._chi2(self.total, columns, theta)
-        physical = self._in_bounds(chosen, theta) and not self._is_redundant(columns)
+        physical = (
+            self._in_bounds(chosen, theta)
+            and not self._is_redundant(columns)
+            and self._deserves_names(chosen, theta)
+        )
         return Fit(chosen, theta, chi2, chi2 + price, physical)
 
     def _bounded(self, chosen: Sequence[int], columns: Indices, theta: Array) -> Array:
@@ -197,6 +201,15 @@ class Evidence:
             return True
         lower, upper = (np.concatenate(b) for b in zip(*(self._bounds[c] for c in chosen), strict=True))
         return bool(np.all(theta >= lower) and np.all(theta <= upper))
+
+    def _deserves_names(self, chosen: Sequence[int], theta: Array) -> bool:
+        """Tell whether no Stribeck friction is a Coulomb friction with a faint breakaway: the filter's blur makes one."""
+        for c in chosen:
+            if self.effects[c].name == "stribeck_friction":
+                at = int(np.sum([self.effects[k].size for k in chosen[: list(chosen).index(c)]]))
+                if theta[at + 1] < 0.2 * theta[at]:
+                    return False
+        return True
 
     def _consistent(self, chosen: Sequence[int], theta: Array) -> bool:
         """Tell whether the rigid bodies of a set are possible."""
