@@ -179,7 +179,7 @@ class Evidence:
         physical = (
             self._in_bounds(chosen, theta)
             and not self._is_redundant(columns)
-            and self._deserves_names(chosen, theta)
+            and self._is_distinct(chosen, theta)
         )
         return Fit(chosen, theta, chi2, chi2 + price, physical)
 
@@ -202,14 +202,11 @@ class Evidence:
         lower, upper = (np.concatenate(b) for b in zip(*(self._bounds[c] for c in chosen), strict=True))
         return bool(np.all(theta >= lower) and np.all(theta <= upper))
 
-    def _deserves_names(self, chosen: Sequence[int], theta: Array) -> bool:
-        """Tell whether no Stribeck friction is a Coulomb friction with a faint breakaway: the filter's blur makes one."""
-        for c in chosen:
-            if self.effects[c].name == "stribeck_friction":
-                at = int(np.sum([self.effects[k].size for k in chosen[: list(chosen).index(c)]]))
-                if theta[at + 1] < 0.2 * theta[at]:
-                    return False
-        return True
+    def _is_distinct(self, chosen: Sequence[int], theta: Array) -> bool:
+        """Tell whether every effect of a set is more than a simpler one of the vocabulary."""
+        sizes = [self.effects[c].size for c in chosen]
+        parts = np.split(theta, np.cumsum(sizes)[:-1]) if sizes else []
+        return all(self.effects[c].is_distinct(part) for c, part in zip(chosen, parts, strict=True))
 
     def _consistent(self, chosen: Sequence[int], theta: Array) -> bool:
         """Tell whether the rigid bodies of a set are possible."""

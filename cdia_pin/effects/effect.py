@@ -114,6 +114,10 @@ class Effect(ABC):
         """
         return np.full(self.size, INF)
 
+    def is_distinct(self, theta: Array) -> bool:
+        """Tell whether the parameters make it more than a simpler effect with another name."""
+        return True
+
     # ------------------------------------------------------------- scope and names
 
     @property

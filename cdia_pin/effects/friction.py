@@ -71,6 +71,11 @@ class StribeckFriction(JointEffect):
         """Return the columns of the level and of the breakaway part."""
         return [-x.sign, -np.exp(-self.decay * np.abs(x.v)) * x.sign]
 
+    def is_distinct(self, theta: Array) -> bool:
+        """Tell whether the breakaway counts; filters give Coulomb friction one below a fifth of its level."""
+        level, breakaway = theta
+        return bool(breakaway >= 0.2 * level)
+
     def shape_grid(self, x: State) -> Sequence[Self]:
         """Return decays wide beside the smoothing of sgn and narrow beside the speeds driven."""
         j = x.robot.joint_index(self.joint)

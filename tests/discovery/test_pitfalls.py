@@ -172,3 +172,75 @@ def test_little_motion_is_not_over_interpreted(plant, ur5):
 def test_the_same_log_gives_the_same_result(ur5, friction):
     first, again = (discover(Dynamics(ur5), friction.log).to_dict() for _ in range(2))
     assert first == again
+
+
+def test_the_measured_torque_would_have_been_its_own_explanation(plant, ur5):
+    """The trap of the test above: regressed on the measured torque, noise is a gain of about −1."""
+    log = plant.run([], seed=12, duration=24.0).log
+    rng = np.random.default_rng(0)
+    noisy = replace(log, effort=log.effort + rng.normal(0, 0.5, log.effort.shape))
+    motion = condition(noisy, ur5, Conditioning(cutoff=10.0))
+    (segment,) = Experiment.of(ur5, [motion]).segments
+    residual = motion.compared(segment.state.rigid_torque - motion.effort)[:, -1]
+    measured = motion.compared(motion.effort)[:, -1]
+    gain = float(measured @ residual) / float(measured @ measured)
+    assert gain < -0.8
+    assert np.sum((residual - gain * measured) ** 2) < 0.2 * np.sum(residual**2)
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        Fault("base_tilt", tilt_x=3.0, tilt_y=-2.0),
+        Fault("encoder_offset", joint="shoulder_lift_joint", offset=0.2),
+        Fault("effort_delay", delay=0.04),
+        Fault("payload", mass=5.0, com=(0.03, 0.01, 0.06), size=0.15),
+    ],
+    ids=lambda f: f.effect,
+)
+def test_effects_far_from_linear_are_found_with_their_size(fault, plant, ur5):
+    found = discover(Dynamics(ur5), plant.run([fault], seed=3, duration=30.0).log)
+    assert [s.term.effect.name for s in found.steps] == [fault.effect]
+    assert found.verdict == "explained"
+    values = found.steps[0].term.values
+    hidden = {k: v for k, v in fault.parameters.items() if k in values}
+    assert {k: values[k] for k in hidden} == pytest.approx(hidden, rel=0.02)
+
+
+@pytest.mark.parametrize("rate", [100.0, 1000.0])
+def test_the_rate_of_a_log_changes_neither_name_nor_size(rate, plant, ur5):
+    fault = Fault("coulomb_friction", joint=ELBOW, level=3.0)
+    found = discover(Dynamics(ur5), plant.run([fault], seed=11, duration=24.0, rate=rate).log)
+    assert labels(found) == {f"coulomb_friction@{ELBOW}"}
+    assert found.steps[0].term.theta[0] == pytest.approx(3.0, rel=0.03)
+    (log,) = found.record["logs"]
+    assert log["cutoff"] <= 0.15 * rate
+    assert log["compared_rate"] >= 2 * log["cutoff"]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_coulomb_and_viscous_are_not_called_asymmetric(seed):
+    plant = plant_of("double_pendulum")
+    faults = [
+        Fault("coulomb_friction", joint="joint1", level=0.04 + 0.02 * seed),
+        Fault("viscous_friction", joint="joint1", coefficient=0.06 - 0.02 * seed),
+    ]
+    found = discover(Dynamics(plant.robot), plant.run(faults, seed=40 + seed, duration=20.0).log)
+    assert labels(found) == {str(f) for f in faults}
+    assert found.verdict == "explained"
+
+
+@pytest.mark.parametrize("wrong", [0.2, 6.0])
+def test_a_wrong_number_in_the_model_given_is_put_right_beside_what_is_found(wrong, plant, ur5):
+    """Held at the wrong number, the friction of the model would be explained by a second one."""
+    faults = [
+        Fault("coulomb_friction", joint=ELBOW, level=3.0),
+        Fault("viscous_friction", joint="shoulder_pan_joint", coefficient=2.0),
+    ]
+    has_one = Dynamics(ur5).add(Term.of(parse_effect(f"coulomb_friction@{ELBOW}"), level=wrong))
+    found = discover(has_one, plant.run(faults, seed=14, duration=24.0).log)
+    assert labels(found) == {"viscous_friction@shoulder_pan_joint"}
+    values = {t.label: t.theta[0] for t in found.model.terms}
+    assert values == pytest.approx(
+        {f"coulomb_friction@{ELBOW}": 3.0, "viscous_friction@shoulder_pan_joint": 2.0}, rel=0.03
+    )
