@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 import pinocchio as pin
@@ -110,6 +111,7 @@ class RobotModel:
             frames = [f.name for f in model.frames]
             raise RobotError(f"robot '{name}': " + unknown_name("tool frame", self.tool_frame, frames))
         self._tool_id = self._frame_id(self.tool_frame)
+        self._has_continuous = bool(self.is_continuous.any())
 
     # ---------------------------------------------------------------- description
 
@@ -176,6 +178,34 @@ class RobotModel:
         """``<dynamics friction>`` of each joint; Pinocchio does not apply it, shape (n,)."""
         return np.array(self._model.friction)
 
+    # ---------------------------------------------------------------- variants
+
+    def with_inertial_parameters(self, parameters: ArrayLike) -> Self:
+        """Return the arm with other inertial parameters, shape and order as ``inertial_parameters``.
+
+        Masses must be above 0; the rest need not be that of possible bodies, as estimates may not be.
+        """
+        given = np.asarray(parameters, float).reshape(self.n, 10)
+        model = self._model.copy()
+        for i, row in enumerate(given, start=1):
+            model.inertias[i] = pin.Inertia.FromDynamicParameters(row)
+        return self._variant(model)
+
+    def with_gravity(self, g: ArrayLike) -> Self:
+        """Return the arm under another gravity vector in the base frame [m/s²], shape (3,)."""
+        return self._variant(self._with_gravity(np.asarray(g, float)))
+
+    def _variant(self, model: pin.Model) -> Self:
+        return type(self)(
+            model,
+            name=self.name,
+            urdf=self.urdf,
+            tool_frame=self.tool_frame,
+            locked=self.locked,
+            package_dirs=self.package_dirs,
+            warnings=self.warnings,
+        )
+
     # ---------------------------------------------------------------- rigid-body terms
 
     def mass_matrix(self, q: ArrayLike) -> Array:
@@ -185,6 +215,11 @@ class RobotModel:
     def nonlinear_effects(self, q: ArrayLike, v: ArrayLike) -> Array:
         """Coriolis, centrifugal and gravity torques nle = V + G [N·m or N], shape as q."""
         return self._each((self.n,), lambda c, w: pin.nonLinearEffects(self._model, self._data, c, w), q, v)
+
+    def rigid_terms(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """M(q) and nle(q, q̇) of one sample, unchecked, for what runs once a tick; shapes (n, n) and (n,)."""
+        c = self._configuration(q[None])[0] if self._has_continuous else q
+        return pin.crba(self._model, self._data, c), pin.nonLinearEffects(self._model, self._data, c, v)
 
     def gravity(self, q: ArrayLike) -> Array:
         """Gravity torques G(q) [N·m or N], shape as q."""

@@ -1,0 +1,66 @@
+"""Samples made to speak of the same instant: late torques, and velocities that only positions tell.
+
+Where a log or a robot has no velocities, they are the slope of a parabola through the last 2 L + 1 positions,
+at its middle. The estimate is exactly L ticks old, whatever the motion, and the torque waits as long: no lag is
+left between the two, only between the world and the monitor.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Alignment:
+    """Turn raw samples into samples of one instant.
+
+    Args:
+        dt: Time between ticks [s].
+        delay: By how much a torque acts later than its signal says [s]; may be negative.
+        position_only: Whether velocities come from positions.
+        half_window: L, ticks to either side that a velocity is estimated from; 8 ms if omitted.
+    """
+
+    def __init__(self, dt: float, delay: float = 0.0, position_only: bool = False, half_window: int | None = None) -> None:
+        self.position_only = position_only
+        half = (half_window or max(2, round(0.008 / dt))) if position_only else 0
+        offsets = np.arange(-half, half + 1)
+        self._slope = offsets / (offsets @ offsets) / dt if half else np.zeros(0)
+        late = delay / dt
+        self.lag = half + max(0, int(np.ceil(-late - 1e-9)))  # [ticks] that a state waits
+        behind = self.lag + late  # [ticks] that a torque waits
+        self._whole, self._part = int(behind), behind - int(behind)
+        self._states: deque[tuple[float, Array, Array | None]] = deque(maxlen=self.lag + half + 1)
+        self._efforts: deque[Array] = deque(maxlen=self._whole + 2)
+        self._half = half
+        self._direct = self.lag == 0 and self._whole == 0 and self._part < 1e-9
+
+    def reset(self) -> None:
+        """Forget all samples."""
+        self._states.clear()
+        self._efforts.clear()
+
+    def __call__(self, t: float, q: Array, v: Array | None, tau: Array) -> tuple[float, Array, Array, Array] | None:
+        """Return time, positions, velocities and torque of one instant; None until there are enough samples."""
+        if self._direct and v is not None:
+            return t, q, v, tau
+        self._states.append((t, q, v))
+        self._efforts.append(tau)
+        if len(self._states) < self._states.maxlen or len(self._efforts) < self._efforts.maxlen:  # type: ignore[operator]
+            return None
+        newest = len(self._efforts) - 1
+        late = self._efforts[newest - self._whole]
+        if self._part > 1e-9:
+            late = (1 - self._part) * late + self._part * self._efforts[newest - self._whole - 1]
+        if not self.position_only:
+            then, at, speed = self._states[0]
+            assert speed is not None
+            return then, at, speed, late
+        window = np.array([s[1] for s in list(self._states)[: 2 * self._half + 1]])
+        then = self._states[self._half][0]
+        # a parabola's value at the middle needs its second difference too: positions are good enough as read
+        return then, window[self._half], self._slope @ window, late

@@ -1,0 +1,56 @@
+"""A fault that no known effect explains, learned as radial bases in q and q̇ and a torque neuron ([Thesis] eq. 3.1)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.learning import Healthy
+from cdia_pin.effects import Unknown
+
+Array = NDArray[np.float64]
+
+WIDEST = 10.0  # [rad or m, and per s], range of a signal that nothing limits
+RIDGE = 1e-3  # [1], of the weights, relative to the energy of their columns: keeps them bounded
+
+
+def neurons_of(joint: str, reach: Array, count: int) -> Unknown:
+    """Return neurons spread over what a joint does.
+
+    Args:
+        joint: Name of the joint.
+        reach: Smallest and largest position, then velocity, shape (2, 2).
+        count: Neurons in position, and in velocity.
+    """
+    (q0, q1), (v0, v1) = np.clip(reach, -WIDEST, WIDEST)
+    q = np.linspace(q0, max(q1, q0 + 1e-3), max(count, 2))
+    v = np.linspace(v0, max(v1, v0 + 1e-3), max(count, 2))
+    return Unknown(
+        joint=joint,
+        position_centres=tuple(q.tolist()),
+        velocity_centres=tuple(v.tolist()),
+        position_width=float(1.5 * (q[1] - q[0])),
+        velocity_width=float(1.5 * (v[1] - v[0])),
+    )
+
+
+def weights(gram: Array, first: int, weight: float, level: float) -> Array:
+    """Return the weights of the neurons that explain a residual, shape (p,).
+
+    Args:
+        gram: Gram matrix of [y; r], upper triangle.
+        first: First column of the neurons; the residual is the last.
+        weight: Number of samples in it.
+        level: RMS of a healthy residual [N·m or N].
+    """
+    part = np.triu(gram[first:, first:])
+    full = part + np.triu(part, 1).T
+    G, g = full[:-1, :-1], full[:-1, -1]
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(G), 1e-12 * max(float(np.trace(G)), 1e-300)))
+    scaled = G * np.outer(unit, unit) + RIDGE * np.eye(len(g))
+    return np.asarray(unit * np.linalg.solve(scaled, unit * g))
+
+
+def unknown_of(healthy: Healthy, j: int, count: int) -> Unknown:
+    """Return the neurons of a joint over the reach of the healthy runs."""
+    return neurons_of(healthy.nominal.robot.joints[j], healthy.reach[:, :, j], count)

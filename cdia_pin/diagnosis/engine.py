@@ -1,0 +1,43 @@
+"""The interface of a scheme that watches an arm: what `Monitor` needs of it, and nothing more."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.status import Event, Status
+from cdia_pin.effects import Term
+
+Array = NDArray[np.float64]
+
+
+class Engine(Protocol):
+    """A scheme of detection, isolation, accommodation and idle monitoring."""
+
+    events: list[Event]
+
+    def update(self, t: float, q: Array, v: Array | None, tau: Array) -> Status:
+        """Take one tick.
+
+        Args:
+            t: Time [s].
+            q: Positions [rad or m], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,); None where there are none.
+            tau: Torque that has acted since the last tick [N·m or N], shape (n,).
+        """
+        ...
+
+    def correct(self, tau: Array) -> Array:
+        """Return the torque to command in place of a nominal one [N·m or N], shape (n,)."""
+        ...
+
+    @property
+    def faults(self) -> tuple[Term, ...]:
+        """Faults now believed in."""
+        ...
+
+    def reset(self) -> None:
+        """Return to the start, keeping what healthy runs taught."""
+        ...

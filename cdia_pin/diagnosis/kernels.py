@@ -1,0 +1,284 @@
+r"""The arithmetic of a tick, compiled: momentum residual, filtered columns, threshold, alarms, normal equations.
+
+Discretised exactly for a torque held over the tick, E = exp(−γΔ) [Notes are in docs/diagnosis.md]:
+
+.. math:: r^+ = E r + (1-E)\,[\tfrac12(M^+ + M)(\dot q^+ - \dot q)/\Delta + \tfrac12(nle^+ + nle) - \tau]
+
+.. math:: y^+ = E y + (1-E)\,\bar\varphi
+
+with φ̄ the mean of both ends, or for effects of torque and acceleration the value over the interval.
+Then r_j = c_jᵀ y_j + filtered η_j: joints do not mix.
+
+All state is in a few arrays that the caller owns. Only this file and what is generated beside it need numba;
+it is imported when a monitor is first made.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+import numpy as np
+from numba import njit
+
+# What `JointEffect.columns` reads, here with arrays that run over the joints.
+Signals = namedtuple("Signals", "q v a effort sign time")  # noqa: PYI024  (numba knows no other)
+# What `Unknown.columns` reads, here with arrays of shape (K, n) and (n,).
+Neurons = namedtuple("Neurons", "position_centres velocity_centres position_width velocity_width")  # noqa: PYI024
+
+# Rows of `joint`, each of shape (n,).
+RESIDUAL, THRESHOLD, REMAINDER, EXCEEDED = 0, 1, 2, 3  # r, its bound, r − ĉᵀy, ticks beyond the bound
+BOUND, SLOPE, WIDTH = 4, 5, 6  # η₀ = BOUND + SLOPE |M q̈ + nle|; speed over which sgn is smoothed
+VELOCITY, NLE = 7, 8  # of the last tick
+WATCHED, WEIGHT = 9, 10  # is the joint being decided upon, or how many ticks until then; samples collected
+OUTSIDE = 11  # torque of model terms that are not of one joint, over the interval
+LEARNING, LEARNED = 12, 13  # does the joint learn an unknown fault? what it has learned, filtered
+AMPLITUDE = 14  # largest explained torque of late
+MOVING = 15  # share of the filter's memory in which the joint moved: at rest dry friction can be anything
+JOINT_ROWS = 16
+
+# Rows of `columns`, each of shape (n, P).
+PHI, FILTERED, BELIEVED, KNOWN = 0, 1, 2, 3  # φ of the last tick, y, ĉ, θ of the model's own terms
+PRESENT = 4  # β of the effect's profile
+COLUMN_ROWS = 5
+
+# Rows of `neurons`, each of shape (n, 2 K + 1).
+ACTIVATION, ACTIVATED, WEIGHTS = 0, 1, 2  # of the last tick, filtered, learned
+NEURON_ROWS = 3
+
+ALARM, ABSENT, BAD = 1, 2, 4  # what a tick may ask attention for; BAD: a signal was not finite, nothing was done
+RESTING = 5.0  # widths of sgn, below which a joint may rest
+ROUGH = 0.2  # [1], share of a believed fault by which its formula may fail for a moment, as friction at rest does
+
+
+@njit(cache=True)
+def advance(joint, columns, gram, absent, mass, phi, interval, ends, q, v, tau, M, nle, a, E, forget, debounce, idle):
+    """Advance all joints by one tick; returns what needs attention."""
+    n, P = phi.shape
+    asks = 0
+    for j in range(n):
+        inertial = 0.0
+        for i in range(n):
+            inertial += 0.5 * (M[j, i] + mass[j, i]) * a[i]
+        load = inertial + 0.5 * (nle[j] + joint[NLE, j])
+        lacking = load - tau[j] - joint[OUTSIDE, j]
+        explained = 0.0
+        for k in range(P):
+            mean = phi[j, k] if interval[k] else 0.5 * (phi[j, k] + columns[PHI, j, k])
+            columns[PHI, j, k] = phi[j, k]
+            lacking -= columns[KNOWN, j, k] * mean
+            y = E * columns[FILTERED, j, k] + (1.0 - E) * mean * columns[PRESENT, j, k]
+            columns[FILTERED, j, k] = y
+            explained += columns[BELIEVED, j, k] * y
+        r = E * joint[RESIDUAL, j] + (1.0 - E) * lacking
+        joint[RESIDUAL, j] = r
+        bound = joint[BOUND, j] + joint[SLOPE, j] * abs(load)
+        threshold = E * joint[THRESHOLD, j] + (1.0 - E) * bound
+        joint[THRESHOLD, j] = threshold
+        remainder = r - explained - joint[LEARNED, j]
+        joint[REMAINDER, j] = remainder
+        explained = abs(r - remainder)
+        joint[AMPLITUDE, j] = max(explained, forget * joint[AMPLITUDE, j])
+        joint[MOVING, j] = E * joint[MOVING, j] + (1.0 - E if abs(v[j]) > RESTING * joint[WIDTH, j] else 0.0)
+        rough = (ROUGH + 1.0 - joint[MOVING, j]) * joint[AMPLITUDE, j]
+        if abs(remainder) > threshold + rough:
+            joint[EXCEEDED, j] += 1.0
+            if joint[EXCEEDED, j] >= debounce:
+                asks |= ALARM
+        else:
+            joint[EXCEEDED, j] = 0.0
+        for e in range(len(ends) - 1):
+            own = 0.0
+            for k in range(ends[e], ends[e + 1]):
+                own += columns[BELIEVED, j, k] * columns[FILTERED, j, k]
+            if own == 0.0:
+                continue
+            # Without the effect the rest explains the residual, though the effect would be well visible.
+            if abs(own) > 2.0 * threshold and abs(remainder + own) < 0.5 * abs(own) and abs(remainder) > 0.5 * abs(own):
+                absent[j, e] += 1.0
+                if absent[j, e] >= idle:
+                    asks |= ABSENT
+            elif abs(own) > threshold and abs(remainder) < 0.5 * abs(own):
+                absent[j, e] = 0.0
+        joint[VELOCITY, j], joint[NLE, j] = v[j], nle[j]
+        for i in range(n):
+            mass[j, i] = M[j, i]
+        if joint[WATCHED, j] < 0.0:
+            joint[WATCHED, j] += 1.0
+            if joint[WATCHED, j] == 0.0:
+                joint[WATCHED, j] = 1.0
+        elif joint[WATCHED, j] > 0.0 and joint[MOVING, j] > 0.9:
+            accumulate(gram[j], columns[FILTERED, j], r, forget)
+            joint[WEIGHT, j] = forget * joint[WEIGHT, j] + 1.0
+    return asks
+
+
+@njit(cache=True)
+def accumulate(gram, y, r, forget):
+    """Add a sample to the upper triangle of the forgetting Gram matrix of [y; r], shape (P + 1, P + 1)."""
+    P = len(y)
+    for i in range(P):
+        for k in range(i, P):
+            gram[i, k] = forget * gram[i, k] + y[i] * y[k]
+        gram[i, P] = forget * gram[i, P] + y[i] * r
+    gram[P, P] = forget * gram[P, P] + r * r
+
+
+@njit(cache=True)
+def activate(joint, neurons, activations, E):
+    """Filter the neurons of the joints that learn, before the tick; the last neuron is that of torque."""
+    size, n = len(activations), joint.shape[1]
+    for j in range(n):
+        if joint[LEARNING, j] == 0.0:
+            continue
+        learned = 0.0
+        for k in range(size):
+            phi = activations[k][j]
+            mean = phi if k == size - 1 else 0.5 * (phi + neurons[ACTIVATION, j, k])
+            neurons[ACTIVATION, j, k] = phi
+            y = E * neurons[ACTIVATED, j, k] + (1.0 - E) * mean
+            neurons[ACTIVATED, j, k] = y
+            learned += neurons[WEIGHTS, j, k] * y
+        joint[LEARNED, j] = learned
+
+
+@njit(cache=True)
+def learn(joint, columns, neurons, gram, forget):
+    """Add the tick to the normal equations of the joints that learn."""
+    for j in range(joint.shape[1]):
+        if joint[LEARNING, j] > 0.0 and joint[WATCHED, j] > 0.0:
+            explained = 0.0
+            for k in range(columns.shape[2]):
+                explained += columns[BELIEVED, j, k] * columns[FILTERED, j, k]
+            accumulate(gram[j], neurons[ACTIVATED, j], joint[RESIDUAL, j] - explained, forget)
+
+
+@njit(cache=True)
+def correction(joint, columns, neurons, activations, phi0, phi1, interval, smooth, tau, floor, divide):
+    """Return the torque that makes up for what is believed and for the remainder, shape (n,).
+
+    ``phi0`` holds the columns without torque, ``phi1`` those at the torque ``tau``. With ``divide`` the torque
+    that replaces a nominal ``tau``, else what to add if ``tau`` acts already.
+    """
+    n, P = phi0.shape
+    out = np.empty(n)
+    for j in range(n):
+        state, driven = 0.0, 0.0
+        for k in range(P):
+            c = columns[BELIEVED, j, k] * columns[PRESENT, j, k]
+            if c == 0.0:
+                continue
+            state += c * (columns[FILTERED, j, k] if smooth[k] else phi0[j, k])
+            driven += c * (phi1[j, k] - phi0[j, k]) if interval[k] and not smooth[k] else 0.0
+        if joint[LEARNING, j] > 0.0:
+            for k in range(len(activations) - 1):
+                state += neurons[WEIGHTS, j, k] * activations[k][j]
+            driven += neurons[WEIGHTS, j, len(activations) - 1] * tau[j]
+        wanted = tau[j] - state - joint[REMAINDER, j]
+        if not divide:
+            out[j] = -state - driven - joint[REMAINDER, j]
+            continue
+        gain = 1.0
+        if driven != 0.0 and tau[j] != 0.0:
+            gain = max(1.0 + driven / tau[j], floor)
+        out[j] = wanted / gain
+    return out
+
+
+@njit(cache=True)
+def subsets(gram, ends, lower, upper, required, prior, centre, most, out_theta, out_rss, out_ok):
+    """Fit every combination of effects that holds the required ones to the normal equations of a joint.
+
+    Args:
+        gram: Gram matrix of [y; r], upper triangle, shape (P + 1, P + 1).
+        ends: Columns of the effects, shape (N + 1,).
+        lower: Smallest parameters, shape (P,).
+        upper: Largest parameters, shape (P,).
+        required: Bits of the effects that every combination holds.
+        prior: Weight of what is believed already, shape (P,).
+        centre: What is believed already, shape (P,).
+        most: Largest number of further effects.
+        out_theta: Parameters of each combination, shape (2^N, P).
+        out_rss: Sum of squares that each leaves, shape (2^N,).
+        out_ok: Whether it was fitted and is physical, shape (2^N,).
+    """
+    N = len(ends) - 1
+    P = len(gram) - 1
+    full = np.empty((P + 1, P + 1))
+    for i in range(P + 1):
+        for k in range(i, P + 1):
+            full[i, k] = full[k, i] = gram[i, k]
+    index = np.empty(P, np.int64)
+    for mask in range(1 << N):
+        out_ok[mask] = False
+        out_rss[mask] = np.inf
+        if (mask & required) != required:
+            continue
+        extra = mask & ~required
+        count = 0
+        while extra:
+            extra &= extra - 1
+            count += 1
+        if count > most:
+            continue
+        p = 0
+        for e in range(N):
+            if mask >> e & 1:
+                for k in range(ends[e], ends[e + 1]):
+                    index[p] = k
+                    p += 1
+        theta, ok = solve(full, index, p, prior, centre)
+        rss = full[P, P]
+        for i in range(p):
+            rss -= 2.0 * theta[i] * full[index[i], P]
+            for k in range(p):
+                rss += theta[i] * theta[k] * full[index[i], index[k]]
+        for i in range(p):
+            k = index[i]
+            out_theta[mask, k] = theta[i]
+            # a number may pass its bound by as much as noise explains, not more
+            slack = np.sqrt(max(rss, 0.0) / max(full[k, k], 1e-300)) * 0.3
+            if theta[i] < lower[k] - slack or theta[i] > upper[k] + slack:
+                ok = False
+        out_rss[mask] = max(rss, 0.0)
+        out_ok[mask] = ok
+
+
+@njit(cache=True)
+def solve(full, index, p, prior, centre):
+    """Solve the normal equations of some columns by Cholesky; returns the parameters, and whether it went well."""
+    theta = np.zeros(p)
+    P = len(full) - 1
+    L = np.zeros((p, p))
+    scale = np.empty(p)
+    for i in range(p):
+        k = index[i]
+        d = full[k, k] + prior[k]
+        if d <= 0.0:
+            return theta, False
+        scale[i] = 1.0 / np.sqrt(d)
+    for i in range(p):
+        for k in range(i + 1):
+            value = full[index[i], index[k]] * scale[i] * scale[k]
+            if i == k:
+                value += prior[index[i]] * scale[i] * scale[i] + 1e-9
+            for m in range(k):
+                value -= L[i, m] * L[k, m]
+            if i == k:
+                if value < 1e-5:  # columns that are sums of each other on this motion
+                    return theta, False
+                L[i, i] = np.sqrt(value)
+            else:
+                L[i, k] = value / L[k, k]
+    for i in range(p):
+        value = (full[index[i], P] + prior[index[i]] * centre[index[i]]) * scale[i]
+        for m in range(i):
+            value -= L[i, m] * theta[m]
+        theta[i] = value / L[i, i]
+    for i in range(p - 1, -1, -1):
+        value = theta[i]
+        for m in range(i + 1, p):
+            value -= L[m, i] * theta[m]
+        theta[i] = value / L[i, i]
+    for i in range(p):
+        theta[i] *= scale[i]
+    return theta, True

@@ -1,0 +1,305 @@
+r"""What healthy runs teach: the torque's delay, small errors of the masses, and how large a healthy residual is.
+
+The bound of a healthy residual is taken after the rest has been learned. It is the largest residual seen times a
+margin, and never less than a multiple of its RMS: the largest of a minute is not that of an hour.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.alignment import Alignment
+from cdia_pin.diagnosis.nominal import Nominal
+from cdia_pin.diagnosis.observer import NARROWEST, Observer
+from cdia_pin.diagnosis.settings import MonitorSettings
+from cdia_pin.errors import LogError
+from cdia_pin.logs.log import Log
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+DELAYS = 0.010  # [s], the longest delay of a torque loop that is looked for
+WORTH = 0.9  # residual left, relative, below which a delay or a correction of masses is believed
+SURPRISING = 0.05  # [1], error of an inertial parameter that would surprise nobody
+REACH = 0.1  # [m], least scale of a link's size
+ROWS_PER_SECOND = 100  # of the regression of the masses
+PASSES = 3  # of its weights
+SETTLE = 5.0  # time constants of the filter before a run counts
+SHORTEST = 2.0  # [s], of all healthy runs together
+ASSUMED_MEMORY = 0.1  # [s], correlation time of a healthy residual where it was not measured
+ASSUMED_WIDTH = 0.005  # [rad/s or m/s], smoothing of sgn where noise was not measured
+LEVEL_WINDOW = 1.0  # [s], over which the healthy level is taken
+
+
+@dataclass(frozen=True)
+class Healthy:
+    """What is known of a healthy arm under a monitor.
+
+    Attributes:
+        nominal: The model, with what the runs corrected.
+        bound: η₀ of each joint [N·m or N], shape (n,).
+        level: RMS of a healthy residual in the worst second [N·m or N], shape (n,).
+        memory: Correlation time of a healthy residual [s], shape (n,).
+        sign_width: Speed over which sgn q̇ is smoothed, two deviations of the velocity's noise, shape (n,).
+        reach: Smallest and largest position and velocity seen, shape (2, 2, n): position and velocity, then ends.
+        notes: What was learned, one sentence each.
+    """
+
+    nominal: Nominal
+    bound: Array
+    level: Array
+    memory: Array
+    sign_width: Array
+    reach: Array
+    notes: tuple[str, ...] = ()
+
+
+def learn(nominal: Nominal, runs: Sequence[Log], settings: MonitorSettings) -> Healthy:
+    """Learn from runs of a healthy arm.
+
+    Args:
+        nominal: The model.
+        runs: Logs at the rate at which the monitor will run.
+        settings: Bandwidth, margins, and whether masses are corrected.
+
+    Raises:
+        LogError: If the runs are too short, belong to other joints, or differ in rate.
+    """
+    dt = _check(nominal, runs)
+    notes = []
+    delay = _delay(nominal, runs, dt, settings)
+    if delay != nominal.delay:
+        notes.append(f"torques act {1e3 * delay:.1f} ms after their signal")
+        nominal = replace(nominal, delay=delay)
+    if settings.calibrate:
+        corrected = _with_masses(nominal, runs, dt, settings)
+        if corrected is not None:
+            before, after = (_pooled(_residuals(x, runs, dt, settings)) for x in (nominal, corrected))
+            if np.mean(after / before) < WORTH:
+                share = float(np.mean(after / before))
+                notes.append(f"masses corrected by the healthy runs: {share:.0%} of the residual is left")
+                nominal = corrected
+    residuals = _residuals(nominal, runs, dt, settings)
+    rms = _pooled(residuals)
+    largest = np.max([np.abs(r).max(axis=0) for r in residuals], axis=0)
+    bound = np.maximum(settings.margin * largest, settings.noise_margin * rms)
+    window = max(1, round(LEVEL_WINDOW / dt))
+    width = np.maximum(2 * velocity_noise(runs, dt), NARROWEST)
+    v = [_aligned_velocity(run, dt) for run in runs]
+    reach = np.array([[_extreme(np.min, [r.position for r in runs]), _extreme(np.max, [r.position for r in runs])],
+                      [_extreme(np.min, v), _extreme(np.max, v)]])  # fmt: skip
+    level = np.max([_worst_window(r, window) for r in residuals], axis=0)
+    memory = np.array([_correlation_time([r[:, j] for r in residuals], dt) for j in range(nominal.robot.n)])
+    return Healthy(nominal, bound, level, np.maximum(memory, 1 / settings.bandwidth), width, reach, tuple(notes))
+
+
+def assumed(nominal: Nominal, threshold: Mapping[str, float], settings: MonitorSettings) -> Healthy:
+    """Return what a given threshold says of a healthy arm [N·m or N]."""
+    robot = nominal.robot
+    bound = np.array([threshold[joint] for joint in robot.joints])
+    limits = robot.limits
+    reach = np.array([[limits.lower, limits.upper], [-limits.velocity, limits.velocity]])
+    memory = np.full(robot.n, ASSUMED_MEMORY)
+    width = np.full(robot.n, ASSUMED_WIDTH)
+    return Healthy(nominal, bound, bound / settings.noise_margin, memory, width, reach)
+
+
+def velocity_noise(runs: Sequence[Log], dt: float) -> Array:
+    """Return the standard deviation of the velocities' white noise [rad/s or m/s], shape (n,)."""
+    third = [np.diff(_aligned_velocity(run, dt), n=3, axis=0) for run in runs]
+    # third differences of white noise have a variance of 1 + 9 + 9 + 1; the median ignores reversals
+    return np.asarray(1.4826 * np.median(np.abs(np.concatenate(third)), axis=0) / np.sqrt(20.0))
+
+
+def _check(nominal: Nominal, runs: Sequence[Log]) -> float:
+    robot = nominal.robot
+    for run in runs:
+        if run.joints != robot.joints:
+            raise LogError(f"{run.source}: joints are {', '.join(run.joints)}; expected {', '.join(robot.joints)}")
+    total = sum(r.duration for r in runs)
+    if total < SHORTEST:
+        raise LogError(f"healthy runs of {total:.2g} s are too short to learn from; give {SHORTEST:g} s or more")
+    rates = [r.rate for r in runs]
+    if max(rates) > 1.2 * min(rates):
+        raise LogError(f"healthy runs must share one rate, given {min(rates):.0f} to {max(rates):.0f} Hz")
+    if len({r.velocity is None for r in runs}) > 1:
+        raise LogError("either all healthy runs have velocities or none")
+    return 1.0 / float(np.median(rates))
+
+
+def replay(observer: Observer, alignment: Alignment, run: Log) -> Array:
+    """Return the residuals of a run, once the filter has settled [N·m or N], shape (K, n)."""
+    observer.reset()
+    alignment.reset()
+    out = []
+    begin = None
+    for k in range(len(run.time)):
+        v = None if run.velocity is None else run.velocity[k]
+        sample = alignment(float(run.time[k]), run.position[k], v, run.effort[k])
+        if sample is None:
+            continue
+        t, q, v, tau = sample
+        observer.step(t, q + observer.nominal.offset, v, tau)
+        begin = t if begin is None else begin
+        if t - begin > SETTLE / observer.settings.bandwidth:
+            out.append(observer.residual.copy())
+    return np.array(out)
+
+
+def _residuals(nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSettings) -> list[Array]:
+    observer = Observer(nominal, (), settings, dt)
+    observer.use_width(2 * velocity_noise(runs, dt))
+    alignment = Alignment(dt, nominal.delay, runs[0].velocity is None)
+    return [replay(observer, alignment, run) for run in runs]
+
+
+def _pooled(residuals: Sequence[Array]) -> Array:
+    return np.asarray(np.sqrt(np.mean(np.concatenate(residuals) ** 2, axis=0)))
+
+
+def _worst_window(r: Array, window: int) -> Array:
+    """Return the RMS of the worst window, shape (n,)."""
+    total = np.vstack([np.zeros(r.shape[1]), np.cumsum(r**2, axis=0)])
+    window = min(window, len(r))
+    return np.asarray(np.sqrt((total[window:] - total[:-window]).max(axis=0) / window))
+
+
+def _correlation_time(series: Sequence[Array], dt: float) -> float:
+    """Return the time over which a residual forgets itself: the sum of its autocorrelation to the first zero [s]."""
+    longest = max(series, key=len)
+    x = longest - longest.mean()
+    size = 1 << (2 * len(x) - 1).bit_length()
+    spectrum = np.abs(np.fft.rfft(x, size)) ** 2
+    auto = np.fft.irfft(spectrum)[: len(x) // 2]
+    auto /= auto[0] if auto[0] > 0 else 1.0
+    negative = np.flatnonzero(auto <= 0)
+    return float(dt * (2 * auto[: negative[0] if len(negative) else len(auto)].sum() - 1))
+
+
+def _extreme(which: type[np.min] | type[np.max], signals: Sequence[Array]) -> Array:  # type: ignore[valid-type]
+    return np.asarray(which([which(s, axis=0) for s in signals], axis=0))  # type: ignore[operator]
+
+
+def _aligned_velocity(run: Log, dt: float) -> Array:
+    """Return measured velocities, or those that the alignment makes of positions, shape (K, n)."""
+    if run.velocity is not None:
+        return run.velocity
+    alignment = Alignment(dt, position_only=True)
+    samples = (alignment(float(t), q, None, tau) for t, q, tau in zip(run.time, run.position, run.effort, strict=True))
+    return np.array([s[2] for s in samples if s is not None])
+
+
+# ----------------------------------------------------------------- delay and masses, over whole runs at once
+
+
+@dataclass(frozen=True)
+class _Signals:
+    """A run at one instant per row: state, and torque with its own delay taken out; shape (K, n) each."""
+
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+
+
+def _signals(run: Log, nominal: Nominal, dt: float, delay: float) -> _Signals:
+    alignment = Alignment(dt, delay, run.velocity is None)
+    v = run.velocity
+    rows = [
+        alignment(float(run.time[k]), run.position[k], None if v is None else v[k], run.effort[k])
+        for k in range(len(run.time))
+    ]
+    _, q, v, tau = (np.array(s) for s in zip(*[r for r in rows if r is not None], strict=True))
+    middle = 0.5 * (v[1:] + v[:-1])
+    return _Signals(0.5 * (q[1:] + q[:-1]) + nominal.offset, middle, np.diff(v, axis=0) / dt, tau[1:])
+
+
+def _filter(x: Array, dt: float, settings: MonitorSettings, state: Array | None = None) -> tuple[Array, Array]:
+    """Apply the filter of the residual along time."""
+    from scipy.signal import lfilter
+
+    E = np.exp(-settings.bandwidth * dt)
+    zi = np.zeros((1, *x.shape[1:])) if state is None else state
+    return lfilter([1 - E], [1, -E], x, axis=0, zi=zi)  # type: ignore[no-any-return]
+
+
+def _delay(nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSettings) -> float:
+    """Return the delay that leaves least, in half ticks; the model's own where none is clearly better."""
+    run = max(runs, key=lambda r: r.duration)
+    run = run.slice(0, min(len(run.time), round(60.0 / dt)))
+    candidates = [nominal.delay + 0.5 * dt * i for i in range(int(2 * DELAYS / dt) + 1)]
+    settle = round(SETTLE / settings.bandwidth / dt)
+    left = []
+    known = None
+    for delay in candidates:
+        x = _signals(run, nominal, dt, delay)
+        if known is None:
+            known = nominal.robot.inverse_dynamics(x.q, x.v, x.a)
+        count = min(len(known), len(x.tau))
+        r, _ = _filter(known[-count:] - x.tau[-count:], dt, settings)
+        r = r[settle:] - r[settle:].mean(axis=0)
+        scale = x.tau[-count:].std(axis=0) + 1e-12
+        left.append(float(np.mean((r.std(axis=0) / scale) ** 2)))
+    best = int(np.argmin(left))
+    return candidates[best] if left[best] < WORTH**2 * left[0] else nominal.delay
+
+
+def _with_masses(
+    nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSettings
+) -> Nominal | None:
+    """Return the model with inertial parameters nearer to what the runs say, or None if bodies become impossible."""
+    robot = nominal.robot
+    residuals = _residuals(nominal, runs, dt, settings)
+    every = max(1, round(1 / ROWS_PER_SECOND / dt))
+    regressors, lacking = [], []
+    for run, r in zip(runs, residuals, strict=True):
+        y = _filtered_regressor(_signals(run, nominal, dt, nominal.delay), robot, dt, settings, every)
+        r = r[::-1][::every][::-1]  # both end at the last sample
+        count = min(len(r), len(y))
+        regressors.append(y[-count:])
+        lacking.append(r[-count:])
+    Y, r = np.concatenate(regressors), -np.concatenate(lacking)  # bodies too heavy make the residual positive
+    prior = 1.0 / _scales(robot) ** 2
+    sigma = r.std(axis=0) + 1e-12
+    delta = np.zeros(10 * robot.n)
+    independent = max(1.0, 0.1 / (every * dt))  # rows that count as one: 0.1 s of motion
+    for _ in range(PASSES):
+        weighted = Y / sigma[:, None]
+        gram = np.einsum("kji,kjm->im", weighted, weighted) / independent
+        right = np.einsum("kji,kj->i", weighted, r / sigma) / independent
+        unit = np.sqrt(1.0 / prior)
+        delta = unit * np.linalg.solve(gram * np.outer(unit, unit) + np.eye(len(unit)), unit * right)
+        sigma = (r - Y @ delta).std(axis=0) + 1e-12
+    pi = robot.inertial_parameters + delta.reshape(robot.n, 10)
+    if (pi[:, 0] <= 0).any():
+        return None
+    return replace(
+        nominal,
+        robot=robot.with_inertial_parameters(pi),
+        others=replace(nominal.others, robot=robot.with_inertial_parameters(pi)),
+    )
+
+
+def _filtered_regressor(x: _Signals, robot: RobotModel, dt: float, settings: MonitorSettings, every: int) -> Array:
+    """Return rows of the filtered regressor, the last at the last sample, shape (K, n, 10 n)."""
+    state, out, begin = None, [], (len(x.q) - 1) % every
+    chunk = every * 100
+    for start in range(0, len(x.q), chunk):
+        part = np.s_[start : start + chunk]
+        y, state = _filter(robot.torque_regressor(x.q[part], x.v[part], x.a[part]), dt, settings, state)
+        out.append(y[begin::every])
+    return np.concatenate(out)
+
+
+def _scales(robot: RobotModel) -> Array:
+    """Return the size of error that would surprise nobody, for every inertial parameter, shape (10 n,)."""
+    rows = []
+    for p in robot.inertial_parameters:
+        mass = max(p[0], 1e-3)
+        reach = max(float(np.linalg.norm(p[1:4])) / mass, REACH)
+        rows.append([mass, *[mass * reach] * 3, *[mass * reach**2] * 6])
+    return SURPRISING * np.concatenate(rows)

@@ -1,0 +1,224 @@
+"""The engine `momentum`: residuals in torque units, joint by joint, and every combination of effects at every look."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.alignment import Alignment
+from cdia_pin.diagnosis.approximation import unknown_of
+from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.isolation import Isolator
+from cdia_pin.diagnosis.learning import SETTLE, Healthy, assumed, learn
+from cdia_pin.diagnosis.nominal import Nominal
+from cdia_pin.diagnosis.observer import Observer
+from cdia_pin.diagnosis.settings import MonitorSettings
+from cdia_pin.diagnosis.status import Event, Stage, Status, Verdict
+from cdia_pin.diagnosis.watch import JointWatch
+from cdia_pin.dynamics.dynamics import Dynamics
+from cdia_pin.effects import Term
+from cdia_pin.errors import ModelError
+from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
+
+GAP = 5.0  # ticks without a sample after which filters start anew
+
+
+class MomentumEngine:
+    """Watch an arm by the momentum observer.
+
+    Args:
+        model: The healthy arm.
+        bank: Known effects.
+        settings: How quickly, how surely, how boldly.
+        healthy: Runs of the healthy arm, to learn thresholds from.
+        threshold: η₀ of each joint [N·m or N], where there are no healthy runs.
+        rate: Ticks per second, where there are no healthy runs [Hz].
+        position_only: Whether there are no velocities, where there are no healthy runs.
+    """
+
+    def __init__(
+        self,
+        model: Dynamics,
+        bank: Bank,
+        settings: MonitorSettings,
+        *,
+        healthy: Sequence[Log] = (),
+        threshold: Mapping[str, float] | None = None,
+        rate: float | None = None,
+        position_only: bool = False,
+    ) -> None:
+        robot = model.robot
+        self.settings, self.bank = settings, bank
+        nominal = Nominal.of(model)
+        if healthy:
+            self.healthy: Healthy = learn(nominal, healthy, settings)
+            rate = float(np.median([run.rate for run in healthy]))
+            position_only = healthy[0].velocity is None
+        elif threshold is not None and rate:
+            self.healthy = assumed(nominal, threshold, settings)
+        else:
+            raise ModelError(
+                "a monitor must know how large a healthy residual is: give healthy=[log, …], "
+                "or threshold={joint: N·m} and rate=Hz"
+            )
+        self.dt = 1.0 / rate
+        nominal = self.healthy.nominal
+        unknown = [unknown_of(self.healthy, j, settings.neurons) for j in range(robot.n)]
+        self.observer = Observer(nominal, bank.prototypes, settings, self.dt, unknown)
+        self.observer.use_width(self.healthy.sign_width)
+        self.observer.joint[self.observer.k.BOUND] = self.healthy.bound
+        lower, upper = _bounds(bank, nominal)
+        isolator = Isolator(bank, lower, upper, settings)
+        self.watches = [
+            JointWatch(j, self.observer, isolator, self.healthy, unknown[j], settings) for j in range(robot.n)
+        ]
+        self._alignment = Alignment(self.dt, nominal.delay, position_only)
+        self._offset = nominal.offset if nominal.offset.any() else None
+        self._limit = robot.limits.effort
+        self._zero = np.zeros(robot.n)
+        self.events: list[Event] = []
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the start, keeping what healthy runs taught."""
+        self.observer.reset()
+        self._alignment.reset()
+        for watch in self.watches:
+            watch.reset()
+        self.events.clear()
+        self._tau = self._zero
+        self._quiet_until = np.inf  # until filters have settled
+        self._next = [-np.inf] * len(self.watches)
+        self._bad = False
+        self._stages: tuple[Stage, ...] = (Stage.HEALTHY,) * len(self.watches)
+        self._faults: tuple[Term, ...] = ()
+        self._busy: list[JointWatch] = []
+        self._gated = [w for w in self.watches if w.profiles]
+
+    def update(self, t: float, q: Array, v: Array | None, tau: Array) -> Status:
+        """Take one tick; see `Engine.update`."""
+        o, k = self.observer, self.observer.k
+        self._tau = tau
+        sample = self._alignment(t, q, v, tau)
+        if sample is None:
+            return self._status(t, ())
+        then, q, v, tau = sample
+        if self._offset is not None:
+            q = q + self._offset
+        gap = then - o.time
+        if not 0 < gap:
+            return self._bad_data(t, f"time goes from {o.time:.6g} s to {then:.6g} s")
+        if gap > GAP * self.dt:
+            self._start(then)
+        if self._gated:
+            self._gate(then, q, v, tau)
+        asks = o.step(then, q, v, tau)
+        if asks & k.BAD:
+            return self._bad_data(t, "a position, velocity or torque is not a number")
+        if self._bad and then >= self._quiet_until:
+            self._bad = False
+        if not asks and not self._busy:
+            return self._status(t, ())
+        return self._status(t, self._attend(t, then, asks))
+
+    def correct(self, tau: Array) -> Array:
+        """Return the torque to command in place of a nominal one, within the effort limits, shape (n,)."""
+        if self._corrects:
+            tau = self.observer.correct(tau)
+        return np.minimum(np.maximum(tau, -self._limit), self._limit)
+
+    @property
+    def faults(self) -> tuple[Term, ...]:
+        """Faults now believed in."""
+        return tuple(term for watch in self.watches for term in watch.faults)
+
+    # ------------------------------------------------------------- a tick in which something happens
+
+    def _attend(self, t: float, then: float, asks: int) -> tuple[Event, ...]:
+        o, k = self.observer, self.observer.k
+        new: list[Event] = []
+        if asks & k.ALARM and then >= self._quiet_until:
+            for j in np.flatnonzero(o.joint[k.EXCEEDED] >= self.settings.debounce):
+                new += self.watches[j].alarm(t)
+        if asks & k.ABSENT:
+            for watch in self._busy:
+                new += watch.absent(t)
+        for watch in self._busy:
+            if t >= self._next[watch.j]:
+                # joints take turns, so that no tick decides on several
+                late = watch.j / len(self.watches) * self.settings.decide_every
+                steps = np.floor((t - late) / self.settings.decide_every) + 1
+                self._next[watch.j] = float(steps) * self.settings.decide_every + late
+                new += watch.look(t)
+        if new or asks:
+            self._busy = [w for w in self.watches if w.stage is not Stage.HEALTHY]
+            self._gated = [w for w in self.watches if w.profiles]
+            self._stages = tuple(w.stage for w in self.watches)
+        if new:
+            self.events += new
+        self._faults = self.faults if self._busy else ()
+        return tuple(new)
+
+    def _gate(self, t: float, q: Array, v: Array, tau: Array) -> None:
+        """Set where the effects with a profile are present."""
+        from cdia_pin.effects import State
+
+        o, k = self.observer, self.observer.k
+        x = State(o.nominal.robot, q[None], v[None], q[None], tau[None], np.array([t]), o.joint[k.WIDTH])
+        for watch in self._gated:
+            for i, profile in watch.profiles.items():
+                o.columns[k.PRESENT, watch.j, self.bank.span(i)] = profile(x)[0]
+
+    # ------------------------------------------------------------- starts and bad data
+
+    def _start(self, t: float) -> None:
+        """Start the filters; alarms and corrections wait until they have settled."""
+        self.observer.reset()
+        for watch in self.watches:
+            watch.restart()
+        self._quiet_until = t + SETTLE / self.settings.bandwidth
+
+    def _bad_data(self, t: float, reason: str) -> Status:
+        """Correct nothing until data have been good for as long as the filters need."""
+        event: tuple[Event, ...] = ()
+        if not self._bad:
+            event = (Event(t, "accommodation", self.observer.nominal.robot.joints, Verdict.NONE, reason=f"{reason}; nominal control"),)
+            self.events += event
+        self._bad = True
+        self._quiet_until = np.inf
+        self.observer.time = -np.inf
+        self._alignment.reset()
+        return self._status(t, event)
+
+    @property
+    def _corrects(self) -> bool:
+        return (
+            self.settings.accommodate and bool(self._busy) and self.observer.time >= self._quiet_until
+        )
+
+    def _status(self, t: float, events: tuple[Event, ...]) -> Status:
+        o = self.observer
+        if self._corrects:
+            addition = o.addition(self._tau)
+            correction = np.minimum(np.maximum(addition, -self._limit), self._limit)
+        else:
+            correction = self._zero
+        return Status(
+            t, self._stages, o.residual.copy(), o.threshold.copy(), correction, self._faults, events
+        )
+
+
+def _bounds(bank: Bank, nominal: Nominal) -> tuple[Array, Array]:
+    """Return the bounds of every column on every joint: a term of the model may vanish, but not turn over."""
+    lower, upper = (np.tile(b, (nominal.robot.n, 1)) for b in bank.bounds)
+    for term in nominal.of_joints:
+        i = bank.index(term.effect)  # type: ignore[arg-type]
+        if i is not None:
+            j = nominal.robot.joint_index(term.effect.scope[0])
+            lower[j, bank.span(i)] -= term.theta
+            upper[j, bank.span(i)] -= term.theta
+    return lower, upper

@@ -1,0 +1,182 @@
+"""What an observer may explain a fault with: known effects, or neurons; of all joints at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects import JointEffect, JointState, Term, Unknown
+from cdia_pin.errors import EffectError
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+LARGEST_WEIGHT = 1e4  # [N·m or N], of a neuron where the URDF states no effort limit
+
+
+class Basis(Protocol):
+    """Columns φ of P weights per joint, with Σ φ w the torque of each joint."""
+
+    @property
+    def of_torque(self) -> NDArray[np.bool_]:
+        """Which columns are in proportion to the torque, shape (P,)."""
+        ...
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Smallest and largest physical weights, each (n, P)."""
+        ...
+
+    def columns(self, x: JointState) -> Array:
+        """Return φ for signals of shape (n,), shape (n, P)."""
+        ...
+
+
+@dataclass(frozen=True)
+class KnownEffects:
+    """The effects of a bank, each on every joint ([Thesis] §2.2.3–2.2.4).
+
+    Attributes:
+        robot: The arm.
+        effects: One of each type; their joint does not matter.
+    """
+
+    robot: RobotModel
+    effects: tuple[JointEffect, ...]
+
+    @classmethod
+    def of(cls, robot: RobotModel, bank: Sequence[JointEffect | type[JointEffect]]) -> KnownEffects:
+        """Build the basis from effects, or their classes where the usual shape will do.
+
+        Raises:
+            EffectError: If an entry is no effect of one joint, or two have the same name.
+        """
+        effects = []
+        for entry in bank:
+            effect = (
+                entry(robot.joints[0])
+                if isinstance(entry, type) and issubclass(entry, JointEffect)
+                else entry
+            )
+            if not isinstance(effect, JointEffect) or effect.reads or effect.shifts:
+                raise EffectError(f"a bank holds effects on the torque of one joint, given {entry!r}")
+            effects.append(effect)
+        names = [e.name for e in effects]
+        if len(set(names)) < len(names):
+            raise EffectError(f"a bank holds each type of effect once, given {', '.join(names)}")
+        return cls(robot, tuple(effects))
+
+    @cached_property
+    def of_type(self) -> NDArray[np.intp]:
+        """Which effect each column belongs to, shape (P,)."""
+        return np.repeat(np.arange(len(self.effects)), [e.size for e in self.effects])
+
+    @cached_property
+    def of_torque(self) -> NDArray[np.bool_]:
+        """Which columns are in proportion to the torque, shape (P,)."""
+        return np.array([self.effects[i].of_torque for i in self.of_type], dtype=bool)
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """Smallest and largest physical parameters, each (n, P)."""
+        of_joints = [
+            [np.concatenate([np.empty(0), *side]) for side in zip(*rows, strict=True)]
+            if rows
+            else [np.empty(0)] * 2
+            for rows in ([e.bounds(self.robot) for e in self._on(j)] for j in self.robot.joints)
+        ]
+        return np.array([o[0] for o in of_joints]), np.array([o[1] for o in of_joints])
+
+    def columns(self, x: JointState) -> Array:
+        """Return Φ for signals of shape (n,), shape (n, P)."""
+        columns = [c for effect in self.effects for c in effect.columns(x)]
+        return np.stack(columns, axis=-1) if columns else np.empty((len(x.q), 0))
+
+    def terms(self, weights: Array, present: NDArray[np.bool_]) -> tuple[Term, ...]:
+        """Return the faults as terms.
+
+        Args:
+            weights: Parameters, (n, P).
+            present: Which effect is there on which joint, (n, N).
+        """
+        return tuple(
+            Term(effect, tuple(weights[j, self.of_type == i]))
+            for j, joint in enumerate(self.robot.joints)
+            for i, effect in enumerate(self._on(joint))
+            if present[j, i]
+        )
+
+    def _on(self, joint: str) -> tuple[JointEffect, ...]:
+        return tuple(replace(e, joint=joint) for e in self.effects)
+
+
+@dataclass(frozen=True, eq=False)
+class Neurons:
+    """The approximator of [Thesis] (3.1): k neurons in position, k in velocity, one in torque, per joint.
+
+    A neuron is `cdia_pin.effects.Unknown` with centre 0 and width 1, at the distance from its own centre.
+
+    Attributes:
+        robot: The arm.
+        position_centres: [rad or m], shape (n, k).
+        velocity_centres: [rad/s or m/s], shape (n, k).
+        position_width: [rad or m], shape (n,).
+        velocity_width: [rad/s or m/s], shape (n,).
+    """
+
+    robot: RobotModel
+    position_centres: Array
+    velocity_centres: Array
+    position_width: Array
+    velocity_width: Array
+
+    @classmethod
+    def over(cls, robot: RobotModel, position: Array, velocity: Array, count: int) -> Neurons:
+        """Spread neurons evenly over ±position and ±velocity, as wide as they are apart.
+
+        Args:
+            robot: The arm.
+            position: Half the range [rad or m], shape (n,).
+            velocity: Half the range [rad/s or m/s], shape (n,).
+            count: k.
+        """
+        places = np.linspace(-1.0, 1.0, count)
+        apart = 2.0 / max(count - 1, 1)
+        return cls(
+            robot, np.outer(position, places), np.outer(velocity, places), apart * position, apart * velocity
+        )
+
+    @cached_property
+    def of_torque(self) -> NDArray[np.bool_]:
+        """Which columns are in proportion to the torque: the last, shape (P,)."""
+        out = np.zeros(2 * self.position_centres.shape[1] + 1, dtype=bool)
+        out[-1] = True
+        return out
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """Weights up to the effort limits; the gain within the effect's own bounds, each (n, P)."""
+        most = np.minimum(self.robot.limits.effort, LARGEST_WEIGHT)
+        upper = np.repeat(most[:, None], len(self.of_torque), axis=1)
+        lower = -upper
+        lower[:, -1], upper[:, -1] = self._unit.parameters[-1].lower, self._unit.parameters[-1].upper
+        return lower, upper
+
+    def columns(self, x: JointState) -> Array:
+        """Return the activations and the torque, shape (n, 2k + 1)."""
+        distance = replace(
+            x,
+            q=(x.q[:, None] - self.position_centres) / self.position_width[:, None],
+            v=(x.v[:, None] - self.velocity_centres) / self.velocity_width[:, None],
+            effort=x.effort[:, None],
+        )
+        return np.concatenate(self._unit.columns(distance), axis=1)
+
+    @cached_property
+    def _unit(self) -> Unknown:
+        return Unknown(self.robot.joints[0], (0.0,), (0.0,), 1.0, 1.0)

@@ -1,0 +1,80 @@
+r"""How large the residual of a healthy arm can be: both thresholds of [Thesis] §3.3, corrected.
+
+From :math:`\dot e = -\gamma e + M^{-1}\eta` with :math:`|\eta_j| \le \eta_{0j}` follows, joint by joint,
+
+.. math:: |e(t)| \le d(t), \qquad \dot d = -\gamma d + |M^{-1}|\,\eta_0, \qquad d(0) = 0
+
+with the absolute value of each element of M⁻¹. The thesis prints |M⁻¹ η₀|, which is no bound: entries of M⁻¹ of
+opposite signs cancel there, and need not cancel in M⁻¹ η. Both classes are stepped as the residual is, so that the
+bound also holds for the discrete residual.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def decay(gamma: Array, duration: float) -> tuple[Array, Array]:
+    """Return E = exp(−γΔ) and (1 − E)/γ: a step of ẋ = −γx + u is x⁺ = E x + (1 − E)/γ · u, exactly."""
+    left = np.exp(-gamma * duration)
+    return left, -np.expm1(-gamma * duration) / gamma
+
+
+class Threshold(Protocol):
+    """A bound of the residual [rad/s or m/s], shape (n,), that grows from zero."""
+
+    def step(self, inverse_inertia: Array, duration: float) -> Array:
+        """Return the bound after a step of that length [s] with that M⁻¹, shape (n, n)."""
+        ...
+
+
+class DynamicThreshold:
+    """d⁺ = E d + (1 − E) γ⁻¹ |M⁻¹| η₀: follows the arm's inertia.
+
+    Args:
+        gamma: γ [1/s], shape (n,).
+        unmodelled: η₀ [N·m or N], shape (n,).
+    """
+
+    def __init__(self, gamma: Array, unmodelled: Array) -> None:
+        self._gamma, self._unmodelled = gamma, unmodelled
+        self.value = np.zeros_like(gamma)
+
+    def step(self, inverse_inertia: Array, duration: float) -> Array:
+        """Return the bound after a step, shape (n,)."""
+        left, gain = decay(self._gamma, duration)
+        self.value = left * self.value + gain * (np.abs(inverse_inertia) @ self._unmodelled)
+        return self.value
+
+
+class TimeVaryingThreshold:
+    """(I − exp(−γt)) γ⁻¹ sup(|M⁻¹| η₀), the supremum over what has been; never below the dynamic one.
+
+    Args:
+        gamma: γ [1/s], shape (n,).
+        unmodelled: η₀ [N·m or N], shape (n,).
+    """
+
+    def __init__(self, gamma: Array, unmodelled: Array) -> None:
+        self._gamma, self._unmodelled = gamma, unmodelled
+        self._elapsed = 0.0
+        self._largest = np.zeros_like(gamma)
+        self.value = np.zeros_like(gamma)
+
+    def step(self, inverse_inertia: Array, duration: float) -> Array:
+        """Return the bound after a step, shape (n,)."""
+        self._elapsed += duration
+        self._largest = np.maximum(self._largest, np.abs(inverse_inertia) @ self._unmodelled)
+        self.value = decay(self._gamma, self._elapsed)[1] * self._largest
+        return self.value
+
+
+THRESHOLDS: dict[str, type[DynamicThreshold] | type[TimeVaryingThreshold]] = {
+    "dynamic": DynamicThreshold,
+    "time-varying": TimeVaryingThreshold,
+}

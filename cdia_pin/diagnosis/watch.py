@@ -1,0 +1,380 @@
+"""One joint under watch: the four stages of the scheme, and the way from one to the next ([Thesis] fig. 6).
+
+A joint is healthy until its remainder, the residual less what is believed already, passes the threshold:
+*detection*. From then on its normal equations are collected and looked at several times a second; when enough looks
+in a row agree, the fault is *isolated* and from then on *accommodated*. An effect whose torque stays away where it
+would show is *idle*: no longer corrected for, but remembered, and taken up again at once when it returns. At no
+stage is anything final: later looks may decide otherwise.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.approximation import weights
+from cdia_pin.diagnosis.bank import on_joint
+from cdia_pin.diagnosis.isolation import Decision, Isolator
+from cdia_pin.diagnosis.learning import Healthy
+from cdia_pin.diagnosis.observer import Observer
+from cdia_pin.diagnosis.region import RegionLearner
+from cdia_pin.diagnosis.settings import MonitorSettings
+from cdia_pin.diagnosis.status import Event, Stage, Verdict
+from cdia_pin.diagnosis.words import what_separates
+from cdia_pin.effects import Profile, Term, Unknown
+
+Array = NDArray[np.float64]
+
+REMEMBERED = 1.0  # [s], how long a belief counts as measured when the next fault comes
+RETURN_LOOKS = 3  # looks that a remembered fault must explain to be taken up again
+CALM = 0.5  # [s] below the threshold after which an alarm that led to nothing is dropped
+
+
+@dataclass(frozen=True)
+class Memory:
+    """A fault that was there and is gone.
+
+    Attributes:
+        mask: Its effects, one bit each.
+        theta: Their parameters, shape (P,).
+    """
+
+    mask: int
+    theta: Array
+
+
+class JointWatch:
+    """The stages of one joint.
+
+    Args:
+        j: The joint.
+        observer: Its residual and normal equations.
+        isolator: Decides between effects.
+        healthy: What a healthy joint is like.
+        unknown: Neurons for what no effect explains.
+        settings: How quickly, how surely, how boldly.
+    """
+
+    def __init__(
+        self,
+        j: int,
+        observer: Observer,
+        isolator: Isolator,
+        healthy: Healthy,
+        unknown: Unknown,
+        settings: MonitorSettings,
+    ) -> None:
+        self.j, self.observer, self.isolator, self.settings = j, observer, isolator, settings
+        self.name = observer.nominal.robot.joints[j]
+        self.bank = isolator.bank
+        self.unknown = unknown
+        self.level = float(healthy.level[j])
+        self.independent = float(healthy.memory[j]) / observer.dt  # ticks
+        self.profiles: dict[int, Profile] = {
+            i: on_joint(p, self.name) for i, p in enumerate(self.bank.profiles) if p.kind != "always"
+        }
+        self.regions: dict[int, RegionLearner] = {}
+        self._forget()
+
+    def _forget(self) -> None:
+        self.stage = Stage.HEALTHY
+        self.verdict = Verdict.NONE
+        self.mask = 0  # effects believed in
+        self.theta = np.zeros(self.bank.width)
+        self.ci95: Array | None = None
+        self.rivals: tuple[tuple[int, Array], ...] = ()
+        self.memories: list[Memory] = []
+        self.since = self.last_alarm = -np.inf
+        self._votes: deque[tuple[int, bool]] = deque(maxlen=self.settings.votes)
+        self._prior = np.zeros(self.bank.width)
+        self._centre = np.zeros(self.bank.width)
+        self._recalled, self._away = 0, 0
+
+    def reset(self) -> None:
+        """Return to healthy, believing nothing."""
+        self._forget()
+        self.regions.clear()
+        self._believe()
+        self.observer.stop_learning(self.j)
+        self.observer.end_decision(self.j)
+
+    def restart(self) -> None:
+        """Begin the present stage anew, after a gap in the data; beliefs stay."""
+        self._votes.clear()
+        if self.stage not in (Stage.HEALTHY, Stage.IDLE):
+            self._keep_belief()
+            self.observer.restart_decision(self.j)
+
+    # ------------------------------------------------------------- detection
+
+    def alarm(self, t: float) -> list[Event]:
+        """Answer a remainder beyond the threshold."""
+        self.last_alarm = t
+        if self.stage is Stage.DETECTED:
+            return []
+        if self.stage in (Stage.ACCOMMODATED, Stage.ISOLATED):
+            if self.verdict is Verdict.UNKNOWN or t - self.since < 2 * self.settings.decide_every:
+                return []  # the approximation follows by itself
+            self._keep_belief()
+        else:
+            self._prior[:] = 0.0
+        self.observer.restart_decision(self.j)
+        self.observer.start_learning(self.j)
+        self.stage, self.verdict = Stage.DETECTED, Verdict.NONE
+        self.since, self._recalled = t, 0
+        self._votes.clear()
+        return [self._event(t, "detection")]
+
+    def _keep_belief(self) -> None:
+        """Hold what is believed for measured, so that the next fault is decided upon beside it."""
+        weight = self.observer.joint[self.observer.k.WEIGHT, self.j]
+        columns = self.bank.columns(self.isolator.members(self.mask))
+        diagonal = np.diag(self.observer.gram[self.j])[columns] / max(weight, 1.0)
+        self._prior[:] = 0.0
+        self._prior[columns] = diagonal * REMEMBERED / self.observer.dt
+        self._centre = self.theta.copy()
+
+    # ------------------------------------------------------------- looks
+
+    def look(self, t: float) -> list[Event]:
+        """Look at the normal equations and at what has been believed."""
+        self._watch_regions()
+        if self.stage is Stage.DETECTED:
+            return self._isolate(t)
+        if self.stage in (Stage.ACCOMMODATED, Stage.ISOLATED):
+            return self._follow(t)
+        return []
+
+    def _decide(self, required: int = 0) -> Decision:
+        o = self.observer
+        return self.isolator.decide(
+            self.j,
+            o.gram[self.j],
+            max(float(o.joint[o.k.WEIGHT, self.j]), 1.0),
+            self.level,
+            self.independent,
+            required=required,
+            prior=self._prior,
+            centre=self._centre,
+        )
+
+    def _isolate(self, t: float) -> list[Event]:
+        if self._recall():
+            return self._commit(t, self.mask, Verdict.UNIQUE, "as it was before")
+        decision = self._decide(required=self.mask)
+        if decision.mask is None and self.mask:
+            decision = self._decide()
+        self._votes.append((decision.key, bool(decision.rivals)))
+        waited = t - self.since
+        if not self._agreed():
+            return []
+        if decision.mask == self.mask == 0:
+            return self._dismiss(t) if t - self.last_alarm > CALM else []
+        if decision.mask is None:
+            return self._commit_unknown(t) if waited >= self.settings.unknown_after else []
+        clear = not any(ambiguous for _, ambiguous in self._votes)
+        if not clear and waited < self.settings.ambiguous_after:
+            return []
+        self.theta, self.rivals = decision.theta, decision.rivals
+        self._interval(decision)
+        return self._commit(t, decision.mask, Verdict.UNIQUE if not decision.rivals else Verdict.AMBIGUOUS)
+
+    def _agreed(self) -> bool:
+        return len(self._votes) == self._votes.maxlen and len({key for key, _ in self._votes}) == 1
+
+    def _follow(self, t: float) -> list[Event]:
+        """Follow the size of what is believed; let it be decided anew if something else explains more."""
+        if self.verdict is Verdict.UNKNOWN:
+            self._approximate()
+            if self._is_away():
+                return self._drop_unknown(t)
+        decision = self._decide()
+        self._votes.append((decision.key, bool(decision.rivals)))
+        if decision.mask is not None and decision.mask == self.mask and self.mask:
+            self.theta = decision.theta
+            self._interval(decision)
+            self._believe()
+            if self.verdict is Verdict.AMBIGUOUS and self._agreed() and not any(a for _, a in self._votes):
+                self.rivals = ()
+                return self._commit(t, self.mask, Verdict.UNIQUE, "the motion since then tells them apart")
+            return []
+        wanted = decision.mask is not None and decision.mask > 0 and not decision.rivals
+        if self._agreed() and wanted and not any(a for _, a in self._votes):
+            before = ", ".join(term.label for term in self.faults) or str(self.verdict)
+            self.theta, self.rivals = decision.theta, ()
+            self._interval(decision)
+            return self._commit(t, decision.mask or 0, Verdict.UNIQUE, f"decided anew, before: {before}")
+        return []
+
+    # ------------------------------------------------------------- beliefs
+
+    def _commit(self, t: float, mask: int, verdict: Verdict, reason: str = "") -> list[Event]:
+        self.mask, self.verdict = mask, verdict
+        self._prior[:] = 0.0
+        self.observer.stop_learning(self.j)
+        self.memories = [m for m in self.memories if m.mask & mask == 0]
+        if verdict is Verdict.AMBIGUOUS:
+            reason = what_separates([self.faults, *self.alternatives])
+        return self._believed(t, reason)
+
+    def _commit_unknown(self, t: float) -> list[Event]:
+        self.mask, self.verdict, self.rivals, self.ci95 = 0, Verdict.UNKNOWN, (), None
+        self.theta = np.zeros(self.bank.width)
+        self._approximate()
+        return self._believed(t, "no combination of the bank explains it; its torque is being learned")
+
+    def _believed(self, t: float, reason: str) -> list[Event]:
+        self._believe()
+        self.since = t
+        self._votes.clear()
+        self.observer.joint[self.observer.k.EXCEEDED, self.j] = 0.0
+        self.stage = Stage.ACCOMMODATED if self.settings.accommodate else Stage.ISOLATED
+        events = [self._event(t, "isolation", reason)]
+        if self.settings.accommodate:
+            events.append(self._event(t, "accommodation"))
+        return events
+
+    def _believe(self) -> None:
+        believed = self.observer.believed[self.j]
+        believed[:] = 0.0
+        believed[: self.bank.width] = self.theta if self.mask else 0.0
+        self.observer.absent[self.j] *= np.array([self.mask >> i & 1 for i in range(len(self.observer.effects))])
+
+    def _interval(self, decision: Decision) -> None:
+        if decision.mask:
+            gram = self.observer.gram[self.j]
+            self.ci95 = self.isolator.intervals(decision.mask, decision.theta, gram, decision.noise, self.independent)
+
+    def _approximate(self) -> None:
+        o = self.observer
+        count = max(float(o.joint[o.k.WEIGHT, self.j]), 1.0)
+        o.neurons[o.k.WEIGHTS, self.j] = weights(o.neuron_gram[self.j], 0, count, self.level)
+
+    # ------------------------------------------------------------- idle monitoring
+
+    def absent(self, t: float) -> list[Event]:
+        """Drop the effects whose torque has stayed away where it would show."""
+        o = self.observer
+        gone = [i for i in self.isolator.members(self.mask) if o.absent[self.j, i] >= o.idle_ticks]
+        if not gone:
+            return []
+        mask = sum(1 << i for i in gone)
+        theta = np.zeros_like(self.theta)
+        columns = self.bank.columns(gone)
+        theta[columns] = self.theta[columns]
+        faults = self._terms(mask, theta)
+        self.memories = [m for m in self.memories if m.mask != mask] + [Memory(mask, theta)]
+        o.absent[self.j] = 0.0
+        self.mask &= ~mask
+        self.theta = np.where(np.isin(np.arange(len(theta)), columns), 0.0, self.theta)
+        self.ci95, self.rivals = None, ()
+        self._keep_belief()
+        self._believe()
+        o.restart_decision(self.j)
+        self._votes.clear()
+        self.since = t
+        if not self.mask:
+            self._rest()
+        return [Event(t, "idle", (self.name,), Verdict.NONE, faults, reason=f"gone; remembered, in case it returns")]
+
+    def _rest(self) -> None:
+        self.stage = Stage.IDLE if self.memories else Stage.HEALTHY
+        self.verdict = Verdict.NONE
+        self.mask = 0
+        self.theta = np.zeros(self.bank.width)
+        self._believe()
+        self.observer.stop_learning(self.j)
+        self.observer.end_decision(self.j)
+
+    def _dismiss(self, t: float) -> list[Event]:
+        self._rest()
+        return [self._event(t, "idle", "below the threshold again before it could be isolated")]
+
+    def _is_away(self) -> bool:
+        """Tell whether an unknown fault has stayed away where it would show."""
+        o = self.observer
+        learned = float(o.joint[o.k.LEARNED, self.j])
+        visible = abs(learned) > 2 * o.threshold[self.j]
+        if visible and abs(o.residual[self.j]) < 0.3 * abs(learned):
+            self._away += 1
+        elif visible:
+            self._away = 0
+        return self._away * self.settings.decide_every >= 2 * self.settings.gone_after
+
+    def _drop_unknown(self, t: float) -> list[Event]:
+        self._away = 0
+        self._rest()
+        return [self._event(t, "idle", "the unknown torque is gone")]
+
+    def _recall(self) -> bool:
+        """Tell whether a remembered fault explains what has been seen since the alarm, and believe it again."""
+        o = self.observer
+        G = o.gram[self.j]
+        P = self.bank.width
+        upper = np.triu(G[:P, :P])
+        full = upper + np.triu(upper, 1).T
+        for memory in self.memories:
+            theta = self.theta + memory.theta
+            rss = G[-1, -1] - 2 * theta @ G[:P, -1] + theta @ full @ theta
+            if rss < 0.05 * G[-1, -1]:
+                self._recalled += 1
+                if self._recalled >= RETURN_LOOKS:
+                    self.mask |= memory.mask
+                    self.theta, self.ci95, self.rivals = theta, None, ()
+                    return True
+                return False
+        self._recalled = 0
+        return False
+
+    # ------------------------------------------------------------- profiles
+
+    def _watch_regions(self) -> None:
+        """Collect where the effects of the joint, believed or remembered, are present and where not."""
+        o = self.observer
+        threshold = 1.5 * float(o.threshold[self.j])
+        for mask, theta in [(self.mask, self.theta), *((m.mask, m.theta) for m in self.memories)]:
+            for i in self.isolator.members(mask):
+                if i in self.profiles:
+                    continue
+                span = self.bank.span(i)
+                own = float(theta[span] @ o.filtered[self.j, span])
+                if abs(own) < threshold:
+                    continue
+                others = float(o.believed[self.j] @ o.filtered[self.j]) - (own if mask & self.mask else 0.0)
+                share = (float(o.residual[self.j]) - others) / own
+                learner = self.regions.setdefault(i, RegionLearner(self.name))
+                learner.add(share, float(o.q[self.j]), float(o.v[self.j]))
+
+    # ------------------------------------------------------------- what is said
+
+    @property
+    def faults(self) -> tuple[Term, ...]:
+        """Faults believed in; what is unknown as its learned neurons."""
+        if self.verdict is Verdict.UNKNOWN:
+            w = self.observer.neurons[self.observer.k.WEIGHTS, self.j]
+            return (Term(self.unknown, tuple(w)),)
+        return self._terms(self.mask, self.theta, self.ci95)
+
+    @property
+    def alternatives(self) -> tuple[tuple[Term, ...], ...]:
+        """Other combinations that explain the same."""
+        return tuple(self._terms(mask, theta) for mask, theta in self.rivals)
+
+    def _terms(self, mask: int, theta: Array, ci95: Array | None = None) -> tuple[Term, ...]:
+        terms, at = [], 0
+        for i in self.isolator.members(mask):
+            effect = self.bank.effect(i, self.name)
+            interval = None if ci95 is None else tuple((float(a), float(b)) for a, b in ci95[at : at + effect.size])
+            at += effect.size
+            term = Term(effect, tuple(theta[self.bank.span(i)]), ci95=interval)
+            region = self.profiles.get(i) or (self.regions[i].region if i in self.regions else None)
+            terms.append(replace(term, profile=region) if region is not None else term)
+        return tuple(terms)
+
+    def _event(self, t: float, stage: str, reason: str = "") -> Event:
+        if stage in ("detection", "idle"):
+            return Event(t, stage, (self.name,), Verdict.NONE, reason=reason)
+        return Event(t, stage, (self.name,), self.verdict, self.faults, self.alternatives, reason)
