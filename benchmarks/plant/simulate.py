@@ -90,7 +90,7 @@ def simulate(
     amounts = {mech: mech.fault.share(-settle * step) for mech in mechanisms}
     for mech, amount in amounts.items():
         mech.present(amount)
-    changing = [mech for mech, amount in amounts.items() if amount < 1.0]
+    changing = [mech for mech, amount in amounts.items() if amount < 1.0 or mech.fault.until < np.inf]
     x = Step.at_rest(reference.q[0] + offset)
     q, v, half = x.q, x.v, np.zeros(n)  # mechanisms see the arrays that are integrated
     for k in range(count):

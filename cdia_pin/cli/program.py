@@ -26,6 +26,7 @@ from cdia_pin.cli.failures import CommandError, one_line
 from cdia_pin.cli.options import examples
 from cdia_pin.cli.robots import robots
 from cdia_pin.cli.simulate import simulate
+from cdia_pin.cli.study import study
 from cdia_pin.errors import CdiaError, unknown_name
 
 BAD_INPUT, INTERRUPTED = 2, 130  # exit codes
@@ -84,6 +85,7 @@ for command, panel, example in (
         ["cdia simulate --robot ur5 --fault 'coulomb_friction@elbow_joint: level=5, after=4' --out run.csv"],
     ),
     (convert, MODELS, ["cdia convert run.db3 run.csv --robot ur10"]),
+    (study, MODELS, ["cdia study scara-model", "cdia study thesis --preset physical --out figures"]),
     (robots, KNOWN, ["cdia robots", "cdia robots ur5"]),
     (effects, KNOWN, ["cdia effects", "cdia effects coulomb_friction"]),
 ):

@@ -15,6 +15,26 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+HALF_WINDOW = 0.008  # [s], to either side, that a velocity is estimated from
+
+
+def half_window(dt: float) -> int:
+    """Return L, ticks to either side that a velocity is estimated from."""
+    return max(2, round(HALF_WINDOW / dt))
+
+
+def slope_of(position: Array, dt: float) -> tuple[Array, Array]:
+    """Return positions (K − 2 L, n) and their velocities, as `Alignment` has them, of a whole run (K, n)."""
+    half = half_window(dt)
+    windows = np.lib.stride_tricks.sliding_window_view(position, 2 * half + 1, axis=0)
+    return position[half : len(position) - half], windows @ _slope_weights(half, dt)
+
+
+def _slope_weights(half: int, dt: float) -> Array:
+    offsets = np.arange(-half, half + 1)
+    return offsets / (offsets @ offsets) / dt if half else np.zeros(0)
+
+
 class Alignment:
     """Turn raw samples into samples of one instant.
 
@@ -22,14 +42,12 @@ class Alignment:
         dt: Time between ticks [s].
         delay: By how much a torque acts later than its signal says [s]; may be negative.
         position_only: Whether velocities come from positions.
-        half_window: L, ticks to either side that a velocity is estimated from; 8 ms if omitted.
     """
 
-    def __init__(self, dt: float, delay: float = 0.0, position_only: bool = False, half_window: int | None = None) -> None:
+    def __init__(self, dt: float, delay: float = 0.0, position_only: bool = False) -> None:
         self.position_only = position_only
-        half = (half_window or max(2, round(0.008 / dt))) if position_only else 0
-        offsets = np.arange(-half, half + 1)
-        self._slope = offsets / (offsets @ offsets) / dt if half else np.zeros(0)
+        half = half_window(dt) if position_only else 0
+        self._slope = _slope_weights(half, dt)
         late = delay / dt
         self.lag = half + max(0, int(np.ceil(-late - 1e-9)))  # [ticks] that a state waits
         behind = self.lag + late  # [ticks] that a torque waits

@@ -34,19 +34,18 @@ def neurons_of(joint: str, reach: Array, count: int) -> Unknown:
     )
 
 
-def weights(gram: Array, first: int, weight: float, level: float) -> Array:
+def weights(gram: Array) -> Array:
     """Return the weights of the neurons that explain a residual, shape (p,).
 
     Args:
-        gram: Gram matrix of [y; r], upper triangle.
-        first: First column of the neurons; the residual is the last.
-        weight: Number of samples in it.
-        level: RMS of a healthy residual [N·m or N].
+        gram: Gram matrix of the neurons and of what is left to them, upper triangle, shape (p + 1, p + 1).
     """
-    part = np.triu(gram[first:, first:])
+    part = np.triu(gram)
     full = part + np.triu(part, 1).T
     G, g = full[:-1, :-1], full[:-1, -1]
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(G), 1e-12 * max(float(np.trace(G)), 1e-300)))
+    if not np.trace(G) > 0.0:
+        return np.zeros(len(g))
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(G), 1e-12 * float(np.trace(G))))
     scaled = G * np.outer(unit, unit) + RIDGE * np.eye(len(g))
     return np.asarray(unit * np.linalg.solve(scaled, unit * g))
 

@@ -72,10 +72,10 @@ def tick(
 @njit(cache=True)
 def correct(
     joint, columns, phi0, phi1, interval, smooth, centres, widths, neurons, learning,
-    q, v, tau, width, floor, divide,
+    q, v, direction, tau, width, floor, divide,
 ):
     still = np.zeros_like(q)
-    sign = np.tanh(v / width)
+    sign = np.tanh(direction / width)
     x = Signals(q, v, still, still, sign, q)
     basis(x, phi0)
     basis(Signals(q, v, still, tau, sign, q), phi1)

@@ -29,8 +29,13 @@ class Engine(Protocol):
         """
         ...
 
-    def correct(self, tau: Array) -> Array:
-        """Return the torque to command in place of a nominal one [N·m or N], shape (n,)."""
+    def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
+        """Return the torque to command in place of a nominal one [N·m or N], shape (n,).
+
+        Args:
+            tau: The nominal torque [N·m or N], shape (n,).
+            v_desired: Velocity asked for [rad/s or m/s], shape (n,): dry friction is compensated in its direction.
+        """
         ...
 
     @property

@@ -93,7 +93,8 @@ def advance(joint, columns, gram, absent, mass, phi, interval, ends, q, v, tau, 
             if own == 0.0:
                 continue
             # Without the effect the rest explains the residual, though the effect would be well visible.
-            if abs(own) > 2.0 * threshold and abs(remainder + own) < 0.5 * abs(own) and abs(remainder) > 0.5 * abs(own):
+            without = abs(remainder + own)
+            if abs(own) > 2.0 * threshold and without < min(threshold + 0.1 * abs(own), 0.5 * abs(own)):
                 absent[j, e] += 1.0
                 if absent[j, e] >= idle:
                     asks |= ABSENT

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.diagnosis.alignment import Alignment
+from cdia_pin.diagnosis.alignment import Alignment, slope_of
+from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.observer import NARROWEST, Observer
 from cdia_pin.diagnosis.settings import MonitorSettings
@@ -58,12 +59,13 @@ class Healthy:
     notes: tuple[str, ...] = ()
 
 
-def learn(nominal: Nominal, runs: Sequence[Log], settings: MonitorSettings) -> Healthy:
+def learn(nominal: Nominal, runs: Sequence[Log], bank: Bank, settings: MonitorSettings) -> Healthy:
     """Learn from runs of a healthy arm.
 
     Args:
         nominal: The model.
         runs: Logs at the rate at which the monitor will run.
+        bank: The monitor's; its columns are not used, but what runs here is then compiled for it too.
         settings: Bandwidth, margins, and whether masses are corrected.
 
     Raises:
@@ -76,14 +78,14 @@ def learn(nominal: Nominal, runs: Sequence[Log], settings: MonitorSettings) -> H
         notes.append(f"torques act {1e3 * delay:.1f} ms after their signal")
         nominal = replace(nominal, delay=delay)
     if settings.calibrate:
-        corrected = _with_masses(nominal, runs, dt, settings)
+        corrected = _with_masses(nominal, runs, dt, bank, settings)
         if corrected is not None:
-            before, after = (_pooled(_residuals(x, runs, dt, settings)) for x in (nominal, corrected))
+            before, after = (_pooled(_residuals(x, runs, dt, bank, settings)) for x in (nominal, corrected))
             if np.mean(after / before) < WORTH:
                 share = float(np.mean(after / before))
                 notes.append(f"masses corrected by the healthy runs: {share:.0%} of the residual is left")
                 nominal = corrected
-    residuals = _residuals(nominal, runs, dt, settings)
+    residuals = _residuals(nominal, runs, dt, bank, settings)
     rms = _pooled(residuals)
     largest = np.max([np.abs(r).max(axis=0) for r in residuals], axis=0)
     bound = np.maximum(settings.margin * largest, settings.noise_margin * rms)
@@ -150,8 +152,10 @@ def replay(observer: Observer, alignment: Alignment, run: Log) -> Array:
     return np.array(out)
 
 
-def _residuals(nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSettings) -> list[Array]:
-    observer = Observer(nominal, (), settings, dt)
+def _residuals(
+    nominal: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings
+) -> list[Array]:
+    observer = Observer(nominal, bank.prototypes, settings, dt)
     observer.use_width(2 * velocity_noise(runs, dt))
     alignment = Alignment(dt, nominal.delay, runs[0].velocity is None)
     return [replay(observer, alignment, run) for run in runs]
@@ -186,11 +190,7 @@ def _extreme(which: type[np.min] | type[np.max], signals: Sequence[Array]) -> Ar
 
 def _aligned_velocity(run: Log, dt: float) -> Array:
     """Return measured velocities, or those that the alignment makes of positions, shape (K, n)."""
-    if run.velocity is not None:
-        return run.velocity
-    alignment = Alignment(dt, position_only=True)
-    samples = (alignment(float(t), q, None, tau) for t, q, tau in zip(run.time, run.position, run.effort, strict=True))
-    return np.array([s[2] for s in samples if s is not None])
+    return run.velocity if run.velocity is not None else slope_of(run.position, dt)[1]
 
 
 # ----------------------------------------------------------------- delay and masses, over whole runs at once
@@ -207,13 +207,13 @@ class _Signals:
 
 
 def _signals(run: Log, nominal: Nominal, dt: float, delay: float) -> _Signals:
-    alignment = Alignment(dt, delay, run.velocity is None)
-    v = run.velocity
-    rows = [
-        alignment(float(run.time[k]), run.position[k], None if v is None else v[k], run.effort[k])
-        for k in range(len(run.time))
-    ]
-    _, q, v, tau = (np.array(s) for s in zip(*[r for r in rows if r is not None], strict=True))
+    if run.velocity is None:
+        q, v = slope_of(run.position, dt)
+        half = (len(run.position) - len(q)) // 2
+        time = run.time[half : half + len(q)]
+    else:
+        q, v, time = run.position, run.velocity, run.time
+    tau = np.column_stack([np.interp(time - delay, run.time, column) for column in run.effort.T])
     middle = 0.5 * (v[1:] + v[:-1])
     return _Signals(0.5 * (q[1:] + q[:-1]) + nominal.offset, middle, np.diff(v, axis=0) / dt, tau[1:])
 
@@ -234,26 +234,25 @@ def _delay(nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSe
     candidates = [nominal.delay + 0.5 * dt * i for i in range(int(2 * DELAYS / dt) + 1)]
     settle = round(SETTLE / settings.bandwidth / dt)
     left = []
-    known = None
+    x = _signals(run, nominal, dt, nominal.delay)
+    known = nominal.robot.inverse_dynamics(x.q, x.v, x.a)
+    ticks = np.arange(len(x.tau), dtype=float)
+    scale = x.tau.std(axis=0) + 1e-12
     for delay in candidates:
-        x = _signals(run, nominal, dt, delay)
-        if known is None:
-            known = nominal.robot.inverse_dynamics(x.q, x.v, x.a)
-        count = min(len(known), len(x.tau))
-        r, _ = _filter(known[-count:] - x.tau[-count:], dt, settings)
-        r = r[settle:] - r[settle:].mean(axis=0)
-        scale = x.tau[-count:].std(axis=0) + 1e-12
-        left.append(float(np.mean((r.std(axis=0) / scale) ** 2)))
+        late = ticks - (delay - nominal.delay) / dt
+        tau = np.column_stack([np.interp(late, ticks, column) for column in x.tau.T])
+        r, _ = _filter(known - tau, dt, settings)
+        left.append(float(np.mean((r[settle:].std(axis=0) / scale) ** 2)))
     best = int(np.argmin(left))
     return candidates[best] if left[best] < WORTH**2 * left[0] else nominal.delay
 
 
 def _with_masses(
-    nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSettings
+    nominal: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings
 ) -> Nominal | None:
     """Return the model with inertial parameters nearer to what the runs say, or None if bodies become impossible."""
     robot = nominal.robot
-    residuals = _residuals(nominal, runs, dt, settings)
+    residuals = _residuals(nominal, runs, dt, bank, settings)
     every = max(1, round(1 / ROWS_PER_SECOND / dt))
     regressors, lacking = [], []
     for run, r in zip(runs, residuals, strict=True):

@@ -55,7 +55,7 @@ class MomentumEngine:
         self.settings, self.bank = settings, bank
         nominal = Nominal.of(model)
         if healthy:
-            self.healthy: Healthy = learn(nominal, healthy, settings)
+            self.healthy: Healthy = learn(nominal, healthy, bank, settings)
             rate = float(np.median([run.rate for run in healthy]))
             position_only = healthy[0].velocity is None
         elif threshold is not None and rate:
@@ -125,10 +125,10 @@ class MomentumEngine:
             return self._status(t, ())
         return self._status(t, self._attend(t, then, asks))
 
-    def correct(self, tau: Array) -> Array:
+    def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
         """Return the torque to command in place of a nominal one, within the effort limits, shape (n,)."""
         if self._corrects:
-            tau = self.observer.correct(tau)
+            tau = self.observer.correct(tau, v_desired)
         return np.minimum(np.maximum(tau, -self._limit), self._limit)
 
     @property

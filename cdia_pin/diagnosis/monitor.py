@@ -100,9 +100,15 @@ class Monitor:
             raise ModelError(f"a tick takes signals of shape ({self._n},), given {given}")
         return self.engine.update(t, q, v, tau)
 
-    def correct(self, tau: ArrayLike) -> Array:
-        """Return the torque to command in place of a nominal one, within the effort limits [N·m or N]."""
-        return self.engine.correct(np.asarray(tau, float))
+    def correct(self, tau: ArrayLike, v_desired: ArrayLike | None = None) -> Array:
+        """Return the torque to command in place of a nominal one, within the effort limits [N·m or N], shape (n,).
+
+        Args:
+            tau: The nominal torque [N·m or N], shape (n,).
+            v_desired: Velocity asked for [rad/s or m/s], shape (n,). Dry friction is compensated in its direction,
+                so that a joint that rests where it should move is set going; the measured one if omitted.
+        """
+        return self.engine.correct(np.asarray(tau, float), None if v_desired is None else np.asarray(v_desired, float))
 
     @property
     def events(self) -> tuple[Event, ...]:

@@ -125,24 +125,24 @@ class Observer:
             self.time, self.q, self.v = t, q, v
         return asks
 
-    def correct(self, tau: Array) -> Array:
+    def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
         """Return the torque that makes the arm answer as a healthy one would to ``tau`` [N·m or N], shape (n,)."""
-        return self._correction(tau, True)
+        return self._correction(tau, self.v if v_desired is None else v_desired, True)
 
     def addition(self, tau: Array) -> Array:
         """Return what to add to the nominal torque while ``tau`` acts [N·m or N], shape (n,)."""
-        return self._correction(tau, False)
+        return self._correction(tau, self.v, False)
 
-    def _correction(self, tau: Array, divide: bool) -> Array:
+    def _correction(self, tau: Array, direction: Array, divide: bool) -> Array:
         for i in self._compiled.in_python:
             span = np.s_[:, self.ends[i] : self.ends[i + 1]]
-            still, sign = np.zeros_like(self.q), np.tanh(self.v / self._soft)
+            still, sign = np.zeros_like(self.q), np.tanh(direction / self._soft)
             for phi, effort in ((self._phi0, still), (self._phi1, tau)):
                 phi[span] = python_columns(self.effects[i], self.q, self.v, still, effort, sign, self.time)
         return np.asarray(
             self._compiled.correct(
                 self.joint, self.columns, self._phi0, self._phi1, self._interval, self._smooth,
-                self._centres, self._widths, self.neurons, self._learning, self.q, self.v, tau,
+                self._centres, self._widths, self.neurons, self._learning, self.q, self.v, direction, tau,
                 self._soft, self.settings.gain_floor, divide,
             )
         )  # fmt: skip

@@ -30,6 +30,9 @@ Array = NDArray[np.float64]
 
 REMEMBERED = 1.0  # [s], how long a belief counts as measured when the next fault comes
 RETURN_LOOKS = 3  # looks that a remembered fault must explain to be taken up again
+SHORT_LIVED = 3.0  # [s], a belief that fails sooner was none
+MOST_FAILURES = 2  # of beliefs in a row, after which nothing known is believed
+GONE_UNKNOWN = 0.6  # [s] without an unknown torque, where it would show, after which it is dropped
 CALM = 0.5  # [s] below the threshold after which an alarm that led to nothing is dropped
 
 
@@ -91,7 +94,7 @@ class JointWatch:
         self._votes: deque[tuple[int, bool]] = deque(maxlen=self.settings.votes)
         self._prior = np.zeros(self.bank.width)
         self._centre = np.zeros(self.bank.width)
-        self._recalled, self._away = 0, 0
+        self._recalled, self._away, self._failures = 0, 0, 0
 
     def reset(self) -> None:
         """Return to healthy, believing nothing."""
@@ -118,9 +121,13 @@ class JointWatch:
         if self.stage in (Stage.ACCOMMODATED, Stage.ISOLATED):
             if self.verdict is Verdict.UNKNOWN or t - self.since < 2 * self.settings.decide_every:
                 return []  # the approximation follows by itself
+            self._failures = self._failures + 1 if t - self.since < SHORT_LIVED else 0
             self._keep_belief()
         else:
             self._prior[:] = 0.0
+            self._failures = 0
+        if self._failures >= MOST_FAILURES:
+            return [self._event(t, "detection"), *self._commit_unknown(t)]
         self.observer.restart_decision(self.j)
         self.observer.start_learning(self.j)
         self.stage, self.verdict = Stage.DETECTED, Verdict.NONE
@@ -202,6 +209,8 @@ class JointWatch:
                 return self._commit(t, self.mask, Verdict.UNIQUE, "the motion since then tells them apart")
             return []
         wanted = decision.mask is not None and decision.mask > 0 and not decision.rivals
+        if self.verdict is Verdict.UNKNOWN and t - self.since < SHORT_LIVED:
+            return []
         if self._agreed() and wanted and not any(a for _, a in self._votes):
             before = ", ".join(term.label for term in self.faults) or str(self.verdict)
             self.theta, self.rivals = decision.theta, ()
@@ -223,6 +232,9 @@ class JointWatch:
     def _commit_unknown(self, t: float) -> list[Event]:
         self.mask, self.verdict, self.rivals, self.ci95 = 0, Verdict.UNKNOWN, (), None
         self.theta = np.zeros(self.bank.width)
+        if not self.observer.joint[self.observer.k.LEARNING, self.j]:
+            self.observer.start_learning(self.j)
+            self.observer.restart_decision(self.j)
         self._approximate()
         return self._believed(t, "no combination of the bank explains it; its torque is being learned")
 
@@ -250,8 +262,7 @@ class JointWatch:
 
     def _approximate(self) -> None:
         o = self.observer
-        count = max(float(o.joint[o.k.WEIGHT, self.j]), 1.0)
-        o.neurons[o.k.WEIGHTS, self.j] = weights(o.neuron_gram[self.j], 0, count, self.level)
+        o.neurons[o.k.WEIGHTS, self.j] = weights(o.neuron_gram[self.j])
 
     # ------------------------------------------------------------- idle monitoring
 
@@ -298,11 +309,11 @@ class JointWatch:
         o = self.observer
         learned = float(o.joint[o.k.LEARNED, self.j])
         visible = abs(learned) > 2 * o.threshold[self.j]
-        if visible and abs(o.residual[self.j]) < 0.3 * abs(learned):
+        if visible and abs(o.residual[self.j]) < o.threshold[self.j]:
             self._away += 1
         elif visible:
             self._away = 0
-        return self._away * self.settings.decide_every >= 2 * self.settings.gone_after
+        return self._away * self.settings.decide_every >= GONE_UNKNOWN
 
     def _drop_unknown(self, t: float) -> list[Event]:
         self._away = 0

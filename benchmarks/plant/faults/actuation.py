@@ -53,13 +53,17 @@ class JointSpring(Mechanism):
     name = "joint_spring"
     defaults: ClassVar[Parameters] = {"stiffness": 1.0, "preload": 0.0}
     sizes = ("stiffness", "preload")
+    added = 0.0
 
     def present(self, amount: float) -> None:
-        """Write a share of the fault into the model."""
+        """Write a share of the fault into the model, beside the other springs of the joint."""
         joint = self.model.dof_jntid[self.dof]
-        k = self.p["stiffness"]
-        self.model.jnt_stiffness[joint] = amount * k
-        self.model.qpos_spring[self.model.jnt_qposadr[joint]] = self.p["preload"] / k if k else 0.0
+        at = self.model.jnt_qposadr[joint]
+        k, more = self.model.jnt_stiffness[joint], amount - self.added
+        preload = k * self.model.qpos_spring[at] + more * self.p["preload"]
+        self.model.jnt_stiffness[joint] = stiffness = k + more * self.p["stiffness"]
+        self.model.qpos_spring[at] = preload / stiffness if stiffness else 0.0
+        self.added = amount
 
 
 class PositionRipple(Mechanism):

@@ -33,6 +33,7 @@ class Fault:
         other: Second joint, where the mechanism has two.
         after: Time at which it begins [s of the log].
         ramp: Time it takes to grow to its full size [s].
+        until: Time at which it vanishes at once [s of the log].
         parameters: Size and shape, SI units.
     """
 
@@ -41,6 +42,7 @@ class Fault:
     other: str | None
     after: float
     ramp: float
+    until: float
     parameters: Mapping[str, Value]
 
     def __init__(
@@ -51,12 +53,13 @@ class Fault:
         other: str | None = None,
         after: float = -np.inf,
         ramp: float = 0.0,
+        until: float = np.inf,
         **parameters: Any,
     ) -> None:
         plain = {k: _plain(v) for k, v in parameters.items()}
         for name, value in zip(
-            ("effect", "joint", "other", "after", "ramp", "parameters"),
-            (effect, joint, other, after, ramp, plain),
+            ("effect", "joint", "other", "after", "ramp", "until", "parameters"),
+            (effect, joint, other, after, ramp, until, plain),
             strict=True,
         ):
             object.__setattr__(self, name, value)
@@ -74,12 +77,13 @@ class Fault:
             other=self.other,
             after=self.after,
             ramp=self.ramp,
+            until=self.until,
             **{**self.parameters, **new},
         )
 
     def share(self, t: float) -> float:
         """Return how much of the fault is present at a time [s], between 0 and 1."""
-        if t < self.after:
+        if t < self.after or t >= self.until:
             return 0.0
         if self.ramp <= 0:
             return 1.0

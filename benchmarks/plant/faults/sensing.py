@@ -15,7 +15,7 @@ class Reading(Mechanism):
 
     def __init__(self, fault: Fault) -> None:
         super().__init__(fault)
-        if fault.after > -np.inf:
+        if fault.after > -np.inf or fault.until < np.inf:
             raise EffectError(
                 f"plant, {fault.effect}: a sensor's fault is there all the time, not after a time"
             )

@@ -125,9 +125,16 @@ class ThesisEngine:
 
         Args:
             tau_nominal: τ₀ [N·m or N], shape (n,).
+
+        Raises:
+            ModelError: If the shape is wrong.
         """
         nominal = np.array(tau_nominal, dtype=np.float64)
-        if nominal.shape != (self.robot.n,) or not self._accommodating or not np.isfinite(nominal).all():
+        if nominal.shape != (self.robot.n,):
+            raise ModelError(
+                f"a nominal torque has one number per joint, shape ({self.robot.n},), given {nominal.shape}"
+            )
+        if not self._accommodating or not np.isfinite(nominal).all():
             return nominal
         return accommodate(nominal, self._torque, self.settings.smallest_gain, self.robot.limits.effort)
 

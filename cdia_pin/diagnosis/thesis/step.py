@@ -93,8 +93,16 @@ class Stepper:
             )
         q, v, a = 0.5 * (before.q + now.q), 0.5 * (before.v + now.v), (now.v - before.v) / duration
         M, bias = self._nominal(q, v, effort, now.time - 0.5 * duration)
-        inverse = np.asarray(np.linalg.inv(M), dtype=np.float64)
-        return Step(now.time, duration, inverse, M @ a + bias - effort, self.state(now.time, q, v, a, effort))
+        try:
+            inverse = np.asarray(np.linalg.inv(M), dtype=np.float64)
+        except np.linalg.LinAlgError:
+            raise ModelError(f"the inertia of the model is singular at {now.time:.6g} s") from None
+        missing = M @ a + bias - effort
+        if not np.isfinite(missing).all():
+            raise ModelError(
+                f"the sample at {now.time:.6g} s is beyond all numbers: no torque follows from it"
+            )
+        return Step(now.time, duration, inverse, missing, self.state(now.time, q, v, a, effort))
 
     def state(self, t: float, q: Array, v: Array, a: Array, effort: Array) -> JointState:
         """Return the signals of all joints at once, shape (n,) each, as an effect's ``columns`` take them."""

@@ -43,7 +43,7 @@ def learn_unmodelled(
             )
         mean = 0.5 * (log.effort[1:] + log.effort[:-1])
         samples = [stepper.sample(*row) for row in zip(log.time, log.position, log.velocity, strict=True)]
-        run = [stepper.step(a, b, tau) for a, b, tau in zip(samples, samples[1:], mean, strict=True)]
+        run = [stepper.step(a, b, tau) for a, b, tau in zip(samples[:-1], samples[1:], mean, strict=True)]
         filtered = np.zeros_like(gamma)
         for step in run:
             left, gain = decay(gamma, step.duration)

@@ -1,0 +1,166 @@
+"""``cdia study``: the thesis' numbers, measured again; each study is one function and one line in the table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+import cdia_pin
+from cdia_pin.cli.console import progress, stdout
+from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.options import Json
+from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.errors import unknown_name
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from cdia_pin.campaigns.thesis_study import ThesisStudy
+
+REPORT = "thesis_study.html"
+
+
+@dataclass(frozen=True)
+class Request:
+    """What was asked for.
+
+    Attributes:
+        preset: ``literal``, ``physical`` or ``both``; None if not said.
+        out: Directory for figures and report.
+        json: File of the result.
+        command: The command as typed.
+    """
+
+    preset: str | None
+    out: Path | None
+    json: str | None
+    command: str
+
+
+def study(
+    ctx: typer.Context,
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME",
+            show_default=False,
+            help="scara-model: the URDF against the closed form. thesis: its two numerical studies, with figures.",
+        ),
+    ],
+    preset: Annotated[
+        str | None,
+        typer.Option(
+            "--preset",
+            metavar="PRESET",
+            show_default=False,
+            help="Of the study thesis: literal (faults and gains as printed), physical, or both, the default.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            show_default=False,
+            help="Directory for the figures (.png) and the report of the study thesis; ./out if left out.",
+        ),
+    ] = None,
+    json: Json = None,
+) -> None:
+    """Repeat a numerical study of the thesis, with figures and the numbers that were measured."""
+    if name not in STUDIES:
+        raise CommandError(unknown_name("study", name, STUDIES))
+    STUDIES[name](stdout(json), Request(preset, out, json, ctx.obj or f"cdia study {name}"))
+
+
+def _scara_model(console: Console, asked: Request) -> None:
+    """M, V and G of the URDF against the closed form, as it should be and as it is printed."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    from cdia_pin.campaigns.scara_model import scara_model_study
+
+    if asked.preset or asked.out:
+        raise CommandError("the study scara-model takes neither --preset nor --out")
+    require_writable(asked.json)
+    found = scara_model_study()
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    table.add_column("term", style="bold")
+    for heading in ("closed form", "as printed", ""):
+        table.add_column(heading, justify="left" if not heading else "right")
+    for a in found.agreements:
+        table.add_row(a.term, f"{a.corrected:.1e}", f"{a.printed:.1e}", a.unit)
+    console.print(f"Largest difference from the URDF through Pinocchio over {found.states} random states;")
+    console.print("for the power balance, the power that comes from nowhere.")
+    console.print(table)
+    console.print(
+        "The closed form that ships is the arm of the URDF; the printed M and V are those of no rigid bodies."
+        if found.agrees
+        else "The closed form that ships is NOT the arm of the URDF.",
+    )
+    write_all(console, (asked.json, lambda f: write_json({**found.to_dict(), "record": _record()}, f)))
+
+
+def _thesis(console: Console, asked: Request) -> None:
+    """Accommodation and isolation on the SCARA arm, with figures and a report."""
+    from cdia_pin.campaigns.thesis_presets import PRESETS
+    from cdia_pin.campaigns.thesis_study import thesis_study
+    from cdia_pin.viewers.study_figures import thesis_pictures
+    from cdia_pin.viewers.study_report import failures, isolation_sentence, write_study_report
+
+    preset = asked.preset or "both"
+    if preset not in {*PRESETS, "both"}:
+        raise CommandError(unknown_name("preset", preset, [*PRESETS, "both"]))
+    out = asked.out or Path("out")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CommandError(f"cannot make the directory {out}: {error.strerror}") from None
+    require_writable(asked.json, out / REPORT)
+    with progress() as tell:
+        found = thesis_study(tuple(PRESETS) if preset == "both" else (preset,), progress=tell)
+        tell("drawing", 0.98)
+        pictures = list(thesis_pictures(found))
+    _show_thesis(console, found)
+    for cases in found.cases.values():
+        for sentence in failures(found.joints, cases):
+            console.print(sentence, style="yellow", markup=False)
+    console.print(isolation_sentence(found.isolations), markup=False)
+    document = {**found.to_dict(), "record": _record()}
+    write_all(
+        console,
+        *((out / f"{p.name}.png", lambda f, png=p.png: Path(f).write_bytes(png)) for p in pictures),
+        (out / REPORT, lambda f: write_study_report(f, found, pictures, asked.command)),
+        (asked.json, lambda f: write_json(document, f)),
+    )
+
+
+def _show_thesis(console: Console, found: ThesisStudy) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    from cdia_pin.campaigns.scara_run import UNITS
+
+    for name, cases in found.cases.items():
+        table = Table(
+            box=SIMPLE_HEAD, pad_edge=False, title=f"preset {name}, RMS of q − q_d", title_justify="left"
+        )
+        table.add_column("fault", style="bold")
+        table.add_column("run", no_wrap=True)
+        for joint, unit in zip(found.joints, UNITS, strict=True):
+            table.add_column(f"{joint} [{unit}]".replace("[", "\\["), justify="right")
+        for case in cases:
+            for i, (kind, rms) in enumerate(case.tracking().items()):
+                table.add_row("" if i else case.name, kind, *(f"{value:.2g}" for value in rms))
+        console.print(table)
+
+
+def _record() -> dict[str, str]:
+    return {"version": cdia_pin.__version__}
+
+
+STUDIES: dict[str, Callable[[Console, Request], None]] = {"scara-model": _scara_model, "thesis": _thesis}
