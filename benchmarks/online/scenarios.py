@@ -31,6 +31,7 @@ FREQUENCY = 7.0  # [rad⁻¹ or m⁻¹] of every ripple; the monitor may know it
 BEGIN, SECOND = 3.0, 6.5  # [s], of the first fault and of the one that joins it
 GONE, BACK = 6.0, 8.5  # [s], of a fault that vanishes and returns
 SHORT, LONG = 10.0, 12.0  # [s], length of a run
+LONGEST = 24.0  # [s], length of a run with an unknown fault: its shape shows over the whole of a motion
 MOTIONS = 5  # motions of each arm; healthy runs of the same motions can be compared to
 
 MAIN: dict[str, dict[str, Value]] = {
@@ -138,7 +139,7 @@ def unknown(robot: str, share: float = 0.3, joints: int = 2) -> list[Case]:
     for effect in UNKNOWN:
         for k, (joint, motion) in enumerate(_places(robot, [effect], share, joints, f"unknown {effect}")):
             faults = _sized(robot, motion, SHORT, [(effect, joint, {})], share)
-            out.append(_case("unknown", robot, faults, share, motion, k))
+            out.append(_case("unknown", robot, faults, share, motion, k, LONGEST))
     return out
 
 

@@ -159,7 +159,10 @@ def run_case(
         when = metrics.detection_time(events, joint, since)
         out.detected.append(bool(np.isfinite(when)))
         out.delay.append(metrics.detection_delay(run, events, thresholds, joint, since))
-        said = metrics.isolation_after_detection(run, events, joint, since=since)
+        if case.suite == "unknown":
+            said = metrics.isolation(run, events, joint, run.time[-1])
+        else:
+            said = metrics.isolation_after_detection(run, events, joint, since=since)
         out.right.append(said.right)
         out.unique.append(said.unique)
         out.holds.append(said.holds_truth)

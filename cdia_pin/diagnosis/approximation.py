@@ -11,7 +11,7 @@ from cdia_pin.effects import Unknown
 Array = NDArray[np.float64]
 
 WIDEST = 10.0  # [rad or m, and per s], range of a signal that nothing limits
-RIDGE = 1e-3  # [1], of the weights, relative to the energy of their columns: keeps them bounded
+RIDGE = 1e-3  # [1], of the weights, relative to the mean energy of their columns: keeps them bounded
 
 
 def neurons_of(joint: str, reach: Array, count: int) -> Unknown:
@@ -45,9 +45,8 @@ def weights(gram: Array) -> Array:
     G, g = full[:-1, :-1], full[:-1, -1]
     if not np.trace(G) > 0.0:
         return np.zeros(len(g))
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(G), 1e-12 * float(np.trace(G))))
-    scaled = G * np.outer(unit, unit) + RIDGE * np.eye(len(g))
-    return np.asarray(unit * np.linalg.solve(scaled, unit * g))
+    # one size of ridge for all: a neuron that has hardly been visited stays near zero
+    return np.asarray(np.linalg.solve(G + RIDGE * np.trace(G) / len(g) * np.eye(len(g)), g))
 
 
 def unknown_of(healthy: Healthy, j: int, count: int) -> Unknown:

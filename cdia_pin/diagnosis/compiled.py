@@ -52,7 +52,7 @@ def basis(x, out):
 def tick(
     joint, columns, gram, absent, mass, phi, interval, ends,
     centres, widths, neurons, neuron_gram, learning,
-    q, v, tau, M, nle, dt, E, forget, debounce, idle,
+    q, v, tau, M, nle, dt, E, forget, remember, debounce, idle,
 ):
     if not (np.isfinite(q).all() and np.isfinite(v).all() and np.isfinite(tau).all()):
         return BAD
@@ -65,7 +65,7 @@ def tick(
         joint, columns, gram, absent, mass, phi, interval, ends, q, v, tau, M, nle, a, E, forget, debounce, idle
     )
     if learning:
-        learn(joint, columns, neurons, neuron_gram, forget)
+        learn(joint, neurons, neuron_gram, remember)
     return asks
 
 

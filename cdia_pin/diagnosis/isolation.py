@@ -66,6 +66,8 @@ class Isolator:
         masks = np.arange(count)
         sizes = np.diff(bank.ends)
         self._parameters = sum((masks >> i & 1) * int(s) for i, s in enumerate(sizes))
+        count_effects = sum(masks >> i & 1 for i in range(len(bank)))
+        self._further = np.maximum(count_effects - 1, 0)  # several changes at once are rarer than one
         self._masks = masks
 
     def decide(
@@ -107,7 +109,7 @@ class Isolator:
         possible = self._ok & (self._rss / weight <= s.tolerance**2 * noise2) & (self._masks & barred == 0)
         if not possible.any():
             return Decision(None, zero, noise=float(np.sqrt(noise2)))
-        score = 0.5 * self._rss / noise2 / independent + s.price * self._parameters
+        score = 0.5 * self._rss / noise2 / independent + s.price * (self._parameters + self._further)
         score[~possible] = np.inf
         order = np.argsort(score, kind="stable")
         best = self._first_distinct(order, score)

@@ -143,14 +143,11 @@ def activate(joint, neurons, activations, E):
 
 
 @njit(cache=True)
-def learn(joint, columns, neurons, gram, forget):
+def learn(joint, neurons, gram, forget):
     """Add the tick to the normal equations of the joints that learn."""
     for j in range(joint.shape[1]):
-        if joint[LEARNING, j] > 0.0 and joint[WATCHED, j] > 0.0:
-            explained = 0.0
-            for k in range(columns.shape[2]):
-                explained += columns[BELIEVED, j, k] * columns[FILTERED, j, k]
-            accumulate(gram[j], neurons[ACTIVATED, j], joint[RESIDUAL, j] - explained, forget)
+        if joint[LEARNING, j] > 0.0 and joint[WATCHED, j] >= 0.0:
+            accumulate(gram[j], neurons[ACTIVATED, j], joint[RESIDUAL, j], forget)
 
 
 @njit(cache=True)

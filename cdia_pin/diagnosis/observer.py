@@ -16,6 +16,7 @@ from cdia_pin.effects import JointEffect, Unknown
 Array = NDArray[np.float64]
 
 FORGOTTEN = 4.0  # time constants of the filter after which a step is in the past
+LASTING = 5.0  # times as long as a decision remembers, what is unknown is learned from
 NARROWEST = 1e-3  # [rad/s or m/s], over which sgn is smoothed where velocities have no noise
 
 
@@ -66,6 +67,7 @@ class Observer:
         self._mass = np.zeros((n, n))
         self._phi, self._phi0, self._phi1 = (np.zeros((n, P)) for _ in range(3))
         self._forget = float(np.exp(-dt / settings.memory))
+        self._remember = float(np.exp(-dt / (LASTING * settings.memory)))
         self.idle_ticks = max(1.0, settings.gone_after / dt)
         self.joint[kernels.WIDTH] = NARROWEST
         self.joint[kernels.BOUND] = np.inf
@@ -117,7 +119,7 @@ class Observer:
             self._compiled.tick(
                 self.joint, self.columns, self.gram, self.absent, self._mass, self._phi, self._interval, self.ends,
                 self._centres, self._widths, self.neurons, self.neuron_gram, self._learning,
-                q, v, tau, M, nle, dt, np.exp(-self.settings.bandwidth * dt), self._forget,
+                q, v, tau, M, nle, dt, np.exp(-self.settings.bandwidth * dt), self._forget, self._remember,
                 float(self.settings.debounce), self.idle_ticks,
             )
         )  # fmt: skip

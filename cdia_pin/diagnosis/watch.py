@@ -95,6 +95,7 @@ class JointWatch:
         self._prior = np.zeros(self.bank.width)
         self._centre = np.zeros(self.bank.width)
         self._recalled, self._away, self._failures = 0, 0, 0
+        self._was_unknown = False
 
     def reset(self) -> None:
         """Return to healthy, believing nothing."""
@@ -126,10 +127,12 @@ class JointWatch:
         else:
             self._prior[:] = 0.0
             self._failures = 0
-        if self._failures >= MOST_FAILURES:
+        if self._failures >= MOST_FAILURES or self._was_unknown:
+            self.observer.restart_decision(self.j)
             return [self._event(t, "detection"), *self._commit_unknown(t)]
         self.observer.restart_decision(self.j)
-        self.observer.start_learning(self.j)
+        if not self.observer.joint[self.observer.k.LEARNING, self.j]:
+            self.observer.start_learning(self.j)
         self.stage, self.verdict = Stage.DETECTED, Verdict.NONE
         self.since, self._recalled = t, 0
         self._votes.clear()
@@ -209,7 +212,7 @@ class JointWatch:
                 return self._commit(t, self.mask, Verdict.UNIQUE, "the motion since then tells them apart")
             return []
         wanted = decision.mask is not None and decision.mask > 0 and not decision.rivals
-        if self.verdict is Verdict.UNKNOWN and t - self.since < SHORT_LIVED:
+        if self.verdict is Verdict.UNKNOWN and t - self.since < 2 * SHORT_LIVED:
             return []
         if self._agreed() and wanted and not any(a for _, a in self._votes):
             before = ", ".join(term.label for term in self.faults) or str(self.verdict)
@@ -221,9 +224,9 @@ class JointWatch:
     # ------------------------------------------------------------- beliefs
 
     def _commit(self, t: float, mask: int, verdict: Verdict, reason: str = "") -> list[Event]:
-        self.mask, self.verdict = mask, verdict
+        self.mask, self.verdict, self._was_unknown = mask, verdict, False
         self._prior[:] = 0.0
-        self.observer.stop_learning(self.j)
+        self._forget_neurons()
         self.memories = [m for m in self.memories if m.mask & mask == 0]
         if verdict is Verdict.AMBIGUOUS:
             reason = what_separates([self.faults, *self.alternatives])
@@ -232,9 +235,6 @@ class JointWatch:
     def _commit_unknown(self, t: float) -> list[Event]:
         self.mask, self.verdict, self.rivals, self.ci95 = 0, Verdict.UNKNOWN, (), None
         self.theta = np.zeros(self.bank.width)
-        if not self.observer.joint[self.observer.k.LEARNING, self.j]:
-            self.observer.start_learning(self.j)
-            self.observer.restart_decision(self.j)
         self._approximate()
         return self._believed(t, "no combination of the bank explains it; its torque is being learned")
 
@@ -259,6 +259,10 @@ class JointWatch:
         if decision.mask:
             gram = self.observer.gram[self.j]
             self.ci95 = self.isolator.intervals(decision.mask, decision.theta, gram, decision.noise, self.independent)
+
+    def _forget_neurons(self) -> None:
+        """Believe no unknown fault; what its neurons have seen stays, in case that nothing known holds."""
+        self.observer.neurons[self.observer.k.WEIGHTS, self.j] = 0.0
 
     def _approximate(self) -> None:
         o = self.observer
@@ -292,12 +296,13 @@ class JointWatch:
         return [Event(t, "idle", (self.name,), Verdict.NONE, faults, reason=f"gone; remembered, in case it returns")]
 
     def _rest(self) -> None:
-        self.stage = Stage.IDLE if self.memories else Stage.HEALTHY
+        self.stage = Stage.IDLE if self.memories or self._was_unknown else Stage.HEALTHY
         self.verdict = Verdict.NONE
         self.mask = 0
         self.theta = np.zeros(self.bank.width)
         self._believe()
-        self.observer.stop_learning(self.j)
+        if not self._was_unknown:
+            self.observer.stop_learning(self.j)
         self.observer.end_decision(self.j)
 
     def _dismiss(self, t: float) -> list[Event]:
@@ -316,9 +321,10 @@ class JointWatch:
         return self._away * self.settings.decide_every >= GONE_UNKNOWN
 
     def _drop_unknown(self, t: float) -> list[Event]:
-        self._away = 0
+        self._away, self._was_unknown = 0, True
+        self._forget_neurons()
         self._rest()
-        return [self._event(t, "idle", "the unknown torque is gone")]
+        return [self._event(t, "idle", "the unknown torque is gone; remembered, in case it returns")]
 
     def _recall(self) -> bool:
         """Tell whether a remembered fault explains what has been seen since the alarm, and believe it again."""

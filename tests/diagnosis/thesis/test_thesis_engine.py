@@ -138,8 +138,7 @@ def noisy(robot, seed, *faults):
 
 
 def play(watching, log):
-    mean = np.vstack([log.effort[:1], 0.5 * (log.effort[1:] + log.effort[:-1])])
-    return replay(watching, zip(log.time, log.position, log.velocity, mean, strict=True))
+    return replay(watching, zip(log.time, log.position, log.velocity, log.effort, strict=True))
 
 
 def test_the_bound_learned_from_healthy_runs_holds_on_others_and_not_on_faulty_ones(ur5):
@@ -188,6 +187,21 @@ def test_a_nominal_torque_that_is_not_finite_is_handed_back(arm):
     np.testing.assert_array_equal(watching.correct([np.nan, 1, 1, 1]), [np.nan, 1, 1, 1])
     with pytest.raises(ModelError, match="one number per joint"):
         watching.correct([1.0, 2.0])
+
+
+def test_velocities_are_needed(arm):
+    with pytest.raises(ModelError, match="use the engine momentum"):
+        engine(arm).update(0.0, np.zeros(4), None, np.zeros(4))
+
+
+def test_at_rest_dry_friction_is_compensated_in_the_direction_asked_for(arm):
+    watching = engine(arm, (CoulombFriction,), grace=0.8)
+    run(scenario(coulomb()), watching)
+    assert watching.faults
+    nominal = np.array([0.0, 0.0, 0.0, 294.0])
+    forth, back = (watching.correct(nominal, sign * np.full(4, 0.5)) - nominal for sign in (1.0, -1.0))
+    np.testing.assert_allclose(forth, -back)
+    assert (forth > 0).all()
 
 
 def test_a_bound_is_needed(arm):

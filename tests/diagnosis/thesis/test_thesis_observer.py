@@ -53,6 +53,24 @@ def test_the_error_of_discretisation_falls_with_the_square_of_the_step(scara):
     assert largest(4e-3) / largest(2e-3) == pytest.approx(4.0, rel=0.3)
 
 
+def test_other_discretisations_are_far_worse(scara):
+    watching = ThesisEngine(scara, settings=ThesisSettings(unmodelled=(1e3,) * 4))
+    moved = run(Scenario((), np.zeros(4), duration=2.0), watching)
+    bias = scara.nonlinear_effects(moved.q, moved.v)
+    wanted = [
+        np.linalg.solve(*pair) for pair in zip(scara.mass_matrix(moved.q), moved.effort - bias, strict=True)
+    ]
+    left, gain = np.exp(-0.1), -np.expm1(-0.1) / 100.0
+    euler, frozen, worst = moved.v[0], moved.v[0], np.zeros((2, 4))
+    for now, after, a in zip(moved.v[:-1], moved.v[1:], wanted[:-1], strict=True):
+        euler = euler + 1e-3 * (a - 100.0 * (euler - now))
+        frozen = now + left * (frozen - now) + gain * a
+        worst = np.maximum(worst, np.abs([euler - after, frozen - after]))
+    ours = np.abs(moved.residual).max(axis=0)[:2]
+    assert (worst[0, :2] > 100 * ours).all()
+    assert (worst[1, :2] > 1000 * ours).all()
+
+
 def test_a_term_of_the_model_is_not_missing(arm):
     friction = Term.of(ViscousFriction("elbow_joint"), coefficient=7.0)
     q, v = np.full(6, 0.4), np.full(6, 0.5)
