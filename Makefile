@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 JOBS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1  # small matrices: threads only cost
 
-.PHONY: install test lint demo bench clean help
+.PHONY: install test lint demo bench bench-cdia clean help
 
 help:  ## show this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -25,6 +25,9 @@ demo: $(VENV)/.installed  ## find a missing effect in a log that ships, in under
 
 bench: $(VENV)/.installed-dev  ## measure what the README states
 	$(BIN)/python -m benchmarks
+
+bench-cdia: $(VENV)/.installed-dev  ## measure the monitor in closed loop; an hour, an interrupted run goes on
+	$(BIN)/python -m benchmarks.online --jobs $(JOBS)
 
 clean:  ## remove the environment and what tools leave behind
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis dist build out

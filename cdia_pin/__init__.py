@@ -12,6 +12,7 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from cdia_pin import effects
+    from cdia_pin.diagnosis import Monitor, MonitorSettings
     from cdia_pin.discovery import Comparison, Discovery, DiscoverySettings, add_effect, compare, discover
     from cdia_pin.dynamics import Dynamics, load_model, save_model
     from cdia_pin.dynamics.simulate import simulate
@@ -39,6 +40,8 @@ _HOME = {
     "write_log": "logs",
     "check_log": "logs",
     "Conditioning": "logs.conditioning",
+    "Monitor": "diagnosis",
+    "MonitorSettings": "diagnosis",
     "add_effect": "discovery",
     "compare": "discovery",
     "discover": "discovery",
@@ -57,6 +60,8 @@ __all__ = [
     "Dynamics",
     "Effect",
     "Log",
+    "Monitor",
+    "MonitorSettings",
     "RobotModel",
     "Term",
     "__version__",

@@ -18,6 +18,7 @@ from benchmarks.online.scenarios import same_torque
 Array = NDArray[np.float64]
 
 NOTHING = 1e-9  # share of the largest fault torque that is rounding
+CONSTANT = 1e-6  # variance of a fault's torque over its mean square, below which it is a constant [1]
 TIME_TO_DECIDE = 4.0  # [s] after the detection
 
 
@@ -198,7 +199,7 @@ def tracking(
 def recovered_share(run: OnlineRun, estimate: Array, since: float, until: float = np.inf) -> Array:
     """Return 1 − mean (f − f̂)² / var f of the faults' torque between two times [1], shape (n,).
 
-    NaN on joints without a fault; below zero where the estimate is worse than a constant.
+    NaN where the faults' torque is constant or absent; below zero where the estimate is worse than a constant.
 
     Args:
         run: What happened.
@@ -210,7 +211,7 @@ def recovered_share(run: OnlineRun, estimate: Array, since: float, until: float 
     f = run.fault_torque[rows]
     missed = np.mean((f - np.asarray(estimate, float)[rows]) ** 2, axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(np.abs(f).max(axis=0) > 0, 1 - missed / f.var(axis=0), np.nan)
+        return np.where(f.var(axis=0) > CONSTANT * np.mean(f**2, axis=0), 1 - missed / f.var(axis=0), np.nan)
 
 
 # ---------------------------------------------------------------- vanishing and returning

@@ -10,7 +10,7 @@ at which faults begin.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from zlib import crc32
 
@@ -18,8 +18,9 @@ import numpy as np
 
 from benchmarks.online.faults import FastViscousFriction
 from benchmarks.online.motions import Chain, Onward
-from benchmarks.online.plant import Controller, OnlinePlant
+from benchmarks.online.plant import Controller, Drives, OnlinePlant
 from benchmarks.online.run import OnlineRun
+from benchmarks.online.sensors import POSITION_ONLY, Sensors
 from benchmarks.online.sizes import OnlineSizer, nominal, sizer
 from benchmarks.plant.faults import Fault
 from benchmarks.plant.faults.mechanism import Value
@@ -32,6 +33,12 @@ BEGIN, SECOND = 3.0, 6.5  # [s], of the first fault and of the one that joins it
 GONE, BACK = 6.0, 8.5  # [s], of a fault that vanishes and returns
 SHORT, LONG = 10.0, 12.0  # [s], length of a run
 LONGEST = 24.0  # [s], length of a run with an unknown fault: its shape shows over the whole of a motion
+USUAL = "usual"
+CONDITIONS: dict[str, tuple[Sensors, Drives]] = {
+    USUAL: (Sensors(), Drives()),
+    "positions": (POSITION_ONLY, Drives()),  # velocities are not measured
+    "late": (Sensors(), Drives(delay=0.005)),  # torques act 5 ms after their command
+}
 MOTIONS = 5  # motions of each arm; healthy runs of the same motions can be compared to
 
 MAIN: dict[str, dict[str, Value]] = {
@@ -86,6 +93,7 @@ class Case:
         seed: Seed of the sensors' noise.
         duration: Length [s].
         kind: Kind of motion.
+        conditions: Sensors and drives of the arm, one of `CONDITIONS`.
     """
 
     id: str
@@ -97,6 +105,7 @@ class Case:
     seed: int
     duration: float = SHORT
     kind: Motion = field(default_factory=Onward)
+    conditions: str = USUAL
 
     def reference(self, plant: OnlinePlant) -> Plan:
         """Return the motion asked for."""
@@ -194,6 +203,18 @@ def healthy_hour(robot: str, minutes: int = 60) -> list[Case]:
     return [
         Case(f"{robot}/hour/{k}", "hour", robot, (), 0.0, 100 + k, 20_000 + k, 60.0, Chain())
         for k in range(minutes)
+    ]
+
+
+def under(robot: str, conditions: str, joints: int = 2, minutes: int = 3) -> list[Case]:
+    """Return a few single faults, and healthy minutes, under other conditions than the usual ones."""
+    some = ("coulomb_friction", "actuator_gain", "torque_offset")
+    cases = [c for share in (0.2, 0.5) for c in singles(robot, share, some, joints)] + healthy_hour(
+        robot, minutes
+    )
+    return [
+        replace(c, id=c.id.replace(f"/{c.suite}/", f"/{conditions} {c.suite}/"), conditions=conditions)
+        for c in cases
     ]
 
 

@@ -1,8 +1,13 @@
-"""One case with the monitor in the loop, and what came of it."""
+"""One case with the monitor in the loop, and what came of it.
+
+Single faults, pairs and triples are asked for 4 s after their detection; faults that join each other, and unknown
+ones, at the end of the run.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -10,12 +15,14 @@ from numpy.typing import NDArray
 
 from benchmarks.online import baseline, metrics
 from benchmarks.online.control import NominalControl
+from benchmarks.online.outcome import JointOutcome, Outcome
 from benchmarks.online.plant import OnlinePlant
 from benchmarks.online.run import OnlineRun
-from benchmarks.online.scenarios import BANK, BEGIN, FREQUENCY, FURTHER, Case, healthy_hour
+from benchmarks.online.scenarios import BANK, CONDITIONS, FREQUENCY, FURTHER, USUAL, Case, healthy_hour
 from benchmarks.plant.motion import Reference
-from cdia_pin import Dynamics
-from cdia_pin.diagnosis import Monitor, MonitorSettings, Status
+from cdia_pin.diagnosis import Event, Monitor, MonitorSettings
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import State, Term
 from cdia_pin.logs import Log
 
 Array = NDArray[np.float64]
@@ -25,6 +32,8 @@ LEARNED_FROM = 2  # healthy runs of a minute, on motions that are used for nothi
 SHAPES = {"position_ripple": f"frequency={FREQUENCY}", "stribeck_friction": "decay=8"}
 EFFECTS = tuple(BANK)
 ALL_EFFECTS = (*BANK, *FURTHER)
+ASKED_AT_THE_END = ("unknown", "joining")
+SEEN_FOR = 1.0  # [s], the least over which a recovered torque is measured
 
 
 class Loop:
@@ -38,13 +47,15 @@ class Loop:
     def __init__(self, monitor: Monitor, nominal: NominalControl) -> None:
         self.monitor, self.nominal = monitor, nominal
         self.torque = np.zeros(monitor.model.robot.n)
-        self.statuses: list[Status] = []
-        self._most = monitor.model.robot.limits.effort
+        self.thresholds: list[Array] = []
+        self.corrections: list[Array] = []
         monitor.reset()
 
     def __call__(self, t: float, q: Array, v: Array | None, reference: Reference) -> Array:
         """Return the torque to command [N·m or N], shape (n,)."""
-        self.statuses.append(self.monitor.update(t, q, v, self.torque))
+        status = self.monitor.update(t, q, v, self.torque)
+        self.thresholds.append(status.threshold)
+        self.corrections.append(status.torque_correction)
         self.torque = self.monitor.correct(self.nominal(t, q, v, reference), reference.v)
         return self.torque
 
@@ -56,27 +67,38 @@ class Bench:
     Attributes:
         plant: The arm.
         monitor: The monitor.
-        plain: Thresholds of the plain momentum observer [N·m or N], shape (n,).
-        healthy: The runs they learned from.
+        plain: Thresholds of the plain observer [N·m or N], shape (n,); infinite where it has no velocities.
     """
 
     plant: OnlinePlant
     monitor: Monitor
     plain: Array
-    healthy: tuple[OnlineRun, ...]
 
 
 @lru_cache(maxsize=4)
-def bench(robot: str, effects: tuple[str, ...] = EFFECTS, settings: MonitorSettings | None = None) -> Bench:
-    """Return an arm whose monitor has learned from healthy runs; the same one each time."""
-    plant = OnlinePlant(robot, seed=SEED)
-    runs = tuple(
-        case.run(plant, NominalControl(plant.robot)) for case in healthy_hour(robot, 60 + LEARNED_FROM)[60:]
-    )
+def bench(
+    robot: str,
+    effects: tuple[str, ...] = EFFECTS,
+    conditions: str = USUAL,
+    settings: MonitorSettings | None = None,
+    minutes: int = LEARNED_FROM,
+) -> Bench:
+    """Return an arm whose monitor has learned from healthy minutes; the same one each time."""
+    sensors, drives = CONDITIONS[conditions]
+    plant = OnlinePlant(robot, seed=SEED, sensors=sensors, drives=drives)
+    runs = healthy_runs(plant, minutes)
     bank = [f"{e}: {SHAPES[e]}" if e in SHAPES else e for e in effects]
     monitor = Monitor(Dynamics(plant.robot), healthy=[log_of(r) for r in runs], bank=bank, settings=settings)
-    residuals = [baseline.residual(plant.robot, r) for r in runs]
-    return Bench(plant, monitor, baseline.threshold(np.concatenate(residuals)), runs)
+    plain = np.full(plant.robot.n, np.inf)
+    if sensors.velocity_std is not None:
+        plain = baseline.threshold(np.concatenate([baseline.residual(plant.robot, r) for r in runs]))
+    return Bench(plant, monitor, plain)
+
+
+def healthy_runs(plant: OnlinePlant, minutes: int = LEARNED_FROM) -> list[OnlineRun]:
+    """Return the runs of a minute that monitors learn from."""
+    cases = healthy_hour(plant.robot.name, 60 + minutes)[60:]
+    return [case.run(plant, NominalControl(plant.robot)) for case in cases]
 
 
 def log_of(run: OnlineRun) -> Log:
@@ -85,111 +107,140 @@ def log_of(run: OnlineRun) -> Log:
     return Log(run.joints, run.time, run.q_measured, effort, run.v_measured, source="healthy run")
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What came of a case, joint by joint where a fault is; NaN for what does not apply.
+def run_case(case: Case, settings: MonitorSettings | None = None, minutes: int = LEARNED_FROM) -> Outcome:
+    """Run a case with the monitor in the loop; with faults also without it, and without them.
 
-    Attributes:
-        case: The case.
-        false_alarms: Detections on joints that had no fault yet.
-        detected: Whether each faulty joint was detected.
-        delay: From when the fault's torque exceeded the threshold, for each faulty joint [s].
-        right: Whether the right combination was named first, 4 s after detection.
-        unique: Whether it was the only one.
-        holds: Whether it was among those named.
-        verdict: The verdict of each faulty joint then.
-        ratio: Tracking error over that of the healthy arm, of each faulty joint [1].
-        worse: Tracking error over that without accommodation [1].
-        recovered: Share of the fault torque's variance that was recovered [1].
-        baseline_delay: The plain observer's delay [s]; NaN where it saw nothing.
-        baseline_false: The plain observer's false alarms.
-        events: What was said, in words.
+    Args:
+        case: What happens.
+        settings: Of the monitor; its own if omitted.
+        minutes: Healthy ones that the monitor has learned from.
     """
-
-    case: Case
-    false_alarms: int
-    detected: list[bool]
-    delay: list[float]
-    right: list[bool]
-    unique: list[bool]
-    holds: list[bool]
-    verdict: list[str]
-    ratio: list[float]
-    worse: list[float]
-    recovered: list[float]
-    drop: float
-    again: float
-    baseline_delay: list[float]
-    baseline_false: int
-    events: list[str]
-
-
-def run_case(
-    case: Case, effects: tuple[str, ...] = EFFECTS, settings: MonitorSettings | None = None
-) -> Outcome:
-    """Run a case with the monitor in the loop, without it, and healthy."""
-    b = bench(case.robot, effects, settings)
+    beyond = any(f.effect in FURTHER for f in case.faults)
+    b = bench(case.robot, ALL_EFFECTS if beyond else EFFECTS, case.conditions, settings, minutes)
     nominal = NominalControl(b.plant.robot)
     loop = Loop(b.monitor, nominal)
     run = case.run(b.plant, loop)
     events = b.monitor.events
-    thresholds = np.array([s.threshold for s in loop.statuses])
-    estimate = -np.array([s.torque_correction for s in loop.statuses])
-    joints = list(dict.fromkeys(f.joint for f in case.faults if f.joint))
-    plain = nothing = None
-    if case.faults:
-        nothing = case.run(b.plant, nominal, healthy=True)
-        try:
-            plain = case.run(b.plant, nominal)
-        except FloatingPointError:  # without accommodation the arm runs away
-            plain = None
-    out = Outcome(
-        case, len(metrics.false_alarms(run, events)), *([] for _ in range(9)), np.nan, np.nan, [], 0, []
-    )  # type: ignore[arg-type]
-    observed = plain if plain is not None else run
-    seen = baseline.detection_times(observed.time, baseline.residual(b.plant.robot, observed), b.plain)
-    baseline_false = 0
-    for j, joint in enumerate(b.plant.joints):
-        when = seen[j]
-        begin = min((f.after for f in case.faults if f.joint == joint), default=np.inf)
-        baseline_false += bool(when < begin)
-    for joint in joints:
-        j = run.joints.index(joint)
-        since = min(f.after for f in case.faults if f.joint == joint)
-        when = metrics.detection_time(events, joint, since)
-        out.detected.append(bool(np.isfinite(when)))
-        out.delay.append(metrics.detection_delay(run, events, thresholds, joint, since))
-        if case.suite == "unknown":
-            said = metrics.isolation(run, events, joint, run.time[-1])
-        else:
-            said = metrics.isolation_after_detection(run, events, joint, since=since)
-        out.right.append(said.right)
-        out.unique.append(said.unique)
-        out.holds.append(said.holds_truth)
-        out.verdict.append(said.verdict)
-        if nothing is not None:
-            far = metrics.tracking_rms(run)[j]
-            out.ratio.append(float(far / metrics.tracking_rms(nothing)[j]))
-            out.worse.append(float(far / metrics.tracking_rms(plain)[j]) if plain is not None else 0.0)
-        isolated = [e.time for e in events if e.stage == "isolation" and joint in e.joints]
-        begin = max(isolated[0] if isolated else np.inf, since)
-        recovered = np.nan
-        if begin < run.time[-1] - 1.0:
-            recovered = float(metrics.recovered_share(run, estimate, begin)[j])
-        out.recovered.append(recovered)
-        out.baseline_delay.append(seen[j] - metrics.onset(observed, b.plain, joint, since))
+    residual = None if run.v_measured is None else baseline.residual(b.plant.robot, run)
+    healthy = case.run(b.plant, nominal, healthy=True) if case.faults else None
+    alone = _left_alone(case, b.plant, nominal) if case.faults else None
+    joints = tuple(
+        _joint(joint, case, b, loop, run, residual, healthy, alone)
+        for joint in dict.fromkeys(f.joint for f in case.faults if f.joint)
+    )
     drop = again = np.nan
     if case.suite == "return":
         first, second = case.faults
-        drop = metrics.drop_delay(events, joints[0], first.until, second.after)
-        again = metrics.found_again_delay(run, events, joints[0], second.after)
-    words = [
-        f"{e.time:.3f} {e.stage} {'+'.join(e.joints)} {e.verdict} "
-        f"{', '.join(t.effect.name for t in e.faults)} {[[t.effect.name for t in a] for a in e.alternatives] or ''}"
-        for e in events
-        if e.stage != "accommodation"
-    ]
-    return replace(out, drop=drop, again=again, baseline_false=baseline_false, events=words)
+        drop = metrics.drop_delay(events, joints[0].joint, first.until, second.after)
+        again = metrics.found_again_delay(run, events, joints[0].joint, second.after)
+    return Outcome(
+        id=case.id,
+        suite="further" if beyond else case.suite,
+        robot=case.robot,
+        conditions=case.conditions,
+        share=case.share,
+        effects=tuple(dict.fromkeys(str(f) for f in case.faults)),
+        minutes=case.duration / 60.0,
+        false_alarms=len(metrics.false_alarms(run, events)),
+        plain_false_alarms=_plain_false_alarms(case, b, run, residual),
+        joints=joints,
+        drop=drop,
+        again=again,
+        said=tuple(_in_words(e) for e in events if e.stage != "accommodation"),
+    )
 
 
-__all__ = ["ALL_EFFECTS", "BEGIN", "EFFECTS", "Bench", "Loop", "Outcome", "bench", "log_of", "run_case"]
+def _left_alone(case: Case, plant: OnlinePlant, nominal: NominalControl) -> OnlineRun | None:
+    """Return the run of the arm that does not know of its faults; None if it runs away."""
+    try:
+        return case.run(plant, nominal)
+    except FloatingPointError:
+        return None
+
+
+def _joint(
+    joint: str,
+    case: Case,
+    b: Bench,
+    loop: Loop,
+    run: OnlineRun,
+    residual: Array | None,
+    healthy: OnlineRun | None,
+    alone: OnlineRun | None,
+) -> JointOutcome:
+    j, events = run.joints.index(joint), b.monitor.events
+    since = min(f.after for f in case.faults if f.joint == joint)
+    detected_at = metrics.detection_time(events, joint, since)
+    at = run.time[-1] if case.suite in ASKED_AT_THE_END else detected_at + metrics.TIME_TO_DECIDE
+    said = metrics.isolation(run, events, joint, at)
+    isolated = min(
+        (e.time for e in events if e.stage == "isolation" and joint in e.joints and e.time >= since),
+        default=np.inf,
+    )
+    plain_at = np.nan
+    if residual is not None:
+        late = run.time >= since
+        plain_at = baseline.detection_times(run.time[late], residual[late], b.plain)[j]
+    tracking = against_none = recovered = learned = np.nan
+    if healthy is not None:
+        far = metrics.tracking_rms(run)[j]
+        tracking = far / metrics.tracking_rms(healthy)[j]
+        against_none = 0.0 if alone is None else far / metrics.tracking_rms(alone)[j]
+    if isolated < run.time[-1] - SEEN_FOR:
+        recovered = metrics.recovered_share(run, -np.array(loop.corrections), isolated)[j]
+        learned = metrics.recovered_share(run, _torque_of(b.monitor.faults, b.plant, run), isolated)[j]
+    return JointOutcome(
+        joint=joint,
+        detected=bool(np.isfinite(detected_at)),
+        delay=metrics.detection_delay(run, events, np.array(loop.thresholds), joint, since),
+        since_begin=detected_at - since,
+        plain_delay=float(plain_at - metrics.onset(run, b.plain, joint, since)),
+        plain_since_begin=float(plain_at - since),
+        verdict=said.verdict,
+        named=tuple("+".join(sorted(label.partition("@")[0] for label in one)) for one in said.named),
+        right=said.right,
+        unique=said.unique,
+        holds=said.holds_truth,
+        tracking=float(tracking),
+        against_none=float(against_none),
+        recovered=float(recovered),
+        learned=float(learned),
+        region=_region(events, b.monitor.faults, joint),
+    )
+
+
+def _plain_false_alarms(case: Case, b: Bench, run: OnlineRun, residual: Array | None) -> int:
+    if residual is None:
+        return 0
+    begin = np.full(len(run.joints), np.inf)
+    for f in case.faults:
+        if f.joint:
+            j = run.joints.index(f.joint)
+            begin[j] = min(begin[j], f.after)
+    seen = baseline.detection_times(run.time, residual, b.plain)
+    return int((seen < begin).sum())
+
+
+def _torque_of(terms: Sequence[Term], plant: OnlinePlant, run: OnlineRun) -> Array:
+    """Return what terms say the faults' torque was along a run [N·m or N], shape (K, n)."""
+    a = np.gradient(run.v, run.tick, axis=0)
+    x = State.of(plant.robot, run.q, run.v, a, effort=run.command, time=run.time)
+    return np.sum([term.torque(x) for term in terms], axis=0) if terms else np.zeros_like(run.q)
+
+
+def _region(events: Sequence[Event], faults: Sequence[Term], joint: str) -> str:
+    """Return the last region that was said of a fault of a joint, such as ``speed above 0.5``."""
+    terms = [t for e in events for t in e.faults] + list(faults)
+    regions = [t.profile for t in terms if t.effect.scope == (joint,) and t.profile.kind == "region"]
+    if not regions:
+        return ""
+    numbers = regions[-1].to_dict()
+    ends = [f"{w} {numbers[k]:.2f}" for k, w in (("lower", "above"), ("upper", "below")) if k in numbers]
+    return f"{numbers['signal']} {' and '.join(ends)}"
+
+
+def _in_words(e: Event) -> str:
+    names = " + ".join(t.effect.name for t in e.faults)
+    others = "".join(" or " + (" + ".join(t.effect.name for t in one)) for one in e.alternatives)
+    said = f" {e.verdict}: {names}{others}" if e.stage == "isolation" else ""
+    return f"{e.time:.2f} s {e.stage} {'+'.join(e.joints)}{said}"

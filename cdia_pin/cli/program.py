@@ -23,6 +23,7 @@ from cdia_pin.cli.discover import discover
 from cdia_pin.cli.effects import effects
 from cdia_pin.cli.export import export
 from cdia_pin.cli.failures import CommandError, one_line
+from cdia_pin.cli.monitor import monitor
 from cdia_pin.cli.options import examples
 from cdia_pin.cli.robots import robots
 from cdia_pin.cli.simulate import simulate
@@ -78,6 +79,14 @@ for command, panel, example in (
     (compare, JOB, ["cdia compare run.csv --robot ur5 --model model.json --report before.html"]),
     (discover, JOB, ["cdia discover run.csv --robot ur5 --save model.json --report found.html"]),
     (add, JOB, ["cdia add coulomb_friction@elbow_joint run.csv --robot ur5 --save model.json"]),
+    (
+        monitor,
+        JOB,
+        [
+            "cdia monitor run.csv --robot ur5 --healthy before.csv --report watch.html",
+            "cdia monitor run.csv --robot ur5 --model model.json --bank coulomb_friction --bank actuator_gain",
+        ],
+    ),
     (export, MODELS, ["cdia export --robot ur5 --model model.json --urdf corrected.urdf"]),
     (
         simulate,

@@ -11,7 +11,8 @@ import cdia_pin
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs, show_inputs
-from cdia_pin.cli.options import Json, Robot
+from cdia_pin.cli.monitor_options import MONITOR, Bank, Engine
+from cdia_pin.cli.options import Json, Report, Robot
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 
 if TYPE_CHECKING:
@@ -21,10 +22,12 @@ if TYPE_CHECKING:
     from cdia_pin.logs import Log
 
 SCHEMA = "cdia-events/1"
+RATE, CONTROL_RATE = 250.0, 1000.0  # [Hz]
 QUANTUM = 2e-5  # [rad or m], of the encoders of an arm with noise
 
 
 def simulate(
+    ctx: typer.Context,
     *,
     robot: Robot,
     out: Annotated[
@@ -44,8 +47,15 @@ def simulate(
     ] = None,
     duration: Annotated[float, typer.Option("--duration", metavar="S", help="Length \\[s].")] = 20.0,
     rate: Annotated[
-        float, typer.Option("--rate", metavar="HZ", help="Samples of the log per second \\[Hz].")
-    ] = 250.0,
+        float | None,
+        typer.Option(
+            "--rate",
+            metavar="HZ",
+            show_default=False,
+            help=f"Samples of the log per second \\[Hz]; {RATE:g}, or {CONTROL_RATE:g}, that of the control, "
+            "with a monitor.",
+        ),
+    ] = None,
     noise: Annotated[
         float,
         typer.Option(
@@ -55,9 +65,33 @@ def simulate(
         ),
     ] = 0.01,
     seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the motion and the noise.")] = 0,
+    accommodate: Annotated[
+        bool | None,
+        typer.Option(
+            "--accommodate/--no-accommodate",
+            show_default=False,
+            help="Let a monitor watch and correct the control, or only watch; no monitor if left out.",
+            rich_help_panel=MONITOR,
+        ),
+    ] = None,
+    bank: Bank = None,
+    engine: Engine = "momentum",
+    model_error: Annotated[
+        float,
+        typer.Option(
+            "--model-error",
+            metavar="SHARE",
+            help="Largest relative error of the inertias that the control knows, where a monitor runs: without "
+            "any, thresholds would be those of noise alone.",
+            rich_help_panel=MONITOR,
+        ),
+    ] = 0.03,
+    report: Report = None,
     json: Json = None,
 ) -> None:
     """Simulate an arm with faults on an exciting motion, under computed torque that does not know of them.
+
+    With --accommodate a monitor learns from healthy runs on other motions, then watches this one and corrects it.
 
     A fault may come and go: after, until, period (s), rate (1/s), duty, or q, dq, speed, tau=LOWER..UPPER.
     """
@@ -75,9 +109,23 @@ def simulate(
         raise CommandError(f"cannot write {out}: the suffix must be one of {', '.join(WRITABLE)}")
     if seed < 0:
         raise CommandError(f"a seed is 0 or more, given {seed}")
-    require_writable(out, json)
+    require_writable(out, json, report)
     console = stdout(json)
-    plant = Dynamics(load_inputs(robot, None).robot, tuple(parse_term(text) for text in fault or []))
+    arm = load_inputs(robot, None).robot
+    plant = Dynamics(arm, tuple(parse_term(text) for text in fault or []))
+    if accommodate is not None:
+        from cdia_pin.campaigns.closed_loop import LoopSettings
+        from cdia_pin.cli.simulate_loop import LoopRequest, simulate_loop
+
+        settings = LoopSettings(CONTROL_RATE if rate is None else rate, noise, model_error, seed=seed)
+        asked = LoopRequest(
+            settings, duration, accommodate, engine, tuple(bank or ()), out, report, json, ctx.obj or ""
+        )
+        simulate_loop(console, plant, asked)
+        return
+    if bank or report:
+        raise CommandError("--bank and --report are of a monitor: add --accommodate or --no-accommodate")
+    rate = RATE if rate is None else rate
     motion_source, noise_source = np.random.default_rng(seed).spawn(2)
     with progress() as tell:
         tell(f"simulating {duration:g} s", 0.0)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from cdia_pin.campaigns.thesis_study import ThesisStudy
 
-REPORT = "thesis_study.html"
+REPORT, ARMS_REPORT = "thesis_study.html", "arm_study.html"
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,8 @@ def study(
         typer.Argument(
             metavar="NAME",
             show_default=False,
-            help="scara-model: the URDF against the closed form. thesis: its two numerical studies, with figures.",
+            help="scara-model: the URDF against the closed form. thesis: its two numerical studies. "
+            "arms: accommodation on panda, ur5 and xarm7 (some minutes).",
         ),
     ],
     preset: Annotated[
@@ -66,7 +67,7 @@ def study(
             "--out",
             metavar="DIR",
             show_default=False,
-            help="Directory for the figures (.png) and the report of the study thesis; ./out if left out.",
+            help="Directory for the figures (.png) and the report; ./out if left out.",
         ),
     ] = None,
     json: Json = None,
@@ -115,11 +116,7 @@ def _thesis(console: Console, asked: Request) -> None:
     preset = asked.preset or "both"
     if preset not in {*PRESETS, "both"}:
         raise CommandError(unknown_name("preset", preset, [*PRESETS, "both"]))
-    out = asked.out or Path("out")
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise CommandError(f"cannot make the directory {out}: {error.strerror}") from None
+    out = _directory(asked)
     require_writable(asked.json, out / REPORT)
     with progress() as tell:
         found = thesis_study(tuple(PRESETS) if preset == "both" else (preset,), progress=tell)
@@ -159,8 +156,56 @@ def _show_thesis(console: Console, found: ThesisStudy) -> None:
         console.print(table)
 
 
+def _arms(console: Console, asked: Request) -> None:
+    """Tracking of several arms healthy, with faults, and with a monitor."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    from cdia_pin.campaigns.arm_study import arm_study, to_dict
+    from cdia_pin.viewers.arm_figures import arm_pictures
+    from cdia_pin.viewers.arm_report import HEADINGS, arm_rows, write_arm_report
+
+    if asked.preset:
+        raise CommandError("the study arms takes no --preset")
+    out = _directory(asked)
+    require_writable(asked.json, out / ARMS_REPORT)
+    with progress() as tell:
+        found = arm_study(progress=tell)
+        tell("drawing", 0.98)
+        pictures = list(arm_pictures(found))
+    table = Table(
+        box=SIMPLE_HEAD, pad_edge=False, title="RMS of q − q_d over all joints \\[mrad]", title_justify="left"
+    )
+    for k, heading in enumerate(HEADINGS):
+        table.add_column(heading, justify="right" if 2 <= k < 6 else "left")
+    for row in arm_rows(found):
+        table.add_row(*row)
+    console.print(table)
+    document = {**to_dict(found), "record": {**_record(), "loop": vars(found[0].compared.loop.settings)}}
+    write_all(
+        console,
+        *((out / f"{p.name}.png", lambda f, png=p.png: Path(f).write_bytes(png)) for p in pictures),
+        (out / ARMS_REPORT, lambda f: write_arm_report(f, found, pictures, asked.command)),
+        (asked.json, lambda f: write_json(document, f)),
+    )
+
+
+def _directory(asked: Request) -> Path:
+    """Make the directory for figures and report."""
+    out = asked.out or Path("out")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CommandError(f"cannot make the directory {out}: {error.strerror}") from None
+    return out
+
+
 def _record() -> dict[str, str]:
     return {"version": cdia_pin.__version__}
 
 
-STUDIES: dict[str, Callable[[Console, Request], None]] = {"scara-model": _scara_model, "thesis": _thesis}
+STUDIES: dict[str, Callable[[Console, Request], None]] = {
+    "scara-model": _scara_model,
+    "thesis": _thesis,
+    "arms": _arms,
+}

@@ -52,10 +52,11 @@ def basis(x, out):
 def tick(
     joint, columns, gram, absent, mass, phi, interval, ends,
     centres, widths, neurons, neuron_gram, learning,
-    q, v, tau, M, nle, dt, E, forget, remember, debounce, idle,
+    q, v, tau, M, nle, dt, bandwidth, forget, remember, debounce, idle,
 ):
     if not (np.isfinite(q).all() and np.isfinite(v).all() and np.isfinite(tau).all()):
         return BAD
+    E = np.exp(-bandwidth * dt)
     a = (v - joint[VELOCITY]) / dt
     x = Signals(q, v, a, tau, np.tanh(v / joint[WIDTH]), q)
     basis(x, phi)
@@ -72,13 +73,13 @@ def tick(
 @njit(cache=True)
 def correct(
     joint, columns, phi0, phi1, interval, smooth, centres, widths, neurons, learning,
-    q, v, direction, tau, width, floor, divide,
+    q, v, direction, a, tau, width, floor, divide,
 ):
     still = np.zeros_like(q)
     sign = np.tanh(direction / width)
-    x = Signals(q, v, still, still, sign, q)
+    x = Signals(q, v, a, still, sign, q)
     basis(x, phi0)
-    basis(Signals(q, v, still, tau, sign, q), phi1)
+    basis(Signals(q, v, a, tau, sign, q), phi1)
     active = [still]
     if learning:
         active = activations(Neurons(centres[0], centres[1], widths[0], widths[1]), x)

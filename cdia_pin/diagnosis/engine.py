@@ -9,14 +9,27 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.status import Event, Status
 from cdia_pin.effects import Term
+from cdia_pin.errors import ModelError
 
 Array = NDArray[np.float64]
+
+
+class BadSampleError(ModelError):
+    """A sample that no arm can have given: not finite, or not later than the last."""
 
 
 class Engine(Protocol):
     """A scheme of detection, isolation, accommodation and idle monitoring."""
 
-    events: list[Event]
+    @property
+    def events(self) -> list[Event]:
+        """All events so far."""
+        ...
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What healthy runs taught, one sentence each."""
+        ...
 
     def update(self, t: float, q: Array, v: Array | None, tau: Array) -> Status:
         """Take one tick.

@@ -1,6 +1,6 @@
 r"""The arithmetic of a tick, compiled: momentum residual, filtered columns, threshold, alarms, normal equations.
 
-Discretised exactly for a torque held over the tick, E = exp(−γΔ) [Notes are in docs/diagnosis.md]:
+Discretised exactly for a torque held over the tick, E = exp(−γΔ), with a γ for each joint:
 
 .. math:: r^+ = E r + (1-E)\,[\tfrac12(M^+ + M)(\dot q^+ - \dot q)/\Delta + \tfrac12(nle^+ + nle) - \tau]
 
@@ -66,19 +66,19 @@ def advance(joint, columns, gram, absent, mass, phi, interval, ends, q, v, tau, 
             mean = phi[j, k] if interval[k] else 0.5 * (phi[j, k] + columns[PHI, j, k])
             columns[PHI, j, k] = phi[j, k]
             lacking -= columns[KNOWN, j, k] * mean
-            y = E * columns[FILTERED, j, k] + (1.0 - E) * mean * columns[PRESENT, j, k]
+            y = E[j] * columns[FILTERED, j, k] + (1.0 - E[j]) * mean * columns[PRESENT, j, k]
             columns[FILTERED, j, k] = y
             explained += columns[BELIEVED, j, k] * y
-        r = E * joint[RESIDUAL, j] + (1.0 - E) * lacking
+        r = E[j] * joint[RESIDUAL, j] + (1.0 - E[j]) * lacking
         joint[RESIDUAL, j] = r
         bound = joint[BOUND, j] + joint[SLOPE, j] * abs(load)
-        threshold = E * joint[THRESHOLD, j] + (1.0 - E) * bound
+        threshold = E[j] * joint[THRESHOLD, j] + (1.0 - E[j]) * bound
         joint[THRESHOLD, j] = threshold
         remainder = r - explained - joint[LEARNED, j]
         joint[REMAINDER, j] = remainder
         explained = abs(r - remainder)
         joint[AMPLITUDE, j] = max(explained, forget * joint[AMPLITUDE, j])
-        joint[MOVING, j] = E * joint[MOVING, j] + (1.0 - E if abs(v[j]) > RESTING * joint[WIDTH, j] else 0.0)
+        joint[MOVING, j] = E[j] * joint[MOVING, j] + (1.0 - E[j] if abs(v[j]) > RESTING * joint[WIDTH, j] else 0.0)
         rough = (ROUGH + 1.0 - joint[MOVING, j]) * joint[AMPLITUDE, j]
         if abs(remainder) > threshold + rough:
             joint[EXCEEDED, j] += 1.0
@@ -136,7 +136,7 @@ def activate(joint, neurons, activations, E):
             phi = activations[k][j]
             mean = phi if k == size - 1 else 0.5 * (phi + neurons[ACTIVATION, j, k])
             neurons[ACTIVATION, j, k] = phi
-            y = E * neurons[ACTIVATED, j, k] + (1.0 - E) * mean
+            y = E[j] * neurons[ACTIVATED, j, k] + (1.0 - E[j]) * mean
             neurons[ACTIVATED, j, k] = y
             learned += neurons[WEIGHTS, j, k] * y
         joint[LEARNED, j] = learned
@@ -155,7 +155,8 @@ def correction(joint, columns, neurons, activations, phi0, phi1, interval, smoot
     """Return the torque that makes up for what is believed and for the remainder, shape (n,).
 
     ``phi0`` holds the columns without torque, ``phi1`` those at the torque ``tau``. With ``divide`` the torque
-    that replaces a nominal ``tau``, else what to add if ``tau`` acts already.
+    that replaces a nominal ``tau``, else what to add if ``tau`` acts already; then the columns of acceleration are
+    the filtered ones, for nobody knows which acceleration is wanted.
     """
     n, P = phi0.shape
     out = np.empty(n)
@@ -165,7 +166,7 @@ def correction(joint, columns, neurons, activations, phi0, phi1, interval, smoot
             c = columns[BELIEVED, j, k] * columns[PRESENT, j, k]
             if c == 0.0:
                 continue
-            state += c * (columns[FILTERED, j, k] if smooth[k] else phi0[j, k])
+            state += c * (phi0[j, k] if divide or not smooth[k] else columns[FILTERED, j, k])
             driven += c * (phi1[j, k] - phi0[j, k]) if interval[k] and not smooth[k] else 0.0
         if joint[LEARNING, j] > 0.0:
             for k in range(len(activations) - 1):

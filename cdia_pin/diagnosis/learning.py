@@ -24,7 +24,7 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 
 DELAYS = 0.010  # [s], the longest delay of a torque loop that is looked for
-WORTH = 0.9  # residual left, relative, below which a delay or a correction of masses is believed
+WORTH = 0.98  # residual left, relative, below which a delay or a correction of masses is believed
 SURPRISING = 0.05  # [1], error of an inertial parameter that would surprise nobody
 REACH = 0.1  # [m], least scale of a link's size
 ROWS_PER_SECOND = 100  # of the regression of the masses
@@ -42,6 +42,7 @@ class Healthy:
 
     Attributes:
         nominal: The model, with what the runs corrected.
+        bandwidth: γ of each joint [1/s], shape (n,).
         bound: η₀ of each joint [N·m or N], shape (n,).
         level: RMS of a healthy residual in the worst second [N·m or N], shape (n,).
         memory: Correlation time of a healthy residual [s], shape (n,).
@@ -51,6 +52,7 @@ class Healthy:
     """
 
     nominal: Nominal
+    bandwidth: Array
     bound: Array
     level: Array
     memory: Array
@@ -86,9 +88,12 @@ def learn(nominal: Nominal, runs: Sequence[Log], bank: Bank, settings: MonitorSe
                 notes.append(f"masses corrected by the healthy runs: {share:.0%} of the residual is left")
                 nominal = corrected
     residuals = _residuals(nominal, runs, dt, bank, settings)
-    rms = _pooled(residuals)
-    largest = np.max([np.abs(r).max(axis=0) for r in residuals], axis=0)
-    bound = np.maximum(settings.margin * largest, settings.noise_margin * rms)
+    bandwidth = _bandwidth(_bound(residuals, settings), runs, settings)
+    if (bandwidth < settings.bandwidth).any():
+        residuals = _residuals(nominal, runs, dt, bank, settings, bandwidth)
+        slow = [f"{j} {g:.0f}/s" for j, g in zip(runs[0].joints, bandwidth, strict=True) if g < settings.bandwidth]
+        notes.append(f"slower filters against sensor noise: {', '.join(slow)}")
+    bound = _bound(residuals, settings)
     window = max(1, round(LEVEL_WINDOW / dt))
     width = np.maximum(2 * velocity_noise(runs, dt), NARROWEST)
     v = [_aligned_velocity(run, dt) for run in runs]
@@ -96,7 +101,20 @@ def learn(nominal: Nominal, runs: Sequence[Log], bank: Bank, settings: MonitorSe
                       [_extreme(np.min, v), _extreme(np.max, v)]])  # fmt: skip
     level = np.max([_worst_window(r, window) for r in residuals], axis=0)
     memory = np.array([_correlation_time([r[:, j] for r in residuals], dt) for j in range(nominal.robot.n)])
-    return Healthy(nominal, bound, level, np.maximum(memory, 1 / settings.bandwidth), width, reach, tuple(notes))
+    return Healthy(nominal, bandwidth, bound, level, np.maximum(memory, 1 / bandwidth), width, reach, tuple(notes))
+
+
+def _bound(residuals: Sequence[Array], settings: MonitorSettings) -> Array:
+    """Return what the residual of a healthy arm stays below [N·m or N], shape (n,)."""
+    largest = np.max([np.abs(r).max(axis=0) for r in residuals], axis=0)
+    return np.maximum(settings.margin * largest, settings.noise_margin * _pooled(residuals))
+
+
+def _bandwidth(bound: Array, runs: Sequence[Log], settings: MonitorSettings) -> Array:
+    """Return γ of each joint [1/s]: sensor noise grows with it, and is kept to a share of the joint's torque."""
+    torque = _pooled([run.effort for run in runs])
+    wanted = settings.bandwidth * settings.sensitivity * torque / np.maximum(bound, 1e-12)
+    return np.clip(wanted, min(settings.slowest, settings.bandwidth), settings.bandwidth)
 
 
 def assumed(nominal: Nominal, threshold: Mapping[str, float], settings: MonitorSettings) -> Healthy:
@@ -107,7 +125,8 @@ def assumed(nominal: Nominal, threshold: Mapping[str, float], settings: MonitorS
     reach = np.array([[limits.lower, limits.upper], [-limits.velocity, limits.velocity]])
     memory = np.full(robot.n, ASSUMED_MEMORY)
     width = np.full(robot.n, ASSUMED_WIDTH)
-    return Healthy(nominal, bound, bound / settings.noise_margin, memory, width, reach)
+    bandwidth = np.full(robot.n, settings.bandwidth)
+    return Healthy(nominal, bandwidth, bound, bound / settings.noise_margin, memory, width, reach)
 
 
 def velocity_noise(runs: Sequence[Log], dt: float) -> Array:
@@ -147,15 +166,20 @@ def replay(observer: Observer, alignment: Alignment, run: Log) -> Array:
         t, q, v, tau = sample
         observer.step(t, q + observer.nominal.offset, v, tau)
         begin = t if begin is None else begin
-        if t - begin > SETTLE / observer.settings.bandwidth:
+        if t - begin > SETTLE / observer.bandwidth.min():
             out.append(observer.residual.copy())
     return np.array(out)
 
 
 def _residuals(
-    nominal: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings
+    nominal: Nominal,
+    runs: Sequence[Log],
+    dt: float,
+    bank: Bank,
+    settings: MonitorSettings,
+    bandwidth: Array | None = None,
 ) -> list[Array]:
-    observer = Observer(nominal, bank.prototypes, settings, dt)
+    observer = Observer(nominal, bank.prototypes, settings, dt, bandwidth=bandwidth)
     observer.use_width(2 * velocity_noise(runs, dt))
     alignment = Alignment(dt, nominal.delay, runs[0].velocity is None)
     return [replay(observer, alignment, run) for run in runs]

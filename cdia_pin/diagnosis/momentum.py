@@ -68,7 +68,9 @@ class MomentumEngine:
         self.dt = 1.0 / rate
         nominal = self.healthy.nominal
         unknown = [unknown_of(self.healthy, j, settings.neurons) for j in range(robot.n)]
-        self.observer = Observer(nominal, bank.prototypes, settings, self.dt, unknown)
+        self.observer = Observer(
+            nominal, bank.prototypes, settings, self.dt, unknown, self.healthy.bandwidth
+        )
         self.observer.use_width(self.healthy.sign_width)
         self.observer.joint[self.observer.k.BOUND] = self.healthy.bound
         lower, upper = _bounds(bank, nominal)
@@ -136,6 +138,11 @@ class MomentumEngine:
         """Faults now believed in."""
         return tuple(term for watch in self.watches for term in watch.faults)
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What healthy runs taught, one sentence each."""
+        return self.healthy.notes
+
     # ------------------------------------------------------------- a tick in which something happens
 
     def _attend(self, t: float, then: float, asks: int) -> tuple[Event, ...]:
@@ -180,7 +187,7 @@ class MomentumEngine:
         self.observer.reset()
         for watch in self.watches:
             watch.restart()
-        self._quiet_until = t + SETTLE / self.settings.bandwidth
+        self._quiet_until = t + SETTLE / float(self.observer.bandwidth.min())
 
     def _bad_data(self, t: float, reason: str) -> Status:
         """Correct nothing until data have been good for as long as the filters need."""

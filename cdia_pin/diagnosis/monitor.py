@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import cdia_pin
 from cdia_pin.diagnosis.bank import DEFAULT_BANK, Bank
 from cdia_pin.diagnosis.engine import Engine
-from cdia_pin.diagnosis.momentum import MomentumEngine
 from cdia_pin.diagnosis.settings import MonitorSettings
 from cdia_pin.diagnosis.status import Event, Status
 from cdia_pin.dynamics.dynamics import Dynamics
@@ -18,9 +19,12 @@ from cdia_pin.effects import JointEffect, Term
 from cdia_pin.errors import LogError, ModelError, unknown_name
 from cdia_pin.logs.log import Log
 
+if TYPE_CHECKING:
+    from cdia_pin.diagnosis.thesis import ThesisSettings
+
 Array = NDArray[np.float64]
 
-ENGINES = ("momentum", "thesis")
+SAME_RATE = 1.2  # [1], how far rates may differ
 
 
 class Monitor:
@@ -41,8 +45,12 @@ class Monitor:
         engine: ``momentum`` or ``thesis``, the scheme as the thesis has it.
         settings: Of the engine; `MonitorSettings` or `ThesisSettings`.
 
+    Attributes:
+        record: Engine, bank, settings, model, healthy runs, what they taught, and version; plain JSON.
+
     Raises:
-        ModelError: If neither runs nor thresholds are given, or the engine is unknown.
+        ModelError: If neither or both of runs and thresholds are given, the engine is unknown, or the settings
+            are not its own.
         LogError: If the runs are too short or differ in rate.
         EffectError: If the bank names what is not an effect of one joint.
     """
@@ -55,28 +63,32 @@ class Monitor:
         threshold: Mapping[str, float] | None = None,
         rate: float | None = None,
         position_only: bool = False,
-        bank: Iterable[str | JointEffect] = DEFAULT_BANK,
+        bank: Bank | Iterable[str | JointEffect] = DEFAULT_BANK,
         engine: str = "momentum",
-        settings: Any = None,
+        settings: MonitorSettings | ThesisSettings | None = None,
     ) -> None:
-        self.model = model
-        robot = model.robot
-        self._n = robot.n
         if threshold is not None:
             _check_threshold(threshold, model)
         if engine not in ENGINES:
             raise ModelError(unknown_name("engine", engine, ENGINES))
-        if engine == "thesis":
-            raise NotImplementedError
-        self.engine: Engine = MomentumEngine(
-            model,
-            Bank.of(robot, bank),
-            settings or MonitorSettings(),
-            healthy=healthy,
-            threshold=threshold,
-            rate=rate,
-            position_only=position_only,
-        )
+        if healthy and threshold is not None:
+            raise ModelError("a monitor takes healthy runs or a threshold, not both")
+        self.model, self.bank = model, bank if isinstance(bank, Bank) else Bank.of(model.robot, bank)
+        self.rate = float(np.median([run.rate for run in healthy])) if healthy else rate
+        self._shape = (model.robot.n,)
+        self._limit = model.robot.limits.effort
+        known = Knowledge(tuple(healthy), threshold, rate, position_only)
+        self.engine, used = ENGINES[engine](model, self.bank, settings, known)
+        self.record: dict[str, Any] = {
+            "version": cdia_pin.__version__,
+            "engine": engine,
+            "bank": list(self.bank.names),
+            "settings": _plain(asdict(used)),
+            "model": [term.label for term in model.terms],
+            "healthy": [{"source": r.source, "sha256": r.sha256, "duration": r.duration} for r in healthy],
+            "rate": self.rate,
+            "notes": list(self.engine.notes),
+        }
 
     def update(self, t: float, q: ArrayLike, v: ArrayLike | None, tau: ArrayLike) -> Status:
         """Take one tick.
@@ -95,9 +107,9 @@ class Monitor:
         """
         q, tau = np.asarray(q, float), np.asarray(tau, float)
         v = None if v is None else np.asarray(v, float)
-        if q.shape != (self._n,) or tau.shape != (self._n,) or (v is not None and v.shape != (self._n,)):
+        if q.shape != self._shape or tau.shape != self._shape or (v is not None and v.shape != self._shape):
             given = ", ".join(str(np.shape(s)) for s in (q, v, tau) if s is not None)
-            raise ModelError(f"a tick takes signals of shape ({self._n},), given {given}")
+            raise ModelError(f"a tick takes signals of shape {self._shape}, given {given}")
         return self.engine.update(t, q, v, tau)
 
     def correct(self, tau: ArrayLike, v_desired: ArrayLike | None = None) -> Array:
@@ -107,8 +119,16 @@ class Monitor:
             tau: The nominal torque [N·m or N], shape (n,).
             v_desired: Velocity asked for [rad/s or m/s], shape (n,). Dry friction is compensated in its direction,
                 so that a joint that rests where it should move is set going; the measured one if omitted.
+
+        Raises:
+            ModelError: If a signal has another shape.
         """
-        return self.engine.correct(np.asarray(tau, float), None if v_desired is None else np.asarray(v_desired, float))
+        nominal = np.asarray(tau, float)
+        asked = None if v_desired is None else np.asarray(v_desired, float)
+        if nominal.shape != self._shape or (asked is not None and asked.shape != self._shape):
+            given = ", ".join(str(s.shape) for s in (nominal, asked) if s is not None)
+            raise ModelError(f"a correction takes signals of shape {self._shape}, given {given}")
+        return np.minimum(np.maximum(self.engine.correct(nominal, asked), -self._limit), self._limit)
 
     @property
     def events(self) -> tuple[Event, ...]:
@@ -134,7 +154,10 @@ class Monitor:
         self.engine.reset()
 
     def replay(
-        self, log: Log, watch: Callable[[Status], None] | None = None, progress: Callable[[float], None] | None = None
+        self,
+        log: Log,
+        watch: Callable[[Status], None] | None = None,
+        progress: Callable[[float], None] | None = None,
     ) -> tuple[Event, ...]:
         """Feed a log sample by sample, just as a loop would; returns the events.
 
@@ -142,11 +165,20 @@ class Monitor:
             log: At the rate of the healthy runs.
             watch: Told the status after each sample.
             progress: Told the share that is done, now and then.
+
+        Raises:
+            LogError: If the log is of other joints, or at another rate.
         """
         if log.joints != self.model.robot.joints:
-            raise LogError(f"{log.source}: joints are {', '.join(log.joints)}")
+            expected = ", ".join(self.model.robot.joints)
+            raise LogError(f"{log.source}: joints are {', '.join(log.joints)}; expected {expected}")
         self.reset()
         count = len(log.time)
+        if self.rate and not 1 / SAME_RATE < log.rate / self.rate < SAME_RATE:
+            raise LogError(
+                f"{log.source}: {log.rate:.4g} Hz, but the monitor's thresholds are of {self.rate:.4g} Hz; give a "
+                "log and healthy runs of one rate"
+            )
         for k in range(count):
             v = None if log.velocity is None else log.velocity[k]
             status = self.update(float(log.time[k]), log.position[k], v, log.effort[k])
@@ -166,3 +198,77 @@ def _check_threshold(threshold: Mapping[str, float], model: Dynamics) -> None:
             raise ModelError(f"threshold of {joint} must be above 0, given {value}")
     if missing := [j for j in joints if j not in threshold]:
         raise ModelError(f"threshold: no value for joint(s) {', '.join(missing)}")
+
+
+# ----------------------------------------------------------------- engines, loaded when one is asked for
+
+
+def settings_of(engine: str, **chosen: Any) -> MonitorSettings | ThesisSettings:
+    """Return settings of an engine by its name; raises ModelError if there is no such engine.
+
+    Args:
+        engine: ``momentum`` or ``thesis``.
+        **chosen: What is not to be as usual.
+    """
+    if engine not in ENGINES:
+        raise ModelError(unknown_name("engine", engine, ENGINES))
+    if engine == "momentum":
+        return MonitorSettings(**chosen)
+    from cdia_pin.diagnosis.thesis import ThesisSettings
+
+    return ThesisSettings(**chosen)
+
+
+@dataclass(frozen=True)
+class Knowledge:
+    """What is known of the healthy arm; the attributes are the arguments of `Monitor`."""
+
+    healthy: tuple[Log, ...]
+    threshold: Mapping[str, float] | None
+    rate: float | None
+    position_only: bool
+
+
+def _momentum(
+    model: Dynamics, bank: Bank, settings: MonitorSettings | ThesisSettings | None, known: Knowledge
+) -> tuple[Engine, MonitorSettings | ThesisSettings]:
+    from cdia_pin.diagnosis.momentum import MomentumEngine
+
+    if not isinstance(settings, MonitorSettings | None):
+        raise ModelError(f"the engine momentum takes MonitorSettings, given {type(settings).__name__}")
+    settings = settings or MonitorSettings()
+    return MomentumEngine(model, bank, settings, **vars(known)), settings
+
+
+def _thesis(
+    model: Dynamics, bank: Bank, settings: MonitorSettings | ThesisSettings | None, known: Knowledge
+) -> tuple[Engine, MonitorSettings | ThesisSettings]:
+    from cdia_pin.diagnosis.guard import Guarded
+    from cdia_pin.diagnosis.thesis import ThesisEngine, ThesisSettings
+
+    if not isinstance(settings, ThesisSettings | None):
+        raise ModelError(f"the engine thesis takes ThesisSettings, given {type(settings).__name__}")
+    if known.position_only or any(run.velocity is None for run in known.healthy):
+        raise ModelError("the engine thesis observes velocities: record them, or use the engine momentum")
+    if any(profile.kind != "always" for profile in bank.profiles):
+        raise ModelError("the engine thesis takes no profiles in its bank; use the engine momentum")
+    settings = settings or ThesisSettings()
+    if known.threshold is not None:
+        joints = model.robot.joints
+        settings = replace(settings, unmodelled=tuple(known.threshold[joint] for joint in joints))
+    return Guarded(ThesisEngine(model, bank.prototypes, settings, known.healthy)), settings
+
+
+def _plain(value: Any) -> Any:
+    """Return settings as JSON has them."""
+    if isinstance(value, dict):
+        return {k: _plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    return value if isinstance(value, str | bool | int | float) or value is None else str(value)
+
+
+ENGINES: dict[str, Callable[..., tuple[Engine, MonitorSettings | ThesisSettings]]] = {
+    "momentum": _momentum,
+    "thesis": _thesis,
+}

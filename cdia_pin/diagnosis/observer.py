@@ -29,6 +29,7 @@ class Observer:
         settings: Bandwidth, memory and the like.
         dt: Usual time between ticks [s].
         unknown: Neurons of each joint; a few around zero if omitted.
+        bandwidth: γ of each joint [1/s], shape (n,); that of the settings if omitted.
     """
 
     def __init__(
@@ -38,6 +39,7 @@ class Observer:
         settings: MonitorSettings,
         dt: float,
         unknown: Sequence[Unknown] | None = None,
+        bandwidth: Array | None = None,
     ) -> None:
         from cdia_pin.diagnosis import kernels
 
@@ -57,6 +59,7 @@ class Observer:
         self.columns[kernels.PRESENT] = 1.0
         self.gram = np.zeros((n, P + 1, P + 1))
         self.absent = np.zeros((n, len(self.effects)))
+        self.bandwidth = np.full(n, settings.bandwidth) if bandwidth is None else bandwidth
         unknown = unknown or [Unknown(joint=joint) for joint in nominal.robot.joints]
         self._centres = np.array([[u.position_centres for u in unknown], [u.velocity_centres for u in unknown]])
         self._centres = np.ascontiguousarray(self._centres.transpose(0, 2, 1))
@@ -71,8 +74,8 @@ class Observer:
         self.idle_ticks = max(1.0, settings.gone_after / dt)
         self.joint[kernels.WIDTH] = NARROWEST
         self.joint[kernels.BOUND] = np.inf
-        for term, prototype in zip(nominal.of_joints, own, strict=True):
-            at = self.effects.index(prototype)
+        for term, kind in zip(nominal.of_joints, own, strict=True):
+            at = self.effects.index(kind)
             j = nominal.robot.joint_index(term.effect.scope[0])
             self.columns[kernels.KNOWN, j, self.ends[at] : self.ends[at + 1]] += term.theta
         self._soft = np.maximum(settings.soft_sign, self.joint[kernels.WIDTH])
@@ -119,7 +122,7 @@ class Observer:
             self._compiled.tick(
                 self.joint, self.columns, self.gram, self.absent, self._mass, self._phi, self._interval, self.ends,
                 self._centres, self._widths, self.neurons, self.neuron_gram, self._learning,
-                q, v, tau, M, nle, dt, np.exp(-self.settings.bandwidth * dt), self._forget, self._remember,
+                q, v, tau, M, nle, dt, self.bandwidth, self._forget, self._remember,
                 float(self.settings.debounce), self.idle_ticks,
             )
         )  # fmt: skip
@@ -136,18 +139,28 @@ class Observer:
         return self._correction(tau, self.v, False)
 
     def _correction(self, tau: Array, direction: Array, divide: bool) -> Array:
+        a = self._asked(tau) if divide and self._inertial else np.zeros_like(tau)
         for i in self._compiled.in_python:
             span = np.s_[:, self.ends[i] : self.ends[i + 1]]
-            still, sign = np.zeros_like(self.q), np.tanh(direction / self._soft)
-            for phi, effort in ((self._phi0, still), (self._phi1, tau)):
-                phi[span] = python_columns(self.effects[i], self.q, self.v, still, effort, sign, self.time)
+            sign = np.tanh(direction / self._soft)
+            for phi, effort in ((self._phi0, np.zeros_like(tau)), (self._phi1, tau)):
+                phi[span] = python_columns(self.effects[i], self.q, self.v, a, effort, sign, self.time)
         return np.asarray(
             self._compiled.correct(
                 self.joint, self.columns, self._phi0, self._phi1, self._interval, self._smooth,
-                self._centres, self._widths, self.neurons, self._learning, self.q, self.v, direction, tau,
+                self._centres, self._widths, self.neurons, self._learning, self.q, self.v, direction, a, tau,
                 self._soft, self.settings.gain_floor, divide,
             )
         )  # fmt: skip
+
+    @property
+    def _inertial(self) -> bool:
+        """Whether an effect of acceleration is believed in."""
+        return bool(self.believed[:, self._smooth].any())
+
+    def _asked(self, tau: Array) -> Array:
+        """Return the acceleration that a healthy arm would have under a torque, shape (n,)."""
+        return np.asarray(np.linalg.solve(self._mass, tau - self.joint[self.k.NLE]))
 
     def use_width(self, width: Array) -> None:
         """Set the speed over which sgn is smoothed [rad/s or m/s], shape (n,)."""
@@ -158,7 +171,7 @@ class Observer:
         """Begin the normal equations of a joint anew, once the filter has forgotten how the fault came in."""
         self.gram[j] = 0.0
         self.joint[self.k.WEIGHT, j] = 0.0
-        self.joint[self.k.WATCHED, j] = -np.ceil(FORGOTTEN / (self.settings.bandwidth * self.dt))
+        self.joint[self.k.WATCHED, j] = -np.ceil(FORGOTTEN / (self.bandwidth[j] * self.dt))
 
     def end_decision(self, j: int) -> None:
         """Stop collecting normal equations for a joint."""

@@ -14,7 +14,10 @@ class MonitorSettings:
     """How quickly, how surely and how boldly a monitor acts.
 
     Attributes:
-        bandwidth: γ of the residual's filter [1/s]; higher is faster, and lets more noise through.
+        bandwidth: γ of the residuals' filter [1/s]; higher is faster, and lets more noise through. Joints whose
+            sensors are too noisy for it get a lower one from the healthy runs.
+        slowest: Least γ that noise may force upon a joint [1/s].
+        sensitivity: Threshold over RMS torque that γ is lowered for [1].
         margin: Threshold over the largest residual of the healthy runs [1].
         noise_margin: Least threshold over the RMS residual of the healthy runs [1]; what white noise passes
             once in some hundred hours.
@@ -38,6 +41,8 @@ class MonitorSettings:
     """
 
     bandwidth: float = 30.0
+    slowest: float = 8.0
+    sensitivity: float = 0.05
     margin: float = 1.3
     noise_margin: float = 6.0
     debounce: int = 2

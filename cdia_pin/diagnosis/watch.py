@@ -31,7 +31,8 @@ Array = NDArray[np.float64]
 REMEMBERED = 1.0  # [s], how long a belief counts as measured when the next fault comes
 RETURN_LOOKS = 3  # looks that a remembered fault must explain to be taken up again
 SHORT_LIVED = 3.0  # [s], a belief that fails sooner was none
-MOST_FAILURES = 2  # of beliefs in a row, after which nothing known is believed
+MOST_FAILURES = 3  # of beliefs in a row, after which nothing known is believed
+ENOUGH = 6.0  # correlation times of a healthy residual, that a decision is based on
 GONE_UNKNOWN = 0.6  # [s] without an unknown torque, where it would show, after which it is dropped
 CALM = 0.5  # [s] below the threshold after which an alarm that led to nothing is dropped
 
@@ -95,7 +96,8 @@ class JointWatch:
         self._prior = np.zeros(self.bank.width)
         self._centre = np.zeros(self.bank.width)
         self._recalled, self._away, self._failures = 0, 0, 0
-        self._was_unknown = False
+        self._was_unknown = self._mixed = False
+        self._doubted = np.inf
 
     def reset(self) -> None:
         """Return to healthy, believing nothing."""
@@ -122,21 +124,53 @@ class JointWatch:
         if self.stage in (Stage.ACCOMMODATED, Stage.ISOLATED):
             if self.verdict is Verdict.UNKNOWN or t - self.since < 2 * self.settings.decide_every:
                 return []  # the approximation follows by itself
-            self._failures = self._failures + 1 if t - self.since < SHORT_LIVED else 0
+            if t - self.since < SHORT_LIVED:
+                return self._doubt(t)
+            self._failures = 0
             self._keep_belief()
         else:
             self._prior[:] = 0.0
             self._failures = 0
-        if self._failures >= MOST_FAILURES or self._was_unknown:
+        if self._was_unknown:
             self.observer.restart_decision(self.j)
             return [self._event(t, "detection"), *self._commit_unknown(t)]
         self.observer.restart_decision(self.j)
         if not self.observer.joint[self.observer.k.LEARNING, self.j]:
             self.observer.start_learning(self.j)
         self.stage, self.verdict = Stage.DETECTED, Verdict.NONE
-        self.since, self._recalled = t, 0
+        self.since, self._recalled, self._mixed = t, 0, False
         self._votes.clear()
         return [self._event(t, "detection")]
+
+    def _doubt(self, t: float) -> list[Event]:
+        """Wait a moment whether a young belief is gone rather than wrong."""
+        self.stage, self._doubted = Stage.DETECTED, t
+        return [self._event(t, "detection", "what was isolated does not explain what follows")]
+
+    def _settle_doubt(self, t: float) -> list[Event]:
+        """Take back a belief that has failed soon: what was seen since the detection is decided upon anew."""
+        if t - self._doubted < 1.5 * self.settings.gone_after + 4.0 / self.observer.bandwidth[self.j]:
+            return []
+        self._doubted = np.inf
+        if t - self.last_alarm > 2 * self.settings.decide_every:  # a moment's roughness
+            self.stage = Stage.ACCOMMODATED if self.settings.accommodate else Stage.ISOLATED
+            return []
+        self._failures += 1
+        self.mask, self.theta, self.ci95, self.rivals = 0, np.zeros(self.bank.width), None, ()
+        self._prior[:] = 0.0
+        if self._failures >= MOST_FAILURES:
+            return self._commit_unknown(t)
+        self._believe()
+        self.verdict, self.since, self._mixed = Verdict.NONE, t, True
+        self._votes.clear()
+        return []
+
+    def _look_afresh(self, t: float) -> list[Event]:
+        """Leave out what was seen before a belief failed: something else may have begun then."""
+        self.observer.restart_decision(self.j)
+        self._mixed, self.since = False, t
+        self._votes.clear()
+        return []
 
     def _keep_belief(self) -> None:
         """Hold what is believed for measured, so that the next fault is decided upon beside it."""
@@ -172,8 +206,13 @@ class JointWatch:
         )
 
     def _isolate(self, t: float) -> list[Event]:
+        if self._doubted < np.inf:
+            return self._settle_doubt(t)
         if self._recall():
             return self._commit(t, self.mask, Verdict.UNIQUE, "as it was before")
+        o = self.observer
+        if o.joint[o.k.WEIGHT, self.j] < ENOUGH * self.independent:
+            return []
         decision = self._decide(required=self.mask)
         if decision.mask is None and self.mask:
             decision = self._decide()
@@ -181,8 +220,10 @@ class JointWatch:
         waited = t - self.since
         if not self._agreed():
             return []
-        if decision.mask == self.mask == 0:
+        if decision.mask == 0:
             return self._dismiss(t) if t - self.last_alarm > CALM else []
+        if decision.mask is None and self._mixed:
+            return self._look_afresh(t)
         if decision.mask is None:
             return self._commit_unknown(t) if waited >= self.settings.unknown_after else []
         clear = not any(ambiguous for _, ambiguous in self._votes)
@@ -276,6 +317,9 @@ class JointWatch:
         gone = [i for i in self.isolator.members(self.mask) if o.absent[self.j, i] >= o.idle_ticks]
         if not gone:
             return []
+        known = [i for i in gone if i in self.regions and self.regions[i].region is not None]
+        if known == gone:
+            return self._gate(t, gone)
         mask = sum(1 << i for i in gone)
         theta = np.zeros_like(self.theta)
         columns = self.bank.columns(gone)
@@ -290,10 +334,25 @@ class JointWatch:
         self._believe()
         o.restart_decision(self.j)
         self._votes.clear()
-        self.since = t
+        self.since, self._doubted = t, np.inf
         if not self.mask:
             self._rest()
         return [Event(t, "idle", (self.name,), Verdict.NONE, faults, reason=f"gone; remembered, in case it returns")]
+
+    def _gate(self, t: float, effects: list[int]) -> list[Event]:
+        """Keep effects that come and go with the motion, present from now on only in the region that was learned."""
+        for i in effects:
+            region = self.regions[i].region
+            assert region is not None
+            self.profiles[i] = region
+        self.observer.absent[self.j] = 0.0
+        self.observer.restart_decision(self.j)
+        self._keep_belief()
+        self._votes.clear()
+        self._doubted = np.inf
+        self.stage = Stage.ACCOMMODATED if self.settings.accommodate else Stage.ISOLATED
+        self.since = t
+        return [Event(t, "idle", (self.name,), self.verdict, self.faults, reason="present only in a region of the motion")]
 
     def _rest(self) -> None:
         self.stage = Stage.IDLE if self.memories or self._was_unknown else Stage.HEALTHY

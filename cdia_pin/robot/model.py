@@ -183,12 +183,13 @@ class RobotModel:
     def with_inertial_parameters(self, parameters: ArrayLike) -> Self:
         """Return the arm with other inertial parameters, shape and order as ``inertial_parameters``.
 
-        Masses must be above 0; the rest need not be that of possible bodies, as estimates may not be.
+        Masses must be above 0, or a body nothing at all; the rest need not be that of possible bodies, as estimates
+        may not be.
         """
         given = np.asarray(parameters, float).reshape(self.n, 10)
         model = self._model.copy()
         for i, row in enumerate(given, start=1):
-            model.inertias[i] = pin.Inertia.FromDynamicParameters(row)
+            model.inertias[i] = pin.Inertia.FromDynamicParameters(row) if row.any() else pin.Inertia.Zero()
         return self._variant(model)
 
     def with_gravity(self, g: ArrayLike) -> Self:

@@ -1,24 +1,18 @@
-"""Write a report: one HTML file that opens from disk, without network, years from now."""
+"""The report of a comparison or a discovery."""
 
 from __future__ import annotations
 
-import html
-import json
 from collections.abc import Sequence
-from importlib.resources import files
 from pathlib import Path
-from string import Template
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from cdia_pin.errors import CdiaError
+from cdia_pin.viewers.page import write_page
 from cdia_pin.viewers.report_data import report_data
+from cdia_pin.viewers.verdict import verdict_sentences
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison, Discovery
     from cdia_pin.logs import LogCheck
-
-LARGEST = 3_000_000  # bytes
-POINTS = (2000, 1000, 500, 250, 100)  # samples of a curve, the most that fits
 
 
 def write_report(
@@ -50,43 +44,11 @@ def write_report(
     Raises:
         CdiaError: If the results do not belong together, or the file cannot be written.
     """
-    page = b""
-    for points in POINTS:
-        page = _page(
-            report_data(comparison, improved, discovery, checks, title=title, command=command, points=points)
-        )
-        if len(page) <= LARGEST:
-            break
-    path = Path(path)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(page)
-    except OSError as error:
-        raise CdiaError(f"the report cannot be written to {path}: {error.strerror}") from None
-    return path
-
-
-def _page(data: dict[str, Any]) -> bytes:
-    sentences = data["discovery"]["sentences"] if data["discovery"] else []
-    page = Template(_asset("report.html")).substitute(
-        title=html.escape(data["title"]),
-        summary=html.escape(" ".join(sentences)),
-        licence=_asset("uPlot.LICENSE"),
-        uplot_style=_asset("uPlot.min.css"),
-        uplot=_asset("uPlot.iife.min.js"),
-        data=embeddable(data),
-        script=_asset("report.js"),
+    return write_page(
+        path,
+        lambda points: report_data(
+            comparison, improved, discovery, checks, title=title, command=command, points=points
+        ),
+        "report.js",
+        verdict_sentences(discovery) if discovery else (),
     )
-    return page.encode("utf-8", errors="replace")
-
-
-def embeddable(data: Any) -> str:
-    """Return JSON that no text inside it can end early: ``<``, ``>`` and ``&`` are escaped."""
-    text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    for character in "<>&\u2028\u2029":
-        text = text.replace(character, f"\\u{ord(character):04x}")
-    return text
-
-
-def _asset(name: str) -> str:
-    return (files("cdia_pin.viewers") / "assets" / name).read_text(encoding="utf-8")

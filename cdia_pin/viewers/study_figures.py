@@ -86,7 +86,7 @@ def _of_case(study: ThesisStudy, stem: str, case: Case) -> Iterator[Picture]:
 
 def _grid(study: ThesisStudy, case: Case, draw: Callable[[Axes, int], None], symbol: str, per: str) -> bytes:
     """Draw one panel per joint."""
-    figure = _figure()
+    figure = new_figure()
     panels = figure.subplots(2, 2, sharex=True).flat
     onsets = sorted({case.began, *_onsets(study, case)})
     for j, (axes, joint, unit) in enumerate(zip(panels, study.joints, UNITS, strict=True)):
@@ -116,7 +116,7 @@ def _errors(runs: dict[str, Run], signal: Callable[[Run], Array], axes: Axes, j:
         axes.plot(one.time[::thin], signal(one)[::thin, j], label=kind, **STYLES[kind])  # type: ignore[arg-type]
     healthy = signal(runs["healthy"])
     linear = 3.0 * np.abs(healthy[len(healthy) // 2 :]).max(axis=0)
-    _scale(axes, j, linear, np.array([np.abs(signal(r)).max(axis=0) for r in runs.values()]).max(axis=0))
+    scale(axes, j, linear, np.array([np.abs(signal(r)).max(axis=0) for r in runs.values()]).max(axis=0))
 
 
 def _estimation(run: Run, axes: Axes, j: int) -> None:
@@ -128,10 +128,10 @@ def _estimation(run: Run, axes: Axes, j: int) -> None:
     axes.plot(
         time, run.residual[::thin, j], color="#0072b2", linewidth=0.9, label="estimation error e", zorder=2
     )
-    _scale(axes, j, run.threshold.max(axis=0), np.abs(run.residual).max(axis=0))
+    scale(axes, j, run.threshold.max(axis=0), np.abs(run.residual).max(axis=0))
 
 
-def _scale(axes: Axes, j: int, linear: Array, most: Array) -> None:
+def scale(axes: Axes, j: int, linear: Array, most: Array) -> None:
     """Scale all panels of a figure alike, logarithmically outside a linear middle where one of them needs it.
 
     Args:
@@ -161,9 +161,10 @@ def _onsets(study: ThesisStudy, case: Case) -> list[float]:
     return []
 
 
-def _figure() -> Figure:
+def new_figure(height: float = 5.6) -> Figure:
+    """Return an empty figure so high [inch]; raises CdiaError without matplotlib."""
     try:
         from matplotlib.figure import Figure
     except ImportError:
         raise CdiaError("figures need matplotlib: pip install 'matplotlib>=3.9,<4'") from None
-    return Figure(figsize=(9.6, 5.6), dpi=DPI)
+    return Figure(figsize=(9.6, height), dpi=DPI)

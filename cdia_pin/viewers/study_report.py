@@ -79,7 +79,7 @@ def study_page(study: ThesisStudy, pictures: Sequence[Picture], command: str = "
             "<p class='soft'>RMS of q − q_d from two seconds after the last fault on.</p>",
             tracking_table(study, cases),
             *(f"<p><b>{html.escape(sentence)}</b></p>" for sentence in failures(study.joints, cases)),
-            *_figures(pictures, f"{name}_"),
+            *figure_blocks(pictures, f"{name}_"),
         ]
     body += [
         "<h2>Isolation</h2>",
@@ -89,10 +89,10 @@ def study_page(study: ThesisStudy, pictures: Sequence[Picture], command: str = "
         "contain the true one fit as well, and some that lack a part of it.</p>",
         f"<p><b>{isolation_sentence(study.isolations)}</b></p>",
         isolation_table(study.isolations),
-        *_figures(pictures, "isolation_"),
+        *figure_blocks(pictures, "isolation_"),
     ]
     title = "The thesis' numerical studies"
-    return PAGE.format(title=title, style=_style(), body="\n".join(body))
+    return PAGE.format(title=title, style=page_style(), body="\n".join(body))
 
 
 def failures(joints: Sequence[str], cases: Iterable[Case]) -> list[str]:
@@ -165,7 +165,8 @@ def isolation_table(isolations: Iterable[Isolation]) -> str:
     return f"<div class='card scroll'><table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table></div>"
 
 
-def _figures(pictures: Iterable[Picture], stem: str) -> list[str]:
+def figure_blocks(pictures: Iterable[Picture], stem: str = "") -> list[str]:
+    """Return figures with their titles and captions as HTML, those whose name begins so."""
     return [
         f"<h3 style='margin-top:26px'>{html.escape(p.title)}</h3><figure class='card'>"
         f"<img alt='{html.escape(p.title)}' src='data:image/png;base64,{b64encode(p.png).decode()}'>"
@@ -175,7 +176,7 @@ def _figures(pictures: Iterable[Picture], stem: str) -> list[str]:
     ]
 
 
-def _style() -> str:
-    """The style of the package's reports: the last of their style sheets."""
+def page_style() -> str:
+    """Return the style of the package's reports: the last of their style sheets."""
     shell = (files("cdia_pin.viewers") / "assets" / "report.html").read_text(encoding="utf-8")
     return shell.rpartition("<style>")[2].partition("</style>")[0]

@@ -2,10 +2,12 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 
 import pytest
 
-from cdia_pin.campaigns import thesis_study
+from cdia_pin.campaigns import arm_study, thesis_study
+from cdia_pin.campaigns.closed_loop import LoopSettings
 from cdia_pin.campaigns.thesis_presets import PRESETS, physical
 
 
@@ -54,11 +56,30 @@ def test_the_thesis_study_writes_figures_report_and_numbers(cdia, tmp_path, monk
     assert document["record"]["version"]
 
 
+def test_the_study_of_arms_writes_figures_report_and_numbers(cdia, tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib")
+    monkeypatch.setattr("cdia_pin.viewers.study_figures.DPI", 30)
+    settings = LoopSettings(rate=250.0, healthy_runs=1, healthy_duration=8.0)
+    study = partial(
+        arm_study.arm_study, ["double_pendulum"], settings=settings, duration=7.0, cases=["30 % torque loss"]
+    )
+    monkeypatch.setattr(arm_study, "arm_study", study)
+    numbers = tmp_path / "arms.json"
+    shown = cdia("study", "arms", "--out", tmp_path / "figures", "--json", numbers)
+    assert shown.code == 0, shown.err
+    assert "double_pendulum" in shown.out
+    assert sorted(p.suffix for p in (tmp_path / "figures").iterdir()) == [".html", ".png"]
+    document = json.loads(numbers.read_text(encoding="utf-8"))
+    assert document["schema"] == "cdia-study-arms/1"
+    assert document["record"]["loop"]["rate"] == 250.0
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (["tesis"], "did you mean thesis"),
         (["thesis", "--preset", "litteral"], "did you mean literal"),
+        (["arms", "--preset", "literal"], "takes no --preset"),
         (["scara-model", "--preset", "literal"], "takes neither --preset nor --out"),
         (["scara-model", "--json", "/nowhere/x.json"], "no directory /nowhere"),
         ([], "NAME"),

@@ -12,7 +12,7 @@ import pytest
 from cdia_pin.discovery import compare
 from cdia_pin.errors import CdiaError
 from cdia_pin.viewers import verdict_sentences, write_report
-from cdia_pin.viewers.report import LARGEST, embeddable
+from cdia_pin.viewers.page import LARGEST, embeddable
 from cdia_pin.viewers.report_data import report_data
 
 DATA = re.compile(r'<script type="application/json" id="data">(.*?)</script>', re.DOTALL)

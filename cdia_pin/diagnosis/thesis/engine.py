@@ -91,6 +91,14 @@ class ThesisEngine:
         self._left = np.zeros(n, dtype=bool)  # joints whose fault has gone
         self._idle = IdleMonitor(self._idle_torque, self.settings.idle_time)
 
+    def pause(self) -> None:
+        """Forget the last sample, and what errors its observers had; the next begins anew. What is believed stays."""
+        self._now = None
+        for observers in (self._observer, self._known, None if self._bank is None else self._bank.filters):
+            if observers is not None:
+                observers.error[:] = 0.0
+        self._samples_beyond, self._time_beyond = 0, 0.0
+
     # ------------------------------------------------------------- once per tick
 
     def update(self, t: float, q: ArrayLike, v: ArrayLike | None, tau: ArrayLike) -> Status:
@@ -150,6 +158,13 @@ class ThesisEngine:
     def faults(self) -> tuple[Term, ...]:
         """Effects isolated, as far as they act, with the parameters learned so far."""
         return () if self._known is None else self._terms(self._known, self._isolated)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What η₀ is, one sentence."""
+        learned = "given" if self.settings.unmodelled is not None else "learned from healthy runs"
+        bounds = ", ".join(f"{j} {b:.3g}" for j, b in zip(self.robot.joints, self.unmodelled, strict=True))
+        return (f"unmodelled torque η₀, {learned}: {bounds} N·m or N",)
 
     # ------------------------------------------------------------- stages
 

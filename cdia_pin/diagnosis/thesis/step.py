@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cdia_pin.diagnosis.engine import BadSampleError
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import JointState, State
 from cdia_pin.errors import ModelError
@@ -79,16 +80,16 @@ class Stepper:
             tau: Torque that acted in between [N·m or N], shape (n,).
 
         Raises:
-            ModelError: If the torque is no torque, time does not go on, or too much of it has passed.
+            BadSampleError: If the torque is no torque, time does not go on, or too much of it has passed.
         """
         effort = self._signal("torque", tau)
         duration = now.time - before.time
         if not duration > 0:
-            raise ModelError(
+            raise BadSampleError(
                 f"time must go on: a sample at {now.time:.6g} s after one at {before.time:.6g} s"
             )
         if duration > self.longest:
-            raise ModelError(
+            raise BadSampleError(
                 f"no sample for {duration:.3g} s before {now.time:.6g} s, more than the {self.longest:g} s that "
                 "can be bridged: reset() and begin anew"
             )
@@ -97,10 +98,10 @@ class Stepper:
         try:
             inverse = np.asarray(np.linalg.inv(M), dtype=np.float64)
         except np.linalg.LinAlgError:
-            raise ModelError(f"the inertia of the model is singular at {now.time:.6g} s") from None
+            raise BadSampleError(f"the inertia of the model is singular at {now.time:.6g} s") from None
         missing = M @ a + bias - effort
         if not np.isfinite(missing).all():
-            raise ModelError(
+            raise BadSampleError(
                 f"the sample at {now.time:.6g} s is beyond all numbers: no torque follows from it"
             )
         return Step(now.time, duration, inverse, missing, self.state(now.time, q, v, a, effort))
@@ -121,7 +122,7 @@ class Stepper:
 
     def _time(self, t: float) -> float:
         if not np.isfinite(t):
-            raise ModelError(f"a sample's time must be finite, given {t}")
+            raise BadSampleError(f"a sample's time must be finite, given {t}")
         return float(t)
 
     def _signal(self, what: str, given: ArrayLike) -> Array:
@@ -132,7 +133,7 @@ class Stepper:
             )
         if not np.isfinite(x).all():
             joint = self._joints[0][int(np.argmax(~np.isfinite(x)))]
-            raise ModelError(f"{what} of {joint} must be finite, given {x[~np.isfinite(x)][0]}")
+            raise BadSampleError(f"{what} of {joint} must be finite, given {x[~np.isfinite(x)][0]}")
         return x
 
     @cached_property

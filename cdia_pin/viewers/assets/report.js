@@ -1,59 +1,13 @@
-"use strict";
-// Builds the report from the data in the page. Texts enter as text nodes only, never as markup.
+// The report of a comparison or a discovery, from the data in the page.
 
-const DATA = JSON.parse(document.getElementById("data").textContent);
 const FOUND = DATA.discovery;
 const IMPROVED = DATA.joints.some((j) => j.after);
-const REPORT = document.getElementById("report");
-let charts = []; // [{plot, box, height}] that follow the width of the window
-let chosen = 0; // joint that is shown
-
-// ---------------------------------------------------------------- words and numbers
-
-function h(tag, attributes, ...children) {
-  const node = document.createElement(tag);
-  for (const [key, value] of Object.entries(attributes || {})) {
-    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
-    else if (value !== null && value !== undefined && value !== false) node.setAttribute(key, value);
-  }
-  node.append(...children.flat(9).filter((c) => c !== null && c !== undefined && c !== false));
-  return node;
-}
-
-function num(x, digits = 3) {
-  if (x === null || x === undefined) return "–";
-  if (x === 0) return "0";
-  const power = Math.floor(Math.log10(Math.abs(x)));
-  const text = power < -4 || power > 6 ? x.toExponential(digits - 1) : x.toFixed(Math.max(digits - 1 - power, 0));
-  return text.replaceAll("-", "−");
-}
-
-function percent(share) {
-  if (share === null || share === undefined) return "–";
-  const value = 100 * share;
-  if (value > 0 && value < 0.005) return "<0.01\u00a0%";
-  return value.toFixed(value >= 9.95 ? 0 : value >= 0.995 ? 1 : 2) + "\u00a0%";
-}
-
-const withUnit = (x, unit, digits) => (x === null || x === undefined ? "–" : num(x, digits) + "\u00a0" + unit);
-const plural = (n, word) => n + " " + word + (n === 1 ? "" : "s");
-const mean = (values) => values.reduce((s, v) => s + v, 0) / values.length;
 const share = (j, rms) => rms / Math.max(j.torque_rms, 1e-12);
-const tokens = () => getComputedStyle(document.documentElement);
-const color = (name) => tokens().getPropertyValue("--" + name).trim();
 
 function mostTelling() {
   const worth = DATA.joints.map((j) => share(j, j.before.rms) - (j.after ? share(j, j.after.rms) : 0));
   return worth.indexOf(Math.max(...worth));
 }
-
-function table(heads, rows) {
-  const cells = (tag, row) => row.map((c) => (c instanceof Node && c.tagName === tag.toUpperCase() ? c : h(tag, {}, c)));
-  return h("div", { class: "scroll" }, h("table", {},
-    heads ? h("thead", {}, h("tr", {}, cells("th", heads))) : null,
-    h("tbody", {}, rows.map((row) => h("tr", {}, cells("td", row))))));
-}
-const right = (tag, text, extra = "") => h(tag, { class: "n " + extra }, text);
 
 // ---------------------------------------------------------------- head and verdict
 
@@ -166,40 +120,6 @@ function errors() {
 
 // ---------------------------------------------------------------- the error falling
 
-const font = () => "12px " + getComputedStyle(document.body).fontFamily;
-const axis = (label, more = {}) => ({
-  label, labelSize: label ? 20 : 0, labelFont: font(), font: font(), stroke: color("soft"), labelGap: 2, size: 30,
-  grid: { stroke: color("grid"), width: 1 }, ticks: { stroke: color("line"), width: 1, size: 4 }, gap: 4, ...more,
-});
-const axisNumber = (u, values) => values.map((v) => (v === null ? "" : String(+v.toPrecision(6)).replace("-", "−")));
-
-function chart(box, height, options, data) {
-  const plot = new uPlot({ width: Math.max(box.clientWidth, 200), height, ...options }, data, box);
-  charts.push({ plot, box, height });
-  return plot;
-}
-
-function legend(...items) {
-  return h("div", { class: "legend" }, items.filter(Boolean).map(([name, kind, label]) => h("span", {}, swatch(name, kind), label)));
-}
-
-function swatch(name, kind) {
-  const ns = "http://www.w3.org/2000/svg";
-  const make = (tag, attributes) => {
-    const node = document.createElementNS(ns, tag);
-    for (const [k, v] of Object.entries(attributes)) node.setAttribute(k, v);
-    return node;
-  };
-  const svg = make("svg", { width: 22, height: 12, "aria-hidden": "true" });
-  const paint = "var(--" + name + ")";
-  const dash = { dashed: "5 3", dotted: "2 3" }[kind];
-  if (kind === "dots") for (const x of [4, 11, 18]) svg.append(make("circle", { cx: x, cy: 6 + (x % 3) - 1, r: 2, fill: paint, opacity: 0.6 }));
-  else if (kind === "band") svg.append(make("rect", { width: 22, height: 12, fill: paint }));
-  else svg.append(make("line", { x1: 0, x2: 22, y1: 6, y2: 6, stroke: paint, "stroke-width": kind === "thin" ? 1.5 : 2.5, ...(dash ? { "stroke-dasharray": dash } : {}) }));
-  if (kind === "means") svg.append(make("circle", { cx: 11, cy: 6, r: 3.5, fill: paint }));
-  return svg;
-}
-
 function fallChart(box, height, fitted, heldout, floor, labels) {
   const steps = fitted.map((_, k) => k);
   const top = 108 * Math.max(...fitted, ...heldout, floor);
@@ -290,15 +210,6 @@ function overTime(j) {
 // ---------------------------------------------------------------- one joint: residual against motion
 
 const SYMBOLS = { velocity: "q̇", position: "q", acceleration: "q̈", load: "τ of the model" };
-const alpha = (css, a) => css + Math.round(a * 255).toString(16).padStart(2, "0"); // colours are #rrggbb
-
-function range(values, margin = 0.04) {
-  let [low, high] = [Infinity, -Infinity];
-  for (const v of values) if (v !== null) [low, high] = [Math.min(low, v), Math.max(high, v)];
-  if (!(high >= low)) return [-1, 1];
-  const room = (high - low || Math.abs(high) || 1) * margin;
-  return [low - room, high + room];
-}
 
 function dots(name, opacity) {
   return (u, s) => {
@@ -371,26 +282,14 @@ function againstMotion(j) {
 }
 
 function joints() {
-  const place = h("div", { class: "stack" });
-  let mine = []; // charts of the joint that is shown
-  const buttons = DATA.joints.map((j, k) => h("button", { type: "button", onclick: () => show(k) }, j.name,
-    h("small", {}, h("span", { class: "b" }, percent(share(j, j.before.rms))), j.after ? [" → ", h("span", { class: "a" }, percent(share(j, j.after.rms)))] : null)));
-  function show(k) {
-    chosen = k;
-    buttons.forEach((b, i) => b.setAttribute("aria-pressed", String(i === k)));
-    for (const c of mine) c.plot.destroy();
-    charts = charts.filter((c) => !mine.includes(c));
-    const others = charts.length;
-    const parts = [overTime(DATA.joints[k]), againstMotion(DATA.joints[k])];
-    place.replaceChildren(parts[0].node, h("h3", { style: "margin-top:26px;font-size:16px" }, DATA.joints[k].name + ": residual against its motion and load"), parts[1].node);
-    parts.forEach((p) => p.draw());
-    mine = charts.slice(others);
-  }
+  const label = (j) => [h("span", { class: "b" }, percent(share(j, j.before.rms))), j.after ? [" → ", h("span", { class: "a" }, percent(share(j, j.after.rms)))] : null];
+  const choice = picker(mostTelling(), label, (j) => [overTime(j),
+    h("h3", { style: "margin-top:26px;font-size:16px" }, j.name + ": residual against its motion and load"), againstMotion(j)]);
   return {
     node: h("section", {}, h("h2", {}, "Joint by joint"),
       h("p", { class: "lead" }, "Choose a joint. The residual is the torque f that the model lacks: where its mean bends with the velocity, think of friction; with the position, of gravity or springs; with the acceleration, of inertia; with the load, of gains."),
-      h("div", { class: "picker", role: "group", "aria-label": "joint" }, buttons), place),
-    draw() { show(chosen); },
+      choice.node),
+    draw: choice.draw,
   };
 }
 
@@ -437,21 +336,5 @@ function records() {
 
 // ---------------------------------------------------------------- page
 
-function build() {
-  for (const c of charts) c.plot.destroy();
-  charts = [];
-  const parts = [head(), verdict(), effects(), errors(), falling(), joints(), regions(), records(),
-    h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")].filter(Boolean);
-  REPORT.replaceChildren(...parts.map((p) => (p instanceof Node ? p : p.node)));
-  for (const p of parts) if (p.draw) p.draw();
-}
-
-function fit() {
-  for (const { plot, box, height } of charts) if (box.clientWidth && box.clientWidth !== plot.width) plot.setSize({ width: box.clientWidth, height });
-}
-
-chosen = mostTelling();
-build();
-new ResizeObserver(fit).observe(REPORT);
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", build);
-matchMedia("print").addEventListener("change", fit);
+show(() => [head(), verdict(), effects(), errors(), falling(), joints(), regions(), records(),
+  h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")]);

@@ -1,0 +1,235 @@
+"""What a monitor costs: time per tick beside the rigid body's own, a decision's, and a program's start.
+
+The floor is what no observer can do without: Pinocchio's `crba` and `nonLinearEffects`, called in a plain loop over
+the same samples. Loops over the same second of a recorded run take turns; the figure is the median of their ratios.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+import pinocchio as pin
+
+from benchmarks.online.control import NominalControl
+from benchmarks.online.plant import OnlinePlant
+from benchmarks.online.rigid_body import RigidBody
+from benchmarks.online.scenarios import BEGIN
+from benchmarks.online.trial import SEED, healthy_runs, log_of
+from benchmarks.plant.faults import Fault
+from cdia_pin.diagnosis import DEFAULT_BANK, Monitor, MonitorSettings, Stage
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.logs import Log
+
+ARM, JOINT = "panda", "panda_joint4"
+BANKS = {3: DEFAULT_BANK[:3], 6: DEFAULT_BANK}
+LEVEL = 4.0  # [N·m] of the dry friction that is watched and accommodated
+BLOCK = 1000  # ticks in a loop
+WARM = 8.0  # [s] into the run from which on loops are timed: the fault has been isolated
+LENGTH = 28.0  # [s]
+NEVER = 1_000_000  # votes that a joint under watch waits for, so that it stays under watch
+STARTS = 3
+STAGES = {
+    "healthy": Stage.HEALTHY,
+    "watching": Stage.DETECTED,
+    "accommodating, with correct": Stage.ACCOMMODATED,
+}
+
+
+@dataclass(frozen=True)
+class TickCost:
+    """Time of a tick.
+
+    Attributes:
+        effects: Number of known effects.
+        state: What the monitor is doing.
+        microseconds: Median [µs].
+        floor: The same of the floor [µs].
+        ratio: Median of the ratios of loops that ran one after the other [1].
+    """
+
+    effects: int
+    state: str
+    microseconds: float
+    floor: float
+    ratio: float
+
+
+@dataclass(frozen=True)
+class Cost:
+    """All that was measured.
+
+    Attributes:
+        ticks: Time per tick.
+        decisions: Median time of a decision over all combinations of so many effects [µs].
+        package: Time to import the package [s].
+        diagnosis: Time to import its monitor, after that [s].
+        loads_numba: Whether either of these loads numba.
+        first: From the program's start to the first answer of a monitor, nothing compiled before [s].
+        second: The same, once that is cached [s].
+    """
+
+    ticks: tuple[TickCost, ...]
+    decisions: dict[int, float]
+    package: float
+    diagnosis: float
+    loads_numba: bool
+    first: float
+    second: float
+
+
+def measure() -> Cost:
+    """Measure all; a minute or two."""
+    plant = OnlinePlant(ARM, seed=SEED)
+    learned_from = [log_of(run).slice(0, 20_000) for run in healthy_runs(plant, 1)]
+    control, reference = NominalControl(plant.robot), plant.reference(duration=LENGTH, seed=1)
+    well = log_of(plant.run(control, reference, (), LENGTH))
+    fault = Fault("coulomb_friction", joint=JOINT, level=LEVEL, after=BEGIN)
+    ill = log_of(plant.run(control, reference, [fault], LENGTH))
+    monitors, decisions = {}, {}
+    for effects, bank in BANKS.items():
+        for state, log, settings, correct in zip(
+            STAGES,
+            (well, ill, ill),
+            (MonitorSettings(), MonitorSettings(votes=NEVER), MonitorSettings()),
+            (False, False, True),
+            strict=True,
+        ):
+            monitor = Monitor(Dynamics(plant.robot), healthy=learned_from, bank=bank, settings=settings)
+            monitors[effects, state] = monitor, log, correct
+    ticks = tuple(_ticks(plant, well, monitors))
+    for effects in BANKS:
+        decisions[effects] = _decision(monitors[effects, "watching"][0], plant.joints.index(JOINT))
+    with tempfile.TemporaryDirectory() as cache:
+        first, second = _start(cache), min(_start(cache) for _ in range(STARTS))
+    return Cost(ticks, decisions, *_import(), first, second)
+
+
+def _ticks(
+    plant: OnlinePlant, floor_log: Log, monitors: dict[tuple[int, str], tuple[Monitor, Log, bool]]
+) -> Iterable[TickCost]:
+    body = RigidBody(plant.robot)
+    start, stop = round(WARM / 1e-3), len(floor_log.time)
+    for monitor, log, _ in monitors.values():
+        for k in range(start):
+            _tick(monitor, log, k)
+    took: dict[tuple[int, str], list[float]] = {key: [] for key in monitors}
+    floors = []
+    for at in range(start, stop - BLOCK, BLOCK):
+        block = range(at, at + BLOCK)
+        floors.append(_timed(lambda block=block: _floor(body, floor_log, block)))
+        for key, (monitor, log, correct) in monitors.items():
+            stages: list[Stage] = []
+            run = _corrected if correct else _watched
+            took[key].append(_timed(lambda m=monitor, x=log, r=run, b=block, s=stages: s.append(r(m, x, b))))
+            if stages != [STAGES[key[1]]]:
+                raise RuntimeError(f"'{key[1]}' was to be timed, and the monitor was {stages[0]}")
+    for (effects, state), times in took.items():
+        ratio = median(t / f for t, f in zip(times, floors, strict=True))
+        yield TickCost(effects, state, _micro(median(times)), _micro(median(floors)), ratio)
+
+
+def _floor(body: RigidBody, log: Log, block: range) -> None:
+    model, data, q, v = body.model, body.data, log.position, log.velocity
+    crba, nle = pin.crba, pin.nonLinearEffects
+    for k in block:
+        crba(model, data, q[k])
+        nle(model, data, q[k], v[k])
+
+
+def _watched(monitor: Monitor, log: Log, block: range) -> Stage:
+    t, q, v, tau, update = log.time.tolist(), log.position, log.velocity, log.effort, monitor.update
+    for k in block:
+        status = update(t[k], q[k], v[k], tau[k])
+    return status.stage
+
+
+def _corrected(monitor: Monitor, log: Log, block: range) -> Stage:
+    t, q, v, tau, update = log.time.tolist(), log.position, log.velocity, log.effort, monitor.update
+    correct = monitor.correct
+    for k in block:
+        status = update(t[k], q[k], v[k], tau[k])
+        correct(tau[k], v[k])
+    return status.stage
+
+
+def _sample(log: Log, k: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    assert log.velocity is not None
+    return log.position[k], log.velocity[k], log.effort[k]
+
+
+def _tick(monitor: Monitor, log: Log, k: int) -> None:
+    monitor.update(float(log.time[k]), *_sample(log, k))
+
+
+def _timed(call: Callable[[], None]) -> float:
+    begin = perf_counter()
+    call()
+    return perf_counter() - begin
+
+
+def _micro(block: float) -> float:
+    return 1e6 * block / BLOCK
+
+
+def _decision(monitor: Monitor, j: int) -> float:
+    """Return the median time of a decision of a joint under watch [µs]."""
+    watch, o = monitor.engine.watches[j], monitor.engine.observer  # type: ignore[attr-defined]
+    gram, weight = o.gram[j].copy(), float(o.joint[o.k.WEIGHT, j])
+    times = [
+        _timed(lambda: watch.isolator.decide(j, gram, weight, watch.level, watch.independent))
+        for _ in range(300)
+    ]
+    return 1e6 * median(times)
+
+
+IMPORT = """
+import sys, time
+begin = time.perf_counter()
+import cdia_pin
+then = time.perf_counter()
+from cdia_pin.diagnosis import Monitor
+print(then - begin, time.perf_counter() - then, "numba" in sys.modules)
+"""
+START = f"""
+from cdia_pin import Dynamics, load_robot
+from cdia_pin.diagnosis import Monitor
+import numpy as np
+robot = load_robot("{ARM}")
+monitor = Monitor(Dynamics(robot), threshold=dict.fromkeys(robot.joints, 1.0), rate=1000.0)
+zero = np.zeros(robot.n)
+for k in range(3):
+    monitor.update(1e-3 * k, zero, zero, zero)
+    monitor.correct(zero)
+"""
+
+
+def _import() -> tuple[float, float, bool]:
+    answers = [_python(IMPORT, {}).split() for _ in range(STARTS)]
+    package, diagnosis, loads = zip(*answers, strict=True)
+    return min(map(float, package)), min(map(float, diagnosis)), "True" in loads
+
+
+def _start(cache: str) -> float:
+    """Return how long a program takes that makes a monitor and asks it, its caches in a folder [s]."""
+    folders = {"XDG_CACHE_HOME": cache, "NUMBA_CACHE_DIR": str(Path(cache) / "numba")}
+    return _timed(lambda: _discard(_python(START, folders)))
+
+
+def _discard(_: str) -> None:
+    pass
+
+
+def _python(text: str, more: dict[str, str]) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", text], env={**os.environ, **more}, capture_output=True, text=True, check=True
+    )
+    return done.stdout

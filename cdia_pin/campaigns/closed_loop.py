@@ -1,0 +1,319 @@
+"""A closed loop around an arm with faults: nominal control, a monitor that watches and corrects it, or neither.
+
+The plant's bodies differ from the model's by a few percent, its positions are read in steps, its velocities and
+torques with noise. The monitor learns from healthy runs of the same plant on other motions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.campaigns.model_error import with_model_error
+from cdia_pin.diagnosis import DEFAULT_BANK, Bank, Monitor, MonitorRun, Recorder
+from cdia_pin.dynamics.controllers import ComputedTorque
+from cdia_pin.dynamics.dynamics import Dynamics
+from cdia_pin.dynamics.simulate import Run, run_plant
+from cdia_pin.dynamics.smoothing import Stiffness
+from cdia_pin.dynamics.trajectories import Reference, Trajectory, exciting_trajectory
+from cdia_pin.effects import JointEffect, Term
+from cdia_pin.errors import ModelError
+from cdia_pin.logs.log import Log
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+Tell = Callable[[str, float], None]
+
+ENCODER, SLIDE_ENCODER = 2e-5, 2e-6  # [rad], [m], step of a position as it is read
+VELOCITY, SLIDE_VELOCITY = 1e-3, 1e-4  # [rad/s], [m/s], deviation of a velocity's noise
+
+
+@dataclass(frozen=True)
+class LoopSettings:
+    """What a closed loop is like.
+
+    Attributes:
+        rate: Ticks of control per second; a torque is held from one to the next [Hz].
+        noise: Noise of the measured torques over their RMS; with any, positions and velocities have theirs [1].
+        model_error: Largest relative error of the model's inertias [1].
+        healthy_runs: Runs that a monitor learns from.
+        healthy_duration: Length of each [s].
+        seed: Of motions, noise and model error.
+    """
+
+    rate: float = 1000.0
+    noise: float = 0.01
+    model_error: float = 0.03
+    healthy_runs: int = 2
+    healthy_duration: float = 20.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not (self.rate > 0 and self.noise >= 0 and self.healthy_runs > 0 and self.healthy_duration > 0):
+            raise ModelError(
+                "a closed loop needs rate > 0 Hz, noise ≥ 0, and healthy runs longer than 0 s, given "
+                f"{self.rate}, {self.noise}, {self.healthy_runs} × {self.healthy_duration}"
+            )
+        if self.seed < 0:
+            raise ModelError(f"a seed is 0 or more, given {self.seed}")
+
+
+@dataclass(frozen=True, eq=False)
+class LoopRun:
+    """One run of the loop.
+
+    Attributes:
+        run: What really happened, at every step of the integration.
+        log: What the controller saw, at every tick; with each sample the torque that acted since the one before.
+        error: Position less desired position, as it really was, at every tick [rad or m], shape (K, n).
+        monitored: What the monitor said; None without one.
+    """
+
+    run: Run
+    log: Log
+    error: Array
+    monitored: MonitorRun | None = None
+
+    def tracking(self, since: float = -np.inf) -> Array:
+        """Return the RMS of the tracking error from a time on [rad or m], shape (n,)."""
+        return np.asarray(np.sqrt(np.mean(self.error[self.log.time >= since] ** 2, axis=0)))
+
+
+class MonitoredControl:
+    """Computed torque at the rate of its ticks, watched and corrected by a monitor if there is one.
+
+    Args:
+        nominal: The control of the healthy arm.
+        rate: Ticks per second; between them the torque is held [Hz].
+        read: Makes a reading of position, velocity and torque, each of shape (n,).
+        monitor: Is returned to its start; None for nominal control alone.
+    """
+
+    def __init__(
+        self,
+        nominal: ComputedTorque,
+        rate: float,
+        read: Callable[[Array, Array, Array], tuple[Array, Array, Array]],
+        monitor: Monitor | None = None,
+    ) -> None:
+        self._nominal, self._period, self._read, self._monitor = nominal, 1.0 / rate, read, monitor
+        self._torque = np.zeros(nominal.model.robot.n)
+        self._ticks = 0
+        self.seen: list[tuple[float, Array, Array, Array]] = []
+        self.recorder = Recorder(monitor) if monitor is not None else None
+        if monitor is not None:
+            monitor.reset()
+
+    def __call__(self, t: float, q: Array, v: Array, reference: Reference) -> Array:
+        """Return the torque to command [N·m or N], shape (n,)."""
+        if t < self._ticks * self._period - 1e-9:
+            return self._torque
+        self._ticks += 1
+        q, v, tau = self._read(q, v, self._torque)
+        self.seen.append((t, q, v, tau))
+        self._torque = self._nominal(t, q, v, reference)
+        if self._monitor is not None and self.recorder is not None:
+            status = self._monitor.update(t, q, v, tau)
+            self._torque = self._monitor.correct(self._torque, reference.v)
+            self.recorder(status, q, v, tau, reference.q)
+        return self._torque
+
+
+@dataclass(frozen=True)
+class ClosedLoop:
+    """A plant, the model that its controller has of it, and their sensors.
+
+    Attributes:
+        model: What the controller and the monitor know.
+        settings: Rate, noise, error of the model.
+        robot: The bodies that the plant really has.
+        effort_noise: Deviation of the measured torques' noise [N·m or N], shape (n,).
+    """
+
+    model: Dynamics
+    settings: LoopSettings = field(default_factory=LoopSettings)
+    robot: RobotModel = field(init=False)
+    effort_noise: Array = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        s, robot = self.settings, self.model.robot
+        body = with_model_error(robot, s.model_error, np.random.default_rng([s.seed, 1]))
+        object.__setattr__(self, "robot", body)
+        motion = self.motion(0, s.healthy_duration)(np.linspace(0, s.healthy_duration, 400))
+        torque = robot.inverse_dynamics(motion.q, motion.v, motion.a)
+        object.__setattr__(self, "effort_noise", s.noise * np.sqrt(np.mean(torque**2, axis=0)))
+
+    def motion(self, number: int, duration: float) -> Trajectory:
+        """Return one of the loop's motions; different numbers, different motions."""
+        return exciting_trajectory(
+            self.model.robot, np.random.default_rng([self.settings.seed, 2, number]), duration=duration
+        )
+
+    def monitor(
+        self,
+        *,
+        bank: Bank | Iterable[str | JointEffect] = DEFAULT_BANK,
+        engine: str = "momentum",
+        settings: Any = None,
+        progress: Tell = lambda sentence, share: None,
+    ) -> Monitor:
+        """Return a monitor that has learned from healthy runs, on motions that are used for nothing else.
+
+        Args:
+            bank: Known effects that are asked of every joint.
+            engine: ``momentum`` or ``thesis``.
+            settings: Of the engine.
+            progress: Told what is done, and the share that is done.
+        """
+        s = self.settings
+        runs = []
+        for k in range(s.healthy_runs):
+            progress(f"healthy run {k + 1} of {s.healthy_runs}", k / s.healthy_runs)
+            runs.append(self.run(self.motion(100 + k, s.healthy_duration), noise=100 + k).log)
+        progress("learning from the healthy runs", 1.0)
+        return Monitor(self.model, healthy=runs, bank=bank, engine=engine, settings=settings)
+
+    def run(
+        self,
+        motion: Trajectory,
+        faults: Sequence[Term] = (),
+        monitor: Monitor | None = None,
+        *,
+        noise: int = 0,
+        progress: Callable[[float], None] | None = None,
+    ) -> LoopRun:
+        """Let the plant follow a motion.
+
+        Args:
+            motion: Asked for.
+            faults: What the plant has and the model has not.
+            monitor: Watches, and corrects if its settings say so.
+            noise: Number of the noise; the same number, the same noise.
+            progress: Told the share that is done, now and then.
+
+        Raises:
+            ModelError: If the arm runs away.
+        """
+        s = self.settings
+        plant = Dynamics(self.robot, (*self.model.terms, *faults))  # a fault adds to a term of the same name
+        stiffness = Stiffness.of(plant, motion)
+        inner = int(np.ceil(1.0 / s.rate / stiffness.step(None) - 1e-9))
+        control = MonitoredControl(
+            ComputedTorque(self.model),
+            s.rate,
+            self._readings(np.random.default_rng([s.seed, 3, noise])),
+            monitor,
+        )
+        run = run_plant(plant, motion, control, stiffness, step=1.0 / s.rate / inner, progress=progress)
+        time, q, v, tau = (np.array(column) for column in zip(*control.seen, strict=True))
+        log = Log(
+            plant.robot.joints,
+            time,
+            q,
+            tau,
+            v,
+            source=f"closed loop of {plant.robot.name}, motion seed {s.seed}",
+        )
+        monitored = None
+        if control.recorder is not None:
+            monitored = control.recorder.finish(loop=vars(s))
+        return LoopRun(run, log, run.q[::inner][: len(time)] - motion(time).q, monitored)
+
+    def _readings(
+        self, rng: np.random.Generator
+    ) -> Callable[[Array, Array, Array], tuple[Array, Array, Array]]:
+        """Return what reads positions, velocities and torques."""
+        slides = self.robot.is_prismatic
+        if not self.settings.noise:
+            return lambda q, v, tau: (q.copy(), v.copy(), tau.copy())
+        quantum = np.where(slides, SLIDE_ENCODER, ENCODER)
+        deviation = np.where(slides, SLIDE_VELOCITY, VELOCITY)
+        n = len(slides)
+
+        def read(q: Array, v: Array, tau: Array) -> tuple[Array, Array, Array]:
+            noise = rng.standard_normal((2, n))
+            return (
+                quantum * np.round(q / quantum),
+                v + deviation * noise[0],
+                tau + self.effort_noise * noise[1],
+            )
+
+        return read
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """The same motion three times.
+
+    Attributes:
+        loop: Plant and sensors.
+        since: From when on tracking is compared [s].
+        healthy: Without faults.
+        faulty: With them, uncorrected; None where the arm ran away.
+        monitored: With them and a monitor; the same as `faulty` if it only watches.
+    """
+
+    loop: ClosedLoop
+    since: float
+    healthy: LoopRun
+    faulty: LoopRun | None
+    monitored: LoopRun
+
+    def tracking(self) -> dict[str, Array]:
+        """Return the RMS of the tracking error of each run [rad or m], shape (n,) each; inf where it ran away."""
+        lost = np.full(self.loop.robot.n, np.inf)
+        runs = {"healthy": self.healthy, "faulty": self.faulty}
+        if self.monitored is not self.faulty:
+            runs["accommodated"] = self.monitored
+        return {name: lost if r is None else r.tracking(self.since) for name, r in runs.items()}
+
+
+def compare_loops(
+    loop: ClosedLoop,
+    monitor: Monitor,
+    faults: Sequence[Term],
+    duration: float,
+    *,
+    since: float | None = None,
+    progress: Tell = lambda sentence, share: None,
+) -> Comparison:
+    """Run a motion without faults, with them, and with them under a monitor.
+
+    Args:
+        loop: Plant and sensors.
+        monitor: Of `ClosedLoop.monitor`.
+        faults: What breaks.
+        duration: Length of the motion [s].
+        since: From when on tracking is compared [s]; when the first fault begins if omitted.
+        progress: Told what is done, and the share that is done.
+
+    Raises:
+        ModelError: If the arm runs away, healthy or under the monitor.
+    """
+    motion = loop.motion(0, duration)
+    since = onset(faults) if since is None else since
+
+    def tell(sentence: str, which: int) -> Callable[[float], None]:
+        return lambda share: progress(sentence, (which + share) / 3)
+
+    healthy = loop.run(motion, progress=tell("healthy", 0))
+    faulty: LoopRun | None
+    if not monitor.record["settings"]["accommodate"]:
+        faulty = loop.run(motion, faults, monitor, progress=tell("with faults, watched", 1))
+        return Comparison(loop, since, healthy, faulty, faulty)
+    try:
+        faulty = loop.run(motion, faults, progress=tell("with faults, uncorrected", 1))
+    except ModelError:  # it runs away
+        faulty = None
+    monitored = loop.run(motion, faults, monitor, progress=tell("with faults, under the monitor", 2))
+    return Comparison(loop, since, healthy, faulty, monitored)
+
+
+def onset(faults: Sequence[Term]) -> float:
+    """Return when the first fault begins [s]; 0 where one is always there, or none."""
+    starts = [float(getattr(f.profile, "start", 0.0)) for f in faults]
+    return max(0.0, min(starts, default=0.0))

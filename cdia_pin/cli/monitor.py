@@ -1,0 +1,173 @@
+"""``cdia monitor``: the stages of the scheme over a log, as they would have run live."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cdia_pin.cli.console import progress, stdout
+from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
+from cdia_pin.cli.monitor_options import Bank, Engine, Threshold, thresholds
+from cdia_pin.cli.options import (
+    Check,
+    Convert,
+    Gains,
+    JointMap,
+    Json,
+    Model,
+    OneLog,
+    Report,
+    Robot,
+    Save,
+    Topic,
+)
+from cdia_pin.cli.outputs import require_writable, write_all, write_json
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from cdia_pin.diagnosis import MonitorRun
+    from cdia_pin.logs import Log
+
+LEARNED_SHARE, LEARNED_LEAST, LEARNED_MOST = 0.3, 5.0, 20.0  # [1, s, s], of a log that is taken as healthy
+
+
+def monitor(
+    ctx: typer.Context,
+    log: OneLog,
+    *,
+    robot: Robot,
+    model: Model = None,
+    healthy: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--healthy",
+            metavar="LOG",
+            show_default=False,
+            help="Run of the healthy arm, to learn thresholds from; may be repeated. The first part of LOG if "
+            "left out.",
+        ),
+    ] = None,
+    healthy_until: Annotated[
+        float | None,
+        typer.Option(
+            "--healthy-until",
+            metavar="S",
+            show_default=False,
+            help="Length of the first part of LOG that is healthy \\[s]; 30 %, 5 to 20 s, if left out.",
+        ),
+    ] = None,
+    threshold: Threshold = None,
+    bank: Bank = None,
+    engine: Engine = "momentum",
+    velocity: Annotated[
+        bool,
+        typer.Option(
+            "--velocity/--no-velocity", help="Use recorded velocities, or differentiate positions instead."
+        ),
+    ] = True,
+    save: Save = None,
+    gains: Gains = None,
+    joint_map: JointMap = None,
+    convert: Convert = None,
+    topic: Topic = None,
+    check: Check = True,
+    report: Report = None,
+    json: Json = None,
+) -> None:
+    """Watch a log as a monitor would have live: detect, isolate and accommodate faults, note when they are gone.
+
+    Thresholds are learned from healthy runs at the rate of LOG.
+    """
+    given = [log, *(healthy or [])]
+    require_writable(save, json, report, inputs=[*given, *([model] if model else [])])
+    if healthy_until is not None and (healthy or threshold):
+        raise CommandError("--healthy-until is of LOG itself: leave out --healthy and --threshold")
+    console = stdout(json)
+    known = load_inputs(robot, model)
+    bounds = thresholds(threshold)
+    with progress() as tell:
+        from cdia_pin.diagnosis import DEFAULT_BANK, Monitor, replay
+
+        reading = Reading(gains, joint_map, convert, topic)
+        (watched, *runs), _ = read_logs(given, known.robot, reading, check=check, tell=tell)
+        announced = []
+        if not runs and bounds is None:
+            first, watched = _split(watched, healthy_until)
+            runs = [first]
+            announced.append(
+                f"the first {first.duration:.3g} s are taken as healthy, {watched.time[0]:.6g} s on is monitored"
+            )
+        watched, *runs = _alike([watched, *runs], velocity, announced)
+        tell("learning from the healthy runs", 0.1)
+        watcher = Monitor(
+            known,
+            healthy=runs,
+            threshold=bounds,
+            rate=watched.rate if bounds else None,
+            position_only=watched.velocity is None,
+            bank=bank or DEFAULT_BANK,
+            engine=engine,
+        )
+        found = replay(watcher, watched, progress=lambda share: tell("monitoring", 0.2 + 0.8 * share))
+    show_inputs(console, known, [watched], notes=False)
+    for sentence in (*announced, *watcher.record["notes"]):
+        console.print(sentence, style="dim", markup=False)
+    show_run(console, found)
+
+    def write_report_to(file: str) -> None:
+        from cdia_pin.viewers import write_monitor_report
+
+        write_monitor_report(file, found, command=ctx.obj)
+
+    def save_to(file: str) -> None:
+        from cdia_pin.dynamics import save_model
+
+        save_model(watcher.improved_model(), file, record=found.record)
+
+    write_all(
+        console,
+        (save, save_to),
+        (json, lambda f: write_json(found.to_dict(), f)),
+        (report, write_report_to),
+    )
+
+
+def show_run(console: Console, found: MonitorRun) -> None:
+    """Print what a monitor said, and what it believes at the end."""
+    from cdia_pin.viewers import events_table, joints_table, run_summary
+
+    if found.events:
+        console.print(events_table(found))
+    console.print(joints_table(found))
+    console.print(run_summary(found), markup=False)
+
+
+def _split(log: Log, until: float | None) -> tuple[Log, Log]:
+    """Part a log into what is taken as healthy, and what is monitored."""
+    length = until
+    if length is None:
+        length = min(max(LEARNED_SHARE * log.duration, LEARNED_LEAST), LEARNED_MOST)
+    begin = int((log.time < log.time[0] + length).sum())
+    if not 1 < begin < len(log.time) - 1:
+        raise CommandError(
+            f"{log.source}: {log.duration:.3g} s cannot be parted at {length:.3g} s into a healthy part and one to "
+            "monitor; give runs of the healthy arm with --healthy"
+        )
+    return log.slice(0, begin), log.slice(begin, len(log.time))
+
+
+def _alike(logs: Sequence[Log], velocity: bool, announced: list[str]) -> list[Log]:
+    """Return logs that all have velocities, or none of them."""
+    from dataclasses import replace
+
+    have = [log.velocity is not None for log in logs]
+    if not any(have) or (velocity and all(have)):
+        return list(logs)
+    if velocity:
+        announced.append("not all logs have velocities: they are derived from the positions of all")
+    return [replace(log, velocity=None) for log in logs]

@@ -1,0 +1,62 @@
+"""Options of a monitor, shared by ``monitor`` and ``simulate``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from cdia_pin.cli.failures import CommandError
+
+MONITOR = "Monitor"
+
+Bank = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--bank",
+        metavar="EFFECT",
+        show_default=False,
+        help="Known effect that is asked of every joint, such as 'position_ripple: frequency=7'; may be repeated. "
+        "Six common ones if left out.",
+        rich_help_panel=MONITOR,
+    ),
+]
+Engine = Annotated[
+    str,
+    typer.Option(
+        "--engine",
+        metavar="NAME",
+        help="momentum, or thesis, the scheme as printed.",
+        rich_help_panel=MONITOR,
+    ),
+]
+Threshold = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--threshold",
+        metavar="JOINT=VALUE",
+        show_default=False,
+        help="Largest healthy residual of a joint \\[N·m or N], for every joint, in place of healthy runs.",
+        rich_help_panel=MONITOR,
+    ),
+]
+
+
+def thresholds(texts: list[str] | None) -> dict[str, float] | None:
+    """Return ``JOINT=VALUE`` as numbers; several may stand in one text, with commas.
+
+    Raises:
+        CommandError: If a text is something else.
+    """
+    if not texts:
+        return None
+    out = {}
+    for text in (part.strip() for one in texts for part in one.split(",")):
+        joint, sign, value = (part.strip() for part in text.partition("="))
+        try:
+            out[joint] = float(value)
+        except ValueError:
+            sign = ""
+        if not (joint and sign):
+            raise CommandError(f"--threshold takes JOINT=VALUE, such as elbow_joint=1.5, given '{text}'")
+    return out

@@ -1,0 +1,88 @@
+"""A guard before an engine that refuses bad samples: nominal control and one event, instead of an exception."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.engine import BadSampleError
+from cdia_pin.diagnosis.status import Event, Stage, Status, Verdict
+from cdia_pin.diagnosis.thesis.engine import ThesisEngine
+from cdia_pin.effects import Term
+
+Array = NDArray[np.float64]
+
+GOOD_FOR = 0.2  # [s], how long samples must have been good before the torque is corrected again
+
+
+class Guarded:
+    """The engine of the thesis in a control loop, where nothing may be raised for what a sensor does.
+
+    The engine of the momentum observer does the same by itself, inside its compiled tick.
+
+    Args:
+        engine: Raises `BadSampleError`, and is then as it was before.
+    """
+
+    def __init__(self, engine: ThesisEngine) -> None:
+        self.engine = engine
+        self._n = engine.robot.n
+        self._forget()
+
+    def _forget(self) -> None:
+        nothing = np.zeros(self._n)
+        self._last = Status(-np.inf, (Stage.HEALTHY,) * self._n, nothing, nothing, nothing)
+        self._bad = False
+        self._good_since: float | None = None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What healthy runs taught, one sentence each."""
+        return self.engine.notes
+
+    @property
+    def events(self) -> list[Event]:
+        """All events so far, those of bad samples among them."""
+        return self.engine.events
+
+    @property
+    def faults(self) -> tuple[Term, ...]:
+        """Faults now believed in."""
+        return self.engine.faults
+
+    def reset(self) -> None:
+        """Return to the start, keeping what healthy runs taught."""
+        self.engine.reset()
+        self._forget()
+
+    def update(self, t: float, q: Array, v: Array | None, tau: Array) -> Status:
+        """Take one tick; see `Engine.update`."""
+        try:
+            status = self.engine.update(t, q, v, tau)
+        except BadSampleError as error:
+            return self._refused(t, str(error))
+        if self._bad:
+            self._good_since = t if self._good_since is None else self._good_since
+            self._bad = t - self._good_since < GOOD_FOR
+        if self._bad:
+            status = replace(status, torque_correction=np.zeros(self._n))
+        self._last = status
+        return status
+
+    def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
+        """Return the torque to command in place of a nominal one [N·m or N], shape (n,)."""
+        return tau if self._bad else self.engine.correct(tau, v_desired)
+
+    def _refused(self, t: float, reason: str) -> Status:
+        """Correct nothing until samples have been good for a while; what is believed stays."""
+        new: tuple[Event, ...] = ()
+        if not self._bad:
+            joints = self.engine.robot.joints
+            new = (Event(t, "accommodation", joints, Verdict.NONE, reason=f"{reason}; nominal control"),)
+            self.engine.events += new
+        self._bad, self._good_since = True, None
+        self.engine.pause()
+        self._last = replace(self._last, time=t, torque_correction=np.zeros(self._n), events=new)
+        return self._last

@@ -1,0 +1,69 @@
+"""A page: one HTML file that opens from disk, without network, years from now."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Callable, Sequence
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from typing import Any
+
+from cdia_pin.errors import CdiaError
+
+LARGEST = 3_000_000  # bytes
+POINTS = (2000, 1000, 500, 250, 100)  # samples of a curve, the most that fits
+
+
+def write_page(
+    path: str | Path, data: Callable[[int], dict[str, Any]], script: str, sentences: Sequence[str] = ()
+) -> Path:
+    """Write a page of at most 3 MB; the same data give the same bytes.
+
+    Args:
+        path: Where to write; folders are made, an existing file is replaced.
+        data: Returns what is shown, with its ``title``, for a largest number of samples of a curve.
+        script: Name of the asset that builds the page from the data.
+        sentences: What is said where scripts do not run.
+
+    Raises:
+        CdiaError: If the file cannot be written.
+    """
+    page = b""
+    for points in POINTS:
+        page = _page(data(points), script, sentences)
+        if len(page) <= LARGEST:
+            break
+    path = Path(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(page)
+    except OSError as error:
+        raise CdiaError(f"the report cannot be written to {path}: {error.strerror}") from None
+    return path
+
+
+def embeddable(data: Any) -> str:
+    """Return JSON that no text inside it can end early: ``<``, ``>`` and ``&`` are escaped."""
+    text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    for character in "<>&\u2028\u2029":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return text
+
+
+def _page(data: dict[str, Any], script: str, sentences: Sequence[str]) -> bytes:
+    page = Template(_asset("report.html")).substitute(
+        title=html.escape(data["title"]),
+        summary=html.escape(" ".join(sentences)),
+        licence=_asset("uPlot.LICENSE"),
+        uplot_style=_asset("uPlot.min.css"),
+        uplot=_asset("uPlot.iife.min.js"),
+        data=embeddable(data),
+        script=_asset("page.js") + _asset(script),
+    )
+    return page.encode("utf-8", errors="replace")
+
+
+def _asset(name: str) -> str:
+    return (files("cdia_pin.viewers") / "assets" / name).read_text(encoding="utf-8")

@@ -1,0 +1,118 @@
+"""A monitor's run in the terminal: what it said and when, and what it believes at the end."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.table import Table
+from rich.text import Text
+
+from cdia_pin.diagnosis.record import STAGES
+from cdia_pin.diagnosis.status import Stage
+from cdia_pin.viewers.cells import add_row, clean, new_table
+from cdia_pin.viewers.event_words import EventRow, event_rows, fault_words
+from cdia_pin.viewers.words import joint_units, listed, number, short_names, with_unit
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from cdia_pin.diagnosis import MonitorRun
+    from cdia_pin.robot.model import RobotModel
+
+STYLES = {"detection": "yellow", "isolation": "cyan", "idle": "green"}
+
+
+def events_table(run: MonitorRun) -> Table:
+    """Return what a monitor said, in the order in which it said it.
+
+    Args:
+        run: Of a replay or a closed loop.
+    """
+    table = new_table("time", "joint", "stage", "said", left=(1, 2, 3))
+    for row in event_rows(run.events, run.robot):
+        stage = Text(row.stage, STYLES.get(row.stage.partition(",")[0], ""))
+        table.add_row(clean(f"{row.time:.3f} s"), clean(row.joints), stage, _said(row))
+    return table
+
+
+def joints_table(run: MonitorRun) -> Table:
+    """Return threshold, largest residual, stage at the end and faults believed in of each joint.
+
+    Args:
+        run: Of a replay or a closed loop.
+    """
+    table = new_table("joint", "threshold", "largest residual", "at the end", "believed", left=(0, 3, 4))
+    short = short_names(run.joints)
+    for j, joint in enumerate(run.joints):
+        unit = joint_units(run.robot, joint)["load" if run.in_torque else "velocity"]
+        believed = [fault_words(t, run.robot) for t in run.faults if joint in t.effect.scope]
+        add_row(
+            table,
+            short[joint],
+            with_unit(number(float(np.median(run.threshold[:, j]))), unit),
+            with_unit(number(float(np.abs(run.residual[:, j]).max())), unit),
+            str(STAGES[run.stages[-1, j]]),
+            "\n".join(believed) or "–",
+        )
+    return table
+
+
+def tracking_table(robot: RobotModel, tracking: Mapping[str, NDArray[np.float64]], since: float) -> Table:
+    """Return the RMS of position less desired position of several runs of a motion.
+
+    Args:
+        robot: The arm.
+        tracking: RMS of each joint [rad or m], shape (n,), by the name of the run: healthy, faulty, accommodated.
+        since: From when on they are compared [s].
+    """
+    corrected = "accommodated" in tracking
+    ratio = ("over healthy",) if corrected else ()
+    table = new_table("tracking error RMS", *tracking, *ratio, left=(0,))
+    short = short_names(robot.joints)
+    for j, joint in enumerate(robot.joints):
+        unit = "mm" if robot.is_prismatic[j] else "mrad"
+        cells = [_milli(rms[j], unit) for rms in tracking.values()]
+        if corrected:
+            cells.append(f"{tracking['accommodated'][j] / tracking['healthy'][j]:.2f} ×")
+        add_row(table, short[joint], *cells)
+    table.caption = f"from {since:g} s on, when the first fault begins" if since > 0 else "over the whole run"
+    return table
+
+
+def _milli(value: float, unit: str) -> str:
+    return with_unit(number(1e3 * value), unit) if np.isfinite(value) else "ran away"
+
+
+def run_summary(run: MonitorRun) -> str:
+    """Return what happened, in one sentence.
+
+    Args:
+        run: Of a replay or a closed loop.
+    """
+    seen = dict.fromkeys(j for e in run.events if e.stage == "detection" for j in e.joints)
+    span = f"{run.time[-1] - run.time[0]:.4g} s"
+    if not seen:
+        return f"No joint left its threshold in {span}."
+    first = min(e.time for e in run.events if e.stage == "detection")
+    believed = [fault_words(t, run.robot, joint=True) for t in run.faults]
+    end = f"Believed at the end: {listed(believed)}." if believed else "Nothing is believed at the end."
+    open_ = [j for k, j in enumerate(run.joints) if STAGES[run.stages[-1, k]] is Stage.DETECTED]
+    undecided = f" On {listed(open_)} it has not been decided what it is." if open_ else ""
+    return f"In {span} {listed(seen)} left the threshold, the first at {first:.3f} s. {end}{undecided}"
+
+
+def _said(row: EventRow) -> Text:
+    if row.stage == "detection":
+        return clean(row.reason or "the residual left its threshold")
+    lines = list(row.said)
+    if row.verdict:
+        lines[:1] = [f"{row.verdict}: {lines[0]}" if lines else row.verdict]
+    if row.alternatives:
+        lines.append(f"or else {'; '.join(row.alternatives)}")
+    said = clean("\n".join(lines))
+    if row.reason:
+        said.append_text(clean(("\n" if lines else "") + row.reason, "dim"))
+    return said

@@ -1,0 +1,73 @@
+"""The bank: any effect of one joint may be asked for, once, and its columns stand side by side."""
+
+import numpy as np
+import pytest
+
+from cdia_pin.diagnosis import DEFAULT_BANK, Bank
+from cdia_pin.diagnosis.bank import bare, on_joint
+from cdia_pin.effects import EFFECTS, CoulombFriction, JointEffect, Region
+from cdia_pin.errors import EffectError
+from cdia_pin.robot import load_robot
+
+ROBOT = load_robot("ur5")
+OF_JOINT = [
+    n for n, e in EFFECTS.items() if issubclass(e, JointEffect) and n not in ("unknown", "expression")
+]
+
+
+def test_every_effect_of_one_joint_can_be_asked_for() -> None:
+    bank = Bank.of(ROBOT, OF_JOINT)
+    assert bank.names == tuple(OF_JOINT)
+    assert len(bank) == len(OF_JOINT)
+
+
+def test_columns_stand_side_by_side_with_their_bounds() -> None:
+    bank = Bank.of(ROBOT)
+    assert bank.names == DEFAULT_BANK
+    spans = [bank.span(i) for i in range(len(bank))]
+    assert [s.stop - s.start for s in spans] == [p.size for p in bank.prototypes]
+    assert np.concatenate([np.arange(s.start, s.stop) for s in spans]).tolist() == list(range(bank.width))
+    np.testing.assert_array_equal(bank.columns([0, 4]), [0, *range(spans[4].start, spans[4].stop)])
+    assert bank.columns([]).dtype.kind == "i"
+    lower, upper = bank.bounds
+    assert lower[spans[0]] == 0.0  # dry friction does not push
+    assert lower[spans[3]] == -np.inf  # an offset may have either sign
+    assert (lower < upper).all()
+
+
+def test_an_effect_keeps_its_shape_and_goes_to_any_joint() -> None:
+    bank = Bank.of(ROBOT, ["position_ripple: frequency=5", "sin(3*q)*dq"])
+    assert bank.effect(0, "elbow_joint").label == "position_ripple@elbow_joint"
+    assert bank.effect(0, "elbow_joint").shape_values == {"frequency": 5.0}
+    assert bank.effect(1, "wrist_1_joint").label == "sin(3*q)*dq@wrist_1_joint"
+
+
+def test_the_joint_does_not_matter_to_what_an_effect_is() -> None:
+    bank = Bank.of(ROBOT, ["viscous_friction", CoulombFriction("wrist_3_joint")])
+    assert bank.index(CoulombFriction("elbow_joint")) == 1
+    assert bank.index(EFFECTS["torque_offset"](joint="elbow_joint")) is None
+    assert bare(bank.effect(1, "elbow_joint")) == "coulomb_friction"
+
+
+def test_an_effect_may_be_asked_for_in_a_region_of_every_joint() -> None:
+    bank = Bank.of(ROBOT, ["viscous_friction: speed=0.5.."])
+    (profile,) = bank.profiles
+    assert on_joint(profile, "elbow_joint") == Region("elbow_joint", "speed", lower=0.5)
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ((), "holds 1 to"),
+        (["coulomb_friction", "coulomb_friction"], "twice"),
+        (["payload"], "not an effect of one joint"),
+        (["unknown"], "leave it out"),
+        (["coulomb_friction@elbow_joint"], "without a joint"),
+        (["coulomb_friction: level=3"], "not given one"),
+        (["sticktion"], "sticktion"),
+        ([f"sin({k}*q)" for k in range(1, 14)], "holds 1 to"),
+    ],
+)
+def test_a_bank_that_makes_no_sense_is_refused_in_words(asked, message) -> None:
+    with pytest.raises(EffectError, match=message):
+        Bank.of(ROBOT, asked)

@@ -1,0 +1,165 @@
+"""The page of a monitor's run: everything that was said, small, and silent on the network."""
+
+import json
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cdia_pin import load_robot
+from cdia_pin.diagnosis import Event, MonitorRun, Stage, Verdict
+from cdia_pin.diagnosis.record import STAGES
+from cdia_pin.effects import CoulombFriction, LoadFriction, Term, Unknown
+from cdia_pin.viewers import events_table, joints_table, run_summary, tracking_table, write_monitor_report
+from cdia_pin.viewers.event_words import event_rows
+from cdia_pin.viewers.page import LARGEST
+from cdia_pin.viewers.report_monitor import monitor_data
+from cdia_pin.viewers.stage_colours import STAGE_COLOURS, STAGE_WORDS
+
+DATA = re.compile(r'<script type="application/json" id="data">(.*?)</script>', re.DOTALL)
+FRICTION = Term(CoulombFriction("joint1"), (4.0,), ci95=((3.8, 4.2),))
+LOAD = Term(LoadFriction("joint1"), (0.1,))
+
+
+def a_run(count=500):
+    """A SCARA whose first joint is detected, isolated and then idle."""
+    robot = load_robot("scara")
+    rng = np.random.default_rng(0)
+    time = np.linspace(10.0, 20.0, count)
+    stages = np.zeros((count, 4), np.uint8)
+    for begin, stage in ((13.0, Stage.DETECTED), (14.0, Stage.ACCOMMODATED), (18.0, Stage.IDLE)):
+        stages[time >= begin, 0] = STAGES.index(stage)
+    signal = rng.standard_normal((count, 4))
+    events = (
+        Event(13.0, "detection", ("joint1",), Verdict.NONE),
+        Event(
+            14.0,
+            "isolation",
+            ("joint1",),
+            Verdict.AMBIGUOUS,
+            (FRICTION,),
+            ((LOAD,),),
+            "load it <differently>",
+        ),
+        Event(14.0, "accommodation", ("joint1",), Verdict.AMBIGUOUS, (FRICTION,), ((LOAD,),)),
+        Event(18.0, "idle", ("joint1",), Verdict.NONE, (FRICTION,), reason="gone"),
+        Event(19.0, "accommodation", robot.joints, Verdict.NONE, reason="not a number; nominal control"),
+    )
+    record = {
+        "version": "0",
+        "engine": "momentum",
+        "bank": ["coulomb_friction"],
+        "healthy": [],
+        "notes": ["a note"],
+    }
+    return MonitorRun(
+        robot, time, signal, np.ones((count, 4)), stages, 0.1 * signal, signal, signal, signal, signal + 0.01,
+        events, (FRICTION,), record,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def run():
+    return a_run()
+
+
+@pytest.fixture(scope="module")
+def page(run, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "new" / "watch.html"
+    tracking = {"healthy": np.full(4, 1e-3), "faulty": np.full(4, np.inf), "accommodated": np.full(4, 2e-3)}
+    write_monitor_report(path, run, tracking=tracking, since=13.0, command="cdia monitor <a>")
+    return path.read_text(encoding="utf-8")
+
+
+def test_what_is_in_the_page_is_what_was_collected(page):
+    (text,) = DATA.findall(page)
+    found = json.loads(text)
+    assert found["command"] == "cdia monitor <a>"
+    assert [j["name"] for j in found["joints"]] == ["joint1", "joint2", "joint3", "joint4"]
+    assert [i[2] for i in found["joints"][0]["stages"]] == ["healthy", "detected", "accommodated", "idle"]
+    assert found["joints"][0]["stages"][1][:2] == pytest.approx([13.0, 14.0], abs=0.03)
+    assert found["tracking"]["runs"]["faulty"] == [None] * 4
+    assert found["joints"][3]["units"]["residual"] == "N"
+    assert found["joints"][0]["believed"] == ["coulomb friction: level 4.00 ± 0.20\u00a0N·m"]
+
+
+def test_nothing_is_requested_and_no_name_is_markup(page):
+    assert "<differently>" not in page
+    assert set(re.findall(r"""\b(?:src|href|action|data|poster|srcset)\s*=\s*["']([^"']*)""", page)) == {
+        "data:,"
+    }
+    assert "default-src 'none'" in page
+
+
+def test_intervals_of_a_joint_cover_the_run(run):
+    for joint in monitor_data(run)["joints"]:
+        ends = [i[1] for i in joint["stages"]]
+        assert joint["stages"][0][0] == 10.0
+        assert ends[-1] == 20.0
+        assert [i[0] for i in joint["stages"][1:]] == ends[:-1]
+
+
+def test_an_hour_still_fits(tmp_path):
+    path = write_monitor_report(tmp_path / "long.html", a_run(360_000))
+    assert path.stat().st_size <= LARGEST
+
+
+def test_the_velocity_error_of_the_thesis_has_its_own_unit(run):
+    other = replace(run, record={**run.record, "engine": "thesis"})
+    assert monitor_data(other)["joints"][0]["units"]["residual"] == "rad/s"
+
+
+def test_isolation_and_the_accommodation_at_once_are_one_line(run):
+    rows = event_rows(run.events, run.robot)
+    assert [r.stage for r in rows] == ["detection", "isolation, accommodation", "idle", "accommodation"]
+    assert rows[1].alternatives == ("load friction",)
+    assert rows[1].verdict == "one of several"
+    assert rows[3].joints == "all"
+
+
+def test_what_is_unknown_is_not_told_by_its_weights(run):
+    unknown = Term(Unknown(joint="joint2"), tuple(np.zeros(Unknown(joint="joint2").size)))
+    event = Event(1.0, "isolation", ("joint2",), Verdict.UNKNOWN, (unknown,))
+    (row,) = event_rows([event], run.robot)
+    assert row.said == ("a torque without a name, as its neurons have learned it",)
+
+
+def test_the_terminal_says_the_same(run):
+    from rich.console import Console
+
+    console = Console(width=100, record=True, quiet=False, file=open("/dev/null", "w"))  # noqa: SIM115, PTH123
+    console.print(events_table(run))
+    console.print(joints_table(run))
+    console.print(tracking_table(run.robot, {"healthy": np.ones(4), "accommodated": 2 * np.ones(4)}, 3.0))
+    text = " ".join(console.export_text().split())
+    assert "one of several: coulomb friction: level 4.00 ± 0.20 N·m" in text
+    assert "or else load friction" in text
+    assert "<differently>" in text
+    assert "2.00 ×" in text
+    assert "1000 mrad" in text
+
+
+def test_the_summary_is_a_sentence(run):
+    said = run_summary(run)
+    assert said.startswith("In 10 s joint1 left the threshold, the first at 13.000 s.")
+    assert "coulomb friction on joint1" in said
+    assert run_summary(replace(run, events=(), faults=())) == "No joint left its threshold in 10 s."
+
+
+def test_every_stage_has_a_colour_of_its_own():
+    assert set(STAGE_COLOURS) == set(STAGE_WORDS) == set(Stage)
+    assert len(set(STAGE_COLOURS.values())) == len(Stage)
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium to open the page in")
+def test_a_browser_draws_it(page, tmp_path):
+    (tmp_path / "watch.html").write_text(page, encoding="utf-8")
+    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=3000",
+               "--dump-dom", f"file://{tmp_path}/watch.html"]  # fmt: skip
+    out = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False).stdout
+    assert out.count('class="strip"') == 4
+    assert out.count('class="uplot') >= 3
+    assert "ran away" in out
