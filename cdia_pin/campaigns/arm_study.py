@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.campaigns.closed_loop import ClosedLoop, Comparison, LoopSettings, compare_loops, onset
+from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
+from cdia_pin.campaigns.loop_comparison import Comparison, compare_loops, onset
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import ActuatorGain, CoulombFriction, Term, ViscousFriction, after
 from cdia_pin.robot import load_robot

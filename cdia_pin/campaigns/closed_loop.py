@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.campaigns.model_error import with_model_error
-from cdia_pin.diagnosis import DEFAULT_BANK, Bank, Monitor, MonitorRun, Recorder
+from cdia_pin.campaigns.monitored_control import MonitoredControl
+from cdia_pin.diagnosis import DEFAULT_BANK, Bank, Monitor, MonitorRun
 from cdia_pin.dynamics.controllers import ComputedTorque
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.dynamics.simulate import Run, run_plant
 from cdia_pin.dynamics.smoothing import Stiffness
-from cdia_pin.dynamics.trajectories import Reference, Trajectory, exciting_trajectory
+from cdia_pin.dynamics.trajectories import Trajectory, exciting_trajectory
 from cdia_pin.effects import JointEffect, Term
 from cdia_pin.errors import ModelError
 from cdia_pin.logs.log import Log
@@ -81,46 +82,6 @@ class LoopRun:
     def tracking(self, since: float = -np.inf) -> Array:
         """Return the RMS of the tracking error from a time on [rad or m], shape (n,)."""
         return np.asarray(np.sqrt(np.mean(self.error[self.log.time >= since] ** 2, axis=0)))
-
-
-class MonitoredControl:
-    """Computed torque at the rate of its ticks, watched and corrected by a monitor if there is one.
-
-    Args:
-        nominal: The control of the healthy arm.
-        rate: Ticks per second; between them the torque is held [Hz].
-        read: Makes a reading of position, velocity and torque, each of shape (n,).
-        monitor: Is returned to its start; None for nominal control alone.
-    """
-
-    def __init__(
-        self,
-        nominal: ComputedTorque,
-        rate: float,
-        read: Callable[[Array, Array, Array], tuple[Array, Array, Array]],
-        monitor: Monitor | None = None,
-    ) -> None:
-        self._nominal, self._period, self._read, self._monitor = nominal, 1.0 / rate, read, monitor
-        self._torque = np.zeros(nominal.model.robot.n)
-        self._ticks = 0
-        self.seen: list[tuple[float, Array, Array, Array]] = []
-        self.recorder = Recorder(monitor) if monitor is not None else None
-        if monitor is not None:
-            monitor.reset()
-
-    def __call__(self, t: float, q: Array, v: Array, reference: Reference) -> Array:
-        """Return the torque to command [N·m or N], shape (n,)."""
-        if t < self._ticks * self._period - 1e-9:
-            return self._torque
-        self._ticks += 1
-        q, v, tau = self._read(q, v, self._torque)
-        self.seen.append((t, q, v, tau))
-        self._torque = self._nominal(t, q, v, reference)
-        if self._monitor is not None and self.recorder is not None:
-            status = self._monitor.update(t, q, v, tau)
-            self._torque = self._monitor.correct(self._torque, reference.v)
-            self.recorder(status, q, v, tau, reference.q)
-        return self._torque
 
 
 @dataclass(frozen=True)
@@ -243,77 +204,3 @@ class ClosedLoop:
             )
 
         return read
-
-
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """The same motion three times.
-
-    Attributes:
-        loop: Plant and sensors.
-        since: From when on tracking is compared [s].
-        healthy: Without faults.
-        faulty: With them, uncorrected; None where the arm ran away.
-        monitored: With them and a monitor; the same as `faulty` if it only watches.
-    """
-
-    loop: ClosedLoop
-    since: float
-    healthy: LoopRun
-    faulty: LoopRun | None
-    monitored: LoopRun
-
-    def tracking(self) -> dict[str, Array]:
-        """Return the RMS of the tracking error of each run [rad or m], shape (n,) each; inf where it ran away."""
-        lost = np.full(self.loop.robot.n, np.inf)
-        runs = {"healthy": self.healthy, "faulty": self.faulty}
-        if self.monitored is not self.faulty:
-            runs["accommodated"] = self.monitored
-        return {name: lost if r is None else r.tracking(self.since) for name, r in runs.items()}
-
-
-def compare_loops(
-    loop: ClosedLoop,
-    monitor: Monitor,
-    faults: Sequence[Term],
-    duration: float,
-    *,
-    since: float | None = None,
-    progress: Tell = lambda sentence, share: None,
-) -> Comparison:
-    """Run a motion without faults, with them, and with them under a monitor.
-
-    Args:
-        loop: Plant and sensors.
-        monitor: Of `ClosedLoop.monitor`.
-        faults: What breaks.
-        duration: Length of the motion [s].
-        since: From when on tracking is compared [s]; when the first fault begins if omitted.
-        progress: Told what is done, and the share that is done.
-
-    Raises:
-        ModelError: If the arm runs away, healthy or under the monitor.
-    """
-    motion = loop.motion(0, duration)
-    since = onset(faults) if since is None else since
-
-    def tell(sentence: str, which: int) -> Callable[[float], None]:
-        return lambda share: progress(sentence, (which + share) / 3)
-
-    healthy = loop.run(motion, progress=tell("healthy", 0))
-    faulty: LoopRun | None
-    if not monitor.record["settings"]["accommodate"]:
-        faulty = loop.run(motion, faults, monitor, progress=tell("with faults, watched", 1))
-        return Comparison(loop, since, healthy, faulty, faulty)
-    try:
-        faulty = loop.run(motion, faults, progress=tell("with faults, uncorrected", 1))
-    except ModelError:  # it runs away
-        faulty = None
-    monitored = loop.run(motion, faults, monitor, progress=tell("with faults, under the monitor", 2))
-    return Comparison(loop, since, healthy, faulty, monitored)
-
-
-def onset(faults: Sequence[Term]) -> float:
-    """Return when the first fault begins [s]; 0 where one is always there, or none."""
-    starts = [float(getattr(f.profile, "start", 0.0)) for f in faults]
-    return max(0.0, min(starts, default=0.0))

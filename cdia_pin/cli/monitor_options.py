@@ -26,7 +26,7 @@ Engine = Annotated[
     typer.Option(
         "--engine",
         metavar="NAME",
-        help="momentum, or thesis, the scheme as printed.",
+        help="momentum, or thesis, its scheme with the equations corrected.",
         rich_help_panel=MONITOR,
     ),
 ]

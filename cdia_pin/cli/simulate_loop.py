@@ -53,9 +53,10 @@ def simulate_loop(console: Console, plant: Dynamics, asked: LoopRequest) -> None
         plant: The arm; its terms are the faults, which control and monitor do not know.
         asked: What was asked for.
     """
-    from cdia_pin.campaigns.closed_loop import ClosedLoop, compare_loops
+    from cdia_pin.campaigns.closed_loop import ClosedLoop
+    from cdia_pin.campaigns.loop_comparison import compare_loops
     from cdia_pin.diagnosis import DEFAULT_BANK, Bank
-    from cdia_pin.diagnosis.monitor import settings_of
+    from cdia_pin.diagnosis.engines import settings_of
     from cdia_pin.dynamics import Dynamics
     from cdia_pin.logs import write_log
     from cdia_pin.viewers import tracking_table, write_monitor_report

@@ -177,7 +177,7 @@ def _arms(console: Console, asked: Request) -> None:
         box=SIMPLE_HEAD, pad_edge=False, title="RMS of q − q_d over all joints \\[mrad]", title_justify="left"
     )
     for k, heading in enumerate(HEADINGS):
-        table.add_column(heading, justify="right" if 2 <= k < 6 else "left")
+        table.add_column(heading, justify="right" if 2 <= k < 6 else "left", no_wrap=2 <= k < 6)
     for row in arm_rows(found):
         table.add_row(*row)
     console.print(table)

@@ -13,11 +13,12 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import inspect
+import linecache
 import os
 import sys
 import tempfile
 from collections import namedtuple
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -26,7 +27,9 @@ from typing import Any
 import numpy as np
 
 import cdia_pin
-from cdia_pin.effects import JointEffect, JointState
+from cdia_pin.effects import JointEffect, JointState, Unknown
+
+BAD = 4  # a tick's answer to a signal that is not finite; nothing was done
 
 HEADER = '''"""Generated: the columns of {names}, and a tick with them."""
 
@@ -35,11 +38,17 @@ from collections import namedtuple
 import numpy as np
 from numba import njit
 
-from cdia_pin.diagnosis.kernels import BAD, VELOCITY, WIDTH, Neurons, Signals
-from cdia_pin.diagnosis.kernels import activate, advance, correction, learn
+from cdia_pin.diagnosis.kernels import (
+    ADDITION, BANDWIDTH, CORRECTS, DEBOUNCE, FLOOR, FORGET, IDLE, LEARNS, POSITION, REMEMBER, SOFT, TIME,
+    VELOCITY, WIDTH, Neurons, Signals, activate, advance, correction, learn,
+)
+from cdia_pin.diagnosis.compiled import BAD
 from cdia_pin.effects.unknown import Unknown
 
 activations = njit(Unknown.columns)
+INTERVAL = np.array({interval})
+SMOOTH = np.array({smooth})
+ENDS = np.array({ends})
 '''
 TAIL = '''
 
@@ -49,42 +58,75 @@ def basis(x, out):
 {fills}
 
 @njit(cache=True)
-def tick(
-    joint, columns, gram, absent, mass, phi, interval, ends,
-    centres, widths, neurons, neuron_gram, learning,
-    q, v, tau, M, nle, dt, bandwidth, forget, remember, debounce, idle,
-):
+def tick(state, q, v, tau, M, nle, t):
+    """Advance all joints by one tick; returns what needs attention."""
     if not (np.isfinite(q).all() and np.isfinite(v).all() and np.isfinite(tau).all()):
         return BAD
-    E = np.exp(-bandwidth * dt)
+{views}
+    dt = t - scalars[TIME]
+    scalars[TIME] = t
+    E = np.exp(-joint[BANDWIDTH] * dt)
     a = (v - joint[VELOCITY]) / dt
-    x = Signals(q, v, a, tau, np.tanh(v / joint[WIDTH]), q)
-    basis(x, phi)
-    if learning:
+    time = np.full_like(q, t)
+    x = Signals(q, v, a, tau, np.tanh(v / joint[WIDTH]), time)
+    basis(x, phi[0])
+    if scalars[LEARNS] > 0.0:
         activate(joint, neurons, activations(Neurons(centres[0], centres[1], widths[0], widths[1]), x), E)
     asks = advance(
-        joint, columns, gram, absent, mass, phi, interval, ends, q, v, tau, M, nle, a, E, forget, debounce, idle
+        joint, columns, gram, absent, mass, phi[0], INTERVAL, ENDS, q, v, tau, M, nle, a, E,
+        scalars[FORGET], scalars[DEBOUNCE], scalars[IDLE],
     )
-    if learning:
-        learn(joint, neurons, neuron_gram, remember)
+    if scalars[LEARNS] > 0.0:
+        learn(joint, neurons, neuron_gram, scalars[REMEMBER])
+    if scalars[CORRECTS] > 0.0:
+        still = np.zeros_like(q)
+        joint[ADDITION] = corrected(state, v, still, tau, False)
     return asks
 
 
 @njit(cache=True)
-def correct(
-    joint, columns, phi0, phi1, interval, smooth, centres, widths, neurons, learning,
-    q, v, direction, a, tau, width, floor, divide,
-):
-    still = np.zeros_like(q)
-    sign = np.tanh(direction / width)
-    x = Signals(q, v, a, still, sign, q)
-    basis(x, phi0)
-    basis(Signals(q, v, a, tau, sign, q), phi1)
+def corrected(state, direction, a, tau, divide):
+    """Return the torque in place of a nominal one, or what to add to it, shape (n,)."""
+{views}
+    still = np.zeros_like(tau)
+    time = np.full_like(tau, scalars[TIME])
+    sign = np.tanh(direction / joint[SOFT])
+    x = Signals(joint[POSITION], joint[VELOCITY], a, still, sign, time)
+    basis(x, phi[1])
+    basis(Signals(joint[POSITION], joint[VELOCITY], a, tau, sign, time), phi[2])
     active = [still]
-    if learning:
+    if scalars[LEARNS] > 0.0:
         active = activations(Neurons(centres[0], centres[1], widths[0], widths[1]), x)
-    return correction(joint, columns, neurons, active, phi0, phi1, interval, smooth, tau, floor, divide)
+    return correction(
+        joint, columns, neurons, active, phi[1], phi[2], INTERVAL, SMOOTH, tau, scalars[FLOOR], divide
+    )
 '''
+
+
+def layout(n: int, effects: Sequence[JointEffect], neurons: int) -> dict[str, tuple[int, ...]]:
+    """Return the shape of each part of the state of n joints, in its order.
+
+    Args:
+        n: Number of joints.
+        effects: Effects whose columns are filtered.
+        neurons: Radial basis functions per joint, in position and in velocity each.
+    """
+    from cdia_pin.diagnosis import kernels as k
+
+    P, hidden = sum(e.size for e in effects), 2 * neurons + 1
+    return {
+        "scalars": (k.SCALARS,),
+        "joint": (k.JOINT_ROWS, n),
+        "columns": (k.COLUMN_ROWS, n, P),
+        "gram": (n, P + 1, P + 1),
+        "absent": (n, len(effects)),
+        "mass": (n, n),
+        "phi": (3, n, P),  # of the tick, and for corrections without and with torque
+        "centres": (2, neurons, n),
+        "widths": (2, n),
+        "neurons": (k.NEURON_ROWS, n, hidden),
+        "neuron_gram": (n, hidden + 1, hidden + 1),
+    }
 
 
 @dataclass(frozen=True)
@@ -93,20 +135,25 @@ class Compiled:
 
     Attributes:
         tick: One tick, see `kernels.advance`.
-        correct: The correction of a torque, see `kernels.correction`.
+        corrected: The correction of a torque, see `kernels.correction`.
         in_python: Effects whose columns numba cannot compile, by index; they are filled before each call.
     """
 
     tick: Any
-    correct: Any
+    corrected: Any
     in_python: tuple[int, ...]
 
 
-def compile_bank(effects: Sequence[JointEffect]) -> Compiled:
-    """Compile the columns of effects, side by side in the order given."""
+def compile_bank(effects: Sequence[JointEffect], parts: Mapping[str, tuple[int, ...]]) -> Compiled:
+    """Compile the columns of effects, side by side in the order given.
+
+    Args:
+        effects: The effects.
+        parts: Parts of the state, see `layout`.
+    """
     in_python = tuple(i for i, e in enumerate(effects) if not _compiles(e))
-    module = _load(_source(effects, in_python))
-    return Compiled(module.tick, module.correct, in_python)
+    module = _load(_source(effects, in_python, parts), effects)
+    return Compiled(module.tick, module.corrected, in_python)
 
 
 def python_columns(effect: JointEffect, q: Any, v: Any, a: Any, effort: Any, sign: Any, time: float) -> Any:
@@ -142,13 +189,12 @@ def _tried(effect: JointEffect) -> bool:
 
     if not effect.shape_values and vars(effect).keys() - {"joint"}:
         return False  # reads attributes that are not numbers of its shape
-    namespace: dict[str, Any] = {}
-    exec(_shape_class(0, effect), {"namedtuple": namedtuple}, namespace)
-    shape = namespace["Shape0"](*_shape(effect).values())
+    shape = namedtuple("Shape0", list(_shape(effect)))
+    values = shape(*_shape(effect).values())
     ones = np.ones(2)
     try:
-        numba.njit(type(effect).columns)(shape, Signals(ones, ones, ones, ones, ones, ones))
-    except (numba.core.errors.NumbaError, TypeError, AttributeError):
+        numba.njit(type(effect).columns)(values, Signals(ones, ones, ones, ones, ones, ones))
+    except Exception:  # numba fails in many ways at what it does not know
         return False
     return True
 
@@ -161,7 +207,9 @@ def _shape_class(i: int, effect: JointEffect) -> str:
     return f'Shape{i} = namedtuple("Shape{i}", "{" ".join(_shape(effect))}")'
 
 
-def _source(effects: Sequence[JointEffect], in_python: Sequence[int]) -> str:
+def _source(
+    effects: Sequence[JointEffect], in_python: Sequence[int], parts: Mapping[str, tuple[int, ...]]
+) -> str:
     """Return the module's text, which depends on nothing but the effects and this package's own text."""
     lines, fills, at = [], [], 0
     for i, effect in enumerate(effects):
@@ -176,13 +224,28 @@ def _source(effects: Sequence[JointEffect], in_python: Sequence[int]) -> str:
             fills += [f"    c = columns{i}(Shape{i}({values}), x)"]
             fills += [f"    out[:, {at + k}] = c[{k}]" for k in range(effect.size)]
         at += effect.size
-    names = ", ".join(e.name for e in effects) or "nothing"
-    return HEADER.format(names=names) + "\n".join(lines) + TAIL.format(fills="\n".join(fills) or "    pass")
+    sizes = [e.size for e in effects]
+    head = HEADER.format(
+        names=", ".join(e.name for e in effects) or "nothing",
+        interval=np.repeat([bool(e.of_torque or e.of_acceleration) for e in effects], sizes).tolist(),
+        smooth=np.repeat([bool(e.of_acceleration) for e in effects], sizes).tolist(),
+        ends=np.cumsum([0, *sizes]).tolist(),
+    )
+    tail = TAIL.format(fills="\n".join(fills) or "    pass", views="\n".join(_views(parts)))
+    return head + "\n".join(lines) + tail
 
 
-def _load(source: str) -> ModuleType:
+def _views(parts: Mapping[str, tuple[int, ...]]) -> Iterator[str]:
+    at = 0
+    for name, shape in parts.items():
+        size = int(np.prod(shape))
+        yield f"    {name} = state[{at}:{at + size}].reshape({shape})"
+        at += size
+
+
+def _load(source: str, effects: Sequence[JointEffect]) -> ModuleType:
     """Import the generated module from the cache folder, writing it there first."""
-    name = f"tick_{_fingerprint(source)}"
+    name = f"tick_{_fingerprint(source, effects)}"
     if name in sys.modules:
         return sys.modules[name]
     for folder in _folders():
@@ -211,13 +274,16 @@ def _folders() -> Iterator[Path]:
     yield Path(tempfile.mkdtemp(prefix="cdia-pin-"))
 
 
-def _fingerprint(source: str) -> str:
+def _fingerprint(source: str, effects: Sequence[JointEffect]) -> str:
     """Return a hash that changes with all the text that is compiled, of which numba sees only a part."""
     from cdia_pin.diagnosis import kernels
 
     digest = hashlib.sha256(f"{cdia_pin.__version__}\n{source}".encode())
-    modules = {line.split()[1] for line in source.splitlines() if line.startswith("from cdia_pin.effects")}
-    digest.update(inspect.getsource(kernels).encode())
-    for module in sorted(modules):
-        digest.update(inspect.getsource(sys.modules[module]).encode())
+    linecache.checkcache()
+    modules = {type(e).__module__ for e in effects} | {Unknown.__module__, kernels.__name__}
+    for name in sorted(modules):
+        try:
+            digest.update(inspect.getsource(sys.modules[name]).encode())
+        except (OSError, TypeError, KeyError):
+            digest.update(os.urandom(16))  # typed at a prompt: whether it is new nobody can tell
     return digest.hexdigest()[:16]

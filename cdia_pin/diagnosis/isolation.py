@@ -95,7 +95,7 @@ class Isolator:
             centre: What is believed of them, shape (P,).
             barred: Effects that are not asked for, one bit each.
         """
-        P, s = self.bank.width, self.settings
+        P, s, weight = self.bank.width, self.settings, max(weight, 1.0)
         zero = np.zeros(P)
         own = np.empty((P + 1, P + 1))
         own[:P, :P], own[:P, P], own[P, P] = gram[:P, :P], gram[:P, -1], gram[-1, -1]

@@ -9,7 +9,7 @@ Discretised exactly for a torque held over the tick, E = exp(−γΔ), with a γ
 with φ̄ the mean of both ends, or for effects of torque and acceleration the value over the interval.
 Then r_j = c_jᵀ y_j + filtered η_j: joints do not mix.
 
-All state is in a few arrays that the caller owns. Only this file and what is generated beside it need numba;
+All state is in one array that the caller owns, see `compiled`. Only this file and what is generated beside it need numba;
 it is imported when a monitor is first made.
 """
 
@@ -33,8 +33,11 @@ WATCHED, WEIGHT = 9, 10  # is the joint being decided upon, or how many ticks un
 OUTSIDE = 11  # torque of model terms that are not of one joint, over the interval
 LEARNING, LEARNED = 12, 13  # does the joint learn an unknown fault? what it has learned, filtered
 AMPLITUDE = 14  # largest explained torque of late
+MUTED = 16  # does nobody want to hear of an alarm?
+POSITION, BANDWIDTH, ADDITION = 17, 18, 19  # q of the last tick, γ, what to add to a nominal torque
+SOFT = 20  # speed over which sgn is smoothed where friction is compensated
 MOVING = 15  # share of the filter's memory in which the joint moved: at rest dry friction can be anything
-JOINT_ROWS = 16
+JOINT_ROWS = 21
 
 # Rows of `columns`, each of shape (n, P).
 PHI, FILTERED, BELIEVED, KNOWN = 0, 1, 2, 3  # φ of the last tick, y, ĉ, θ of the model's own terms
@@ -45,7 +48,11 @@ COLUMN_ROWS = 5
 ACTIVATION, ACTIVATED, WEIGHTS = 0, 1, 2  # of the last tick, filtered, learned
 NEURON_ROWS = 3
 
-ALARM, ABSENT, BAD = 1, 2, 4  # what a tick may ask attention for; BAD: a signal was not finite, nothing was done
+# Entries of `scalars`.
+TIME, FORGET, REMEMBER, DEBOUNCE, IDLE, FLOOR, LEARNS, CORRECTS = range(8)
+SCALARS = 8
+
+ALARM, ABSENT = 1, 2  # what a tick may ask attention for, beside `compiled.BAD`
 RESTING = 5.0  # widths of sgn, below which a joint may rest
 ROUGH = 0.2  # [1], share of a believed fault by which its formula may fail for a moment, as friction at rest does
 
@@ -82,7 +89,7 @@ def advance(joint, columns, gram, absent, mass, phi, interval, ends, q, v, tau, 
         rough = (ROUGH + 1.0 - joint[MOVING, j]) * joint[AMPLITUDE, j]
         if abs(remainder) > threshold + rough:
             joint[EXCEEDED, j] += 1.0
-            if joint[EXCEEDED, j] >= debounce:
+            if joint[EXCEEDED, j] >= debounce and joint[MUTED, j] == 0.0:
                 asks |= ALARM
         else:
             joint[EXCEEDED, j] = 0.0
@@ -100,7 +107,7 @@ def advance(joint, columns, gram, absent, mass, phi, interval, ends, q, v, tau, 
                     asks |= ABSENT
             elif abs(own) > threshold and abs(remainder) < 0.5 * abs(own):
                 absent[j, e] = 0.0
-        joint[VELOCITY, j], joint[NLE, j] = v[j], nle[j]
+        joint[POSITION, j], joint[VELOCITY, j], joint[NLE, j] = q[j], v[j], nle[j]
         for i in range(n):
             mass[j, i] = M[j, i]
         if joint[WATCHED, j] < 0.0:

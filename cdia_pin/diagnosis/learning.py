@@ -74,19 +74,22 @@ def learn(nominal: Nominal, runs: Sequence[Log], bank: Bank, settings: MonitorSe
         LogError: If the runs are too short, belong to other joints, or differ in rate.
     """
     dt = _check(nominal, runs)
-    notes = []
-    delay = _delay(nominal, runs, dt, settings)
-    if delay != nominal.delay:
-        notes.append(f"torques act {1e3 * delay:.1f} ms after their signal")
-        nominal = replace(nominal, delay=delay)
+    notes, given = [], nominal
+    # Masses and delay hide each other: a better guess of the one shows the other.
+    for _ in range(2):
+        if settings.calibrate:
+            nominal = _with_masses(replace(given, delay=nominal.delay), runs, dt, bank, settings)
+        nominal = replace(nominal, delay=_delay(nominal, runs, dt, settings))
+    if nominal.delay != given.delay:
+        notes.append(f"torques act {1e3 * nominal.delay:.1f} ms after their signal")
     if settings.calibrate:
-        corrected = _with_masses(nominal, runs, dt, bank, settings)
-        if corrected is not None:
-            before, after = (_pooled(_residuals(x, runs, dt, bank, settings)) for x in (nominal, corrected))
-            if np.mean(after / before) < WORTH:
-                share = float(np.mean(after / before))
-                notes.append(f"masses corrected by the healthy runs: {share:.0%} of the residual is left")
-                nominal = corrected
+        plain = replace(given, delay=nominal.delay)
+        before, after = (_pooled(_residuals(x, runs, dt, bank, settings)) for x in (plain, nominal))
+        share = float(np.mean(after / before))
+        if share > WORTH:
+            nominal = plain
+        else:
+            notes.append(f"masses corrected by the healthy runs: {share:.0%} of the residual is left")
     residuals = _residuals(nominal, runs, dt, bank, settings)
     bandwidth = _bandwidth(_bound(residuals, settings), runs, settings)
     if (bandwidth < settings.bandwidth).any():
@@ -255,7 +258,8 @@ def _delay(nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSe
     """Return the delay that leaves least, in half ticks; the model's own where none is clearly better."""
     run = max(runs, key=lambda r: r.duration)
     run = run.slice(0, min(len(run.time), round(60.0 / dt)))
-    candidates = [nominal.delay + 0.5 * dt * i for i in range(int(2 * DELAYS / dt) + 1)]
+    candidates = sorted({nominal.delay, *(0.5 * dt * i for i in range(int(2 * DELAYS / dt) + 1))})
+    first = candidates.index(nominal.delay)
     settle = round(SETTLE / settings.bandwidth / dt)
     left = []
     x = _signals(run, nominal, dt, nominal.delay)
@@ -268,13 +272,13 @@ def _delay(nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSe
         r, _ = _filter(known - tau, dt, settings)
         left.append(float(np.mean((r[settle:].std(axis=0) / scale) ** 2)))
     best = int(np.argmin(left))
-    return candidates[best] if left[best] < WORTH**2 * left[0] else nominal.delay
+    return candidates[best] if left[best] < WORTH * left[first] else nominal.delay
 
 
 def _with_masses(
     nominal: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings
-) -> Nominal | None:
-    """Return the model with inertial parameters nearer to what the runs say, or None if bodies become impossible."""
+) -> Nominal:
+    """Return the model with inertial parameters nearer to what the runs say; as it is if a mass would vanish."""
     robot = nominal.robot
     residuals = _residuals(nominal, runs, dt, bank, settings)
     every = max(1, round(1 / ROWS_PER_SECOND / dt))
@@ -299,7 +303,7 @@ def _with_masses(
         sigma = (r - Y @ delta).std(axis=0) + 1e-12
     pi = robot.inertial_parameters + delta.reshape(robot.n, 10)
     if (pi[:, 0] <= 0).any():
-        return None
+        return nominal
     return replace(
         nominal,
         robot=robot.with_inertial_parameters(pi),

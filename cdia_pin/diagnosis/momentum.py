@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.alignment import Alignment
 from cdia_pin.diagnosis.approximation import unknown_of
 from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.compiled import BAD
 from cdia_pin.diagnosis.isolation import Isolator
 from cdia_pin.diagnosis.learning import SETTLE, Healthy, assumed, learn
 from cdia_pin.diagnosis.nominal import Nominal
@@ -92,9 +93,11 @@ class MomentumEngine:
         for watch in self.watches:
             watch.reset()
         self.events.clear()
-        self._tau = self._zero
         self._quiet_until = np.inf  # until filters have settled
         self._next = [-np.inf] * len(self.watches)
+        self._next_look = np.inf
+        self.observer.joint[self.observer.k.MUTED] = 0.0
+        self.observer.correct_from_now(False)
         self._bad = False
         self._stages: tuple[Stage, ...] = (Stage.HEALTHY,) * len(self.watches)
         self._faults: tuple[Term, ...] = ()
@@ -103,8 +106,7 @@ class MomentumEngine:
 
     def update(self, t: float, q: Array, v: Array | None, tau: Array) -> Status:
         """Take one tick; see `Engine.update`."""
-        o, k = self.observer, self.observer.k
-        self._tau = tau
+        o = self.observer
         sample = self._alignment(t, q, v, tau)
         if sample is None:
             return self._status(t, ())
@@ -119,11 +121,11 @@ class MomentumEngine:
         if self._gated:
             self._gate(then, q, v, tau)
         asks = o.step(then, q, v, tau)
-        if asks & k.BAD:
+        if asks & BAD:
             return self._bad_data(t, "a position, velocity or torque is not a number")
         if self._bad and then >= self._quiet_until:
             self._bad = False
-        if not asks and not self._busy:
+        if not asks and then < self._next_look:
             return self._status(t, ())
         return self._status(t, self._attend(t, then, asks))
 
@@ -155,19 +157,20 @@ class MomentumEngine:
             for watch in self._busy:
                 new += watch.absent(t)
         for watch in self._busy:
-            if t >= self._next[watch.j]:
+            if then >= self._next[watch.j]:
                 # joints take turns, so that no tick decides on several
                 late = watch.j / len(self.watches) * self.settings.decide_every
-                steps = np.floor((t - late) / self.settings.decide_every) + 1
+                steps = np.floor((then - late) / self.settings.decide_every) + 1
                 self._next[watch.j] = float(steps) * self.settings.decide_every + late
                 new += watch.look(t)
-        if new or asks:
-            self._busy = [w for w in self.watches if w.stage is not Stage.HEALTHY]
-            self._gated = [w for w in self.watches if w.profiles]
-            self._stages = tuple(w.stage for w in self.watches)
-        if new:
-            self.events += new
+        self._busy = [w for w in self.watches if w.stage is not Stage.HEALTHY]
+        self._next_look = min((self._next[w.j] for w in self._busy), default=np.inf)
+        self._gated = [w for w in self.watches if w.profiles]
+        self._stages = tuple(w.stage for w in self.watches)
+        o.joint[k.MUTED] = [w.deaf for w in self.watches]
+        o.correct_from_now(self._corrects)
         self._faults = self.faults if self._busy else ()
+        self.events += new
         return tuple(new)
 
     def _gate(self, t: float, q: Array, v: Array, tau: Array) -> None:
@@ -209,14 +212,10 @@ class MomentumEngine:
 
     def _status(self, t: float, events: tuple[Event, ...]) -> Status:
         o = self.observer
+        correction = self._zero
         if self._corrects:
-            addition = o.addition(self._tau)
-            correction = np.minimum(np.maximum(addition, -self._limit), self._limit)
-        else:
-            correction = self._zero
-        return Status(
-            t, self._stages, o.residual.copy(), o.threshold.copy(), correction, self._faults, events
-        )
+            correction = np.minimum(np.maximum(o.addition, -self._limit), self._limit)
+        return Status(t, self._stages, o.residual.copy(), o.threshold.copy(), correction, self._faults, events)
 
 
 def _bounds(bank: Bank, nominal: Nominal) -> tuple[Array, Array]:

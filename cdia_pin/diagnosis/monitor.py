@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import cdia_pin
 from cdia_pin.diagnosis.bank import DEFAULT_BANK, Bank
-from cdia_pin.diagnosis.engine import Engine
+from cdia_pin.diagnosis.engines import ENGINES, Knowledge
 from cdia_pin.diagnosis.settings import MonitorSettings
 from cdia_pin.diagnosis.status import Event, Status
 from cdia_pin.dynamics.dynamics import Dynamics
@@ -200,65 +200,6 @@ def _check_threshold(threshold: Mapping[str, float], model: Dynamics) -> None:
         raise ModelError(f"threshold: no value for joint(s) {', '.join(missing)}")
 
 
-# ----------------------------------------------------------------- engines, loaded when one is asked for
-
-
-def settings_of(engine: str, **chosen: Any) -> MonitorSettings | ThesisSettings:
-    """Return settings of an engine by its name; raises ModelError if there is no such engine.
-
-    Args:
-        engine: ``momentum`` or ``thesis``.
-        **chosen: What is not to be as usual.
-    """
-    if engine not in ENGINES:
-        raise ModelError(unknown_name("engine", engine, ENGINES))
-    if engine == "momentum":
-        return MonitorSettings(**chosen)
-    from cdia_pin.diagnosis.thesis import ThesisSettings
-
-    return ThesisSettings(**chosen)
-
-
-@dataclass(frozen=True)
-class Knowledge:
-    """What is known of the healthy arm; the attributes are the arguments of `Monitor`."""
-
-    healthy: tuple[Log, ...]
-    threshold: Mapping[str, float] | None
-    rate: float | None
-    position_only: bool
-
-
-def _momentum(
-    model: Dynamics, bank: Bank, settings: MonitorSettings | ThesisSettings | None, known: Knowledge
-) -> tuple[Engine, MonitorSettings | ThesisSettings]:
-    from cdia_pin.diagnosis.momentum import MomentumEngine
-
-    if not isinstance(settings, MonitorSettings | None):
-        raise ModelError(f"the engine momentum takes MonitorSettings, given {type(settings).__name__}")
-    settings = settings or MonitorSettings()
-    return MomentumEngine(model, bank, settings, **vars(known)), settings
-
-
-def _thesis(
-    model: Dynamics, bank: Bank, settings: MonitorSettings | ThesisSettings | None, known: Knowledge
-) -> tuple[Engine, MonitorSettings | ThesisSettings]:
-    from cdia_pin.diagnosis.guard import Guarded
-    from cdia_pin.diagnosis.thesis import ThesisEngine, ThesisSettings
-
-    if not isinstance(settings, ThesisSettings | None):
-        raise ModelError(f"the engine thesis takes ThesisSettings, given {type(settings).__name__}")
-    if known.position_only or any(run.velocity is None for run in known.healthy):
-        raise ModelError("the engine thesis observes velocities: record them, or use the engine momentum")
-    if any(profile.kind != "always" for profile in bank.profiles):
-        raise ModelError("the engine thesis takes no profiles in its bank; use the engine momentum")
-    settings = settings or ThesisSettings()
-    if known.threshold is not None:
-        joints = model.robot.joints
-        settings = replace(settings, unmodelled=tuple(known.threshold[joint] for joint in joints))
-    return Guarded(ThesisEngine(model, bank.prototypes, settings, known.healthy)), settings
-
-
 def _plain(value: Any) -> Any:
     """Return settings as JSON has them."""
     if isinstance(value, dict):
@@ -266,9 +207,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(v) for v in value]
     return value if isinstance(value, str | bool | int | float) or value is None else str(value)
-
-
-ENGINES: dict[str, Callable[..., tuple[Engine, MonitorSettings | ThesisSettings]]] = {
-    "momentum": _momentum,
-    "thesis": _thesis,
-}

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.bank import prototype
-from cdia_pin.diagnosis.compiled import compile_bank, python_columns
+from cdia_pin.diagnosis.compiled import BAD, compile_bank, layout, python_columns
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.settings import MonitorSettings
 from cdia_pin.effects import JointEffect, Unknown
@@ -49,49 +49,60 @@ class Observer:
         own = [prototype(t.effect, nominal.robot) for t in nominal.of_joints]  # type: ignore[arg-type]
         self.effects = effects + tuple(e for e in dict.fromkeys(own) if e not in effects)
         self.ends = np.cumsum([0, *(e.size for e in self.effects)])
-        P = int(self.ends[-1])
-        self._compiled = compile_bank(self.effects)
-        sizes = [e.size for e in self.effects]
-        self._interval = np.repeat([e.of_torque or e.of_acceleration for e in self.effects], sizes).astype(bool)
-        self._smooth = np.repeat([e.of_acceleration for e in self.effects], sizes).astype(bool)
-        self.joint = np.zeros((kernels.JOINT_ROWS, n))
-        self.columns = np.zeros((kernels.COLUMN_ROWS, n, P))
-        self.columns[kernels.PRESENT] = 1.0
-        self.gram = np.zeros((n, P + 1, P + 1))
-        self.absent = np.zeros((n, len(self.effects)))
-        self.bandwidth = np.full(n, settings.bandwidth) if bandwidth is None else bandwidth
         unknown = unknown or [Unknown(joint=joint) for joint in nominal.robot.joints]
-        self._centres = np.array([[u.position_centres for u in unknown], [u.velocity_centres for u in unknown]])
-        self._centres = np.ascontiguousarray(self._centres.transpose(0, 2, 1))
-        self._widths = np.array([[u.position_width for u in unknown], [u.velocity_width for u in unknown]])
-        self.neurons = np.zeros((kernels.NEURON_ROWS, n, unknown[0].size))
-        self.neuron_gram = np.zeros((n, unknown[0].size + 1, unknown[0].size + 1))
-        self._learning = False
-        self._mass = np.zeros((n, n))
-        self._phi, self._phi0, self._phi1 = (np.zeros((n, P)) for _ in range(3))
-        self._forget = float(np.exp(-dt / settings.memory))
-        self._remember = float(np.exp(-dt / (LASTING * settings.memory)))
-        self.idle_ticks = max(1.0, settings.gone_after / dt)
-        self.joint[kernels.WIDTH] = NARROWEST
+        parts = layout(n, self.effects, len(unknown[0].position_centres))
+        self._compiled = compile_bank(self.effects, parts)
+        self._state = np.zeros(sum(int(np.prod(shape)) for shape in parts.values()))
+        views, at = {}, 0
+        for name, shape in parts.items():
+            size = int(np.prod(shape))
+            views[name] = self._state[at : at + size].reshape(shape)
+            at += size
+        self.joint, self.columns, self.gram = views["joint"], views["columns"], views["gram"]
+        self.absent, self.neurons, self.neuron_gram = views["absent"], views["neurons"], views["neuron_gram"]
+        self._scalars, self._mass, self._phi = views["scalars"], views["mass"], views["phi"]
+        views["centres"][:] = [
+            np.transpose([u.position_centres for u in unknown]),
+            np.transpose([u.velocity_centres for u in unknown]),
+        ]
+        views["widths"][:] = [[u.position_width for u in unknown], [u.velocity_width for u in unknown]]
+        self._smooth = np.repeat([e.of_acceleration for e in self.effects], [e.size for e in self.effects]).astype(bool)
+        self.columns[kernels.PRESENT] = 1.0
+        self.joint[kernels.BANDWIDTH] = settings.bandwidth if bandwidth is None else bandwidth
         self.joint[kernels.BOUND] = np.inf
+        self.idle_ticks = max(1.0, settings.gone_after / dt)
+        self._scalars[kernels.FORGET] = np.exp(-dt / settings.memory)
+        self._scalars[kernels.REMEMBER] = np.exp(-dt / (LASTING * settings.memory))
+        self._scalars[kernels.DEBOUNCE] = settings.debounce
+        self._scalars[kernels.IDLE] = self.idle_ticks
+        self._scalars[kernels.FLOOR] = settings.gain_floor
         for term, kind in zip(nominal.of_joints, own, strict=True):
             at = self.effects.index(kind)
             j = nominal.robot.joint_index(term.effect.scope[0])
             self.columns[kernels.KNOWN, j, self.ends[at] : self.ends[at + 1]] += term.theta
-        self._soft = np.maximum(settings.soft_sign, self.joint[kernels.WIDTH])
+        # Rows and parts that are read at every tick.
+        self.residual = self.joint[kernels.RESIDUAL]  # filtered torque that the model lacks [N·m or N], (n,)
+        self.threshold = self.joint[kernels.THRESHOLD]  # its bound on a healthy arm [N·m or N], (n,)
+        self.remainder = self.joint[kernels.REMAINDER]  # residual less what is believed [N·m or N], (n,)
+        self.addition = self.joint[kernels.ADDITION]  # what to add to a nominal torque [N·m or N], (n,)
+        self.bandwidth = self.joint[kernels.BANDWIDTH]  # γ [1/s], (n,)
+        self.q, self.v = self.joint[kernels.POSITION], self.joint[kernels.VELOCITY]  # of the last tick, (n,)
+        self.believed = self.columns[kernels.BELIEVED]  # parameters of the faults believed in, (n, P)
+        self.filtered = self.columns[kernels.FILTERED]  # filtered columns y, (n, P)
+        self.inertial = False  # is an effect of acceleration believed in?
+        self.use_width(np.full(n, NARROWEST))
         self.reset()
 
     def reset(self) -> None:
         """Forget the past, keeping bounds and beliefs; the next tick starts the filters."""
         k = self.k
-        self.joint[[k.RESIDUAL, k.THRESHOLD, k.REMAINDER, k.EXCEEDED, k.LEARNED, k.AMPLITUDE]] = 0.0
+        past = [k.RESIDUAL, k.THRESHOLD, k.REMAINDER, k.EXCEEDED, k.LEARNED, k.AMPLITUDE, k.MOVING, k.ADDITION, k.WEIGHT]
+        self.joint[past] = 0.0
         self.columns[[k.PHI, k.FILTERED]] = 0.0
         self.gram[:] = 0.0
-        self.joint[k.WEIGHT] = 0.0
         self.absent[:] = 0.0
         self.neurons[[k.ACTIVATION, k.ACTIVATED]] = 0.0
         self.time = -np.inf
-        self.q = self.v = np.zeros(self.nominal.robot.n)
 
     def step(self, t: float, q: Array, v: Array, tau: Array) -> int:
         """Advance by one tick.
@@ -105,67 +116,55 @@ class Observer:
         Returns:
             What needs attention, see `kernels`.
         """
-        k = self.k
         M, nle = self.nominal.robot.rigid_terms(q, v)
-        dt = t - self.time
-        if dt == np.inf:
-            if not np.isfinite([q, v, tau]).all():
-                return int(k.BAD)
-            self.time, self.q, self.v = t, q, v
-            self.joint[k.VELOCITY], self.joint[k.NLE] = v, nle
-            self._mass[:] = M
-            self.columns[k.PHI] = self._python_phi(q, v, np.zeros_like(q), tau)
-            return 0
+        if self.time == -np.inf:
+            return self._begin(t, q, v, tau, M, nle)
         if self._compiled.in_python or self.nominal.others.terms:
-            self._evaluate_in_python(q, v, (v - self.joint[k.VELOCITY]) / dt, tau)
-        asks = int(
-            self._compiled.tick(
-                self.joint, self.columns, self.gram, self.absent, self._mass, self._phi, self._interval, self.ends,
-                self._centres, self._widths, self.neurons, self.neuron_gram, self._learning,
-                q, v, tau, M, nle, dt, self.bandwidth, self._forget, self._remember,
-                float(self.settings.debounce), self.idle_ticks,
-            )
-        )  # fmt: skip
-        if not asks & k.BAD:
-            self.time, self.q, self.v = t, q, v
+            self._evaluate_in_python(t, q, v, (v - self.v) / (t - self.time), tau)
+        asks = int(self._compiled.tick(self._state, q, v, tau, M, nle, t))
+        if not asks & BAD:
+            self.time = t
         return asks
+
+    def _begin(self, t: float, q: Array, v: Array, tau: Array, M: Array, nle: Array) -> int:
+        if not np.isfinite([q, v, tau]).all():
+            return BAD
+        self.time = self._scalars[self.k.TIME] = t
+        self.q[:], self.v[:], self.joint[self.k.NLE], self._mass[:] = q, v, nle, M
+        if self.effects:
+            sign = np.tanh(v / self.joint[self.k.WIDTH])
+            still = np.zeros_like(q)
+            phi = [python_columns(e, q, v, still, tau, sign, t) for e in self.effects]
+            self.columns[self.k.PHI] = np.concatenate(phi, axis=1)
+        return 0
 
     def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
         """Return the torque that makes the arm answer as a healthy one would to ``tau`` [N·m or N], shape (n,)."""
-        return self._correction(tau, self.v if v_desired is None else v_desired, True)
-
-    def addition(self, tau: Array) -> Array:
-        """Return what to add to the nominal torque while ``tau`` acts [N·m or N], shape (n,)."""
-        return self._correction(tau, self.v, False)
-
-    def _correction(self, tau: Array, direction: Array, divide: bool) -> Array:
-        a = self._asked(tau) if divide and self._inertial else np.zeros_like(tau)
-        for i in self._compiled.in_python:
-            span = np.s_[:, self.ends[i] : self.ends[i + 1]]
-            sign = np.tanh(direction / self._soft)
-            for phi, effort in ((self._phi0, np.zeros_like(tau)), (self._phi1, tau)):
-                phi[span] = python_columns(self.effects[i], self.q, self.v, a, effort, sign, self.time)
-        return np.asarray(
-            self._compiled.correct(
-                self.joint, self.columns, self._phi0, self._phi1, self._interval, self._smooth,
-                self._centres, self._widths, self.neurons, self._learning, self.q, self.v, direction, a, tau,
-                self._soft, self.settings.gain_floor, divide,
-            )
-        )  # fmt: skip
-
-    @property
-    def _inertial(self) -> bool:
-        """Whether an effect of acceleration is believed in."""
-        return bool(self.believed[:, self._smooth].any())
+        direction = self.v if v_desired is None else v_desired
+        a = self._asked(tau) if self.inertial else np.zeros_like(tau)
+        self._fill_corrections(direction, a, tau)
+        return np.asarray(self._compiled.corrected(self._state, direction, a, tau, True))
 
     def _asked(self, tau: Array) -> Array:
         """Return the acceleration that a healthy arm would have under a torque, shape (n,)."""
         return np.asarray(np.linalg.solve(self._mass, tau - self.joint[self.k.NLE]))
 
+    def correct_from_now(self, on: bool) -> None:
+        """Say whether `addition` is worked out at every tick."""
+        self._scalars[self.k.CORRECTS] = float(on)
+        if not on:
+            self.addition[:] = 0.0
+
+    def believe(self, j: int, theta: Array) -> None:
+        """Set the parameters of the faults believed in on a joint, zero for the others, shape (p,), p ≤ P."""
+        self.believed[j] = 0.0
+        self.believed[j, : len(theta)] = theta
+        self.inertial = bool(self.believed[:, self._smooth].any())
+
     def use_width(self, width: Array) -> None:
         """Set the speed over which sgn is smoothed [rad/s or m/s], shape (n,)."""
         self.joint[self.k.WIDTH] = np.maximum(width, NARROWEST)
-        self._soft = np.maximum(self.settings.soft_sign, self.joint[self.k.WIDTH])
+        self.joint[self.k.SOFT] = np.maximum(self.settings.soft_sign, self.joint[self.k.WIDTH])
 
     def restart_decision(self, j: int) -> None:
         """Begin the normal equations of a joint anew, once the filter has forgotten how the fault came in."""
@@ -182,54 +181,29 @@ class Observer:
         self.neurons[:, j] = 0.0
         self.neuron_gram[j] = 0.0
         self.joint[self.k.LEARNING, j] = 1.0
-        self._learning = True
+        self._scalars[self.k.LEARNS] = 1.0
 
     def stop_learning(self, j: int) -> None:
         """Forget what was learned of a joint."""
         self.neurons[:, j] = 0.0
         self.joint[[self.k.LEARNING, self.k.LEARNED], j] = 0.0
-        self._learning = bool(self.joint[self.k.LEARNING].any())
-
-    # ------------------------------------------------------------- rows by name
-
-    @property
-    def residual(self) -> Array:
-        """Filtered torque that the model lacks [N·m or N], shape (n,); a view."""
-        return np.asarray(self.joint[self.k.RESIDUAL])
-
-    @property
-    def threshold(self) -> Array:
-        """Bound of a healthy arm's residual [N·m or N], shape (n,); a view."""
-        return np.asarray(self.joint[self.k.THRESHOLD])
-
-    @property
-    def remainder(self) -> Array:
-        """Residual less what is believed [N·m or N], shape (n,); a view."""
-        return np.asarray(self.joint[self.k.REMAINDER])
-
-    @property
-    def believed(self) -> Array:
-        """Parameters of the faults believed in, zero for the others, shape (n, P); a view."""
-        return np.asarray(self.columns[self.k.BELIEVED])
-
-    @property
-    def filtered(self) -> Array:
-        """Filtered columns y, shape (n, P); a view."""
-        return np.asarray(self.columns[self.k.FILTERED])
+        self._scalars[self.k.LEARNS] = float(self.joint[self.k.LEARNING].any())
 
     # ------------------------------------------------------------- what numba cannot compile
 
-    def _python_phi(self, q: Array, v: Array, a: Array, tau: Array) -> Array:
-        if not self.effects:
-            return self._phi
-        sign = np.tanh(v / self.joint[self.k.WIDTH])
-        return np.concatenate([python_columns(e, q, v, a, tau, sign, self.time) for e in self.effects], axis=1)
-
-    def _evaluate_in_python(self, q: Array, v: Array, a: Array, tau: Array) -> None:
+    def _evaluate_in_python(self, t: float, q: Array, v: Array, a: Array, tau: Array) -> None:
         width = self.joint[self.k.WIDTH]
         sign = np.tanh(v / width)
         for i in self._compiled.in_python:
             span = np.s_[:, self.ends[i] : self.ends[i + 1]]
-            self._phi[span] = python_columns(self.effects[i], q, v, a, tau, sign, self.time)
+            self._phi[0][span] = python_columns(self.effects[i], q, v, a, tau, sign, t)
         if self.nominal.others.terms:
-            self.joint[self.k.OUTSIDE] = self.nominal.outside(q, v, a, tau, self.time, width)
+            self.joint[self.k.OUTSIDE] = self.nominal.outside(q, v, a, tau, t, width)
+        self._fill_corrections(v, np.zeros_like(a), tau)
+
+    def _fill_corrections(self, direction: Array, a: Array, tau: Array) -> None:
+        for i in self._compiled.in_python:
+            span = np.s_[:, self.ends[i] : self.ends[i + 1]]
+            sign = np.tanh(direction / self.joint[self.k.SOFT])
+            for phi, effort in ((self._phi[1], np.zeros_like(tau)), (self._phi[2], tau)):
+                phi[span] = python_columns(self.effects[i], self.q, self.v, a, effort, sign, self.time)

@@ -33,6 +33,7 @@ RETURN_LOOKS = 3  # looks that a remembered fault must explain to be taken up ag
 SHORT_LIVED = 3.0  # [s], a belief that fails sooner was none
 MOST_FAILURES = 3  # of beliefs in a row, after which nothing known is believed
 ENOUGH = 6.0  # correlation times of a healthy residual, that a decision is based on
+MOST_WAITED = 0.4  # [1], share of the memory that is waited for at most
 GONE_UNKNOWN = 0.6  # [s] without an unknown torque, where it would show, after which it is dropped
 CALM = 0.5  # [s] below the threshold after which an alarm that led to nothing is dropped
 
@@ -147,6 +148,11 @@ class JointWatch:
         self.stage, self._doubted = Stage.DETECTED, t
         return [self._event(t, "detection", "what was isolated does not explain what follows")]
 
+    @property
+    def deaf(self) -> bool:
+        """Whether another alarm would change nothing."""
+        return self.stage is Stage.DETECTED or self.verdict is Verdict.UNKNOWN
+
     def _settle_doubt(self, t: float) -> list[Event]:
         """Take back a belief that has failed soon: what was seen since the detection is decided upon anew."""
         if t - self._doubted < 1.5 * self.settings.gone_after + 4.0 / self.observer.bandwidth[self.j]:
@@ -185,6 +191,8 @@ class JointWatch:
 
     def look(self, t: float) -> list[Event]:
         """Look at the normal equations and at what has been believed."""
+        if self.observer.joint[self.observer.k.EXCEEDED, self.j] >= self.settings.debounce:
+            self.last_alarm = t
         self._watch_regions()
         if self.stage is Stage.DETECTED:
             return self._isolate(t)
@@ -211,7 +219,7 @@ class JointWatch:
         if self._recall():
             return self._commit(t, self.mask, Verdict.UNIQUE, "as it was before")
         o = self.observer
-        if o.joint[o.k.WEIGHT, self.j] < ENOUGH * self.independent:
+        if o.joint[o.k.WEIGHT, self.j] < min(ENOUGH * self.independent, MOST_WAITED * self.settings.memory / o.dt):
             return []
         decision = self._decide(required=self.mask)
         if decision.mask is None and self.mask:
@@ -291,10 +299,9 @@ class JointWatch:
         return events
 
     def _believe(self) -> None:
-        believed = self.observer.believed[self.j]
-        believed[:] = 0.0
-        believed[: self.bank.width] = self.theta if self.mask else 0.0
-        self.observer.absent[self.j] *= np.array([self.mask >> i & 1 for i in range(len(self.observer.effects))])
+        o = self.observer
+        o.believe(self.j, self.theta if self.mask else np.zeros(self.bank.width))
+        o.absent[self.j] *= np.array([self.mask >> i & 1 for i in range(len(o.effects))])
 
     def _interval(self, decision: Decision) -> None:
         if decision.mask:

@@ -34,19 +34,11 @@ def arm_rows(cases: Sequence[ArmCase]) -> list[tuple[str, ...]]:
         worst = float(np.max(rms["accommodated"] / rms["healthy"]))
         wrong = len(case.wrong())
         named = f"{right} of {there}" + (f", {wrong} wrong" if wrong else "")
-        rows.append((case.arm, case.name, *whole, f"{worst:.2f}", named))
+        rows.append((case.arm, case.name, *whole, f"{number(worst)} ×", named))
     return rows
 
 
-HEADINGS = (
-    "arm",
-    "fault on all joints",
-    "healthy",
-    "faulty",
-    "accommodated",
-    "worst joint, over healthy",
-    "believed at the end",
-)
+HEADINGS = ("arm", "fault", "healthy", "faulty", "accommodated", "worst joint", "believed")
 
 
 def write_arm_report(
@@ -74,11 +66,13 @@ def write_arm_report(
     parts = [
         "<p class='lead'>Computed torque follows an exciting motion; faults begin on all joints at once. The "
         f"model's inertias are wrong by up to {percent(first.model_error)}, positions are rounded, velocities and "
-        f"torques noisy. The monitor has learned from {first.healthy_runs} healthy runs of {first.healthy_duration:g} s on "
-        "other motions.</p>",
+        f"torques noisy. The monitor has learned from {first.healthy_runs} healthy runs of "
+        f"{first.healthy_duration:g} s on other motions.</p>",
         f"<pre><code>{html.escape(command)}</code></pre>" if command else "",
         "<h2>Tracking</h2>",
-        f"<p class='soft'>RMS of q − q_d over all joints [mrad], from {SETTLED:g} s after the last fault began.</p>",
+        f"<p class='soft'>RMS of q − q_d over all joints [mrad], from {SETTLED:g} s after the last fault began. "
+        "Worst joint: accommodated over healthy, where that is largest. Believed: faults named at the end, of "
+        "those that were there.</p>",
         f"<div class='card scroll'><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>",
         "<h2>Joint by joint</h2>",
         *figure_blocks(pictures),

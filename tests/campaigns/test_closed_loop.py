@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, load_robot
-from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings, compare_loops, onset
+from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
+from cdia_pin.campaigns.loop_comparison import compare_loops, onset
 from cdia_pin.campaigns.model_error import with_model_error
 from cdia_pin.effects import parse_term
 from cdia_pin.errors import CdiaError, ModelError
