@@ -62,7 +62,9 @@ class Alignment:
         self._states.clear()
         self._efforts.clear()
 
-    def __call__(self, t: float, q: Array, v: Array | None, tau: Array) -> tuple[float, Array, Array, Array] | None:
+    def __call__(
+        self, t: float, q: Array, v: Array | None, tau: Array
+    ) -> tuple[float, Array, Array, Array] | None:
         """Return time, positions, velocities and torque of one instant; None until there are enough samples."""
         if self._direct and v is not None:
             return t, q, v, tau

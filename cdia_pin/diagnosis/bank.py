@@ -86,7 +86,9 @@ class Bank:
 
     def columns(self, chosen: Sequence[int]) -> NDArray[np.int64]:
         """Return the columns of some effects."""
-        return np.concatenate([np.arange(self.ends[i], self.ends[i + 1]) for i in chosen] or [np.zeros(0, int)])
+        return np.concatenate(
+            [np.arange(self.ends[i], self.ends[i + 1]) for i in chosen] or [np.zeros(0, int)]
+        )
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
@@ -122,7 +124,9 @@ def on_joint(profile: Profile, joint: str) -> Profile:
 def _entry(given: str | JointEffect, robot: RobotModel) -> tuple[JointEffect, Profile]:
     effect, profile = (_parsed(given, robot)) if isinstance(given, str) else (given, ALWAYS)
     if not isinstance(effect, JointEffect):
-        of_joint = [n for n, e in EFFECTS.items() if issubclass(e, JointEffect) and n not in ("expression", "unknown")]
+        of_joint = [
+            n for n, e in EFFECTS.items() if issubclass(e, JointEffect) and n not in ("expression", "unknown")
+        ]
         raise EffectError(f"{effect.name} is not an effect of one joint; a bank holds {', '.join(of_joint)}")
     if effect.name == "unknown":
         raise EffectError("what is unknown is learned when no effect of the bank explains it; leave it out")

@@ -39,8 +39,8 @@ import numpy as np
 from numba import njit
 
 from cdia_pin.diagnosis.kernels import (
-    ADDITION, BANDWIDTH, CORRECTS, DEBOUNCE, FLOOR, FORGET, IDLE, LEARNS, POSITION, REMEMBER, SOFT, TIME,
-    VELOCITY, WIDTH, Neurons, Signals, activate, advance, correction, learn,
+    ADDITION, BANDWIDTH, CORRECTS, COUNT, DEBOUNCE, DRIVEN, FLOOR, FORGET, IDLE, LEARNS, POSITION, REMEMBER, SELDOM,
+    SOFT, TIME, VELOCITY, WIDTH, Neurons, Signals, activate, advance, correction, learn,
 )
 from cdia_pin.diagnosis.compiled import BAD
 from cdia_pin.effects.unknown import Unknown
@@ -70,13 +70,19 @@ def tick(state, q, v, tau, M, nle, t):
     time = np.full_like(q, t)
     x = Signals(q, v, a, tau, np.tanh(v / joint[WIDTH]), time)
     basis(x, phi[0])
+    learns = False
     if scalars[LEARNS] > 0.0:
-        activate(joint, neurons, activations(Neurons(centres[0], centres[1], widths[0], widths[1]), x), E)
+        scalars[COUNT] += 1.0
+        learns = scalars[COUNT] >= SELDOM
+    if learns:
+        scalars[COUNT] = 0.0
+        active = activations(Neurons(centres[0], centres[1], widths[0], widths[1]), x)
+        activate(joint, neurons, active, E**SELDOM)
     asks = advance(
         joint, columns, gram, absent, mass, phi[0], INTERVAL, ENDS, q, v, tau, M, nle, a, E,
         scalars[FORGET], scalars[DEBOUNCE], scalars[IDLE],
     )
-    if scalars[LEARNS] > 0.0:
+    if learns:
         learn(joint, neurons, neuron_gram, scalars[REMEMBER])
     if scalars[CORRECTS] > 0.0:
         still = np.zeros_like(q)
@@ -93,12 +99,15 @@ def corrected(state, direction, a, tau, divide):
     sign = np.tanh(direction / joint[SOFT])
     x = Signals(joint[POSITION], joint[VELOCITY], a, still, sign, time)
     basis(x, phi[1])
-    basis(Signals(joint[POSITION], joint[VELOCITY], a, tau, sign, time), phi[2])
+    driven = phi[1]
+    if scalars[DRIVEN] > 0.0:
+        driven = phi[2]
+        basis(Signals(joint[POSITION], joint[VELOCITY], a, tau, sign, time), driven)
     active = [still]
     if scalars[LEARNS] > 0.0:
         active = activations(Neurons(centres[0], centres[1], widths[0], widths[1]), x)
     return correction(
-        joint, columns, neurons, active, phi[1], phi[2], INTERVAL, SMOOTH, tau, scalars[FLOOR], divide
+        joint, columns, neurons, active, phi[1], driven, INTERVAL, SMOOTH, tau, scalars[FLOOR], divide
     )
 '''
 
@@ -189,11 +198,12 @@ def _tried(effect: JointEffect) -> bool:
 
     if not effect.shape_values and vars(effect).keys() - {"joint"}:
         return False  # reads attributes that are not numbers of its shape
-    shape = namedtuple("Shape0", list(_shape(effect)))
+    shape: Any = namedtuple("Shape0", list(_shape(effect)))  # type: ignore[misc]
     values = shape(*_shape(effect).values())
     ones = np.ones(2)
+    compiled: Any = numba.njit(type(effect).columns)
     try:
-        numba.njit(type(effect).columns)(values, Signals(ones, ones, ones, ones, ones, ones))
+        compiled(values, Signals(ones, ones, ones, ones, ones, ones))
     except Exception:  # numba fails in many ways at what it does not know
         return False
     return True
@@ -255,7 +265,9 @@ def _load(source: str, effects: Sequence[JointEffect]) -> ModuleType:
             if not path.exists():
                 draft = path.with_suffix(f".{os.getpid()}")
                 draft.write_text(source, encoding="utf-8")
-                draft.replace(path)  # at once, so that two programs that start together do not meet half a file
+                draft.replace(
+                    path
+                )  # at once, so that two programs that start together do not meet half a file
         except OSError:
             continue
         spec = importlib.util.spec_from_file_location(name, path)

@@ -65,9 +65,9 @@ class Isolator:
         self._rss, self._ok = np.zeros(count), np.zeros(count, bool)
         masks = np.arange(count)
         sizes = np.diff(bank.ends)
-        self._parameters = sum((masks >> i & 1) * int(s) for i, s in enumerate(sizes))
-        count_effects = sum(masks >> i & 1 for i in range(len(bank)))
-        self._further = np.maximum(count_effects - 1, 0)  # several changes at once are rarer than one
+        members = masks[:, None] >> np.arange(len(bank)) & 1  # (2^N, N)
+        self._parameters = members @ sizes
+        self._further = np.maximum(members.sum(axis=1) - 1, 0)  # several changes at once are rarer than one
         self._masks = masks
 
     def decide(
@@ -121,7 +121,9 @@ class Isolator:
             if self._parameters[m] > self._parameters[best] or not self._is_distinct(int(m)):
                 continue
             rivals.append((int(m), self._theta[m].copy()))
-        return Decision(int(best), self._theta[best].copy(), tuple(rivals[:MOST_RIVALS]), float(np.sqrt(noise2)))
+        return Decision(
+            int(best), self._theta[best].copy(), tuple(rivals[:MOST_RIVALS]), float(np.sqrt(noise2))
+        )
 
     def intervals(self, mask: int, theta: Array, gram: Array, noise: float, independent: float) -> Array:
         """Return the 95 % interval of each parameter of a combination, shape (p, 2)."""

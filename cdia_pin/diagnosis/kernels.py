@@ -21,9 +21,9 @@ import numpy as np
 from numba import njit
 
 # What `JointEffect.columns` reads, here with arrays that run over the joints.
-Signals = namedtuple("Signals", "q v a effort sign time")  # noqa: PYI024  (numba knows no other)
+Signals = namedtuple("Signals", "q v a effort sign time")
 # What `Unknown.columns` reads, here with arrays of shape (K, n) and (n,).
-Neurons = namedtuple("Neurons", "position_centres velocity_centres position_width velocity_width")  # noqa: PYI024
+Neurons = namedtuple("Neurons", "position_centres velocity_centres position_width velocity_width")
 
 # Rows of `joint`, each of shape (n,).
 RESIDUAL, THRESHOLD, REMAINDER, EXCEEDED = 0, 1, 2, 3  # r, its bound, r − ĉᵀy, ticks beyond the bound
@@ -49,16 +49,21 @@ ACTIVATION, ACTIVATED, WEIGHTS = 0, 1, 2  # of the last tick, filtered, learned
 NEURON_ROWS = 3
 
 # Entries of `scalars`.
-TIME, FORGET, REMEMBER, DEBOUNCE, IDLE, FLOOR, LEARNS, CORRECTS = range(8)
-SCALARS = 8
+TIME, FORGET, REMEMBER, DEBOUNCE, IDLE, FLOOR, LEARNS, CORRECTS, DRIVEN, COUNT = range(10)
+SCALARS = 10
+SELDOM = 4  # ticks between two of the neurons, which take more time than all else
 
 ALARM, ABSENT = 1, 2  # what a tick may ask attention for, beside `compiled.BAD`
 RESTING = 5.0  # widths of sgn, below which a joint may rest
-ROUGH = 0.2  # [1], share of a believed fault by which its formula may fail for a moment, as friction at rest does
+ROUGH = (
+    0.2  # [1], share of a believed fault by which its formula may fail for a moment, as friction at rest does
+)
 
 
 @njit(cache=True)
-def advance(joint, columns, gram, absent, mass, phi, interval, ends, q, v, tau, M, nle, a, E, forget, debounce, idle):
+def advance(
+    joint, columns, gram, absent, mass, phi, interval, ends, q, v, tau, M, nle, a, E, forget, debounce, idle
+):
     """Advance all joints by one tick; returns what needs attention."""
     n, P = phi.shape
     asks = 0
@@ -85,7 +90,9 @@ def advance(joint, columns, gram, absent, mass, phi, interval, ends, q, v, tau, 
         joint[REMAINDER, j] = remainder
         explained = abs(r - remainder)
         joint[AMPLITUDE, j] = max(explained, forget * joint[AMPLITUDE, j])
-        joint[MOVING, j] = E[j] * joint[MOVING, j] + (1.0 - E[j] if abs(v[j]) > RESTING * joint[WIDTH, j] else 0.0)
+        joint[MOVING, j] = E[j] * joint[MOVING, j] + (
+            1.0 - E[j] if abs(v[j]) > RESTING * joint[WIDTH, j] else 0.0
+        )
         rough = (ROUGH + 1.0 - joint[MOVING, j]) * joint[AMPLITUDE, j]
         if abs(remainder) > threshold + rough:
             joint[EXCEEDED, j] += 1.0
@@ -133,7 +140,7 @@ def accumulate(gram, y, r, forget):
 
 @njit(cache=True)
 def activate(joint, neurons, activations, E):
-    """Filter the neurons of the joints that learn, before the tick; the last neuron is that of torque."""
+    """Filter the neurons of the joints that learn; the last neuron is that of torque."""
     size, n = len(activations), joint.shape[1]
     for j in range(n):
         if joint[LEARNING, j] == 0.0:

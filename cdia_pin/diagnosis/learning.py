@@ -6,7 +6,7 @@ margin, and never less than a multiple of its RMS: the largest of a minute is no
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -94,7 +94,9 @@ def learn(nominal: Nominal, runs: Sequence[Log], bank: Bank, settings: MonitorSe
     bandwidth = _bandwidth(_bound(residuals, settings), runs, settings)
     if (bandwidth < settings.bandwidth).any():
         residuals = _residuals(nominal, runs, dt, bank, settings, bandwidth)
-        slow = [f"{j} {g:.0f}/s" for j, g in zip(runs[0].joints, bandwidth, strict=True) if g < settings.bandwidth]
+        slow = [
+            f"{j} {g:.0f}/s" for j, g in zip(runs[0].joints, bandwidth, strict=True) if g < settings.bandwidth
+        ]
         notes.append(f"slower filters against sensor noise: {', '.join(slow)}")
     bound = _bound(residuals, settings)
     window = max(1, round(LEVEL_WINDOW / dt))
@@ -104,7 +106,9 @@ def learn(nominal: Nominal, runs: Sequence[Log], bank: Bank, settings: MonitorSe
                       [_extreme(np.min, v), _extreme(np.max, v)]])  # fmt: skip
     level = np.max([_worst_window(r, window) for r in residuals], axis=0)
     memory = np.array([_correlation_time([r[:, j] for r in residuals], dt) for j in range(nominal.robot.n)])
-    return Healthy(nominal, bandwidth, bound, level, np.maximum(memory, 1 / bandwidth), width, reach, tuple(notes))
+    return Healthy(
+        nominal, bandwidth, bound, level, np.maximum(memory, 1 / bandwidth), width, reach, tuple(notes)
+    )
 
 
 def _bound(residuals: Sequence[Array], settings: MonitorSettings) -> Array:
@@ -143,10 +147,14 @@ def _check(nominal: Nominal, runs: Sequence[Log]) -> float:
     robot = nominal.robot
     for run in runs:
         if run.joints != robot.joints:
-            raise LogError(f"{run.source}: joints are {', '.join(run.joints)}; expected {', '.join(robot.joints)}")
+            raise LogError(
+                f"{run.source}: joints are {', '.join(run.joints)}; expected {', '.join(robot.joints)}"
+            )
     total = sum(r.duration for r in runs)
     if total < SHORTEST:
-        raise LogError(f"healthy runs of {total:.2g} s are too short to learn from; give {SHORTEST:g} s or more")
+        raise LogError(
+            f"healthy runs of {total:.2g} s are too short to learn from; give {SHORTEST:g} s or more"
+        )
     rates = [r.rate for r in runs]
     if max(rates) > 1.2 * min(rates):
         raise LogError(f"healthy runs must share one rate, given {min(rates):.0f} to {max(rates):.0f} Hz")
@@ -211,8 +219,8 @@ def _correlation_time(series: Sequence[Array], dt: float) -> float:
     return float(dt * (2 * auto[: negative[0] if len(negative) else len(auto)].sum() - 1))
 
 
-def _extreme(which: type[np.min] | type[np.max], signals: Sequence[Array]) -> Array:  # type: ignore[valid-type]
-    return np.asarray(which([which(s, axis=0) for s in signals], axis=0))  # type: ignore[operator]
+def _extreme(which: Callable[..., Array], signals: Sequence[Array]) -> Array:
+    return np.asarray(which(np.array([which(s, axis=0) for s in signals]), axis=0))
 
 
 def _aligned_velocity(run: Log, dt: float) -> Array:
@@ -245,7 +253,9 @@ def _signals(run: Log, nominal: Nominal, dt: float, delay: float) -> _Signals:
     return _Signals(0.5 * (q[1:] + q[:-1]) + nominal.offset, middle, np.diff(v, axis=0) / dt, tau[1:])
 
 
-def _filter(x: Array, dt: float, settings: MonitorSettings, state: Array | None = None) -> tuple[Array, Array]:
+def _filter(
+    x: Array, dt: float, settings: MonitorSettings, state: Array | None = None
+) -> tuple[Array, Array]:
     """Apply the filter of the residual along time."""
     from scipy.signal import lfilter
 
@@ -285,10 +295,10 @@ def _with_masses(
     regressors, lacking = [], []
     for run, r in zip(runs, residuals, strict=True):
         y = _filtered_regressor(_signals(run, nominal, dt, nominal.delay), robot, dt, settings, every)
-        r = r[::-1][::every][::-1]  # both end at the last sample
-        count = min(len(r), len(y))
+        seldom = r[::-1][::every][::-1]  # both end at the last sample
+        count = min(len(seldom), len(y))
         regressors.append(y[-count:])
-        lacking.append(r[-count:])
+        lacking.append(seldom[-count:])
     Y, r = np.concatenate(regressors), -np.concatenate(lacking)  # bodies too heavy make the residual positive
     prior = 1.0 / _scales(robot) ** 2
     sigma = r.std(axis=0) + 1e-12
@@ -311,7 +321,9 @@ def _with_masses(
     )
 
 
-def _filtered_regressor(x: _Signals, robot: RobotModel, dt: float, settings: MonitorSettings, every: int) -> Array:
+def _filtered_regressor(
+    x: _Signals, robot: RobotModel, dt: float, settings: MonitorSettings, every: int
+) -> Array:
     """Return rows of the filtered regressor, the last at the last sample, shape (K, n, 10 n)."""
     state, out, begin = None, [], (len(x.q) - 1) % every
     chunk = every * 100

@@ -69,9 +69,7 @@ class MomentumEngine:
         self.dt = 1.0 / rate
         nominal = self.healthy.nominal
         unknown = [unknown_of(self.healthy, j, settings.neurons) for j in range(robot.n)]
-        self.observer = Observer(
-            nominal, bank.prototypes, settings, self.dt, unknown, self.healthy.bandwidth
-        )
+        self.observer = Observer(nominal, bank.prototypes, settings, self.dt, unknown, self.healthy.bandwidth)
         self.observer.use_width(self.healthy.sign_width)
         self.observer.joint[self.observer.k.BOUND] = self.healthy.bound
         lower, upper = _bounds(bank, nominal)
@@ -114,7 +112,7 @@ class MomentumEngine:
         if self._offset is not None:
             q = q + self._offset
         gap = then - o.time
-        if not 0 < gap:
+        if not gap > 0:
             return self._bad_data(t, f"time goes from {o.time:.6g} s to {then:.6g} s")
         if gap > GAP * self.dt:
             self._start(then)
@@ -130,10 +128,8 @@ class MomentumEngine:
         return self._status(t, self._attend(t, then, asks))
 
     def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
-        """Return the torque to command in place of a nominal one, within the effort limits, shape (n,)."""
-        if self._corrects:
-            tau = self.observer.correct(tau, v_desired)
-        return np.minimum(np.maximum(tau, -self._limit), self._limit)
+        """Return the torque to command in place of a nominal one, shape (n,)."""
+        return self.observer.correct(tau, v_desired) if self._corrects else tau
 
     @property
     def faults(self) -> tuple[Term, ...]:
@@ -196,7 +192,15 @@ class MomentumEngine:
         """Correct nothing until data have been good for as long as the filters need."""
         event: tuple[Event, ...] = ()
         if not self._bad:
-            event = (Event(t, "accommodation", self.observer.nominal.robot.joints, Verdict.NONE, reason=f"{reason}; nominal control"),)
+            event = (
+                Event(
+                    t,
+                    "accommodation",
+                    self.observer.nominal.robot.joints,
+                    Verdict.NONE,
+                    reason=f"{reason}; nominal control",
+                ),
+            )
             self.events += event
         self._bad = True
         self._quiet_until = np.inf
@@ -206,16 +210,16 @@ class MomentumEngine:
 
     @property
     def _corrects(self) -> bool:
-        return (
-            self.settings.accommodate and bool(self._busy) and self.observer.time >= self._quiet_until
-        )
+        return self.settings.accommodate and bool(self._busy) and self.observer.time >= self._quiet_until
 
     def _status(self, t: float, events: tuple[Event, ...]) -> Status:
         o = self.observer
         correction = self._zero
         if self._corrects:
             correction = np.minimum(np.maximum(o.addition, -self._limit), self._limit)
-        return Status(t, self._stages, o.residual.copy(), o.threshold.copy(), correction, self._faults, events)
+        return Status(
+            t, self._stages, o.residual.copy(), o.threshold.copy(), correction, self._faults, events
+        )
 
 
 def _bounds(bank: Bank, nominal: Nominal) -> tuple[Array, Array]:

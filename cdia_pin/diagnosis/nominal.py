@@ -8,7 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics.dynamics import Dynamics
-from cdia_pin.effects import BaseTilt, EffortDelay, EncoderOffset, JointEffect, LinkInertia, Payload, State, Term
+from cdia_pin.effects import (
+    BaseTilt,
+    EffortDelay,
+    EncoderOffset,
+    JointEffect,
+    LinkInertia,
+    Payload,
+    State,
+    Term,
+)
 from cdia_pin.errors import ModelError
 from cdia_pin.robot.inertia import is_physical
 from cdia_pin.robot.model import RobotModel
@@ -63,7 +72,9 @@ class Nominal:
                 others.append(term)
         if not np.array_equal(pi, robot.inertial_parameters):
             if not all(is_physical(p, 1e-6) for p in pi):
-                raise ModelError("the bodies of the model are not possible; a monitor needs a model that can be")
+                raise ModelError(
+                    "the bodies of the model are not possible; a monitor needs a model that can be"
+                )
             robot = robot.with_inertial_parameters(pi)
         if not np.array_equal(g, robot.gravity_vector):
             robot = robot.with_gravity(g)

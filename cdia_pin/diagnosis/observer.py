@@ -66,13 +66,17 @@ class Observer:
             np.transpose([u.velocity_centres for u in unknown]),
         ]
         views["widths"][:] = [[u.position_width for u in unknown], [u.velocity_width for u in unknown]]
-        self._smooth = np.repeat([e.of_acceleration for e in self.effects], [e.size for e in self.effects]).astype(bool)
+        sizes = [e.size for e in self.effects]
+        self._smooth = np.repeat([e.of_acceleration for e in self.effects], sizes).astype(bool)
+        self._driven = np.repeat([e.of_torque and not e.of_acceleration for e in self.effects], sizes).astype(
+            bool
+        )
         self.columns[kernels.PRESENT] = 1.0
         self.joint[kernels.BANDWIDTH] = settings.bandwidth if bandwidth is None else bandwidth
         self.joint[kernels.BOUND] = np.inf
         self.idle_ticks = max(1.0, settings.gone_after / dt)
         self._scalars[kernels.FORGET] = np.exp(-dt / settings.memory)
-        self._scalars[kernels.REMEMBER] = np.exp(-dt / (LASTING * settings.memory))
+        self._scalars[kernels.REMEMBER] = np.exp(-dt * kernels.SELDOM / (LASTING * settings.memory))
         self._scalars[kernels.DEBOUNCE] = settings.debounce
         self._scalars[kernels.IDLE] = self.idle_ticks
         self._scalars[kernels.FLOOR] = settings.gain_floor
@@ -96,12 +100,23 @@ class Observer:
     def reset(self) -> None:
         """Forget the past, keeping bounds and beliefs; the next tick starts the filters."""
         k = self.k
-        past = [k.RESIDUAL, k.THRESHOLD, k.REMAINDER, k.EXCEEDED, k.LEARNED, k.AMPLITUDE, k.MOVING, k.ADDITION, k.WEIGHT]
+        past = [
+            k.RESIDUAL,
+            k.THRESHOLD,
+            k.REMAINDER,
+            k.EXCEEDED,
+            k.LEARNED,
+            k.AMPLITUDE,
+            k.MOVING,
+            k.ADDITION,
+            k.WEIGHT,
+        ]
         self.joint[past] = 0.0
         self.columns[[k.PHI, k.FILTERED]] = 0.0
         self.gram[:] = 0.0
         self.absent[:] = 0.0
         self.neurons[[k.ACTIVATION, k.ACTIVATED]] = 0.0
+        self._scalars[k.COUNT] = 0.0  # of ticks: which of them look at the neurons
         self.time = -np.inf
 
     def step(self, t: float, q: Array, v: Array, tau: Array) -> int:
@@ -160,6 +175,7 @@ class Observer:
         self.believed[j] = 0.0
         self.believed[j, : len(theta)] = theta
         self.inertial = bool(self.believed[:, self._smooth].any())
+        self._scalars[self.k.DRIVEN] = float(self.believed[:, self._driven].any())
 
     def use_width(self, width: Array) -> None:
         """Set the speed over which sgn is smoothed [rad/s or m/s], shape (n,)."""

@@ -1,4 +1,4 @@
-"""Where a fault is present: the region P_j of its profile, learned from where it was seen and where not ([Thesis] 2.2.2)."""
+"""Where a fault is present: the region P_j of its profile, learned from where it was seen ([Thesis] 2.2.2)."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ class Event:
         }
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)  # one is made at every tick: frozen, it would take four times as long
 class Status:
     """What a monitor says after a tick; arrays are in the order of the robot's joints, shape (n,).
 

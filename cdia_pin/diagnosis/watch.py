@@ -78,13 +78,14 @@ class JointWatch:
         self.unknown = unknown
         self.level = float(healthy.level[j])
         self.independent = float(healthy.memory[j]) / observer.dt  # ticks
+        self._forget()
+
+    def _forget(self) -> None:
         self.profiles: dict[int, Profile] = {
             i: on_joint(p, self.name) for i, p in enumerate(self.bank.profiles) if p.kind != "always"
         }
         self.regions: dict[int, RegionLearner] = {}
-        self._forget()
-
-    def _forget(self) -> None:
+        self.observer.columns[self.observer.k.PRESENT, self.j] = 1.0
         self.stage = Stage.HEALTHY
         self.verdict = Verdict.NONE
         self.mask = 0  # effects believed in
@@ -103,7 +104,6 @@ class JointWatch:
     def reset(self) -> None:
         """Return to healthy, believing nothing."""
         self._forget()
-        self.regions.clear()
         self._believe()
         self.observer.stop_learning(self.j)
         self.observer.end_decision(self.j)
@@ -171,8 +171,10 @@ class JointWatch:
         self._votes.clear()
         return []
 
-    def _look_afresh(self, t: float) -> list[Event]:
-        """Leave out what was seen before a belief failed: something else may have begun then."""
+    def _nothing_known(self, t: float) -> list[Event]:
+        """Leave out what was seen before a belief failed, for something else may have begun then; else it is unknown."""
+        if not self._mixed:
+            return self._commit_unknown(t) if t - self.since >= self.settings.unknown_after else []
         self.observer.restart_decision(self.j)
         self._mixed, self.since = False, t
         self._votes.clear()
@@ -194,8 +196,10 @@ class JointWatch:
         if self.observer.joint[self.observer.k.EXCEEDED, self.j] >= self.settings.debounce:
             self.last_alarm = t
         self._watch_regions()
+        if self._doubted < np.inf:
+            return self._settle_doubt(t)
         if self.stage is Stage.DETECTED:
-            return self._isolate(t)
+            return self._isolate(t) if self._has_seen_enough() else []
         if self.stage in (Stage.ACCOMMODATED, Stage.ISOLATED):
             return self._follow(t)
         return []
@@ -214,13 +218,8 @@ class JointWatch:
         )
 
     def _isolate(self, t: float) -> list[Event]:
-        if self._doubted < np.inf:
-            return self._settle_doubt(t)
         if self._recall():
             return self._commit(t, self.mask, Verdict.UNIQUE, "as it was before")
-        o = self.observer
-        if o.joint[o.k.WEIGHT, self.j] < min(ENOUGH * self.independent, MOST_WAITED * self.settings.memory / o.dt):
-            return []
         decision = self._decide(required=self.mask)
         if decision.mask is None and self.mask:
             decision = self._decide()
@@ -230,16 +229,20 @@ class JointWatch:
             return []
         if decision.mask == 0:
             return self._dismiss(t) if t - self.last_alarm > CALM else []
-        if decision.mask is None and self._mixed:
-            return self._look_afresh(t)
         if decision.mask is None:
-            return self._commit_unknown(t) if waited >= self.settings.unknown_after else []
+            return self._nothing_known(t)
         clear = not any(ambiguous for _, ambiguous in self._votes)
         if not clear and waited < self.settings.ambiguous_after:
             return []
         self.theta, self.rivals = decision.theta, decision.rivals
         self._interval(decision)
         return self._commit(t, decision.mask, Verdict.UNIQUE if not decision.rivals else Verdict.AMBIGUOUS)
+
+    def _has_seen_enough(self) -> bool:
+        """Tell whether there are samples enough to decide, or to remember a fault by."""
+        o = self.observer
+        enough = min(ENOUGH * self.independent, MOST_WAITED * self.settings.memory / o.dt)
+        return bool(self.memories) or o.joint[o.k.WEIGHT, self.j] >= enough
 
     def _agreed(self) -> bool:
         return len(self._votes) == self._votes.maxlen and len({key for key, _ in self._votes}) == 1
@@ -306,7 +309,9 @@ class JointWatch:
     def _interval(self, decision: Decision) -> None:
         if decision.mask:
             gram = self.observer.gram[self.j]
-            self.ci95 = self.isolator.intervals(decision.mask, decision.theta, gram, decision.noise, self.independent)
+            self.ci95 = self.isolator.intervals(
+                decision.mask, decision.theta, gram, decision.noise, self.independent
+            )
 
     def _forget_neurons(self) -> None:
         """Believe no unknown fault; what its neurons have seen stays, in case that nothing known holds."""
@@ -344,7 +349,11 @@ class JointWatch:
         self.since, self._doubted = t, np.inf
         if not self.mask:
             self._rest()
-        return [Event(t, "idle", (self.name,), Verdict.NONE, faults, reason=f"gone; remembered, in case it returns")]
+        return [
+            Event(
+                t, "idle", (self.name,), Verdict.NONE, faults, reason="gone; remembered, in case it returns"
+            )
+        ]
 
     def _gate(self, t: float, effects: list[int]) -> list[Event]:
         """Keep effects that come and go with the motion, present from now on only in the region that was learned."""
@@ -359,7 +368,16 @@ class JointWatch:
         self._doubted = np.inf
         self.stage = Stage.ACCOMMODATED if self.settings.accommodate else Stage.ISOLATED
         self.since = t
-        return [Event(t, "idle", (self.name,), self.verdict, self.faults, reason="present only in a region of the motion")]
+        return [
+            Event(
+                t,
+                "idle",
+                (self.name,),
+                self.verdict,
+                self.faults,
+                reason="present only in a region of the motion",
+            )
+        ]
 
     def _rest(self) -> None:
         self.stage = Stage.IDLE if self.memories or self._was_unknown else Stage.HEALTHY
@@ -450,7 +468,9 @@ class JointWatch:
         terms, at = [], 0
         for i in self.isolator.members(mask):
             effect = self.bank.effect(i, self.name)
-            interval = None if ci95 is None else tuple((float(a), float(b)) for a, b in ci95[at : at + effect.size])
+            interval = (
+                None if ci95 is None else tuple((float(a), float(b)) for a, b in ci95[at : at + effect.size])
+            )
             at += effect.size
             term = Term(effect, tuple(theta[self.bank.span(i)]), ci95=interval)
             region = self.profiles.get(i) or (self.regions[i].region if i in self.regions else None)

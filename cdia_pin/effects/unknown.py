@@ -65,7 +65,7 @@ class Unknown(JointEffect):
         """Return the activation of each neuron and the torque."""
         at_q = [np.exp(-(((x.q - c) / self.position_width) ** 2)) for c in self.position_centres]
         at_v = [np.exp(-(((x.v - c) / self.velocity_width) ** 2)) for c in self.velocity_centres]
-        return at_q + at_v + [x.effort]  # noqa: RUF005  (numba compiles it, and knows no other way)
+        return at_q + at_v + [x.effort]
 
     def fitted_to(self, x: State, neurons: int = 7) -> Self:
         """Return the effect with its neurons, two or more of each kind, spread over the motion."""

@@ -12,7 +12,7 @@ from scipy import special
 
 from cdia_pin.diagnosis import MonitorSettings
 from cdia_pin.diagnosis.bank import prototype
-from cdia_pin.diagnosis.compiled import compile_bank, python_columns
+from cdia_pin.diagnosis.compiled import BAD, compile_bank, layout, python_columns
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.observer import Observer
 from cdia_pin.dynamics import Dynamics
@@ -87,18 +87,9 @@ def effects() -> list[JointEffect]:
     ]
 
 
-# The generated tick gives Signals(q, v, a, tau, sign, q): the time is the position.
-POSITION = pytest.mark.xfail(
-    strict=True, reason="a compiled effect that reads the time is given the position"
-)
-# Observer.step evaluates in Python before it has noted the time of the tick.
-LATE = pytest.mark.xfail(strict=True, reason="an effect in Python is given the time of the tick before")
-MARKS = {"drift": POSITION, "rounded": LATE, "a*t": LATE}
-
-
 def asked() -> list:
     names = [getattr(e, "text", e.name) for e in effects()]
-    return [pytest.param(i, marks=MARKS.get(name, ()), id=name) for i, name in enumerate(names)]
+    return [pytest.param(i, id=name) for i, name in enumerate(names)]
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +100,7 @@ def ticked() -> tuple[Observer, dict]:
     v = np.zeros(ROBOT.n)
     for k in range(5):
         before, (q, v, tau) = v, rng.uniform(-1, 1, (3, ROBOT.n))
-        assert not observer.step(k * DT, q, v, tau) & observer.k.BAD
+        assert not observer.step(k * DT, q, v, tau) & BAD
     return observer, {"q": q, "v": v, "a": (v - before) / DT, "effort": tau, "time": 4 * DT}
 
 
@@ -125,7 +116,8 @@ def test_compiled_columns_are_those_of_the_effect(ticked, i: int) -> None:
 
 def test_only_what_numba_does_not_understand_is_evaluated_in_python() -> None:
     given = effects()
-    assert [given[i].name for i in compile_bank(given).in_python] == ["rounded", "expression", "expression"]
+    compiled = compile_bank(given, layout(ROBOT.n, given, 3))
+    assert [given[i].name for i in compiled.in_python] == ["rounded", "expression", "expression"]
 
 
 def columns_of(effect: JointEffect, time: float = 3.0, q: float = 0.5) -> np.ndarray:
@@ -136,10 +128,6 @@ def columns_of(effect: JointEffect, time: float = 3.0, q: float = 0.5) -> np.nda
     return observer.columns[observer.k.PHI].copy()
 
 
-# compiled._tried catches NumbaError, which numba's UnsupportedBytecodeError is not
-@pytest.mark.xfail(
-    strict=True, reason="numba's UnsupportedBytecodeError is not caught: a monitor cannot be made"
-)
 def test_an_effect_that_numba_cannot_even_read_is_evaluated_in_python() -> None:
     np.testing.assert_allclose(columns_of(Table(JOINT)), 1.5)
 
@@ -161,10 +149,6 @@ class Mine(JointEffect):
 '''
 
 
-# compiled._fingerprint reads the source of cdia_pin.effects only
-@pytest.mark.xfail(
-    strict=True, reason="a user's own module is no part of the fingerprint: the old code is cached"
-)
 def test_an_effect_that_its_author_changes_is_compiled_anew(tmp_path, monkeypatch) -> None:
     """A user edits the formula and starts again: what is cached belongs to the old one."""
     monkeypatch.syspath_prepend(str(tmp_path))

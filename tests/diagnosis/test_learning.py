@@ -61,11 +61,6 @@ def test_a_delay_of_the_torque_loop_is_found_within_half_a_tick(sensors) -> None
     assert any("after their signal" in note for note in healthy.notes)
 
 
-# learning._delay asks for a fifth less of the residual, most of which are the wrong masses: the least is at 5 ms,
-# with 99.2 % of it, and with 72 % once masses have been corrected.
-@pytest.mark.xfail(
-    strict=True, reason="beside errors of the masses a delay is not believed, though it fits best"
-)
 def test_a_delay_is_found_beside_larger_errors_of_the_masses() -> None:
     run = healthy_run(0, arm="panda", duration=20.0, drives=Drives(delay=0.005))
     robot = load_robot("panda")

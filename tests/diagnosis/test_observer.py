@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cdia_pin.diagnosis import Bank, MonitorSettings
+from cdia_pin.diagnosis.compiled import BAD
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.observer import Observer
 from cdia_pin.dynamics import Dynamics
@@ -70,7 +71,7 @@ def test_a_sample_that_is_not_finite_changes_nothing() -> None:
     before = o.joint.copy(), o.columns.copy()
     bad = still.copy()
     bad[2] = np.nan
-    assert o.step(5 * DT, POSTURE, bad, still) & o.k.BAD
+    assert o.step(5 * DT, POSTURE, bad, still) & BAD
     np.testing.assert_array_equal(o.joint, before[0])
     np.testing.assert_array_equal(o.columns, before[1])
 
@@ -202,7 +203,9 @@ def test_a_weak_drive_is_asked_for_more_but_not_without_end(gain: float, divisor
     held = ROBOT.nonlinear_effects(POSTURE, still)
     for k in range(3):
         o.step(k * DT, POSTURE, still, held)
-    o.believed[3, BANK.span(BANK.names.index("actuator_gain"))] = gain
+    theta = np.zeros(BANK.width)
+    theta[BANK.span(BANK.names.index("actuator_gain"))] = gain
+    o.believe(3, theta)
     tau = np.arange(1.0, ROBOT.n + 1)
     expected = tau - o.remainder
     expected[3] /= divisor
