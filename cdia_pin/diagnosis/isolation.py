@@ -9,7 +9,6 @@ answer; if it does not lead by enough, the answer is ambiguous; if none is possi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -140,7 +139,7 @@ class Isolator:
         """Return the effects of a combination."""
         return [i for i in range(len(self.bank)) if mask >> i & 1]
 
-    def _first_distinct(self, order: Sequence[int], score: Array) -> int:
+    def _first_distinct(self, order: NDArray[np.int64], score: Array) -> int:
         for m in order:
             if not np.isfinite(score[m]):
                 break

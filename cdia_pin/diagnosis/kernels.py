@@ -1,4 +1,4 @@
-r"""The arithmetic of a tick, compiled: momentum residual, filtered columns, threshold, alarms, normal equations.
+r"""The arithmetic of a tick, compiled: residual, filtered columns, threshold, alarms, normal equations.
 
 Discretised exactly for a torque held over the tick, E = exp(−γΔ), with a γ for each joint:
 
@@ -9,7 +9,7 @@ Discretised exactly for a torque held over the tick, E = exp(−γΔ), with a γ
 with φ̄ the mean of both ends, or for effects of torque and acceleration the value over the interval.
 Then r_j = c_jᵀ y_j + filtered η_j: joints do not mix.
 
-All state is in one array that the caller owns, see `compiled`. Only this file and what is generated beside it need numba;
+All state is in one array that the caller owns, see `compiled`. Only this file and what is generated need numba;
 it is imported when a monitor is first made.
 """
 
@@ -36,8 +36,10 @@ AMPLITUDE = 14  # largest explained torque of late
 MUTED = 16  # does nobody want to hear of an alarm?
 POSITION, BANDWIDTH, ADDITION = 17, 18, 19  # q of the last tick, γ, what to add to a nominal torque
 SOFT = 20  # speed over which sgn is smoothed where friction is compensated
+REST = 21  # speed below which a joint may rest, and dry friction be anything
+KNOWN_AMPLITUDE = 22  # largest torque of the model's own terms of late
 MOVING = 15  # share of the filter's memory in which the joint moved: at rest dry friction can be anything
-JOINT_ROWS = 21
+JOINT_ROWS = 23
 
 # Rows of `columns`, each of shape (n, P).
 PHI, FILTERED, BELIEVED, KNOWN = 0, 1, 2, 3  # φ of the last tick, y, ĉ, θ of the model's own terms
@@ -54,7 +56,6 @@ SCALARS = 10
 SELDOM = 4  # ticks between two of the neurons, which take more time than all else
 
 ALARM, ABSENT = 1, 2  # what a tick may ask attention for, beside `compiled.BAD`
-RESTING = 5.0  # widths of sgn, below which a joint may rest
 ROUGH = (
     0.2  # [1], share of a believed fault by which its formula may fail for a moment, as friction at rest does
 )
@@ -74,13 +75,16 @@ def advance(
         load = inertial + 0.5 * (nle[j] + joint[NLE, j])
         lacking = load - tau[j] - joint[OUTSIDE, j]
         explained = 0.0
+        own = 0.0
         for k in range(P):
             mean = phi[j, k] if interval[k] else 0.5 * (phi[j, k] + columns[PHI, j, k])
             columns[PHI, j, k] = phi[j, k]
-            lacking -= columns[KNOWN, j, k] * mean
+            own += columns[KNOWN, j, k] * mean
             y = E[j] * columns[FILTERED, j, k] + (1.0 - E[j]) * mean * columns[PRESENT, j, k]
             columns[FILTERED, j, k] = y
             explained += columns[BELIEVED, j, k] * y
+        lacking -= own
+        joint[KNOWN_AMPLITUDE, j] = max(abs(own), forget * joint[KNOWN_AMPLITUDE, j])
         r = E[j] * joint[RESIDUAL, j] + (1.0 - E[j]) * lacking
         joint[RESIDUAL, j] = r
         bound = joint[BOUND, j] + joint[SLOPE, j] * abs(load)
@@ -90,10 +94,9 @@ def advance(
         joint[REMAINDER, j] = remainder
         explained = abs(r - remainder)
         joint[AMPLITUDE, j] = max(explained, forget * joint[AMPLITUDE, j])
-        joint[MOVING, j] = E[j] * joint[MOVING, j] + (
-            1.0 - E[j] if abs(v[j]) > RESTING * joint[WIDTH, j] else 0.0
-        )
-        rough = (ROUGH + 1.0 - joint[MOVING, j]) * joint[AMPLITUDE, j]
+        joint[MOVING, j] = E[j] * joint[MOVING, j] + (1.0 - E[j] if abs(v[j]) > joint[REST, j] else 0.0)
+        resting = 1.0 - joint[MOVING, j]
+        rough = (ROUGH + resting) * joint[AMPLITUDE, j] + resting * joint[KNOWN_AMPLITUDE, j]
         if abs(remainder) > threshold + rough:
             joint[EXCEEDED, j] += 1.0
             if joint[EXCEEDED, j] >= debounce and joint[MUTED, j] == 0.0:

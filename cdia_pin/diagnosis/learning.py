@@ -29,6 +29,7 @@ SURPRISING = 0.05  # [1], error of an inertial parameter that would surprise nob
 REACH = 0.1  # [m], least scale of a link's size
 ROWS_PER_SECOND = 100  # of the regression of the masses
 PASSES = 3  # of its weights
+TURNS = 5  # between masses and delay
 SETTLE = 5.0  # time constants of the filter before a run counts
 SHORTEST = 2.0  # [s], of all healthy runs together
 ASSUMED_MEMORY = 0.1  # [s], correlation time of a healthy residual where it was not measured
@@ -76,16 +77,19 @@ def learn(nominal: Nominal, runs: Sequence[Log], bank: Bank, settings: MonitorSe
     dt = _check(nominal, runs)
     notes, given = [], nominal
     # Masses and delay hide each other: a better guess of the one shows the other.
-    for _ in range(2):
+    for _ in range(TURNS):
+        before = nominal.delay
         if settings.calibrate:
-            nominal = _with_masses(replace(given, delay=nominal.delay), runs, dt, bank, settings)
+            nominal = _with_masses(replace(given, delay=before), runs, dt, bank, settings)
         nominal = replace(nominal, delay=_delay(nominal, runs, dt, settings))
+        if nominal.delay == before:
+            break
     if nominal.delay != given.delay:
         notes.append(f"torques act {1e3 * nominal.delay:.1f} ms after their signal")
     if settings.calibrate:
         plain = replace(given, delay=nominal.delay)
-        before, after = (_pooled(_residuals(x, runs, dt, bank, settings)) for x in (plain, nominal))
-        share = float(np.mean(after / before))
+        stated, after = (_pooled(_residuals(x, runs, dt, bank, settings)) for x in (plain, nominal))
+        share = float(np.mean(after / stated))
         if share > WORTH:
             nominal = plain
         else:
@@ -261,7 +265,7 @@ def _filter(
 
     E = np.exp(-settings.bandwidth * dt)
     zi = np.zeros((1, *x.shape[1:])) if state is None else state
-    return lfilter([1 - E], [1, -E], x, axis=0, zi=zi)  # type: ignore[no-any-return]
+    return lfilter([1 - E], [1, -E], x, axis=0, zi=zi)
 
 
 def _delay(nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSettings) -> float:

@@ -71,6 +71,8 @@ class MomentumEngine:
         unknown = [unknown_of(self.healthy, j, settings.neurons) for j in range(robot.n)]
         self.observer = Observer(nominal, bank.prototypes, settings, self.dt, unknown, self.healthy.bandwidth)
         self.observer.use_width(self.healthy.sign_width)
+        if healthy:
+            self.observer.use_speed(np.abs(self.healthy.reach[1]).max(axis=0))
         self.observer.joint[self.observer.k.BOUND] = self.healthy.bound
         lower, upper = _bounds(bank, nominal)
         isolator = Isolator(bank, lower, upper, settings)

@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 
 FORGOTTEN = 4.0  # time constants of the filter after which a step is in the past
 LASTING = 5.0  # times as long as a decision remembers, what is unknown is learned from
+RESTING = 5.0  # widths of sgn, below which a joint may rest
+CREEPING = 0.03  # [1], share of a joint's largest speed below which it may rest
 NARROWEST = 1e-3  # [rad/s or m/s], over which sgn is smoothed where velocities have no noise
 
 
@@ -174,13 +176,26 @@ class Observer:
         """Set the parameters of the faults believed in on a joint, zero for the others, shape (p,), p ≤ P."""
         self.believed[j] = 0.0
         self.believed[j, : len(theta)] = theta
+        self.refresh(j)
         self.inertial = bool(self.believed[:, self._smooth].any())
         self._scalars[self.k.DRIVEN] = float(self.believed[:, self._driven].any())
+
+    def refresh(self, j: int) -> None:
+        """Work out anew what is left of a joint's residual, after a belief or the weights of neurons have changed."""
+        k = self.k
+        learned = self.neurons[k.WEIGHTS, j] @ self.neurons[k.ACTIVATED, j]
+        self.joint[k.LEARNED, j] = learned
+        self.remainder[j] = self.residual[j] - self.believed[j] @ self.filtered[j] - learned
 
     def use_width(self, width: Array) -> None:
         """Set the speed over which sgn is smoothed [rad/s or m/s], shape (n,)."""
         self.joint[self.k.WIDTH] = np.maximum(width, NARROWEST)
         self.joint[self.k.SOFT] = np.maximum(self.settings.soft_sign, self.joint[self.k.WIDTH])
+        self.joint[self.k.REST] = RESTING * self.joint[self.k.WIDTH]
+
+    def use_speed(self, fastest: Array) -> None:
+        """Set the largest speed of each joint [rad/s or m/s], shape (n,): what is slow beside it may be at rest."""
+        self.joint[self.k.REST] = np.maximum(RESTING * self.joint[self.k.WIDTH], CREEPING * fastest)
 
     def restart_decision(self, j: int) -> None:
         """Begin the normal equations of a joint anew, once the filter has forgotten how the fault came in."""

@@ -51,7 +51,7 @@ class MonitorSettings:
     decide_every: float = 0.05
     votes: int = 10
     tolerance: float = 1.5
-    mismatch: float = 0.015
+    mismatch: float = 0.02
     price: float = 3.0
     lead: float = 3.0
     most_effects: int = 3

@@ -172,7 +172,7 @@ class JointWatch:
         return []
 
     def _nothing_known(self, t: float) -> list[Event]:
-        """Leave out what was seen before a belief failed, for something else may have begun then; else it is unknown."""
+        """Leave out what was seen before a belief failed: something else may have begun then. Else it is unknown."""
         if not self._mixed:
             return self._commit_unknown(t) if t - self.since >= self.settings.unknown_after else []
         self.observer.restart_decision(self.j)
@@ -316,10 +316,12 @@ class JointWatch:
     def _forget_neurons(self) -> None:
         """Believe no unknown fault; what its neurons have seen stays, in case that nothing known holds."""
         self.observer.neurons[self.observer.k.WEIGHTS, self.j] = 0.0
+        self.observer.refresh(self.j)
 
     def _approximate(self) -> None:
         o = self.observer
         o.neurons[o.k.WEIGHTS, self.j] = weights(o.neuron_gram[self.j])
+        o.refresh(self.j)
 
     # ------------------------------------------------------------- idle monitoring
 

@@ -26,8 +26,8 @@ BANK = Bank.of(ROBOT, ["coulomb_friction", "viscous_friction"])
 DT = 1e-3
 
 
-def healthy_run(motion: int, duration: float = 12.0, **plant) -> Log:
-    arm = OnlinePlant("ur5", seed=1, **plant)
+def healthy_run(motion: int, duration: float = 12.0, robot: str = "ur5", **plant) -> Log:
+    arm = OnlinePlant(robot, seed=1, **plant)
     return log_of(
         arm.run(NominalControl(arm.robot), arm.reference(duration=duration, seed=motion), (), duration)
     )
@@ -62,7 +62,7 @@ def test_a_delay_of_the_torque_loop_is_found_within_half_a_tick(sensors) -> None
 
 
 def test_a_delay_is_found_beside_larger_errors_of_the_masses() -> None:
-    run = healthy_run(0, arm="panda", duration=20.0, drives=Drives(delay=0.005))
+    run = healthy_run(0, robot="panda", duration=20.0, drives=Drives(delay=0.005))
     robot = load_robot("panda")
     bank = Bank.of(robot, ["coulomb_friction", "viscous_friction"])
     healthy = learn(Nominal.of(Dynamics(robot)), [run], bank, MonitorSettings())
