@@ -81,7 +81,7 @@ def learn(nominal: Nominal, runs: Sequence[Log], bank: Bank, settings: MonitorSe
         before = nominal.delay
         if settings.calibrate:
             nominal = _with_masses(replace(given, delay=before), runs, dt, bank, settings)
-        nominal = replace(nominal, delay=_delay(nominal, runs, dt, settings))
+        nominal = replace(nominal, delay=_delay(nominal, runs, dt, settings, given.delay))
         if nominal.delay == before:
             break
     if nominal.delay != given.delay:
@@ -268,12 +268,14 @@ def _filter(
     return lfilter([1 - E], [1, -E], x, axis=0, zi=zi)
 
 
-def _delay(nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSettings) -> float:
-    """Return the delay that leaves least, in half ticks; the model's own where none is clearly better."""
+def _delay(
+    nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSettings, stated: float
+) -> float:
+    """Return the delay that leaves least, in half ticks; the stated one where none is clearly better."""
     run = max(runs, key=lambda r: r.duration)
     run = run.slice(0, min(len(run.time), round(60.0 / dt)))
-    candidates = sorted({nominal.delay, *(0.5 * dt * i for i in range(int(2 * DELAYS / dt) + 1))})
-    first = candidates.index(nominal.delay)
+    candidates = sorted({stated, *(0.5 * dt * i for i in range(int(2 * DELAYS / dt) + 1))})
+    first = candidates.index(stated)
     settle = round(SETTLE / settings.bandwidth / dt)
     left = []
     x = _signals(run, nominal, dt, nominal.delay)
@@ -286,7 +288,7 @@ def _delay(nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSe
         r, _ = _filter(known - tau, dt, settings)
         left.append(float(np.mean((r[settle:].std(axis=0) / scale) ** 2)))
     best = int(np.argmin(left))
-    return candidates[best] if left[best] < WORTH * left[first] else nominal.delay
+    return candidates[best] if left[best] < WORTH * left[first] else stated
 
 
 def _with_masses(
