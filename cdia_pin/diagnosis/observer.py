@@ -1,4 +1,4 @@
-"""The momentum observer: state of the filters of all joints, advanced by one compiled call a tick."""
+"""The momentum observer [DeLuca2005]: the filters of all joints, advanced by one compiled call a tick."""
 
 from __future__ import annotations
 
