@@ -9,7 +9,7 @@ from cdia_pin.campaigns.closed_loop import ClosedLoop
 from cdia_pin.effects import parse_term
 
 robot = load_robot("ur5")
-loop = ClosedLoop(Dynamics(robot))  # the plant's inertias differ by up to 3 % from the model's, sensors are noisy
+loop = ClosedLoop(Dynamics(robot))  # noisy sensors, and inertias up to 3 % beside the model's
 fault = parse_term("coulomb_friction@elbow_joint: level=5, after=4", robot)
 motion = loop.motion(0, duration=15.0)
 

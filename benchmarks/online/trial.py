@@ -119,7 +119,10 @@ def run_case(case: Case, settings: MonitorSettings | None = None, minutes: int =
     b = bench(case.robot, ALL_EFFECTS if beyond else EFFECTS, case.conditions, settings, minutes)
     nominal = NominalControl(b.plant.robot)
     loop = Loop(b.monitor, nominal)
-    run = case.run(b.plant, loop)
+    try:
+        run = case.run(b.plant, loop)
+    except FloatingPointError:
+        return _ran_away(case, b, _left_alone(case, b.plant, nominal))
     events = b.monitor.events
     residual = None if run.v_measured is None else baseline.residual(b.plant.robot, run)
     healthy = case.run(b.plant, nominal, healthy=True) if case.faults else None
@@ -146,6 +149,49 @@ def run_case(case: Case, settings: MonitorSettings | None = None, minutes: int =
         joints=joints,
         drop=drop,
         again=again,
+        said=tuple(_in_words(e) for e in events if e.stage != "accommodation"),
+    )
+
+
+def _ran_away(case: Case, b: Bench, alone: OnlineRun | None) -> Outcome:
+    """Return what came of an arm that its drives could not hold, in spite of the monitor."""
+    events, joints = b.monitor.events, []
+    for joint in dict.fromkeys(f.joint for f in case.faults if f.joint):
+        since = min(f.after for f in case.faults if f.joint == joint)
+        detected_at = metrics.detection_time(events, joint, since)
+        joints.append(
+            JointOutcome(
+                joint=joint,
+                detected=bool(np.isfinite(detected_at)),
+                delay=np.nan,
+                since_begin=detected_at - since,
+                plain_delay=np.nan,
+                plain_since_begin=np.nan,
+                verdict="the arm ran away",
+                named=(),
+                right=False,
+                unique=False,
+                holds=False,
+                tracking=np.inf,
+                against_none=1.0 if alone is None else np.inf,
+                recovered=np.nan,
+                learned=np.nan,
+                region="",
+            )
+        )
+    return Outcome(
+        id=case.id,
+        suite=case.suite,
+        robot=case.robot,
+        conditions=case.conditions,
+        share=case.share,
+        effects=tuple(dict.fromkeys(str(f) for f in case.faults)),
+        minutes=case.duration / 60.0,
+        false_alarms=0,
+        plain_false_alarms=0,
+        joints=tuple(joints),
+        drop=np.nan,
+        again=np.nan,
         said=tuple(_in_words(e) for e in events if e.stage != "accommodation"),
     )
 
