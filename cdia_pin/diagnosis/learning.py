@@ -31,6 +31,7 @@ ROWS_PER_SECOND = 100  # of the regression of the masses
 PASSES = 3  # of its weights
 TURNS = 5  # between masses and delay
 SETTLE = 5.0  # time constants of the filter before a run counts
+ENOUGH = 20.0  # [s], of all healthy runs together, below which a note is made
 SHORTEST = 2.0  # [s], of all healthy runs together
 ASSUMED_MEMORY = 0.1  # [s], correlation time of a healthy residual where it was not measured
 ASSUMED_WIDTH = 0.005  # [rad/s or m/s], smoothing of sgn where noise was not measured
@@ -76,6 +77,11 @@ def learn(nominal: Nominal, runs: Sequence[Log], bank: Bank, settings: MonitorSe
     """
     dt = _check(nominal, runs)
     notes, given = [], nominal
+    if (seconds := sum(run.duration for run in runs)) < ENOUGH:
+        notes.append(
+            f"only {seconds:.0f} s of healthy motion: thresholds may be too low for motions that were not seen; "
+            f"{ENOUGH:.0f} s or more are better"
+        )
     # Masses and delay hide each other: a better guess of the one shows the other.
     for _ in range(TURNS):
         before = nominal.delay
