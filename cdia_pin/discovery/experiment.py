@@ -85,9 +85,9 @@ class Experiment:
                 raise LogError(f"the log's joints {motion.joints} are not the robot's {robot.joints}")
         width = np.max([_sign_width(m) for m in motions], axis=0)
         segments, moving, nearness = [], [], []
-        for motion in motions:
+        for motion, name in zip(motions, _names(motions), strict=True):
             zero = np.zeros_like(motion.q)
-            state = State(robot, motion.q, motion.v, motion.a, zero, motion.time, width)
+            state = State(robot, motion.q, motion.v, motion.a, zero, motion.time, width, name)
             measured = motion.compared(motion.effort)
             if len(measured) < 40:
                 raise LogError(
@@ -113,6 +113,11 @@ class Experiment:
     def informative(self) -> NDArray[np.bool_]:
         """Which samples count: those of moving joints in motion, all of resting joints, shape (K, n)."""
         return self.moving | self.resting
+
+    @property
+    def logs(self) -> tuple[str, ...]:
+        """Names of the logs or conditions, each once."""
+        return tuple(dict.fromkeys(s.state.log for s in self.segments))
 
     @property
     def lengths(self) -> list[int]:
@@ -172,6 +177,19 @@ def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:
     """Return the root mean square of each joint's signal over the samples that count, shape (n,)."""
     count = np.maximum(informative.sum(axis=0), 1)
     return np.sqrt(np.sum(np.where(informative, signal, 0.0) ** 2, axis=0) / count)
+
+
+def _names(motions: Sequence[Motion]) -> list[str]:
+    """Return each log's condition, or its own name; a name that is not the first of its kind is numbered."""
+    out: list[str] = []
+    for motion in motions:
+        name = given = motion.record["source"]
+        count = 1
+        while not motion.record["condition"] and name in out:
+            count += 1
+            name = f"{given} ({count})"
+        out.append(motion.record["condition"] or name)
+    return out
 
 
 def _sign_width(motion: Motion) -> Array:

@@ -183,6 +183,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             **asdict(settings),
             "cutoff": cutoff,
             "source": log.source,
+            "condition": log.condition,
             "sha256": log.sha256,
             "log_rate": rate,
             "motion_rate": rate / every,
