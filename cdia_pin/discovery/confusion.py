@@ -29,12 +29,14 @@ class Rivals:
         model: The model.
         whitened: Noise and blocks.
         evidence: Normal equations of the model's effects and all candidates around it.
+        first_order: Whether rivals that are not linear are taken to first order, which is enough for a ranking.
     """
 
     problem: Problem
     model: Dynamics
     whitened: Whitened
     evidence: Evidence
+    first_order: bool = False
 
     def of(self, label: str) -> tuple[Confusion, ...]:
         """Return what explains as much in the place of one effect, or of it and another on its joint.
@@ -73,27 +75,25 @@ class Rivals:
         """Yield the candidates that explain beside the others nearly what was explained, of each the best shape."""
         evidence = self.evidence
         gains, lost = evidence.gains(rest), evidence.free_chi2(rest) - found.chi2
+        spare = self._limit(found, [0]) - found.chi2
         taken = {evidence.effects[c].label for c in found.chosen}
         for c in gains.argsort()[::-1]:
-            label = evidence.effects[c].label
-            exact = evidence.effects[c].linear and not evidence.effects[c].of_torque
-            if gains[c] < NEARLY * lost - DOUBT or (
-                exact and gains[c] < lost - self._limit(found, [0]) + found.chi2
-            ):
-                continue
-            if label not in taken:
-                taken.add(label)
+            effect = evidence.effects[c]
+            enough = NEARLY * lost - spare if self._is_refitted(effect) else lost - spare
+            if gains[c] >= enough and effect.label not in taken:
+                taken.add(effect.label)
                 yield int(c)
+
+    def _is_refitted(self, effect: Effect) -> bool:
+        return not self.first_order and (effect.of_torque or not effect.linear)
 
     def _cost(self, rest: Sequence[int], other: int, found: Fit, replaced: Sequence[int]) -> float:
         """Return what a rival leaves; of one for two with the price of those parameters that it needs."""
         evidence, effect = self.evidence, self.evidence.effects[other]
         if len(replaced) == 1 and self._is_other_name(evidence.effects[replaced[0]], other):
             return float("inf")
-        if not effect.linear or effect.of_torque:
-            fit = self._refitted(rest, effect)
-        else:
-            fit = evidence.fit([*rest, other], bodies=True)
+        exact = not self._is_refitted(effect)
+        fit = evidence.fit([*rest, other], bodies=True) if exact else self._refitted(rest, effect)
         if not fit.physical:
             return float("inf")
         if len(replaced) == 1:
