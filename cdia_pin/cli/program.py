@@ -21,6 +21,7 @@ from cdia_pin.cli.convert import convert
 from cdia_pin.cli.demo import demo
 from cdia_pin.cli.discover import discover
 from cdia_pin.cli.effects import effects
+from cdia_pin.cli.excite import excite
 from cdia_pin.cli.export import export
 from cdia_pin.cli.failures import CommandError, one_line
 from cdia_pin.cli.monitor import monitor
@@ -79,6 +80,14 @@ for command, panel, example in (
     (compare, JOB, ["cdia compare run.csv --robot ur5 --model model.json --report before.html"]),
     (discover, JOB, ["cdia discover run.csv --robot ur5 --save model.json --report found.html"]),
     (add, JOB, ["cdia add coulomb_friction@elbow_joint run.csv --robot ur5 --save model.json"]),
+    (
+        excite,
+        JOB,
+        [
+            "cdia excite --robot ur5 --out motion.csv",
+            "cdia excite --robot ur5 --between coulomb_friction@elbow_joint load_friction@elbow_joint --out motion.csv",
+        ],
+    ),
     (
         monitor,
         JOB,
