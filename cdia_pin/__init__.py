@@ -18,9 +18,12 @@ if TYPE_CHECKING:
         Comparison,
         Discovery,
         DiscoverySettings,
+        Identification,
+        IdentificationSettings,
         add_effect,
         compare,
         discover,
+        identify,
         what_changed,
     )
     from cdia_pin.discovery.excitation import Excitation, ExcitationSettings, excite
@@ -63,6 +66,9 @@ _HOME = {
     "excite": "discovery",
     "Excitation": "discovery",
     "ExcitationSettings": "discovery",
+    "identify": "discovery",
+    "Identification": "discovery",
+    "IdentificationSettings": "discovery",
     "CdiaError": "errors",
 }
 
@@ -77,6 +83,8 @@ __all__ = [
     "Effect",
     "Excitation",
     "ExcitationSettings",
+    "Identification",
+    "IdentificationSettings",
     "Log",
     "Monitor",
     "MonitorSettings",
@@ -90,6 +98,7 @@ __all__ = [
     "effects",
     "excite",
     "exciting_trajectory",
+    "identify",
     "load_model",
     "load_robot",
     "read_log",

@@ -24,6 +24,7 @@ from cdia_pin.cli.effects import effects
 from cdia_pin.cli.excite import excite
 from cdia_pin.cli.export import export
 from cdia_pin.cli.failures import CommandError, one_line
+from cdia_pin.cli.identify import identify
 from cdia_pin.cli.monitor import monitor
 from cdia_pin.cli.options import examples
 from cdia_pin.cli.robots import robots
@@ -95,6 +96,11 @@ for command, panel, example in (
             "cdia monitor run.csv --robot ur5 --healthy before.csv --report watch.html",
             "cdia monitor run.csv --robot ur5 --model model.json --bank coulomb_friction --bank actuator_gain",
         ],
+    ),
+    (
+        identify,
+        JOB,
+        ["cdia identify run.csv --robot ur5 --holdout other.csv --save model.json --urdf corrected.urdf"],
     ),
     (export, MODELS, ["cdia export --robot ur5 --model model.json --urdf corrected.urdf"]),
     (

@@ -5,6 +5,7 @@ from cdia_pin.discovery.changes import what_changed
 from cdia_pin.discovery.comparison import Comparison, compare
 from cdia_pin.discovery.discovering import add_effect, discover
 from cdia_pin.discovery.excitation import Excitation, ExcitationSettings, excite
+from cdia_pin.discovery.identification import Identification, IdentificationSettings, identify
 from cdia_pin.discovery.result import Confusion, Discovery, Ranked, Step
 from cdia_pin.discovery.settings import DiscoverySettings
 
@@ -17,11 +18,14 @@ __all__ = [
     "DiscoverySettings",
     "Excitation",
     "ExcitationSettings",
+    "Identification",
+    "IdentificationSettings",
     "Ranked",
     "Step",
     "add_effect",
     "compare",
     "discover",
     "excite",
+    "identify",
     "what_changed",
 ]
