@@ -91,12 +91,15 @@ SUITES = {
 
 
 def planned(arms: Iterable[str] = ARMS, suites: Iterable[str] = SUITES, every: int = 1) -> list[Case]:
-    """Return the cases of some arms and suites; of each suite one in so many, the same each time."""
+    """Return the cases of some arms and suites, of each suite one in so many, in an order that mixes them all."""
     out = []
     for suite in suites:
-        cases = sorted((c for c in SUITES[suite]() if c.arm in arms), key=lambda c: (c.seed, c.id))
-        out += cases[::every]
-    return out
+        out += _mixed(c for c in SUITES[suite]() if c.arm in arms)[::every]
+    return _mixed(out)
+
+
+def _mixed(cases: Iterable[Case]) -> list[Case]:
+    return sorted(cases, key=lambda c: (c.seed, c.id))
 
 
 def _together(suite: str, count: int, number: int) -> Iterator[Case]:

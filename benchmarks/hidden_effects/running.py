@@ -38,7 +38,7 @@ def store_of(kind: str, read_line: Callable[[str], O], folder: Path = STORE) -> 
 def run_all(
     cases: Sequence[C], run: Callable[[C], O], store: Store[O], jobs: int, word: Callable[[O], str]
 ) -> list[O]:
-    """Run the cases that have not been run; return the outcomes of all.
+    """Run the cases that have not been run; return the outcomes of all that did not fail.
 
     Args:
         cases: What to run.
@@ -55,11 +55,17 @@ def run_all(
         try:
             running = {pool.submit(run, c): c for c in pending}
             for k, done in enumerate(as_completed(running), 1):
+                left = (perf_counter() - begin) / k * (len(pending) - k) / 60
+                at = f"{k:4}/{len(pending)} {left:4.0f} min left "
+                if (
+                    why := done.exception()
+                ) is not None:  # the others go on; the page tells that one is missing
+                    tell(f"{at} FAILED  {running[done].id}: {type(why).__name__}: {why}")
+                    continue
                 outcome = known[running[done].id] = done.result()
                 store.add(outcome)
-                left = (perf_counter() - begin) / k * (len(pending) - k) / 60
-                tell(f"{k:4}/{len(pending)} {left:4.0f} min left  {word(outcome)}")
+                tell(f"{at} {word(outcome)}")
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-    return [known[c.id] for c in cases]
+    return [known[c.id] for c in cases if c.id in known]

@@ -57,13 +57,17 @@ class Noise:
             return np.array(np.broadcast_to(np.asarray(self.effort_std, float), (n,)))
         return self.effort_fraction * _size(effort)
 
+    def keep(self, rate: float) -> float:
+        """Return the correlation of the torque noise one sample apart, 0 if it is white [1]."""
+        return float(np.exp(-1.0 / (rate * self.memory))) if self.colour == "ar1" else 0.0
+
     def draw(self, shape: tuple[int, int], rate: float, rng: np.random.Generator) -> Array:
         """Return noise of standard deviation 1 in the chosen colour, sampled at `rate` [Hz]."""
         white = rng.standard_normal(shape)
         if self.colour == "white":
             return white
         if self.colour == "ar1":
-            keep = float(np.exp(-1.0 / (rate * self.memory)))
+            keep = self.keep(rate)
             first = white[:1] / np.sqrt(1 - keep**2)  # stationary from the first sample
             gain = np.sqrt(1 - keep**2)
             return lfilter([gain], [1.0, -keep], np.vstack([first, white[1:]]), axis=0)

@@ -17,7 +17,7 @@ from typing import Any
 from benchmarks.plant.faults import MECHANISMS, Fault
 from benchmarks.plant.motion import Fourier, Motion, PointToPoint
 from benchmarks.plant.noise import Noise
-from benchmarks.plant.plant import MujocoPlant, Run
+from benchmarks.plant.plant import DRAWS, MujocoPlant, Run
 from benchmarks.plant.sizes import Sizer
 
 HOLDOUT = 1000  # added to the seed for a second motion with the same faults
@@ -35,6 +35,7 @@ class Scenario:
         noise: Imperfections of the sensors.
         duration: Length [s].
         rate: Sampling rate [Hz].
+        noise_seed: Another one gives other noise on the same motion.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Scenario:
     noise: Noise = field(default_factory=Noise)
     duration: float = 36.0
     rate: float = 250.0
+    noise_seed: int = DRAWS
 
     def run(self, plant: MujocoPlant) -> Run:
         """Make the run, or find it on disk."""
@@ -54,6 +56,7 @@ class Scenario:
             rate=self.rate,
             noise=self.noise,
             seed=self.seed,
+            noise_seed=self.noise_seed,
         )
 
     def holdout(self) -> Scenario:

@@ -1,18 +1,31 @@
 """Discovery: where a model fails against logs, which effect it lacks, and what is left."""
 
+from cdia_pin.discovery.change_result import Change, Changes
+from cdia_pin.discovery.changes import what_changed
 from cdia_pin.discovery.comparison import Comparison, compare
 from cdia_pin.discovery.discovering import add_effect, discover
+from cdia_pin.discovery.excitation import Excitation, ExcitationSettings, excite
+from cdia_pin.discovery.identification import Identification, IdentificationSettings, identify
 from cdia_pin.discovery.result import Confusion, Discovery, Ranked, Step
 from cdia_pin.discovery.settings import DiscoverySettings
 
 __all__ = [
+    "Change",
+    "Changes",
     "Comparison",
     "Confusion",
     "Discovery",
     "DiscoverySettings",
+    "Excitation",
+    "ExcitationSettings",
+    "Identification",
+    "IdentificationSettings",
     "Ranked",
     "Step",
     "add_effect",
     "compare",
     "discover",
+    "excite",
+    "identify",
+    "what_changed",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -157,6 +157,10 @@ class Experiment:
             flat = segment.motion.compared(part.reshape(len(part), -1))
             rows.append(flat.reshape(len(flat), len(joints), -1))
         return np.vstack(rows)
+
+    def compared(self, torque: Callable[[Motion], Array]) -> Array:
+        """Return a torque of the motion at the compared samples of all segments, filtered as torques are, (K, …)."""
+        return np.concatenate([s.motion.compared(torque(s.motion)) for s in self.segments])
 
     def compared_motion(self) -> tuple[Array, Array, Array, Array]:
         """Return time, q, v, a at the compared samples of all segments; shapes (K,) and (K, n)."""

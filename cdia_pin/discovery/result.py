@@ -30,6 +30,14 @@ class Confusion:
     effects: tuple[Effect, ...]
     motion: str
 
+    def to_dict(self, robot: RobotModel) -> dict[str, Any]:
+        """Return a JSON-ready description."""
+        return {
+            "effect": " + ".join(e.label if len(self.effects) > 1 else e.name for e in self.effects),
+            "joints": list(dict.fromkeys(j for e in self.effects for j in e.joints(robot))),
+            "motion": self.motion,
+        }
+
 
 @dataclass(frozen=True)
 class Step:
@@ -138,12 +146,5 @@ def _entry(term: Term, confusions: tuple[Confusion, ...], robot: RobotModel) -> 
     described = term.effect.to_dict()
     if "shape" in described:
         entry["shape"] = described["shape"]
-    entry["confusable_with"] = [
-        {
-            "effect": " + ".join(e.label if len(c.effects) > 1 else e.name for e in c.effects),
-            "joints": list(dict.fromkeys(j for e in c.effects for j in e.joints(robot))),
-            "motion": c.motion,
-        }
-        for c in confusions
-    ]
+    entry["confusable_with"] = [c.to_dict(robot) for c in confusions]
     return entry

@@ -34,6 +34,7 @@ class BaseParameters:
         urdf: What the URDF says.
         value: What was identified.
         deviation: Standard deviation of that.
+        half_width: Half of its 95 % interval.
         told: Whether this log tells it: the rest is held by the URDF.
     """
 
@@ -43,6 +44,7 @@ class BaseParameters:
     urdf: Array
     value: Array
     deviation: Array
+    half_width: Array
     told: NDArray[np.bool_]
 
     def __len__(self) -> int:
@@ -55,7 +57,7 @@ class BaseParameters:
 
 
 def base_parameters(
-    robot: RobotModel, change: Array, covariance: Array, prior_covariance: Array
+    robot: RobotModel, change: Array, covariance: Array, prior_covariance: Array, quantile: float
 ) -> BaseParameters:
     """Reduce inertial parameters to those that torques depend on.
 
@@ -64,6 +66,7 @@ def base_parameters(
         change: Difference of all links' parameters to the URDF, shape (10 n,).
         covariance: Of that difference, shape (10 n, 10 n).
         prior_covariance: What it was before the log, shape (10 n, 10 n).
+        quantile: Half of a 95 % interval over the standard deviation [1].
     """
     first, reduction = base_reduction(robot)
     urdf = robot.inertial_parameters.ravel()
@@ -78,6 +81,7 @@ def base_parameters(
         urdf=reduction @ urdf,
         value=reduction @ (urdf + change),
         deviation=deviation,
+        half_width=quantile * deviation,
         told=deviation < TOLD * believed,
     )
 

@@ -14,7 +14,7 @@ from cdia_pin.discovery.identification.prior import precision
 
 Array = NDArray[np.float64]
 
-STRENGTHS = tuple(float(s) for s in 10.0 ** np.arange(-2, 5.5, 0.5))
+STRENGTHS = tuple(float(s) for s in 10.0 ** np.arange(1, 5.5, 0.5))  # at least: links are right to a third
 
 
 def block_errors(total: Array, blocks: Array, prior: Array) -> Array:

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 MOST_ITERATIONS = 8  # of Gauss and Newton, where an effect depends on the torque
 CONVERGED = 1e-3  # share of its norm by which the parameter vector moves no more, each in units of its column
 FIRST_ERROR = 0.05  # share of a joint's torque that is taken for its error before anything is fitted
+FINEST_ERROR = 1e-6  # least error of a joint that moves, likewise
+STUCK_ERROR = 0.1  # and of one that rests: dry friction holds it with a torque that nobody knows
 PATIENCE = 3  # rounds of weighting
 
 
@@ -70,8 +72,11 @@ class Fitter:
         noise no longer minimises the error that is shown. The blocks of time know of it in the intervals.
         """
         e = self.experiment
-        floor = 1e-6 * rms(e.measured, self.used) + 1e-12
-        sigma = np.maximum(rms(residual, self.used), floor)
+        alike = np.sqrt(
+            len(residual) / (len(self.edges) - 1)
+        )  # of a joint that rests, all samples of a block
+        share = np.where(is_moving(e), FINEST_ERROR, STUCK_ERROR * alike)
+        sigma = np.maximum(rms(residual, self.used), share * rms(e.measured, self.used) + 1e-12)
         noise = [NoiseModel(np.zeros(0), np.full(len(residual), s), tuple(e.lengths)) for s in sigma]
         return Whitened(tuple(noise), self.used, self.edges)
 

@@ -9,7 +9,7 @@ from cdia_pin.discovery.experiment import Experiment, rms
 from cdia_pin.discovery.identification.base import base_parameters
 from cdia_pin.discovery.identification.crossvalidation import choose_strength, held_out_rms
 from cdia_pin.discovery.identification.estimate import Fitter
-from cdia_pin.discovery.identification.intervals import of_bodies, uncertainty, with_intervals
+from cdia_pin.discovery.identification.intervals import of_bodies, quantile, uncertainty, with_intervals
 from cdia_pin.discovery.identification.refining import refine
 from cdia_pin.discovery.identification.result import Identification
 from cdia_pin.discovery.identification.settings import IdentificationSettings
@@ -94,6 +94,7 @@ def identify(
             bodies @ estimate.theta,
             bodies @ known.after @ bodies.T,
             bodies @ known.before @ bodies.T,
+            quantile(estimate),
         ),
         strength=strength,
         refined=tuple(t.label for t in estimate.model.terms if t.label not in plain),

@@ -55,15 +55,19 @@ def uncertainty(experiment: Experiment, estimate: Estimate) -> Uncertainty:
 
 def with_intervals(estimate: Estimate, covariance: Array) -> Dynamics:
     """Return the model whose terms carry 95 % intervals."""
-    from scipy.special import stdtrit
-
-    blocks = len(estimate.evidence.blocks)
-    half = float(stdtrit(blocks - 1, 0.975)) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    half = quantile(estimate) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
     terms = []
     for term, span in zip(estimate.model.terms, estimate.evidence.spans, strict=True):
         ci95 = tuple((v - float(h), v + float(h)) for v, h in zip(term.theta, half[span], strict=True))
         terms.append(Term(term.effect, term.theta, term.profile, ci95))
     return replace(estimate.model, terms=tuple(terms))
+
+
+def quantile(estimate: Estimate) -> float:
+    """Return half of a 95 % interval over the standard deviation, which so many blocks of time tell [1]."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(len(estimate.evidence.blocks) - 1, 0.975))
 
 
 def of_bodies(estimate: Estimate) -> Array:

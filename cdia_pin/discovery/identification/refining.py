@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.discovery.evidence import Evidence
+from cdia_pin.discovery.experiment import rms
 from cdia_pin.discovery.fitting import gather
 from cdia_pin.discovery.identification.crossvalidation import block_errors, is_better, of_effects
 from cdia_pin.discovery.identification.estimate import Estimate, Fitter, unconstrained
@@ -19,7 +20,8 @@ from cdia_pin.effects import Expression
 Array = NDArray[np.float64]
 
 ROUNDS = 6
-LEAST_GAIN = 0.03  # share of a joint's squared error by which a law must lower that of unseen blocks
+LEAST_GAIN = 0.03  # share of a joint's squared error that a law must explain in unseen blocks
+LEAST_TORQUE = 0.005  # share of the joint's RMS torque, likewise: less changes nothing a user would notice
 
 
 def refine(fitter: Fitter, estimate: Estimate, tell: Progress) -> Estimate:
@@ -51,18 +53,28 @@ def _best_of_each_joint(fitter: Fitter, estimate: Estimate) -> list[Refinement]:
     prior = precision(evidence, experiment, whitened, estimate.strength)
     base = range(len(present))
     before = _errors(evidence, prior, list(base))
-    least = LEAST_GAIN * before.sum() / experiment.robot.n
+    least = _least_gain(fitter, estimate, float(before.sum()))
     best: dict[str, tuple[float, Refinement]] = {}
     for i, law in enumerate(laws, start=len(present)):
         chosen = [k for k in base if present[k].label not in law.replaced] + [i]
         after = _errors(evidence, prior, chosen)
         gain = float(before.sum() - after.sum())
         joint = law.added.scope[0]
-        if gain < least or gain <= best.get(joint, (0.0,))[0] or not is_better(after, before):
+        if gain < least[joint] or gain <= best.get(joint, (0.0,))[0] or not is_better(after, before):
             continue
         if _is_physical(evidence, prior, chosen, law):
             best[joint] = (gain, law)
     return [law for _, law in best.values()]
+
+
+def _least_gain(fitter: Fitter, estimate: Estimate, total: float) -> dict[str, float]:
+    """Return the sum of squares that a law of each joint must explain [1]."""
+    experiment, whitened = fitter.experiment, estimate.whitened
+    sigma = np.array([float(np.mean(m.sigma)) for m in whitened.noise])
+    count = whitened.used.sum(axis=0)
+    visible = count * (LEAST_TORQUE * rms(experiment.measured, whitened.used) / sigma) ** 2
+    least = np.maximum(visible, LEAST_GAIN * total / experiment.robot.n)
+    return dict(zip(experiment.robot.joints, least.tolist(), strict=True))
 
 
 def _errors(evidence: Evidence, prior: Array, chosen: Sequence[int]) -> Array:

@@ -74,7 +74,7 @@ class Identification:
         robot = self.model.robot
         by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
         b = self.base
-        rows = zip(b.names, b.units, b.grouped, b.urdf, b.value, b.deviation, b.told, strict=True)
+        rows = zip(b.names, b.units, b.grouped, b.urdf, b.value, b.half_width, b.told, strict=True)
         return {
             "schema": SCHEMA,
             "robot": robot.name,
@@ -94,10 +94,10 @@ class Identification:
                     "grouped": int(grouped),
                     "urdf": float(urdf),
                     "value": float(value),
-                    "deviation": float(deviation),
+                    "ci95": [float(value - half), float(value + half)],
                     "told": bool(told),
                 }
-                for name, unit, grouped, urdf, value, deviation, told in rows
+                for name, unit, grouped, urdf, value, half, told in rows
             ],
             "strength": self.strength,
             "record": self.record,

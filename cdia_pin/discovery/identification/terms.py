@@ -28,9 +28,7 @@ from cdia_pin.effects import (
     ViscousFriction,
 )
 
-THINNING = (
-    "-sign(dq)*sqrt(abs(dq))"  # friction of grease that thins as it is sheared: it grows ever more slowly
-)
+SATURATION = (0.05, 0.15, 0.45)  # share of the speed driven at which saturating friction levels off
 SPANNED_BY: dict[type[Effect], tuple[type[Effect], ...]] = {
     CoulombFriction: (StribeckFriction, AsymmetricFriction),
     ViscousFriction: (AsymmetricFriction,),
@@ -92,6 +90,7 @@ def is_moving(experiment: Experiment) -> NDArray[np.bool_]:
 def refinements(model: Dynamics, experiment: Experiment) -> Iterator[Refinement]:
     """Yield the richer laws that a model may take on, each for one joint."""
     present = {t.label for t in model.terms}
+    saturating = {t.effect.joint for t in model.terms if isinstance(t.effect, Expression)}
     along = experiment.along(experiment.predict(model))
     load = np.vstack([s.motion.compared(s.state.rigid_torque) for s in experiment.segments])
     loaded = rms(load, experiment.informative) > LEAST_LOAD * rms(experiment.measured, experiment.informative)
@@ -99,14 +98,28 @@ def refinements(model: Dynamics, experiment: Experiment) -> Iterator[Refinement]
         if not is_moving(experiment)[j]:
             continue
         for law in _laws(joint, along, bool(loaded[j])):
-            if {law.label, *_spanning(law)} & present:
+            if {law.label, *_spanning(law)} & present or (
+                isinstance(law, Expression) and joint in saturating
+            ):
                 continue
             spanned = {e(joint).label for e, by in SPANNED_BY.items() if isinstance(law, by)}  # type: ignore[call-arg]
             yield Refinement(law, tuple(sorted(spanned & present)))
 
 
+def saturating_friction(joint: str, along: State, share: float) -> Expression:
+    """Return friction that grows with speed and levels off, −α tanh(q̇/w), as lubricated gears have it [Makkar2005].
+
+    Args:
+        joint: Name of the joint.
+        along: The motion.
+        share: w over the speed that is driven [1].
+    """
+    fast = np.percentile(np.abs(along.v[:, along.robot.joint_index(joint)]), 95)
+    return Expression(joint, f"-tanh(dq/{share * fast:.2g})")
+
+
 def _laws(joint: str, along: State, loaded: bool) -> Iterator[Effect]:
-    yield Expression(joint, THINNING)
+    yield from (saturating_friction(joint, along, share) for share in SATURATION)
     yield from StribeckFriction(joint).shape_grid(along)
     if loaded:
         yield LoadFriction(joint)
