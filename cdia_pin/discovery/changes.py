@@ -13,7 +13,7 @@ from cdia_pin.discovery.change_evidence import Difference, Differing
 from cdia_pin.discovery.change_findings import findings_of
 from cdia_pin.discovery.change_result import Bound, Change, Changes
 from cdia_pin.discovery.change_sizes import friction_before, sized, torque_of
-from cdia_pin.discovery.confusion import find_confusions, motion_between
+from cdia_pin.discovery.confusion import Rivals, motion_between
 from cdia_pin.discovery.evidence import Evidence
 from cdia_pin.discovery.experiment import Experiment, rms
 from cdia_pin.discovery.fitting import Whitened
@@ -169,7 +169,7 @@ def _change(
         earlier.get(difference),
         torque_of(differing, difference, term),
         _missed(evidence, chosen, one) / 2,
-        tuple(_plain(c, term, evidence.robot) for c in find_confusions(evidence, chosen, one)),
+        tuple(_plain(c, term, evidence.robot) for c in Rivals(evidence, chosen).of(one)),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from cdia_pin.discovery.evidence import Evidence, Fit
@@ -20,25 +20,24 @@ NEARLY = (
 )
 
 
+Refit = Callable[[Sequence[int], int], Fit]  # indices of a set and of one more, fitted at their own optimum
+
+
 @dataclass(frozen=True)
 class Rivals:
     """Who else could explain what the effects of a fitted model do.
 
     Attributes:
-        problem: Logs and candidates.
-        model: The model.
-        whitened: Noise and blocks.
         evidence: Normal equations of the model's effects and all candidates around it.
-        first_order: Whether rivals that are not linear are taken to first order, which is enough for a ranking.
+        chosen: Indices of the model's effects.
+        refit: Fits rivals that are not linear; if None they are taken to first order, which is enough for a ranking.
     """
 
-    problem: Problem
-    model: Dynamics
-    whitened: Whitened
     evidence: Evidence
-    first_order: bool = False
+    chosen: Sequence[int]
+    refit: Refit | None = None
 
-    def of(self, label: str) -> tuple[Confusion, ...]:
+    def of(self, one: int) -> tuple[Confusion, ...]:
         """Return what explains as much in the place of one effect, or of it and another on its joint.
 
         A rival is measured by what it leaves, not by its price: that it is less simple makes it less likely, not
@@ -46,29 +45,25 @@ class Rivals:
         determines its parameters.
 
         Args:
-            label: Of one of the model's effects.
+            one: Index of one of the model's effects.
         """
-        index = {e: i for i, e in enumerate(self.evidence.effects)}
-        chosen = [index[t.effect] for t in self.model.terms]
-        one = next(c for c in chosen if self.evidence.effects[c].label == label)
-        found = self.evidence.fit(chosen, bodies=True)
+        evidence = self.evidence
+        found = evidence.fit(self.chosen, bodies=True)
         rivals: dict[str, tuple[float, Effect]] = {}
-        for replaced in ([one], *([one, c] for c in self._neighbours(chosen, one))):
-            rest = [c for c in chosen if c not in replaced]
+        for replaced in ([one], *([one, c] for c in self._neighbours(one))):
+            rest = [c for c in self.chosen if c not in replaced]
             for other in self._promising(rest, found):
-                effect = self.evidence.effects[other]
-                cost = self._cost(rest, other, found, replaced)
-                if cost < min(self._limit(found, replaced), rivals.get(effect.label, (float("inf"),))[0]):
-                    rivals[effect.label] = (cost, effect)
-        mine = self.evidence.effects[one]
+                effect = evidence.effects[other]
+                worse = self._cost(rest, other, found, replaced) - self._limit(found, replaced)
+                if worse < min(0.0, rivals.get(effect.label, (0.0,))[0]):
+                    rivals[effect.label] = (worse, effect)
         best = [e for _, e in sorted(rivals.values(), key=lambda r: r[0])]
-        return tuple(Confusion((e,), motion_between(mine, e, self.evidence.robot)) for e in best)
+        return tuple(Confusion((e,), motion_between(evidence.effects[one], e, evidence.robot)) for e in best)
 
     def _limit(self, found: Fit, replaced: Sequence[int]) -> float:
         """Return the largest cost of a rival; of one for two, which must be simpler, its price counts."""
-        left = max(
-            1.0, found.chi2 / max(self.evidence.samples, 1)
-        )  # structure that is left makes all less sure
+        # structure that is left makes all less sure
+        left = max(1.0, found.chi2 / max(self.evidence.samples, 1))
         return (found.chi2 if len(replaced) == 1 else found.cost) + DOUBT * left
 
     def _promising(self, rest: Sequence[int], found: Fit) -> Iterator[int]:
@@ -79,21 +74,21 @@ class Rivals:
         taken = {evidence.effects[c].label for c in found.chosen}
         for c in gains.argsort()[::-1]:
             effect = evidence.effects[c]
-            enough = NEARLY * lost - spare if self._is_refitted(effect) else lost - spare
+            share = 1.0 if self.refit is None or _is_exact(effect) else NEARLY
+            enough = share * lost - spare
             if gains[c] >= enough and effect.label not in taken:
                 taken.add(effect.label)
                 yield int(c)
-
-    def _is_refitted(self, effect: Effect) -> bool:
-        return not self.first_order and (effect.of_torque or not effect.linear)
 
     def _cost(self, rest: Sequence[int], other: int, found: Fit, replaced: Sequence[int]) -> float:
         """Return what a rival leaves; of one for two with the price of those parameters that it needs."""
         evidence, effect = self.evidence, self.evidence.effects[other]
         if len(replaced) == 1 and self._is_other_name(evidence.effects[replaced[0]], other):
             return float("inf")
-        exact = not self._is_refitted(effect)
-        fit = evidence.fit([*rest, other], bodies=True) if exact else self._refitted(rest, effect)
+        if self.refit is not None and not _is_exact(effect):
+            fit = self.refit(rest, other)
+        else:
+            fit = evidence.fit([*rest, other], bodies=True)
         if not fit.physical:
             return float("inf")
         if len(replaced) == 1:
@@ -110,25 +105,36 @@ class Rivals:
         wider = directions > generic_rank(robot, mine) and contains(robot, effect, mine)
         return wider and rank_of_gram(self.evidence.total[span][:, span]) >= directions
 
-    def _refitted(self, rest: Sequence[int], effect: Effect) -> Fit:
-        """Return the fit of the model with a rival at its own optimum."""
-        kept = {self.evidence.effects[c] for c in rest}
-        terms = tuple(t for t in self.model.terms if t.effect in kept)
-        trial = Dynamics(self.model.robot, (*terms, Term(effect, (0.0,) * effect.size)))
-        experiment, columns = self.problem.experiment, self.problem.columns
-        trial, _ = refit(experiment, columns, trial, self.whitened)
-        effects = [t.effect for t in trial.terms]
-        beside = gather(experiment, columns, experiment.predict(trial), effects, self.whitened)
-        return beside.fit(range(len(effects)), bodies=True)
-
-    def _neighbours(self, chosen: Sequence[int], one: int) -> list[int]:
+    def _neighbours(self, one: int) -> list[int]:
         """Return the other found effects that act on just the same joint."""
         evidence = self.evidence
         joints = evidence.effects[one].acts_on(evidence.robot)
         alone = len(joints) == 1
         return [
-            c for c in chosen if alone and c != one and evidence.effects[c].acts_on(evidence.robot) == joints
+            c
+            for c in self.chosen
+            if alone and c != one and evidence.effects[c].acts_on(evidence.robot) == joints
         ]
+
+
+def _is_exact(effect: Effect) -> bool:
+    return effect.linear and not effect.of_torque
+
+
+def refitting(problem: Problem, model: Dynamics, whitened: Whitened, evidence: Evidence) -> Refit:
+    """Return how a rival is fitted in the place of effects of a model, as exactly as the model itself."""
+
+    def refitted(rest: Sequence[int], other: int) -> Fit:
+        kept, effect = {evidence.effects[c] for c in rest}, evidence.effects[other]
+        terms = tuple(t for t in model.terms if t.effect in kept)
+        trial = Dynamics(model.robot, (*terms, Term(effect, (0.0,) * effect.size)))
+        experiment, columns = problem.experiment, problem.columns
+        trial, _ = refit(experiment, columns, trial, whitened)
+        effects = [t.effect for t in trial.terms]
+        beside = gather(experiment, columns, experiment.predict(trial), effects, whitened)
+        return beside.fit(range(len(effects)), bodies=True)
+
+    return refitted
 
 
 MOTIONS = {

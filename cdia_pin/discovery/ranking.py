@@ -45,7 +45,7 @@ def rank(problem: Problem, model: Dynamics, whitened: Whitened) -> tuple[Ranked,
         after = step_of(problem, term, trial, whitened)
         if not (after.heldout_rms < (1 - VISIBLE) * before.heldout_rms).any():
             continue
-        confusions = Rivals(problem, trial, whitened, beside, first_order=True).of(effect.label)
+        confusions = Rivals(beside, [*present, c]).of(c)
         out.append(
             Ranked(term, before.heldout_rms, after.heldout_rms, _plausible(beside, [*present, c]), confusions)
         )
