@@ -11,7 +11,18 @@ from numpy.typing import NDArray
 from cdia_pin.discovery.experiment import Experiment, Prediction, rms
 from cdia_pin.discovery.settings import DiscoverySettings
 from cdia_pin.discovery.whitening import NoiseModel
-from cdia_pin.effects import EFFECTS, Effect, Expression, PositionRipple, RotorInertia, Unknown
+from cdia_pin.effects import (
+    EFFECTS,
+    Drift,
+    Effect,
+    Expression,
+    PerLog,
+    PositionRipple,
+    RotorInertia,
+    TorqueOffset,
+    Unknown,
+    Varying,
+)
 from cdia_pin.errors import EffectError, unknown_name
 
 Array = NDArray[np.float64]
@@ -51,7 +62,26 @@ def enumerate_candidates(
                 families.append(list(effect.shape_grid(x)))
     for effect in settings.extra:
         families.extend([e] for e in _expanded(effect, experiment))
-    return [f for f in families if f]
+    return [per_log(f, experiment, settings.per_log) for f in families if f]
+
+
+def per_log(family: list[Effect], experiment: Experiment, asked: Sequence[str]) -> list[Effect]:
+    """Return a family with parameters per log, if its effect, by name or label, is among those asked for."""
+    if not {family[0].name, family[0].label} & set(asked):
+        return family
+    return [PerLog(e, experiment.logs) for e in family]
+
+
+def drifting(effects: Iterable[Effect], experiment: Experiment) -> list[list[Effect]]:
+    """Return the families in which friction and offsets drift within the log, none where there are several logs."""
+    if len(experiment.segments) > 1:
+        return []
+    time = experiment.segments[0].motion.time
+    start, end = float(time[0]), float(time[-1])
+    slow = [
+        e for e in effects if (e.dissipative or isinstance(e, TorqueOffset)) and not isinstance(e, Varying)
+    ]
+    return [list(Drift(e, start, end, end - start).shape_grid(experiment.segments[0].state)) for e in slow]
 
 
 def _expanded(effect: Effect, experiment: Experiment) -> Iterator[Effect]:

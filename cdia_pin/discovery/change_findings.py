@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cdia_pin.discovery.change_result import Change
-from cdia_pin.discovery.recognition import Finding
+from cdia_pin.discovery.finding import Finding
 from cdia_pin.robot.model import RobotModel
 
 FEWEST = 3  # joints

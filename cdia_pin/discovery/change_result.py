@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.discovery.recognition import Finding
+from cdia_pin.discovery.finding import Finding
 from cdia_pin.discovery.result import Confusion
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term

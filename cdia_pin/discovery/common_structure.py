@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.discovery.candidates import Columns, enumerate_candidates
 from cdia_pin.discovery.experiment import Experiment, Prediction, rms
-from cdia_pin.discovery.memory import bristle
+from cdia_pin.discovery.memory import bent
 from cdia_pin.discovery.regression import Part
 from cdia_pin.discovery.settings import DiscoverySettings
 from cdia_pin.effects import Effect, LinkInertia
@@ -63,17 +63,12 @@ def smooth_functions(experiment: Experiment, prediction: Prediction, size: Array
         ways = [at_q, np.column_stack(posture)] if posture else [at_q]
         both = [w for way in ways for w in (way, way * direction)]
         raw = np.column_stack([*both, at_q * v[:, [j]] / usual, at_v, at_load, np.abs(a[:, [j]])])
-        memory = [_bent(experiment, j, r) for r in REACHES]
+        travel = max(float(np.ptp(s.motion.q[:, j])) for s in experiment.segments)
+        memory = [bent(experiment, j, r * max(travel, 1e-9)) for r in REACHES]
         raw = np.column_stack([raw, *memory])
         columns = raw / np.maximum(np.sqrt(np.mean(raw**2, axis=0)), 1e-9)
         out.append(Part({j: columns}, np.full(columns.shape[1], max(float(size[j]), 1e-12))))
     return out
-
-
-def _bent(experiment: Experiment, j: int, reach: float) -> Array:
-    """Return friction with memory of a reach beside the joint's travel, shape (K,)."""
-    travel = max(float(np.ptp(s.motion.q[:, j])) for s in experiment.segments)
-    return experiment.compared(lambda m: bristle(m.q[:, j], reach * max(travel, 1e-9)))
 
 
 def _bases(signal: Array) -> Array:

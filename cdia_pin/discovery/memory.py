@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.discovery.experiment import Experiment
+
 Array = NDArray[np.float64]
 
 
@@ -26,17 +28,12 @@ def bristle(position: Array, reach: float) -> Array:
     return out
 
 
-def play(position: Array, gap: float) -> Array:
-    """Return which flank of a gap a joint is driven on, −1 to 1, shape (N,).
-
-    The play operator: it follows the motion once the gap is crossed.
+def bent(experiment: Experiment, j: int, reach: float) -> Array:
+    """Return how far the bristles of a joint are bent, filtered as torques are, shape (K,).
 
     Args:
-        position: Along a log [rad or m], shape (N,).
-        gap: Width of the gap, in the unit of the position.
+        experiment: The logs.
+        j: Index of the joint.
+        reach: In the unit of its position.
     """
-    half, at, out = gap / 2, float(position[0]), np.empty(len(position))
-    for k, q in enumerate(position.tolist()):
-        at = min(max(at, q - half), q + half)
-        out[k] = (q - at) / half
-    return out
+    return experiment.compared(lambda m: bristle(m.q[:, j], reach))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.discovery.candidates import Columns, enumerate_candidates, screen
+from cdia_pin.discovery.candidates import Columns, drifting, enumerate_candidates, screen
 from cdia_pin.discovery.evidence import Evidence, needed_gain
 from cdia_pin.discovery.experiment import Experiment, Prediction, rms
 from cdia_pin.discovery.fitting import Whitened, gather
@@ -66,6 +66,12 @@ class Problem:
     def edges(self) -> NDArray[np.intp]:
         """First compared sample of each block of time, and the end, shape (B + 1,)."""
         return np.linspace(0, len(self.experiment.measured), self.settings.blocks + 1).astype(int)
+
+    def with_drift(self, model: Dynamics) -> Problem:
+        """Return the problem in which the model's own friction and offsets may drift as well."""
+        known = {f[0].label for f in self.families}
+        more = drifting([t.effect for t in model.terms], self.experiment)
+        return replace(self, families=(*self.families, *(f for f in more if f[0].label not in known)))
 
     def first_noise(self, model: Dynamics) -> Whitened:
         """Estimate the noise before anything is known: what all simple effects together leave."""

@@ -1,32 +1,116 @@
-"""Findings: what several numbers mean together, in a sentence."""
+"""What a fitted model and its residual look like: friction that drifts, friction with memory at reversals."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.discovery.finding import Finding
+from cdia_pin.discovery.fitting import Whitened
+from cdia_pin.discovery.memory import bent
+from cdia_pin.discovery.problem import Problem
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import CoulombFriction, Drift, Term
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+REACHES = np.geomspace(0.003, 0.5, 16)  # of friction with memory, beside the joint's travel
+WORTH = 0.1  # least share of what is left of a joint that memory must explain
+LEAST_LEVEL = 0.01  # of the joint's RMS torque
 
 
-@dataclass(frozen=True)
-class Finding:
-    """Something recognised that is more than one effect, or less.
+def recognised(problem: Problem, model: Dynamics, whitened: Whitened) -> tuple[Finding, ...]:
+    """Return what is recognised in a fitted model, and in what it leaves.
 
-    Attributes:
-        kind: Its name, such as ``warming``.
-        joints: Where.
-        sentence: What was recognised, with its numbers, for people.
-        values: The numbers, by name with the unit in it.
+    Args:
+        problem: The logs.
+        model: Fitted to them, with intervals.
+        whitened: Noise and blocks.
     """
+    return (*_drifts(model), *_memories(problem, model, whitened))
 
-    kind: str
-    joints: tuple[str, ...]
-    sentence: str
-    values: dict[str, float]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return a JSON-ready description."""
-        return {
-            "kind": self.kind,
-            "joints": list(self.joints),
-            "sentence": self.sentence,
-            "values": self.values,
-        }
+def _drifts(model: Dynamics) -> Iterator[Finding]:
+    """Yield a sentence for each effect that drifts."""
+    for term in model.terms:
+        effect = term.effect
+        if not isinstance(effect, Drift):
+            continue
+        robot, joints = model.robot, effect.scope or model.robot.joints
+        first, last = (effect.of_part(term.theta, part) for part in effect.parts)
+        largest = int(np.argmax(np.abs(np.array(last) - np.array(first))))
+        parameter, unit = effect.effect.parameters[largest], effect.effect.units(robot)[largest]
+        fell = abs(last[largest]) < abs(first[largest])
+        meaning = ""
+        if effect.dissipative:
+            meaning = ", as in a drive that warms up" if fell else ", as in a drive that cools down"
+        yield Finding(
+            "drift",
+            joints,
+            f"{effect.name.replace('_', ' ')} on {', '.join(joints)} drifts within the log: {parameter.name} from "
+            f"{first[largest]:.3g} to {last[largest]:.3g} {unit} (time constant {effect.time_constant:.2g} s){meaning}",
+            {
+                f"{parameter.name}_start": first[largest],
+                f"{parameter.name}_end": last[largest],
+                "time_constant": effect.time_constant,
+            },
+        )
+
+
+def _memories(problem: Problem, model: Dynamics, whitened: Whitened) -> Iterator[Finding]:
+    """Yield a sentence for each joint whose torque after a reversal follows the distance travelled."""
+    experiment = problem.experiment
+    prediction = experiment.predict(model)
+    for j, joint in enumerate(model.robot.joints):
+        if experiment.resting[j]:
+            continue
+        own = [_columns(problem, prediction, t, j) for t in model.terms if j in t.effect.acts_on(model.robot)]
+        plain = CoulombFriction(joint)
+        level = problem.columns.of(plain, prediction)[:, 0, :]  # memory must be more than direction alone
+        beside = whitened.joint(j, np.column_stack([*own, level]))
+        y = whitened.joint(j, prediction.residual[:, j])
+        basis = _orthonormal(beside)
+        left = y - basis @ (basis.T @ y)
+        travel = max(float(np.ptp(s.motion.q[:, j])) for s in experiment.segments)
+        gains, levels = [], []
+        for reach in REACHES * travel:
+            z = whitened.joint(j, -bent(experiment, j, float(reach)))
+            new = z - basis @ (basis.T @ z)
+            size = float(new @ new)
+            level_of = float(new @ left) / size if size > 1e-6 * float(z @ z) else 0.0
+            gains.append(level_of**2 * size)
+            levels.append(level_of)
+        best = int(np.argmax(gains))
+        torque = float(np.sqrt(np.mean(experiment.measured[:, j] ** 2)))
+        enough = max(
+            WORTH * float(left @ left), 4 * np.log(max(len(y), 2)) + 2 * np.log(len(REACHES) * model.robot.n)
+        )
+        if gains[best] > enough and levels[best] > LEAST_LEVEL * torque:
+            yield _presliding(model.robot, joint, levels[best], float(REACHES[best] * travel))
+
+
+def _presliding(robot: RobotModel, joint: str, level: float, reach: float) -> Finding:
+    prismatic = bool(robot.is_prismatic[robot.joint_index(joint)])
+    x, effort = ("m", "N") if prismatic else ("rad", "N·m")
+    stiffness = level / reach
+    return Finding(
+        "memory",
+        (joint,),
+        f"friction on {joint} has memory at reversals: it looks like presliding, {level:.2g} {effort} built up over "
+        f"about {reach:.2g} {x} (stiffness ≈ {stiffness:.2g} {effort}/{x})",
+        {"level": level, "reach": reach, "stiffness": stiffness},
+    )
+
+
+def _columns(problem: Problem, prediction: object, term: Term, j: int) -> Array:
+    x = problem.columns.of(term.effect, prediction, np.array(term.theta))  # type: ignore[arg-type]
+    return x[:, term.effect.acts_on(problem.experiment.robot).index(j), :]
+
+
+def _orthonormal(columns: Array) -> Array:
+    scaled = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    left, values, _ = np.linalg.svd(scaled, full_matrices=False)
+    return left[:, values > 1e-5 * values[0]]

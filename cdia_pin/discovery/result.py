@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.discovery.finding import Finding
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
 from cdia_pin.robot.model import RobotModel
@@ -88,6 +89,7 @@ class Discovery:
         torque_rms: RMS of the measured torque, shape (n,).
         ranking: What each of the most telling candidates would explain by itself, the best first.
         record: Logs, hashes, settings and version, enough to run it again.
+        findings: What effects mean together, and what the residual looks like.
     """
 
     model: Dynamics
@@ -98,6 +100,7 @@ class Discovery:
     torque_rms: Array
     ranking: tuple[Ranked, ...]
     record: dict[str, Any]
+    findings: tuple[Finding, ...] = ()
 
     @property
     def steps(self) -> tuple[Step, ...]:
@@ -133,6 +136,7 @@ class Discovery:
                 }
                 for r in self.ranking
             ],
+            "findings": [f.to_dict() for f in self.findings],
             "record": self.record,
         }
 
@@ -144,7 +148,6 @@ def _entry(term: Term, confusions: tuple[Confusion, ...], robot: RobotModel) -> 
         "parameters": term.parameters_to_dict(robot),
     }
     described = term.effect.to_dict()
-    if "shape" in described:
-        entry["shape"] = described["shape"]
+    entry.update({k: described[k] for k in ("shape", "varies") if k in described})
     entry["confusable_with"] = [c.to_dict(robot) for c in confusions]
     return entry

@@ -32,6 +32,7 @@ PROMISES = (
     "of_torque",
     "of_acceleration",
     "reads",
+    "rarity",
 )
 
 
