@@ -99,6 +99,16 @@ def excite(
             rich_help_panel=LIMITS,
         ),
     ] = "base",
+    srdf: Annotated[
+        Path | None,
+        typer.Option(
+            "--srdf",
+            metavar="FILE",
+            show_default=False,
+            help="SRDF whose disabled pairs of links are not looked at; neighbours never are.",
+            rich_help_panel=LIMITS,
+        ),
+    ] = None,
     ros: Annotated[
         Path | None,
         typer.Option(
@@ -133,6 +143,7 @@ def excite(
             acceleration=accelerations(acceleration or [], known.robot),
             clearance=clearance,
             floor=floor_height(floor),
+            srdf=srdf,
         )
         pair = (named(between[0], known.robot), named(between[1], known.robot)) if between else None
         wanted = named(effects, known.robot) if effects else None

@@ -9,6 +9,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import coal
 import numpy as np
@@ -50,12 +51,20 @@ class CollisionModel:
         robot: The arm.
         clearance: Distance that pairs keep [m]; those that are always nearer must only not touch.
         floor: Height of a floor above the base's origin, against gravity [m]; None for no floor.
+        srdf: File whose ``<disable_collisions>`` pairs are left out too; None for all other pairs.
 
     Raises:
-        RobotError: If the clearance is negative, or the shapes of the URDF cannot be read.
+        RobotError: If the clearance is negative, or the shapes of the URDF or the SRDF cannot be read.
     """
 
-    def __init__(self, robot: RobotModel, *, clearance: float = 0.0, floor: float | None = None) -> None:
+    def __init__(
+        self,
+        robot: RobotModel,
+        *,
+        clearance: float = 0.0,
+        floor: float | None = None,
+        srdf: Path | None = None,
+    ) -> None:
         if not 0 <= clearance < np.inf:
             raise RobotError(f"a clearance is 0 m or more, given {clearance:g}")
         self.robot = robot
@@ -64,8 +73,10 @@ class CollisionModel:
         if floor is not None:
             self._shapes.addGeometryObject(_slab(_up(robot), floor))
         self._pair()
+        if srdf is not None:
+            self._disable(srdf)
         self._found = self._shapes.createData()
-        overlapping = self._usual_contacts()
+        overlapping = [k for k in self._usual_contacts() if FLOOR not in self._names(k)]
         self.left_out = tuple(self._names(k) for k in overlapping)
         self._remove([self._pair_of(k) for k in overlapping])
         self._found = self._shapes.createData()
@@ -100,6 +111,14 @@ class CollisionModel:
         pairs = [self._pair_of(k) for k in range(len(self._shapes.collisionPairs))]
         neighbours = lambda i, j: parents[joints[i]] == joints[j] or parents[joints[j]] == joints[i]  # noqa: E731
         self._remove([pair for pair in pairs if neighbours(*pair)])
+
+    def _disable(self, srdf: Path) -> None:
+        if not srdf.is_file():
+            raise RobotError(f"no such SRDF file: {srdf}")
+        try:
+            pin.removeCollisionPairs(self._model, self._shapes, str(srdf))
+        except (ValueError, RuntimeError) as error:
+            raise RobotError(f"{srdf}: Pinocchio cannot read this SRDF ({error})") from None
 
     def _remove(self, pairs: Iterable[tuple[int, int]]) -> None:
         for pair in pairs:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from rich.table import Table
@@ -21,23 +22,25 @@ def limits_table(motion: Excitation) -> Table:
     Args:
         motion: The outcome of ``excite``.
     """
-    heads = ("joint", "start", "position", "allowed", "speed", "acceleration", "effort")
+    heads = ("joint", "position", "allowed", "speed", "acceleration", "effort")
     table = new_table(*heads, left=(0,))
     peaks, limits, short = motion.peaks(), motion.limits, short_names(motion.joints)
     for j, joint in enumerate(motion.joints):
         add_row(
             table,
             short[joint],
-            _fixed(motion.position[0, j]),
             f"{_fixed(peaks['lower'][j])}…{_fixed(peaks['upper'][j])}",
             f"{_fixed(limits.lower[j])}…{_fixed(limits.upper[j])}",
-            *(f"{number(peaks[s][j])} / {number(getattr(limits, s)[j])}" for s in SIGNALS),
+            *(f"{number(peaks[s][j])} / {_limit(getattr(limits, s)[j])}" for s in SIGNALS),
         )
+    table.columns[0].min_width = max(map(len, short.values()))
     units = dict.fromkeys(
         ", ".join(joint_units(motion.robot, j)[s] for s in ("position", *SIGNALS[:2], "load"))
         for j in motion.joints
     )
-    table.caption = f"peak / what it may be, in {' or '.join(units)}. {_contacts(motion)}"
+    start = ", ".join(_fixed(x) for x in motion.position[0])
+    peak = f"Peak / what it may be, in {' or '.join(units)}."
+    table.caption = f"{peak} Starts and ends at rest at {start}. {_contacts(motion)}"
     return table
 
 
@@ -76,5 +79,9 @@ def gain_words(motion: Excitation) -> str:
     return said if gain.enough else f"{said} That is too little to be sure: allow more time or wider limits."
 
 
+def _limit(value: float) -> str:
+    return number(value) if math.isfinite(value) else "–"
+
+
 def _fixed(value: float) -> str:
-    return f"{value + 0.0:.2f}".replace("-", "−")
+    return f"{round(value, 2) + 0.0:.2f}".replace("-", "−")

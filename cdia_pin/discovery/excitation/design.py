@@ -60,7 +60,7 @@ def excite(
     question = Question(dynamics, limits, chosen)
     goal = question.between(*between) if between else question.parameters(effects)
     floor = standing_height(robot) if chosen.floor == "base" else chosen.floor
-    collisions = CollisionModel(robot, clearance=chosen.clearance, floor=floor)
+    collisions = CollisionModel(robot, clearance=chosen.clearance, floor=floor, srdf=chosen.srdf)
     search = Search(dynamics, limits, collisions, goal, question.noise, chosen.duration)
     trajectory, any_other = search.best(
         chosen.draws,

@@ -17,7 +17,9 @@ from cdia_pin.effects import Effect
 Array = NDArray[np.float64]
 
 UNSEEN = 1e-10  # [1], eigenvalue beside the largest below which no motion shows a combination of parameters
-SAME = 1e-7  # [1], share of a side's torque below which what the other leaves of it is rounding
+SAME = (
+    1e-4  # [1], share of a side's torque below which what the other leaves of it is the smoothing of sgn(q̇)
+)
 ENOUGH = 30.0  # standard deviations apart, beyond which other effects matter as much
 WEIGHT = 3.0  # [1], of the pair beside all other effects
 

@@ -133,7 +133,7 @@ class Search:
         one, two = contact.shapes
         raise RobotError(
             f"robot '{robot.name}': no posture is free of contact, in the last one {one} is too close to {two}; "
-            "allow less clearance, or no floor"
+            "allow less clearance, no floor, or give the SRDF that says which links may touch"
         )
 
     def _checked(self, draw: Draw) -> Chain:

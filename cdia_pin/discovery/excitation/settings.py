@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 from cdia_pin.errors import RobotError
@@ -25,6 +26,7 @@ class ExcitationSettings:
         clearance: Distance that links keep from each other and from the floor [m].
         floor: Height of a floor above the base's origin, against gravity [m]; ``base``: the plane on which the base
             stands; None for no floor.
+        srdf: SRDF file whose disabled pairs of links are not looked at; neighbours never are.
         size: RMS torque that an effect is taken to have where the model does not say, over that of its joint [1].
         noise: Standard deviation of the torque noise over the RMS torque [1].
         seed: Seed of the search.
@@ -39,6 +41,7 @@ class ExcitationSettings:
     acceleration: float | Mapping[str, float] | None = None
     clearance: float = 0.01
     floor: float | Literal["base"] | None = "base"
+    srdf: Path | None = None
     size: float = 0.1
     noise: float = 0.01
     seed: int = 0
