@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ DISTANCES = (
     2.0,
     4.0,
 )  # classes of distance from rest, in periods of the cut-off; the first is left out
+POSTURES = 200  # at which the inertia is asked for
 RESTING = 0.5  # a joint near rest for longer than this share of the log is taken as resting
 
 
@@ -118,6 +120,23 @@ class Experiment:
     def logs(self) -> tuple[str, ...]:
         """Names of the logs or conditions, each once."""
         return tuple(dict.fromkeys(s.state.log for s in self.segments))
+
+    @cached_property
+    def resolution(self) -> Array:
+        """Torque below which a structure may be that of the sensors' noise and steps [N·m or N], shape (n,).
+
+        Noise of the positions makes torque through the accelerations, and it is white only where a joint moves
+        over many steps of its encoder; a torque that changes by less than its own step is recorded as structure too.
+        """
+        power, total = np.zeros(self.robot.n), 0
+        for motion in (s.motion for s in self.segments):
+            # white noise of a position, filtered: that of its acceleration from that of its speed
+            acceleration = motion.speed_noise * 2 * np.pi * motion.cutoff * np.sqrt(3 / 5)
+            inertia = self.robot.mass_matrix(motion.q[:: max(1, len(motion.q) // POSTURES)])
+            of_positions = np.mean(inertia**2 @ acceleration**2, axis=0)
+            power += len(motion.kept) * (of_positions + motion.effort_step**2 / 12)
+            total += len(motion.kept)
+        return np.sqrt(power / total)
 
     @property
     def lengths(self) -> list[int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
 
+SMALLEST_TORQUE = 0.015  # of a joint's RMS torque: an effect below that changes nothing a user would notice
 GENERIC_SIZE = 10  # larger effects do not take part in the first estimate of the noise
 GENERIC_SHAPES = 20  # nor do those with more shapes
 
@@ -84,6 +86,12 @@ class Problem:
         noise = structure.innermost if innermost else structure.noise
         return Whitened.of(self.experiment, noise, self.edges)
 
+    @cached_property
+    def smallest_torque(self) -> Array:
+        """RMS torque of an effect that matters and is above what the sensors resolve [N·m or N], shape (n,)."""
+        measured = rms(self.experiment.measured, self.experiment.informative)
+        return np.maximum(self.experiment.resolution, SMALLEST_TORQUE * measured)
+
     def rms(self, model: Dynamics) -> Array:
         """Return the RMS residual of a model [N·m or N], shape (n,)."""
         return rms(self.experiment.predict(model).residual, self.experiment.informative)
@@ -107,7 +115,7 @@ class Problem:
             needed=needed_gain(
                 np.sum(leftover**2, axis=0),
                 rms(prediction.residual, use),
-                rms(self.experiment.measured, use),
+                self.smallest_torque,
             ),
         )
 
