@@ -23,7 +23,7 @@ class Column:
         name: What the tables call it.
         moving: On samples in which the joint moves, shape (n,).
         everywhere: On all samples, shape (n,); None where it was not computed.
-        seconds: Time that the fit took [s]; NaN for none.
+        seconds: Processor time that it took [s]; NaN for none.
     """
 
     name: str
@@ -71,7 +71,7 @@ class Bench:
             name: What the tables call it.
             residual: Predicted less measured torque [N·m or N], shape (K, n).
             moving: The same of another fit, which is to be judged on moving samples.
-            seconds: Time that the fit took [s].
+            seconds: Processor time that it took [s].
         """
         everywhere = self._share(residual, np.ones_like(self.unseen.informative))
         own = self._share(residual if moving is None else moving, self.unseen.informative)

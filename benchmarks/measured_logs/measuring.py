@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 from benchmarks.measured_logs.cases import Case
 from benchmarks.measured_logs.errors import Bench, Column
 from benchmarks.measured_logs.least_squares import least_squares
+from benchmarks.measured_logs.process import run
 from benchmarks.peers.figaroh_process import AbsentError, figaroh
 from cdia_pin import DiscoverySettings, Dynamics, discover, load_model, write_log
 
@@ -84,28 +84,32 @@ def _identify(bench: Bench, kind: str, *options: str) -> Column:
     with tempfile.TemporaryDirectory() as folder:
         log, model = Path(folder) / "fitted.csv", Path(folder) / "model.json"
         write_log(case.fitted, log)
-        began = perf_counter()
-        subprocess.run(
-            [
-                sys.executable, "-m", "cdia_pin", "identify", str(log), "--robot", _robot(case), "--no-check",
-                "--cutoff", str(bench.conditioning.cutoff), "--save", str(model), *options,
-            ],
-            capture_output=True, text=True, check=True,
-        )  # fmt: skip
-        seconds = perf_counter() - began
+        command = [
+            sys.executable,
+            "-m",
+            "cdia_pin",
+            "identify",
+            str(log),
+            "--robot",
+            _robot(case),
+            "--no-check",
+        ]
+        command += ["--cutoff", str(bench.conditioning.cutoff), "--save", str(model), *options]
+        done, seconds = run(command)
+        done.check_returncode()
         return bench.column(", ".join(filter(None, (IDENTIFY, kind))), load_model(model, case.robot), seconds)
 
 
 def _then_discover(bench: Bench) -> Column:
     from cdia_pin import IdentificationSettings, identify
 
-    case, began = bench.case, perf_counter()
+    case, began = bench.case, process_time()
     first = identify(
         Dynamics(case.robot), case.fitted, settings=IdentificationSettings(conditioning=bench.conditioning)
     )
     settings = DiscoverySettings(conditioning=bench.conditioning, most_effects=MOST_EFFECTS)
     then = discover(first.model, case.fitted, settings=settings)
-    return bench.column(f"{IDENTIFY}, then discover", then.model, perf_counter() - began)
+    return bench.column(f"{IDENTIFY}, then discover", then.model, process_time() - began)
 
 
 def _robot(case: Case) -> str:

@@ -62,7 +62,8 @@ HOW = (
     "`{identify}` is fitted once, to moving ones.\n"
     "- *figaroh* 1.0.2 gets the filtered signals and, by its own sample mask, only samples in which all joints move: "
     "its sgn q̇ is hard, and with the others its errors are larger.\n"
-    "- Times are those of whole processes, from start to end; `{identify}` with `--no-check`."
+    "- Times are processor time in one thread; of `{identify}` (with `--no-check`) and figaroh from the start of the "
+    "process to its end."
 )
 
 
@@ -120,7 +121,7 @@ def _meaning(measured: Sequence[Measured]) -> str:
         rows.append((_named(name), *figures))
     absent = [f"{m.bench.case.name}: {m.absent}" for m in close if m.absent]
     return (
-        f"Mean over the joints at {CUTOFFS[0]:g} Hz: moving, all samples, and time.\n\n"
+        f"Mean over the joints at {CUTOFFS[0]:g} Hz: moving, all samples, and processor time.\n\n"
         + table(("", *(m.bench.case.name for m in close)), rows)
         + "".join(f"\n\nfigaroh took no part in {said}." for said in absent)
     )

@@ -5,11 +5,11 @@ from __future__ import annotations
 import subprocess
 import tempfile
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 
 from benchmarks.measured_logs.errors import Bench, Column
+from benchmarks.measured_logs.process import run
 from cdia_pin.discovery.experiment import NEAR_REST
 
 SCRIPT = Path(__file__).with_name("figaroh_fit.py")
@@ -45,15 +45,10 @@ def figaroh(bench: Bench, python: str) -> list[Column]:
             **{name: getattr(fitted.motion, name) for name in ("time", "q", "v", "a", "effort")},
             **{f"unseen_{name}": getattr(unseen.motion, name) for name in "qva"},
         )
-        began = perf_counter()
         try:
-            done = subprocess.run(
-                [python, str(SCRIPT), str(given), str(answer)],
-                capture_output=True, text=True, check=False, timeout=LONGEST,
-            )  # fmt: skip
+            done, seconds = run([python, str(SCRIPT), str(given), str(answer)], LONGEST)
         except (OSError, subprocess.TimeoutExpired) as error:
             raise AbsentError(str(error)) from None
-        seconds = perf_counter() - began
         if done.returncode:
             raise AbsentError((done.stderr or "no reason given").strip().splitlines()[-1])
         told = dict(np.load(answer))
