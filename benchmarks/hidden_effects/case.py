@@ -13,9 +13,9 @@ NOISES = {
     "quantised": Noise(position_resolution=2e-4, effort_fraction=0.005, effort_resolution=0.02),
 }
 GOOD = "good"
-POOR = ("one joint", "slow", "small", "single speed", "planar")
+POOR = ("one joint", "slow", "one posture", "single speed", "one way", "planar")
 BETWEEN_POINTS = "point to point"
-DURATION = 36.0  # [s]
+DURATION, SHORT = 36.0, 12.0  # [s], of a motion, and of one that is poor
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,16 @@ class Case:
             " + ".join(f"{e} {s:.0%}" for e, s in zip(self.effects, self.shares, strict=True)) or "nothing"
         )
         return f"{self.arm}/{self.suite}/{hidden}/{self.noise}/{self.excitation}/{self.number}"
+
+    @property
+    def duration(self) -> float:
+        """Length of the log [s]."""
+        return SHORT if self.excitation in POOR and self.effects else DURATION
+
+    @property
+    def cut(self) -> float:
+        """Time left out at both ends of the log, so that it begins and ends in motion [s]."""
+        return 1.5 if self.excitation in {"one way", "one joint"} else 0.0
 
     @property
     def seed(self) -> int:

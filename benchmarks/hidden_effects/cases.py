@@ -28,6 +28,27 @@ OF_A_JOINT = (  # what can be told from links that are a little wrong
     "rotor_inertia",
     "joint_spring",
 )
+ALIKE = {  # motions, and effects that are much like others on them
+    "one posture": (
+        "torque_offset",
+        "joint_spring",
+        "actuator_gain",
+        "encoder_offset",
+        "position_ripple",
+        "base_tilt",
+        "tool_wrench",
+        "payload",
+        "link_inertia",
+    ),
+    "one way": (
+        "coulomb_friction",
+        "viscous_friction",
+        "quadratic_friction",
+        "stribeck_friction",
+        "asymmetric_friction",
+        "torque_offset",
+    ),
+}
 ERRORS = (0.03, 0.05)  # of the links [1]
 VISIBLE = (0.2, 0.5)  # shares beside such errors
 PAIRS, TRIPLES, CLEAN = 18, 12, 10  # of each arm; clean ones with each noise
@@ -41,10 +62,24 @@ def singles() -> Iterator[Case]:
 
 
 def poor() -> Iterator[Case]:
-    """Yield every effect on every arm, small and large, on motions that show it poorly, kinds and noise in turn."""
-    for (e, effect), (a, arm), (s, size) in product(*map(enumerate, (VOCABULARY, ARMS, (SMALL, LARGE)))):
-        kind, noise = POOR[(e + 2 * a + 3 * s) % len(POOR)], tuple(NOISES)[(e + a + s) % len(NOISES)]
-        yield Case("poor", arm, (effect,), (size[(e + a) % 2],), noise, kind)
+    """Yield every effect on every arm, on motions that show it poorly: kinds of motion, sizes and noise in turn."""
+    for (e, effect), (a, arm) in product(*map(enumerate, (VOCABULARY, ARMS))):
+        kind, noise = POOR[(e + 2 * a) % len(POOR)], tuple(NOISES)[(e + a) % len(NOISES)]
+        yield Case("poor", arm, (effect,), (SIZES[(e + a) % 4],), noise, kind)
+
+
+def alike() -> Iterator[Case]:
+    """Yield effects on motions on which others are the same, sizes and noise in turn."""
+    for motion, effects in ALIKE.items():
+        for (e, effect), (a, arm) in product(*map(enumerate, (effects, ARMS))):
+            yield Case(
+                "alike",
+                arm,
+                (effect,),
+                (SIZES[(e + a) % 4],),
+                tuple(NOISES)[(e + 2 * a) % len(NOISES)],
+                motion,
+            )
 
 
 def pairs() -> Iterator[Case]:
@@ -84,6 +119,7 @@ SUITES = {
     "pair": pairs,
     "triple": triples,
     "poor": poor,
+    "alike": alike,
     "model error": model_error,
     "clean": clean,
     "outside": outside,

@@ -10,11 +10,12 @@ import numpy as np
 from benchmarks.hidden_effects.case import BETWEEN_POINTS, DURATION, GOOD, NOISES, Case
 from benchmarks.plant.faults import MECHANISMS, Fault, scaled
 from benchmarks.plant.model_error import erroneous
-from benchmarks.plant.motion import Fourier, Motion, PointToPoint, single, slow, small
+from benchmarks.plant.motion import Fourier, Motion, PointToPoint, slow, small
 from benchmarks.plant.plant import MujocoPlant
-from benchmarks.plant.poor import SingleSpeed, planar
+from benchmarks.plant.poor import OneWay, SingleSpeed, planar
 from benchmarks.plant.scenarios import OUTSIDE_PARAMETERS, PARAMETERS, Scenario
 from benchmarks.plant.sizes import Sizer
+from cdia_pin.logs import Log
 
 LOADED = 0.05  # a joint takes part if it carries this share of the largest joint torque, RMS
 EITHER_WAY = (
@@ -48,12 +49,19 @@ def drawn(case: Case) -> tuple[MujocoPlant, Scenario]:
     faults = _faults(case, look, rng)
     moved = faults[0].joint if faults and faults[0].joint else str(rng.choice(_loaded(look)))
     scenario = Scenario(
-        case.id, faults, case.seed, _motion(case.excitation, plant, moved), NOISES[case.noise], DURATION
+        case.id, faults, case.seed, _motion(case.excitation, plant, moved), NOISES[case.noise], case.duration
     )
     if case.model_error:
         wrong = erroneous(plant.nominal.file.inertias, case.model_error, case.seed)
         plant = MujocoPlant(plant.robot, inertias=wrong)
     return plant, scenario
+
+
+def recorded(case: Case, plant: MujocoPlant, scenario: Scenario) -> Log:
+    """Return the log of a run, as long as it is recorded."""
+    log = scenario.run(plant).log
+    cut = round(case.cut * scenario.rate)
+    return log.slice(cut, len(log.time) - cut)
 
 
 def _faults(case: Case, look: Sizer, rng: np.random.Generator) -> tuple[Fault, ...]:
@@ -96,10 +104,11 @@ def _motion(excitation: str, plant: MujocoPlant, joint: str) -> Motion:
     kinds = {
         GOOD: Fourier,
         BETWEEN_POINTS: PointToPoint,
-        "one joint": lambda: single([joint]),
-        "slow": slow,
-        "small": small,
+        "one joint": lambda: Fourier(harmonics=1, joints=(joint,)),
+        "slow": lambda: slow(0.05),
+        "one posture": lambda: small(0.005),
         "single speed": SingleSpeed,
+        "one way": OneWay,
         "planar": lambda: planar(plant.nominal, plant.reach.middle),
     }
     return kinds[excitation]()

@@ -25,6 +25,7 @@ class Outcome:
         found: Labels of the effects that were named.
         confusable: Labels of what they can be confused with, according to the discovery; sets joined by ' + '.
         verdict: Of the discovery.
+        structure_left: Joints whose residual is not noise, according to the discovery.
         sights: How well each hidden effect shows, see `oracle`; empty where nothing is hidden or nothing can know.
         over_floor: Held-out RMS over the noise floor, the worst joint [1].
         mean_over_floor: The same, RMS over the joints [1].
@@ -44,6 +45,7 @@ class Outcome:
     found: tuple[str, ...]
     confusable: tuple[str, ...]
     verdict: str
+    structure_left: tuple[str, ...] = ()
     sights: tuple[Sight, ...] = ()
     over_floor: float = nan
     mean_over_floor: float = nan

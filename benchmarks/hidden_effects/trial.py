@@ -9,9 +9,10 @@ from time import perf_counter
 import numpy as np
 
 from benchmarks.hidden_effects.case import Case
-from benchmarks.hidden_effects.drawing import drawn
+from benchmarks.hidden_effects.drawing import drawn, recorded
 from benchmarks.hidden_effects.oracle import noise_floor, sights, unordered
 from benchmarks.hidden_effects.outcome import Outcome
+from benchmarks.hidden_effects.resolving import resolved
 from benchmarks.hidden_effects.truth import label_of, true_model
 from cdia_pin.discovery import Discovery, compare, discover
 from cdia_pin.dynamics import Dynamics
@@ -24,7 +25,7 @@ SMALLEST = 0.05  # parameters below this share of an effect's largest are no mea
 def run_case(case: Case) -> Outcome:
     """Run a case."""
     plant, scenario = drawn(case)
-    log = scenario.run(plant).log
+    log = recorded(case, plant, scenario)
     began = perf_counter()
     found = discover(Dynamics(plant.robot), log)
     seconds = perf_counter() - began
@@ -32,8 +33,9 @@ def run_case(case: Case) -> Outcome:
     seen, ratio = (), np.array([np.nan])
     if true is not None:
         seen = sights(true, scenario.faults, log) if scenario.faults else ()
-        later = replace(scenario.holdout(), duration=HELD_OUT).run(plant).log
+        later = recorded(case, plant, replace(scenario.holdout(), duration=min(HELD_OUT, scenario.duration)))
         ratio = compare(found.model, later).rms / noise_floor(true, later)
+    again = resolved(plant, scenario, log, found) if any(s.confusable for s in seen) else None
     right = list(_right(found, true)) if true is not None else []
     return Outcome(
         id=case.id,
@@ -45,16 +47,22 @@ def run_case(case: Case) -> Outcome:
         hidden=tuple(map(label_of, scenario.faults))
         if true is not None
         else tuple(map(str, scenario.faults)),
-        found=tuple(s.term.label for s in found.steps if s.term),
+        found=_labels(found),
         confusable=tuple(dict.fromkeys(_confusable(found))),
         verdict=found.verdict,
+        structure_left=found.structure_left,
         sights=seen,
         over_floor=float(np.max(ratio)),
         mean_over_floor=float(np.sqrt(np.mean(ratio**2))),
         parameter_errors=tuple(e for estimate, truth in right for e in _errors(estimate, truth)),
         covered=tuple(c for estimate, truth in right for c in _covered(estimate, truth)),
+        resolved=_labels(again) if again else None,
         seconds=seconds,
     )
+
+
+def _labels(found: Discovery) -> tuple[str, ...]:
+    return tuple(s.term.label for s in found.steps if s.term)
 
 
 def _confusable(found: Discovery) -> Iterator[str]:

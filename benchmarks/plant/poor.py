@@ -1,4 +1,4 @@
-"""Motions that hide what they should show: one speed only, or no more than a plane."""
+"""Motions that hide what they should show: one speed only, one direction, no more than a plane."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from benchmarks.plant.motion import Fourier, Motion, Plan, Reach, Reference
 
 Array = NDArray[np.float64]
 
-SHARP = 8.0  # [1], how soon after a reversal a joint has its speed again; larger is sooner
+SHARP = 20.0  # [1], how soon after a reversal a joint has its speed again; larger is sooner
 PARALLEL = 0.99  # [1], cosine between axes that count as parallel
 GRID = 2e-3  # [s]
 
@@ -27,7 +27,7 @@ class SingleSpeed(Motion):
         leg: Time from one reversal to the next, drawn for each joint between these [s].
     """
 
-    speed: float = 0.4
+    speed: float = 0.2
     leg: tuple[float, float] = (1.5, 4.0)
 
     def plan(self, reach: Reach, duration: float, rng: np.random.Generator) -> Plan:
@@ -44,6 +44,37 @@ class SingleSpeed(Motion):
 
         def at(time: Array) -> Reference:
             return Reference(start + travelled(time), path(time), path(time, 1))
+
+        return at
+
+
+@dataclass(frozen=True)
+class OneWay(Motion):
+    """Every joint goes one way at one speed of its own, but for the beginning and the end.
+
+    Attributes:
+        speed: Of each joint as a share of what it may do [1], less where its range is too short for it.
+        ramp: Time from rest to that speed [s].
+    """
+
+    speed: float = 0.3
+    ramp: float = 1.0
+
+    def plan(self, reach: Reach, duration: float, rng: np.random.Generator) -> Plan:
+        """Return the motion, each joint in a direction that is drawn."""
+        t = np.arange(0.0, duration + GRID, GRID)
+        share = np.clip(np.minimum(t, duration - t) / self.ramp, 0.0, 1.0)
+        path = CubicSpline(t, share**2 * (3 - 2 * share))
+        travelled = path.antiderivative()
+        whole = float(travelled(duration))
+        speed = np.minimum(self.speed * reach.speed, 1.8 * reach.half / whole) * rng.choice(
+            [-1, 1], len(reach.joints)
+        )
+
+        def at(time: Array) -> Reference:
+            parts = (travelled(time) - whole / 2, path(time), path(time, 1))
+            q, v, a = (np.multiply.outer(x, speed) for x in parts)
+            return Reference(reach.middle + q, v, a)
 
         return at
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from cdia_pin.cli.conditions import Conditions, parse_conditions, under
-from cdia_pin.cli.console import Tell, progress, stdout
+from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.options import (
     Check,
@@ -24,11 +23,6 @@ from cdia_pin.cli.options import (
     Topic,
 )
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
-
-if TYPE_CHECKING:
-    from cdia_pin.discovery import Changes, DiscoverySettings
-    from cdia_pin.dynamics import Dynamics
-    from cdia_pin.logs import Log
 
 
 def compare(
@@ -73,7 +67,7 @@ def compare(
         settings = discovery.DiscoverySettings(conditioning=Conditioning(cutoff=cutoff))
         found = discovery.compare(known, given, conditioning=settings.conditioning)
         by_log = [discovery.compare(known, log, conditioning=settings.conditioning) for log in given]
-        changed = _changes(known, given, settings, tell) if changes else []
+        changed = discovery.changes_between(known, given, settings, tell) if changes else ()
     from cdia_pin.viewers import changes_table, comparison_table, errors_by_log, where_it_fails, write_report
 
     show_inputs(console, known, given)
@@ -92,14 +86,3 @@ def compare(
         (json, lambda f: write_json(document, f)),
         (report, lambda f: write_report(f, found, checks=checks, command=ctx.obj)),
     )
-
-
-def _changes(known: Dynamics, logs: Sequence[Log], settings: DiscoverySettings, tell: Tell) -> list[Changes]:
-    """Return what changed from the first condition, or log, to each other one."""
-    from cdia_pin.discovery import what_changed
-
-    groups: dict[object, list[Log]] = {}
-    for k, log in enumerate(logs):
-        groups.setdefault(log.condition or k, []).append(log)
-    first, *others = groups.values()
-    return [what_changed(known, first, other, settings=settings, progress=tell) for other in others]

@@ -13,6 +13,7 @@ from cdia_pin.cli.failures import CommandError
 
 if TYPE_CHECKING:
     from cdia_pin.logs import Log
+    from cdia_pin.robot import RobotModel
 
 Conditions = Annotated[
     list[str] | None,
@@ -23,6 +24,44 @@ Conditions = Annotated[
         help="Logs recorded under one condition, such as warm=b.csv,c.csv; each log is its own if left out.",
     ),
 ]
+
+
+PerLog = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--per-log",
+        metavar="EFFECT[@JOINT]",
+        show_default=False,
+        help="Effect with parameters of its own in each log or condition, whatever the evidence; may be repeated.",
+    ),
+]
+
+
+def parse_per_log(
+    texts: Sequence[str] | None, logs: Sequence[Path], conditions: dict[Path, str], robot: RobotModel
+) -> tuple[str, ...]:
+    """Return the names or labels of effects that have parameters per log.
+
+    Raises:
+        CommandError: If there is only one log or condition, or the zero of an encoder is asked for.
+        EffectError: If an effect is not in the vocabulary.
+        RobotError: If a joint is not of the robot.
+    """
+    from cdia_pin.effects import EFFECTS, parse_effect
+    from cdia_pin.errors import EffectError, unknown_name
+
+    asked = tuple(part.strip() for text in texts or [] for part in text.split(",") if part.strip())
+    if asked and len({conditions.get(p, p) for p in logs}) < 2:
+        raise CommandError(f"--per-log {asked[0]} needs logs of at least two conditions")
+    for text in asked:
+        name = text.partition("@")[0]
+        if name not in EFFECTS:
+            raise EffectError(unknown_name("effect", name, EFFECTS))
+        if EFFECTS[name].shifts:
+            raise CommandError(f"--per-log {text}: the zero of an encoder has one value in a model")
+        if "@" in text:
+            parse_effect(text, robot)
+    return asked
 
 
 def parse_conditions(texts: Sequence[str] | None, logs: Sequence[Path]) -> dict[Path, str]:

@@ -73,7 +73,7 @@ def excite(
         list[str] | None,
         typer.Option(
             "--acceleration",
-            metavar="\\[JOINT=]A",
+            metavar="A|JOINT=A",
             show_default=False,
             help="Largest acceleration \\[rad/s², m/s²], of all joints or of one; may be repeated. "
             "Full speed in half a second if left out: a URDF has no such limit.",

@@ -3,6 +3,7 @@
 from cdia_pin.discovery.change_result import Change, Changes
 from cdia_pin.discovery.changes import what_changed
 from cdia_pin.discovery.comparison import Comparison, compare
+from cdia_pin.discovery.conditions import changes_between
 from cdia_pin.discovery.discovering import add_effect, discover
 from cdia_pin.discovery.excitation import Excitation, ExcitationSettings, excite
 from cdia_pin.discovery.identification import Identification, IdentificationSettings, identify
@@ -23,6 +24,7 @@ __all__ = [
     "Ranked",
     "Step",
     "add_effect",
+    "changes_between",
     "compare",
     "discover",
     "excite",

@@ -13,6 +13,7 @@ from cdia_pin.discovery.settings import DiscoverySettings
 from cdia_pin.discovery.whitening import NoiseModel
 from cdia_pin.effects import (
     EFFECTS,
+    CoulombFriction,
     Drift,
     Effect,
     Expression,
@@ -21,7 +22,7 @@ from cdia_pin.effects import (
     RotorInertia,
     TorqueOffset,
     Unknown,
-    Varying,
+    ViscousFriction,
 )
 from cdia_pin.errors import EffectError, unknown_name
 
@@ -31,6 +32,7 @@ LARGE_FAMILY = 12  # an effect with more shapes than that is screened before it 
 LEAST_RIGID_SHARE = (
     0.2  # of a joint's torque that must be the rigid body's for a gain to be told from friction
 )
+SLOW = (CoulombFriction, ViscousFriction, TorqueOffset)  # what may drift within a log
 SCREENED = 2  # shapes that pass the screening
 
 
@@ -73,15 +75,20 @@ def per_log(family: list[Effect], experiment: Experiment, asked: Sequence[str]) 
 
 
 def drifting(effects: Iterable[Effect], experiment: Experiment) -> list[list[Effect]]:
-    """Return the families in which friction and offsets drift within the log, none where there are several logs."""
+    """Return the families of friction and offsets, on the joints of some effects, that drift within the log.
+
+    Only effects of one parameter: more of them, each with a beginning and an end, would fit whatever is left. None
+    where there are several logs.
+    """
     if len(experiment.segments) > 1:
         return []
     time = experiment.segments[0].motion.time
     start, end = float(time[0]), float(time[-1])
-    slow = [
-        e for e in effects if (e.dissipative or isinstance(e, TorqueOffset)) and not isinstance(e, Varying)
-    ]
-    return [list(Drift(e, start, end, end - start).shape_grid(experiment.segments[0].state)) for e in slow]
+    joints = dict.fromkeys(
+        j for e in effects if e.dissipative or isinstance(e, TorqueOffset) for j in e.scope
+    )
+    slow = [Drift(kind(j), start, end, end - start) for j in joints for kind in SLOW]
+    return [list(e.shape_grid(experiment.segments[0].state)) for e in slow]
 
 
 def _expanded(effect: Effect, experiment: Experiment) -> Iterator[Effect]:

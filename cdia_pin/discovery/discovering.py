@@ -163,7 +163,7 @@ def _concluded(
             "per_log": list(problem.settings.per_log),
             "most_effects": problem.settings.most_effects,
         },
-        findings=(*findings, *recognised(problem, final, problem.whitened(structure))),
+        findings=(*findings, *recognised(problem, final, problem.whitened(structure), left)),
     )
 
 

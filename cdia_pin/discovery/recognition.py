@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.discovery.experiment import Experiment, Prediction
 from cdia_pin.discovery.finding import Finding
 from cdia_pin.discovery.fitting import Whitened
 from cdia_pin.discovery.memory import bent
@@ -17,23 +18,29 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-REACHES = np.geomspace(0.003, 0.5, 16)  # of friction with memory, beside the joint's travel
+REACHES = np.geomspace(
+    0.005, 0.5, 16
+)  # of friction with memory, beside the joint's travel; the first is too short
+NEURONS = 9  # radial bases over a joint's speed
 WORTH = 0.1  # least share of what is left of a joint that memory must explain
 LEAST_LEVEL = 0.01  # of the joint's RMS torque
 
 
-def recognised(problem: Problem, model: Dynamics, whitened: Whitened) -> tuple[Finding, ...]:
+def recognised(
+    problem: Problem, model: Dynamics, whitened: Whitened, left: Sequence[str]
+) -> tuple[Finding, ...]:
     """Return what is recognised in a fitted model, and in what it leaves.
 
     Args:
         problem: The logs.
         model: Fitted to them, with intervals.
         whitened: Noise and blocks.
+        left: Joints on which structure is left.
     """
-    return (*_drifts(model), *_memories(problem, model, whitened))
+    return (*_drifts(model, left), *_memories(problem, model, whitened))
 
 
-def _drifts(model: Dynamics) -> Iterator[Finding]:
+def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
     """Yield a sentence for each effect that drifts."""
     for term in model.terms:
         effect = term.effect
@@ -47,6 +54,8 @@ def _drifts(model: Dynamics) -> Iterator[Finding]:
         meaning = ""
         if effect.dissipative:
             meaning = ", as in a drive that warms up" if fell else ", as in a drive that cools down"
+        if set(joints) & set(left):
+            meaning = "; structure is left there, so it may be something else that changes with time"
         yield Finding(
             "drift",
             joints,
@@ -68,9 +77,9 @@ def _memories(problem: Problem, model: Dynamics, whitened: Whitened) -> Iterator
         if experiment.resting[j]:
             continue
         own = [_columns(problem, prediction, t, j) for t in model.terms if j in t.effect.acts_on(model.robot)]
-        plain = CoulombFriction(joint)
-        level = problem.columns.of(plain, prediction)[:, 0, :]  # memory must be more than direction alone
-        beside = whitened.joint(j, np.column_stack([*own, level]))
+        # memory must be more than direction and speed
+        level = problem.columns.of(CoulombFriction(joint), prediction)[:, 0, :]
+        beside = whitened.joint(j, np.column_stack([*own, level, _of_speed(experiment, j)]))
         y = whitened.joint(j, prediction.residual[:, j])
         basis = _orthonormal(beside)
         left = y - basis @ (basis.T @ y)
@@ -88,7 +97,7 @@ def _memories(problem: Problem, model: Dynamics, whitened: Whitened) -> Iterator
         enough = max(
             WORTH * float(left @ left), 4 * np.log(max(len(y), 2)) + 2 * np.log(len(REACHES) * model.robot.n)
         )
-        if gains[best] > enough and levels[best] > LEAST_LEVEL * torque:
+        if best > 0 and gains[best] > enough and levels[best] > LEAST_LEVEL * torque:
             yield _presliding(model.robot, joint, levels[best], float(REACHES[best] * travel))
 
 
@@ -105,9 +114,16 @@ def _presliding(robot: RobotModel, joint: str, level: float, reach: float) -> Fi
     )
 
 
-def _columns(problem: Problem, prediction: object, term: Term, j: int) -> Array:
-    x = problem.columns.of(term.effect, prediction, np.array(term.theta))  # type: ignore[arg-type]
+def _columns(problem: Problem, prediction: Prediction, term: Term, j: int) -> Array:
+    x = problem.columns.of(term.effect, prediction, np.array(term.theta))
     return x[:, term.effect.acts_on(problem.experiment.robot).index(j), :]
+
+
+def _of_speed(experiment: Experiment, j: int) -> Array:
+    """Return smooth functions of a joint's speed, filtered as torques are, shape (K, NEURONS)."""
+    fastest = max(float(np.percentile(np.abs(s.motion.v[:, j]), 99)) for s in experiment.segments)
+    centres, width = np.linspace(-fastest, fastest, NEURONS, retstep=True)
+    return experiment.compared(lambda m: np.exp(-(((m.v[:, [j]] - centres) / max(float(width), 1e-9)) ** 2)))
 
 
 def _orthonormal(columns: Array) -> Array:

@@ -240,9 +240,9 @@ class Drift(Varying):
         return {"with": self.kind, "start": self.start, "end": self.end, "time_constant": self.time_constant}
 
     def shape_grid(self, x: State) -> Sequence[Self]:
-        """Return time constants from a sixteenth of the log's length to twice its length."""
+        """Return time constants from a quarter of the log's length to twice its length: a drift is slow."""
         length = self.end - self.start
-        return [self.with_shape(time_constant=float(t)) for t in length * np.geomspace(1 / 16, 2.0, 6)]
+        return [self.with_shape(time_constant=float(t)) for t in length * np.geomspace(0.25, 2.0, 4)]
 
 
 def varied(effect: Effect, how: Mapping[str, Any]) -> Varying:

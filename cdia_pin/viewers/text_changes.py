@@ -18,6 +18,7 @@ from cdia_pin.viewers.words import (
     joint_units,
     listed,
     number,
+    parameter_name,
     percent,
     short_names,
     with_interval,
@@ -115,7 +116,7 @@ def _differences(change: Change, found: Changes) -> list[tuple[str, str]]:
     rows = list(zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True))
     if len(rows) > MANY:
         rows = [r for r in rows if not r[3][0] <= 0 <= r[3][1]]
-    return [(p.name.replace("_", " "), _plus(with_interval(v, ci, unit), v)) for p, v, unit, ci in rows]
+    return [(parameter_name(p.name), _plus(with_interval(v, ci, unit), v)) for p, v, unit, ci in rows]
 
 
 def _plus(text: str, value: float) -> str:

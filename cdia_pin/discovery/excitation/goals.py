@@ -70,11 +70,6 @@ class Parameters(Goal):
         """The effects themselves."""
         return self.wanted
 
-    @property
-    def count(self) -> int:
-        """How many parameters there are."""
-        return len(self.seen)
-
     def score(self, info: Information) -> float:
         """Return the mean logarithm of the precision (inverse standard deviation) of what can be seen."""
         at = info.columns(self.wanted)

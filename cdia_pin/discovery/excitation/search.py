@@ -25,6 +25,7 @@ SMALLER = 0.75
 COARSE = 0.04  # [rad or m] between postures looked at while searching
 FINE = 0.01  # and in the end
 STEPS = (0.5, 0.05)  # [1], size of the first and of the last variation
+SAFE = 0.99  # share of the effort that is left to it, for what lies between the times looked at
 HIGHEST_RATE = 1000.0  # [Hz], of the postures looked at
 
 Tell = Callable[[str, float], None]
@@ -106,7 +107,7 @@ class Search:
 
     def _within_effort(self, experiment: Experiment) -> bool:
         torques = experiment.predict(self.model).torques
-        return all((np.abs(t.reading) <= self.limits.effort).all() for t in torques)
+        return all((np.abs(t.reading) <= SAFE * self.limits.effort).all() for t in torques)
 
     def _shrinking(self, draw: Draw) -> Iterator[Draw]:
         for _ in range(SHRINKS):
@@ -115,13 +116,12 @@ class Search:
 
     def _posture(self, rng: np.random.Generator) -> Array:
         """Draw a posture in which the arm can rest."""
-        contact, weak = None, 0
+        contact = None
         robot = self.model.robot
         still = np.zeros(robot.n)
         for _ in range(POSTURES):
             q = within_room(rng.uniform(self.limits.lower, self.limits.upper), self.limits)
             if (np.abs(self.model.inverse_dynamics(q, still, still)) > self.limits.effort).any():
-                weak += 1
                 continue
             contact = self.collisions.first_contact(q)
             if contact is None:
