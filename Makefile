@@ -27,6 +27,7 @@ bench: $(VENV)/.installed-dev  ## measure what the README states of measured log
 	$(BIN)/python -m benchmarks
 
 bench-discovery: $(VENV)/.installed-dev  ## measure the discovery of hidden effects; an hour, an interrupted run goes on
+	-$(BIN)/python -m pip install --quiet --editable ".[bench]"
 	$(BIN)/python -m benchmarks.hidden_effects --jobs $(JOBS)
 
 bench-cdia: $(VENV)/.installed-dev  ## measure the monitor in closed loop; an hour, an interrupted run goes on

@@ -16,12 +16,16 @@ from pathlib import Path
 
 from benchmarks.hidden_effects.cases import ARMS, SAMPLE, SUITES, planned
 from benchmarks.hidden_effects.claims import fell_short
+from benchmarks.hidden_effects.contest import Score, entries, run_entry
 from benchmarks.hidden_effects.outcome import Outcome
 from benchmarks.hidden_effects.page import page
+from benchmarks.hidden_effects.precision import Estimate, repeats, run_repeat
 from benchmarks.hidden_effects.running import run_all, store_of
 from benchmarks.hidden_effects.trial import run_case
 from benchmarks.outcomes import CHECKOUT, tell
 
+REPEATED, CONTEST = "repeated", "contest"  # kinds that are not suites of cases
+KINDS = [*SUITES, REPEATED, CONTEST]
 PAGE = CHECKOUT / "docs" / "results-discovery.md"
 
 
@@ -31,7 +35,7 @@ def main() -> None:
         prog="python -m benchmarks.hidden_effects", description="Measure the discovery."
     )
     given.add_argument("--arms", nargs="+", choices=ARMS, default=list(ARMS))
-    given.add_argument("--kinds", nargs="+", choices=SUITES, default=list(SUITES))
+    given.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
     given.add_argument("--jobs", type=int, default=2, help="processes")
     given.add_argument("--limit", type=int, help="most cases to run")
     given.add_argument("--sample", action="store_true", help=f"one case in {SAMPLE}, printed")
@@ -39,15 +43,18 @@ def main() -> None:
     given.add_argument("--out", type=Path, help="page to write; docs/results-discovery.md if all is run")
     options = given.parse_args()
 
-    cases = planned(options.arms, options.kinds, SAMPLE if options.sample else 1)[: options.limit]
-    store = store_of("cases", Outcome.from_json)
-    if options.kept:
-        known = store.read()
-        outcomes = [known[c.id] for c in cases if c.id in known]
-    else:
-        outcomes = run_all(cases, run_case, store, options.jobs, _word)
-    whole = len(outcomes) == len(planned())
-    text = page(outcomes, "python -m benchmarks.hidden_effects " + " ".join(sys.argv[1:]), whole)
+    every = SAMPLE if options.sample else 1
+    cases = planned(options.arms, [k for k in options.kinds if k in SUITES], every)
+    draws = [r for r in repeats() if r.arm in options.arms][::every] if REPEATED in options.kinds else []
+    contest = [e for e in entries() if e.case.arm in options.arms] if CONTEST in options.kinds else []
+    jobs = 0 if options.kept else options.jobs
+    few = slice(options.limit)
+    outcomes = run_all(cases[few], run_case, store_of("cases", Outcome.from_json), jobs, _word)
+    estimates = run_all(draws[few], run_repeat, store_of("repeats", Estimate.from_json), jobs, lambda e: e.id)
+    scores = run_all(contest[few], run_entry, store_of("contest", Score.from_json), jobs, lambda s: s.id)
+    whole = [len(outcomes), len(estimates), len(scores)] == [len(planned()), len(repeats()), len(entries())]
+    command = "python -m benchmarks.hidden_effects " + " ".join(sys.argv[1:])
+    text = page(outcomes, estimates, scores, command, whole)
     out = options.out or (PAGE if whole else None)
     if out is None:
         print(text)

@@ -117,8 +117,8 @@ PARTS = (
     ),
     Part(
         "Poor excitation",
-        "Every effect on every arm on motions of 12 s that show it poorly, and effects on motions on which others are the "
-        "same torque. *Confusable*: it can be seen (λ ≥ 10²), but another effect with no more parameters is within λ < 4² "
+        "Every effect on every arm on motions that show it poorly, and effects on motions on which others are the same "
+        "torque. *Confusable*: it can be seen (λ ≥ 10²), but another effect with no more parameters is within λ < 4² "
         "of it. The set is what is found and what it is said to be confusable with; it must have more than one "
         "member. The motion is that of `excite` between the first two.",
         lambda o: o.suite in {"poor", "alike"},

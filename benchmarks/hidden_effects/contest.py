@@ -24,6 +24,7 @@ from cdia_pin.logs import Log
 from cdia_pin.robot import RobotModel
 
 TOOLS = {  # tool: module of `benchmarks.peers` with `fit(robot, log)`
+    "figaroh": "figaroh_logs",
     "PySINDy": "pysindy_residuals",
     "mujoco.sysid": "mujoco_sysid",
 }
