@@ -20,7 +20,8 @@ class Case:
     Attributes:
         name: What the tables call it.
         arm: The arm.
-        robot: Its description.
+        described: Name of its description in the catalogue, or path of a URDF.
+        robot: The description.
         fitted: The log that is fitted.
         unseen: The log that is only predicted.
         published: Held-out errors that the data's README gives for least squares with the full inertial regressor,
@@ -29,6 +30,7 @@ class Case:
 
     name: str
     arm: str
+    described: str
     robot: RobotModel
     fitted: Log
     unseen: Log
@@ -44,13 +46,14 @@ def cases(data: Path) -> Iterator[Case]:
     for arm, published in (("panda", (9, 1.2, 2.2, 1.2, 6, 7, 22)), ("ur10", (18, 5, 6, 15, 13, 30))):
         robot = load_robot(arm)
         log = read_log(data / arm / "exciting.csv", robot)
-        yield Case(f"{arm}, halves", arm, robot, *halves(log), published)
-    robot = load_robot(data / UR10E)
+        yield Case(f"{arm}, halves", arm, arm, robot, *halves(log), published)
+    described = str(data / UR10E)
+    robot = load_robot(described)
     long, short = (
         read_log(data / "ur10e" / f"fourier_{s}.csv", robot, gains=data / GAINS) for s in ("50s", "40s")
     )
-    yield Case("ur10e, 50 s → 40 s", "ur10e", robot, long, short, (10, 6, 5, 10, 11, 17))
-    yield Case("ur10e, 50 s halves", "ur10e", robot, *halves(long), (8, 7, 4, 9, 17, 10))
+    yield Case("ur10e, 50 s → 40 s", "ur10e", described, robot, long, short, (10, 6, 5, 10, 11, 17))
+    yield Case("ur10e, 50 s halves", "ur10e", described, robot, *halves(long), (8, 7, 4, 9, 17, 10))
 
 
 def halves(log: Log) -> tuple[Log, Log]:

@@ -7,7 +7,6 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from time import process_time
 
 from benchmarks.measured_logs.cases import Case
 from benchmarks.measured_logs.errors import Bench, Column
@@ -18,7 +17,6 @@ from cdia_pin import DiscoverySettings, Dynamics, discover, load_model, write_lo
 
 CUTOFFS = (10.0, 5.0)  # [Hz]: the data's README filtered at 5 to 10 Hz; the first one is looked at closely
 IDENTIFY = "cdia identify"
-MOST_EFFECTS = 80  # of a search that starts from an identified model
 Tell = Callable[[str], None]
 
 
@@ -60,8 +58,6 @@ def measure(case: Case, cutoff: float, python: str, tell: Tell) -> Measured:
     tell(f"{columns[-1].seconds:5.1f} s  cdia identify, {case.name}, {cutoff:g} Hz")
     if cutoff != CUTOFFS[0]:
         return Measured(bench, tuple(columns))
-    columns.append(_then_discover(bench))
-    tell(f"{columns[-1].seconds:5.1f} s  discover beside the identified model")
     found = discover(
         bare, case.fitted, holdout=case.unseen, settings=DiscoverySettings(conditioning=bench.conditioning)
     )
@@ -91,26 +87,10 @@ def _identify(bench: Bench, kind: str, *options: str) -> Column:
             "identify",
             str(log),
             "--robot",
-            _robot(case),
+            case.described,
             "--no-check",
         ]
         command += ["--cutoff", str(bench.conditioning.cutoff), "--save", str(model), *options]
         done, seconds = run(command)
         done.check_returncode()
         return bench.column(", ".join(filter(None, (IDENTIFY, kind))), load_model(model, case.robot), seconds)
-
-
-def _then_discover(bench: Bench) -> Column:
-    from cdia_pin import IdentificationSettings, identify
-
-    case, began = bench.case, process_time()
-    first = identify(
-        Dynamics(case.robot), case.fitted, settings=IdentificationSettings(conditioning=bench.conditioning)
-    )
-    settings = DiscoverySettings(conditioning=bench.conditioning, most_effects=MOST_EFFECTS)
-    then = discover(first.model, case.fitted, settings=settings)
-    return bench.column(f"{IDENTIFY}, then discover", then.model, process_time() - began)
-
-
-def _robot(case: Case) -> str:
-    return case.arm if case.arm == case.robot.name else str(case.robot.urdf)

@@ -61,7 +61,7 @@ HOW = (
     "weighted by its error. It is fitted to all samples to be judged on all, and to moving ones to be judged on those; "
     "`{identify}` is fitted once, to moving ones.\n"
     "- *figaroh* 1.0.2 gets the filtered signals and, by its own sample mask, only samples in which all joints move: "
-    "its sgn q̇ is hard, and with the others its errors are larger.\n"
+    "its sgn q̇ is hard, and with the others its errors on moving samples are larger.\n"
     "- Times are processor time in one thread; of `{identify}` (with `--no-check`) and figaroh from the start of the "
     "process to its end."
 )

@@ -102,7 +102,8 @@ def _joints(found: Identification) -> Table:
 def _base(found: Identification, everything: bool) -> Table:
     base = found.base
     table = new_table("base parameter", "URDF", "identified ± 95 %", "told", left=(0,))
-    order = np.arange(len(base)) if everything else np.argsort(-base.moved * base.told)[:SHOWN]
+    furthest = np.argsort(-base.moved)
+    order = np.arange(len(base)) if everything else furthest[base.told[furthest]][:SHOWN]
     for k in order:
         unit, value, half = base.units[k], float(base.value[k]), float(base.half_width[k])
         grouped = f" + {base.grouped[k]} more" if base.grouped[k] else ""
@@ -114,7 +115,5 @@ def _base(found: Identification, everything: bool) -> Table:
             "yes" if base.told[k] else "no",
         )
     if not everything:
-        table.caption = (
-            f"the {len(order)} of {len(base)} that are furthest from the URDF; --all shows every one"
-        )
+        table.caption = f"told by this motion and furthest from the URDF, {len(order)} of {len(base)}; --all shows every one"
     return table

@@ -24,7 +24,7 @@ def friction(q, v, a):
 def bench():
     robot = load_robot("double_pendulum")
     fitted, unseen = (make(robot, friction, seed=s, noise=NOISE, duration=30.0).log for s in (1, 2))
-    return Bench.of(Case("made", "pendulum", robot, fitted, unseen, (50.0, 50.0)), 10.0)
+    return Bench.of(Case("made", "pendulum", "double_pendulum", robot, fitted, unseen, (50.0, 50.0)), 10.0)
 
 
 def test_halves_share_no_sample(bench):

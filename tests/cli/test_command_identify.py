@@ -61,6 +61,7 @@ def test_json_on_stdout_silences_the_tables(cdia, log):
 def test_all_shows_every_base_parameter(cdia, log):
     done = cdia("identify", log, "--robot", "double_pendulum", "--plain", "--all")
     assert "furthest from the URDF" not in done.out
+    assert "  no" in done.out  # what the motion does not tell is listed too
 
 
 def test_a_log_cannot_be_fitted_and_held_out(cdia, log):

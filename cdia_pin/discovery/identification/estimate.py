@@ -23,7 +23,7 @@ MOST_ITERATIONS = 8  # of Gauss and Newton, where an effect depends on the torqu
 CONVERGED = 1e-3  # share of its norm by which the parameter vector moves no more, each in units of its column
 FIRST_ERROR = 0.05  # share of a joint's torque that is taken for its error before anything is fitted
 FINEST_ERROR = 1e-6  # least error of a joint that moves, likewise
-STUCK_ERROR = 0.1  # and of one that rests: dry friction holds it with a torque that nobody knows
+STUCK_ERROR = 1.0  # of one that rests, all its samples together: what holds it may all be dry friction
 PATIENCE = 3  # rounds of weighting
 
 
@@ -72,10 +72,7 @@ class Fitter:
         noise no longer minimises the error that is shown. The blocks of time know of it in the intervals.
         """
         e = self.experiment
-        alike = np.sqrt(
-            len(residual) / (len(self.edges) - 1)
-        )  # of a joint that rests, all samples of a block
-        share = np.where(is_moving(e), FINEST_ERROR, STUCK_ERROR * alike)
+        share = np.where(is_moving(e), FINEST_ERROR, STUCK_ERROR * np.sqrt(len(residual)))
         sigma = np.maximum(rms(residual, self.used), share * rms(e.measured, self.used) + 1e-12)
         noise = [NoiseModel(np.zeros(0), np.full(len(residual), s), tuple(e.lengths)) for s in sigma]
         return Whitened(tuple(noise), self.used, self.edges)
