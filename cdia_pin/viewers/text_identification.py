@@ -115,5 +115,7 @@ def _base(found: Identification, everything: bool) -> Table:
             "yes" if base.told[k] else "no",
         )
     if not everything:
-        table.caption = f"told by this motion and furthest from the URDF, {len(order)} of {len(base)}; --all shows every one"
+        table.caption = (
+            f"told by this motion, the {len(order)} furthest from the URDF; --all shows all {len(base)}"
+        )
     return table
