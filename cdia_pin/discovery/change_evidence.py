@@ -17,7 +17,7 @@ from cdia_pin.discovery.fitting import Whitened
 from cdia_pin.discovery.regression import Part, Regression
 from cdia_pin.discovery.settings import DiscoverySettings
 from cdia_pin.discovery.whitening import fit_noise
-from cdia_pin.effects import Effect, LinkInertia
+from cdia_pin.effects import Effect, LinkInertia, ToolWrench, ViscousMedium
 from cdia_pin.effects.state import State
 from cdia_pin.robot.model import RobotModel
 
@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 WORTH = 0.05  # least share of what is left of a joint after that a change must explain
 GENERIC_SIZE = 10  # parameters from which an effect does not take part in the first guess of the noise
+# Links stay what they are, and a steady force on a tool is nearly always a weight: searched only if asked for.
+UNUSUAL = (LinkInertia, ToolWrench, ViscousMedium)
 ROUNDS = 2  # of weighting the joints by what is left of them
 INF = float("inf")
 
@@ -115,8 +117,11 @@ class Differing:
         logs = tuple(s.state.log for s in experiment.segments[before:])
         families = enumerate_candidates(experiment, prediction, settings)
         changes = {}
-        for effect in (e for family in families for e in family if not isinstance(e, LinkInertia)):
-            change = Difference(effect, logs)  # links stay what they are
+        asked = settings.effects or ()
+        for effect in (e for family in families for e in family):
+            if isinstance(effect, UNUSUAL) and effect.name not in asked:
+                continue
+            change = Difference(effect, logs)
             x = columns.of(change, prediction)
             changes[change] = {j: x[:, i, :] for i, j in enumerate(effect.acts_on(robot))}
         sides = ((0, ends[before]), (ends[before], ends[-1]))

@@ -70,7 +70,13 @@ def test_nothing_is_missing_from_a_clean_log(k, discovered):
 
 
 @pytest.mark.parametrize(
-    ("arm", "k"), [(arm, k) for arm in ARMS for k in range(len(scenarios.OUTSIDE_RECIPES))]
+    ("arm", "k"),
+    [
+        (arm, k)
+        for arm in ARMS
+        for k, name in enumerate(scenarios.OUTSIDE_RECIPES)
+        if name != "warming_friction"  # a drift, which is found: see test_recognition.py
+    ],
 )
 def test_what_is_outside_the_vocabulary_is_called_unexplained(arm, k, discovered):
     plant = plant_of(arm)

@@ -1,0 +1,60 @@
+"""Drift within a log is found and fitted, memory at reversals recognised, and neither where there is none."""
+
+import numpy as np
+import pytest
+
+from benchmarks.plant import scenarios
+from cdia_pin.discovery.memory import bristle
+from tests.discovery.conftest import plant_of
+
+ARMS = ("ur5", "panda")
+
+
+def outside(arm, name):
+    plant = plant_of(arm)
+    return next(s for s in scenarios.outside(plant) if s.faults[0].effect == name)
+
+
+@pytest.mark.parametrize("arm", ARMS)
+def test_friction_that_falls_as_a_drive_warms_up_is_found_with_its_time_constant(arm, discovered):
+    scenario = outside(arm, "warming_friction")
+    (fault,) = scenario.faults
+    found = discovered(arm, scenario.run(plant_of(arm)).log)
+    assert found.verdict == "explained"
+    (step,) = found.steps
+    assert step.term.label == f"coulomb_friction@{fault.joint}[time]"
+    level, time = fault.parameters["level"], fault.parameters["time"]
+    assert step.term.effect.time_constant == pytest.approx(time, rel=0.1)
+    assert step.term.values["level[start]"] == pytest.approx(level, rel=0.05)
+    assert step.term.values["level[end]"] == pytest.approx(level * np.exp(-36.0 / time), abs=0.03 * level)
+    (finding,) = found.findings
+    assert (finding.kind, finding.joints) == ("drift", (fault.joint,))
+    assert "warms up" in finding.sentence
+
+
+@pytest.mark.parametrize("arm", ARMS)
+def test_presliding_is_recognised_with_its_level_and_reach(arm, discovered):
+    scenario = outside(arm, "presliding")
+    (fault,) = scenario.faults
+    found = discovered(arm, scenario.run(plant_of(arm)).log)
+    assert found.verdict == "unexplained"
+    (finding,) = [f for f in found.findings if f.kind == "memory"]
+    assert finding.joints == (fault.joint,)
+    assert finding.values["level"] == pytest.approx(fault.parameters["level"], rel=0.15)
+    assert finding.values["reach"] == pytest.approx(fault.parameters["reach"], rel=0.4)  # the grid's step
+
+
+@pytest.mark.parametrize("name", ["coulomb_friction", "stribeck_friction"])
+def test_friction_without_memory_or_drift_has_none(name, discovered):
+    plant = plant_of("ur5")
+    scenario = next(s for s in scenarios.singles(plant, 0.2) if s.faults[0].effect == name)
+    assert discovered("ur5", scenario.run(plant).log).findings == ()
+
+
+def test_bristles_follow_distance_and_not_speed():
+    reach, q = 0.1, np.concatenate([np.linspace(0, 1, 400), np.linspace(1, 0, 400)[1:]])
+    z = bristle(q, reach)
+    assert z[399] == pytest.approx(1.0, abs=1e-4)
+    after = z[399:] - (-1 + 2 * np.exp(-(1 - q[399:]) / reach))  # from +1 to −1 over the reach
+    np.testing.assert_allclose(after, 0.0, atol=1e-4)
+    np.testing.assert_allclose(bristle(q[::10], reach), z[::10], atol=1e-9)  # however fast it was
