@@ -103,6 +103,18 @@ def test_what_no_motion_tells_is_said_with_the_reason(robot, one, two, why):
         told(question(robot), one, two)
 
 
+@pytest.mark.parametrize(
+    ("one", "said"),
+    [
+        ("encoder_offset@joint1", "has no torque on any motion.*gravity does not load joint1"),
+        ("unknown@joint1", "can be anything"),
+    ],
+)
+def test_what_has_no_torque_or_no_form_is_said(one, said):
+    with pytest.raises(EffectError, match=said):
+        told(question("scara"), one, "payload")
+
+
 def test_gravity_along_the_axis_hides_the_mass_of_the_first_link(ur5):
     """Of ten parameters of a link that turns about a vertical axis only one moment of inertia can be seen."""
     first, second = (Parameters.of((e,), ur5.information(ur5.everything, (e,))) for e in effects(

@@ -13,13 +13,13 @@ from cdia_pin.discovery.excitation.goals import Between, Goal, Parameters
 from cdia_pin.discovery.excitation.information import Information, planned, torque_rms
 from cdia_pin.discovery.excitation.limits import MotionLimits
 from cdia_pin.discovery.excitation.motion import Draw, within_room
-from cdia_pin.discovery.excitation.reasons import why_alike
+from cdia_pin.discovery.excitation.reasons import has_torque, why_alike, why_silent
 from cdia_pin.discovery.excitation.result import Gain
 from cdia_pin.discovery.excitation.settings import ExcitationSettings
 from cdia_pin.discovery.excitation.sides import side_of
 from cdia_pin.discovery.experiment import Experiment
 from cdia_pin.dynamics import Dynamics, Trajectory
-from cdia_pin.effects import CoulombFriction, Effect, LinkInertia, ViscousFriction
+from cdia_pin.effects import CoulombFriction, Effect, LinkInertia, Unknown, ViscousFriction
 from cdia_pin.errors import EffectError
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.log import Log
@@ -73,7 +73,7 @@ class Question:
         """Ask which of two explanations is true.
 
         Raises:
-            EffectError: If they are the same, or no motion of the arm tells them apart.
+            EffectError: If they are the same, one has no torque or no form, or no motion tells them apart.
         """
         first, second = (_listed(x) for x in (one, two))
         labels = [sorted(e.label for e in x) for x in (first, second)]
@@ -81,16 +81,21 @@ class Question:
             raise EffectError(f"{' + '.join(labels[0])} cannot be told from itself: name two explanations")
         for effect in (*first, *second):
             effect.check(self.model.robot)
+            if isinstance(effect, Unknown):
+                raise EffectError(f"{effect.label} can be anything: name an effect with an equation")
         sides = [side_of(x, self.model, self.everything, self.settings.size) for x in (first, second)]
         named = {label for side in labels for label in side}
         rest = tuple(t.effect for t in self.model.terms if t.label not in named)
         one_side, other = sides
         asked = (*one_side.all_effects, *other.all_effects, *rest)
         info = self.information(self.everything, tuple(dict.fromkeys(asked)))
+        for side in sides:
+            if not has_torque(side, info):
+                raise EffectError(why_silent(side, self.everything))
         known = np.concatenate([np.zeros(0), *(1.0 / e.prior_scale(self.model.robot) ** 2 for e in rest)])
         goal = Between.of(one_side, other, rest, known, self.parameters(self._common()), info)
         if not any(goal.tellable):
-            why = why_alike(one_side, other, info, self.everything)
+            why = why_alike(one_side, other, self.everything)
             raise EffectError(f"no motion of this arm tells {one_side.label} from {other.label}: {why}")
         return goal
 

@@ -46,7 +46,7 @@ class ExcitationSettings:
     noise: float = 0.01
     seed: int = 0
     draws: int = 40
-    refinements: int = 120
+    refinements: int = 160
 
     def __post_init__(self) -> None:
         if not SHORTEST <= self.duration <= 600 or not 10 <= self.rate <= 10_000:
