@@ -444,7 +444,7 @@ class JointWatch:
                     continue
                 span = self.bank.span(i)
                 own = float(theta[span] @ o.filtered[self.j, span])
-                if abs(own) < threshold:
+                if abs(own) <= threshold:  # both are 0 where the filters have just begun
                     continue
                 others = float(o.believed[self.j] @ o.filtered[self.j]) - (own if mask & self.mask else 0.0)
                 share = (float(o.residual[self.j]) - others) / own
