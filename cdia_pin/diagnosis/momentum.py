@@ -12,9 +12,10 @@ from cdia_pin.diagnosis.approximation import unknown_of
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.compiled import BAD
 from cdia_pin.diagnosis.isolation import Isolator
-from cdia_pin.diagnosis.learning import SETTLE, Healthy, assumed, learn
+from cdia_pin.diagnosis.learning import Healthy, assumed, learn
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.observer import Observer
+from cdia_pin.diagnosis.residuals import SETTLE
 from cdia_pin.diagnosis.settings import MonitorSettings
 from cdia_pin.diagnosis.status import Event, Stage, Status, Verdict
 from cdia_pin.diagnosis.watch import JointWatch
