@@ -55,7 +55,7 @@ class Isolator:
     """
 
     def __init__(self, bank: Bank, lower: Array, upper: Array, settings: MonitorSettings) -> None:
-        from cdia_pin.diagnosis.kernels import subsets
+        from cdia_pin.diagnosis.fits import subsets
 
         self.bank, self.lower, self.upper, self.settings = bank, lower, upper, settings
         self._subsets = subsets
