@@ -1,0 +1,356 @@
+// `Arm3D`: an arm in meshcat's viewer, its joints moved here, its links coloured by how their joints fare.
+
+const UNKNOWN_STAGE = { name: "", colour: "#888888", words: "", least: 0, most: 0 };
+const ACCENT = "#0072b2";
+
+class Arm3D {
+  // element: filled by the picture; scene: `Scene.to_dict()`.
+  // options: stages [{name, colour, words, least, most}], theme "light" | "dark" (the system's if left out),
+  //          zoom "always" (else the wheel zooms only where the picture has the focus).
+  constructor(element, scene, options = {}) {
+    this.scene = scene;
+    this.stages = options.stages || [];
+    this.torqueScale = 1; // [N·m or N] that an arc of full length means
+    this.onSelect = null;
+    this._theme = options.theme || null;
+    this._zoom = options.zoom || "focus";
+    this._shown = { position: scene.home, desired: null, stage: null, level: null, torque: null, label: "" };
+    this._selected = null;
+    this._index = new Map(scene.joints.map((j, k) => [j.name, k]));
+    this._axes = scene.joints.map((j) => new THREE.Vector3(...j.axis));
+    this._build(element);
+    this._fill();
+    this.frame([scene.home]);
+    this.pose(scene.home);
+    this._listen();
+    this._draw = () => {
+      this._frameRequest = requestAnimationFrame(this._draw);
+      if (!this.viewer.needs_render) return;
+      this.viewer.render();
+      this.frames += 1;
+      this._placePin();
+    };
+    this.frames = 0; // drawn so far
+    this._draw();
+  }
+
+  // Show a pose. What is left out stays as it was; null takes it away.
+  pose(position, { desired, stage, level, torque, label } = {}) {
+    const given = { position, desired, stage, level, torque, label };
+    for (const [key, value] of Object.entries(given)) if (value !== undefined) this._shown[key] = value;
+    this._move(this._arm, this._shown.position);
+    this.ghost.visible = Boolean(this._shown.desired);
+    if (this.ghost.visible) this._move(this._ghostGroups, this._shown.desired);
+    this._colour();
+    this._mark();
+    this._say();
+    this.viewer.set_dirty();
+  }
+
+  // Highlight a joint's link; null none.
+  select(joint) {
+    this._selected = this._index.has(joint) ? joint : null;
+    for (const link of this._links) if (link.outline) link.outline.visible = link.joint === this._selected;
+    this._say();
+    this.viewer.set_dirty();
+  }
+
+  // Point the camera at all that the arm reaches in some positions.
+  frame(positions) {
+    const box = new THREE.Box3(), corner = new THREE.Vector3();
+    for (const position of positions) {
+      this._move(this._arm, position);
+      this._root.updateMatrixWorld(true);
+      for (const { joint, mesh } of this._links) {
+        if (joint === null) continue;
+        const { min, max } = mesh.geometry.boundingBox;
+        for (let k = 0; k < 8; k++) {
+          corner.set(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z);
+          box.expandByPoint(corner.applyMatrix4(mesh.matrixWorld));
+        }
+      }
+    }
+    box.union(this._foot(box));
+    this._move(this._arm, this._shown.position);
+    const ball = box.getBoundingSphere(new THREE.Sphere());
+    const { camera, controls } = this.viewer;
+    const away = (ball.radius * 1.02) / Math.sin((0.5 * camera.fov * Math.PI) / 180);
+    const from = new THREE.Vector3(1, -1.15, 0.62).normalize().multiplyScalar(away).add(ball.center);
+    const turned = (v) => [v.x, v.z, -v.y]; // the camera's frame has y up
+    camera.near = away / 100;
+    camera.far = away * 20;
+    camera.position.set(...turned(from));
+    controls.target.set(...turned(ball.center));
+    this._view = { position: camera.position.clone(), target: controls.target.clone() };
+    this.viewer.set_dirty();
+  }
+
+  // The camera as it was at the beginning.
+  resetView() {
+    this.viewer.camera.position.copy(this._view.position);
+    this.viewer.controls.target.copy(this._view.target);
+    this.viewer.set_dirty();
+  }
+
+  // What is shown, for tests and for who cannot see it.
+  state() {
+    this._root.updateMatrixWorld(true);
+    const joints = {};
+    this.scene.joints.forEach((joint, k) => {
+      const m = this._arm.get(joint.name).matrixWorld.elements;
+      const main = this._mainLink(joint.name);
+      joints[joint.name] = {
+        colour: main ? displayed(main.mesh.material.color) : null,
+        intensity: this._weights ? this._weights[k] : 0,
+        stage: this._stage(k).name,
+        world: [0, 1, 2, 3].map((r) => [m[r], m[r + 4], m[r + 8], m[r + 12]]),
+      };
+    });
+    return {
+      joints, ghost: this.ghost.visible, label: this._head.textContent, pin: this._pin.hidden ? "" : this._pin.textContent,
+      arrow: this._worst === null ? null : this.scene.joints[this._worst].name, selected: this._selected,
+    };
+  }
+
+  dispose() {
+    cancelAnimationFrame(this._frameRequest);
+    this._resize.disconnect();
+    this._dark.removeEventListener("change", this._retheme);
+    this.viewer.renderer.dispose();
+    this.box.remove();
+  }
+
+  // ---------------------------------------------------------------- building
+
+  _build(element) {
+    const part = (name, tag = "div") => Object.assign(document.createElement(tag), { className: "arm3d-" + name });
+    this.box = Object.assign(document.createElement("div"), { className: "arm3d" });
+    this._pane = part("view");
+    this._head = part("head");
+    this._pin = part("pin");
+    this._legend = part("legend", "ul");
+    this._notes = part("notes", "p");
+    const picture = part("picture");
+    picture.append(this._pane, this._head, this._pin, this._legend, this._notes);
+    this.box.append(picture);
+    element.append(this.box);
+    this._pin.hidden = true;
+    this._head.setAttribute("role", "status");
+    this._pane.tabIndex = 0;
+    this._pane.setAttribute("role", "img");
+    this._pane.setAttribute("aria-label", "The arm " + this.scene.robot);
+    this._notes.textContent = this.scene.notes.length ? "Drawn in part: " + this.scene.notes.join("; ") : "";
+    this.viewer = meshcatViewer(this._pane);
+    if (!this.viewer.drawing) this._notes.textContent = "This browser has no WebGL: the arm cannot be drawn here.";
+  }
+
+  _fill() {
+    const { root, groups } = chainOf(this.scene.joints);
+    const ghost = chainOf(this.scene.joints);
+    this._root = root;
+    this._arm = groups;
+    this.ghost = ghost.root;
+    this._ghostGroups = ghost.groups;
+    this._ghostSkins = [];
+    this._links = [];
+    for (const given of this.scene.meshes) {
+      const geometry = geometryOf(given);
+      const own = new THREE.Color(given.colour);
+      const material = new THREE.MeshStandardMaterial({ color: linear(given.colour), roughness: 0.62, metalness: 0.0 });
+      const mesh = new THREE.Mesh(geometry, material);
+      mesh.castShadow = mesh.receiveShadow = true;
+      mesh.userData.joint = given.joint;
+      groups.get(given.joint).add(mesh);
+      const link = { joint: given.joint, mesh, own, outline: null };
+      this._links.push(link);
+      if (given.joint === null) continue;
+      link.outline = outlineOf(geometry, ACCENT);
+      link.outline.visible = false;
+      mesh.add(link.outline);
+      const [depth, skin] = ghostOf(geometry);
+      ghost.groups.get(given.joint).add(depth, skin);
+      this._ghostSkins.push(skin.material);
+    }
+    const whole = new THREE.Box3().setFromObject(root);
+    this.reach = whole.getSize(new THREE.Vector3()).length();
+    this._torque = new TorqueMark(Math.min(this.reach, 1.6));
+    this._ground = groundOf(this.reach, Math.min(0, this._lowest()));
+    this.viewer.set_object(["Lights", "soft"], lightsOf(this.reach));
+    this.viewer.set_object(["Ground"], this._ground);
+    this.viewer.set_object(["Arm"], root);
+    this.viewer.set_object(["Ghost"], ghost.root);
+    this._retheme = () => this._applyTheme();
+    this._dark = matchMedia("(prefers-color-scheme: dark)");
+    this._applyTheme();
+  }
+
+  _lowest() {
+    const box = new THREE.Box3();
+    for (const { joint, mesh } of this._links) if (joint === null) box.expandByObject(mesh);
+    return box.isEmpty() ? 0 : box.min.z;
+  }
+
+  // What of the base belongs into the picture: all of a pedestal, not a whole humanoid.
+  _foot(arm) {
+    const box = new THREE.Box3();
+    for (const { joint, mesh } of this._links) if (joint === null) box.expandByObject(mesh);
+    const size = (b) => b.getSize(new THREE.Vector3()).length();
+    return !box.isEmpty() && size(box) < 0.8 * size(arm) ? box : arm;
+  }
+
+  _mainLink(joint) {
+    const own = this._links.filter((l) => l.joint === joint);
+    return own.reduce((best, l) => (!best || l.mesh.geometry.index.count > best.mesh.geometry.index.count ? l : best), null);
+  }
+
+  // ---------------------------------------------------------------- showing
+
+  _move(groups, position) {
+    this.scene.joints.forEach((joint, k) => move(groups.get(joint.name), joint, this._axes[k], position[k]));
+  }
+
+  _stage(k) {
+    const { stage } = this._shown;
+    return (stage && this.stages[stage[k]]) || UNKNOWN_STAGE;
+  }
+
+  // From a link's own colour towards its stage's: as far as the residual is near its threshold.
+  _colour() {
+    const { stage, level } = this._shown;
+    this._weights = this.scene.joints.map((_, k) => {
+      if (!stage) return 0;
+      const { least = 0.6, most = 0.95 } = this._stage(k);
+      return least + (most - least) * Math.min(level ? Math.abs(level[k]) : 0, 1);
+    });
+    for (const { joint, mesh, own } of this._links) {
+      if (joint === null) continue;
+      const k = this._index.get(joint);
+      const colour = own.clone().lerp(new THREE.Color(this._stage(k).colour), this._weights[k]).convertSRGBToLinear();
+      mesh.material.color.copy(colour);
+      mesh.material.emissive.copy(colour).multiplyScalar(0.18 * this._weights[k]);
+    }
+  }
+
+  _mark() {
+    const { torque } = this._shown;
+    this._worst = null;
+    if (torque) {
+      const share = torque.map((x) => Math.abs(x) / this.torqueScale);
+      const worst = share.indexOf(Math.max(...share));
+      if (share[worst] > 0.02) this._worst = worst;
+    }
+    if (this._worst === null) {
+      this._torque.hide();
+      this._pin.hidden = true;
+      return;
+    }
+    const k = this._worst, joint = this.scene.joints[k];
+    this._torque.show(this._arm.get(joint.name), this._axes[k], joint.kind === "prismatic", torque[k] / this.torqueScale, this._ink);
+    this._pin.hidden = false;
+    const text = `${joint.short} ${torque[k] < 0 ? "−" : "+"}${Math.abs(torque[k]).toPrecision(3)} ${joint.unit}`;
+    if (this._pin.textContent !== text) this._pin.textContent = text;
+  }
+
+  _say() {
+    const gravest = this._shown.stage ? Math.max(...this._shown.stage) : -1;
+    const stage = this.stages[gravest];
+    const key = JSON.stringify([gravest, this._shown.label, this._selected, this.stages.length]);
+    if (key === this._said) return;
+    this._said = key;
+    const part = (name, text, colour) => {
+      const node = Object.assign(document.createElement("span"), { className: "arm3d-" + name, textContent: text });
+      if (colour) node.style.setProperty("--stage", colour);
+      return node;
+    };
+    this._head.replaceChildren();
+    if (stage) this._head.append(part("chip", stage.name, stage.colour), " ");
+    if (this._shown.label) this._head.append(part("text", this._shown.label), " ");
+    if (this._selected) this._head.append(part("picked", "selected: " + this._selected));
+    this._legend.replaceChildren(...this.stages.map((s) => {
+      const row = document.createElement("li");
+      row.append(part("dot", "", s.colour), s.name);
+      row.title = s.words || "";
+      return row;
+    }));
+  }
+
+  _placePin() {
+    if (this._pin.hidden) return;
+    const at = this._arm.get(this.scene.joints[this._worst].name).getWorldPosition(new THREE.Vector3()).project(this.viewer.camera);
+    const { clientWidth: w, clientHeight: h } = this._pane;
+    const x = Math.min(Math.max((0.5 + 0.5 * at.x) * w, 70), w - 70), y = Math.min(Math.max((0.5 - 0.5 * at.y) * h, 60), h - 20);
+    this._pin.style.transform = `translate(${Math.round(x)}px, ${Math.round(y)}px)`;
+  }
+
+  // ---------------------------------------------------------------- the world around
+
+  _applyTheme() {
+    const dark = (this._theme || (this._dark.matches ? "dark" : "light")) === "dark";
+    this.box.dataset.theme = dark ? "dark" : "light";
+    this._ink = dark ? "#ffffff" : "#1c2126";
+    this._ground.ink.copy(new THREE.Color(dark ? "#c8d4e0" : "#43505e"));
+    for (const skin of this._ghostSkins) skin.color.copy(linear(dark ? "#b9d4ee" : "#5d7f9f"));
+    this._mark();
+    this.viewer.set_dirty();
+  }
+
+  _listen() {
+    this._resize = new ResizeObserver(() => this.viewer.set_3d_pane_size());
+    this._resize.observe(this._pane);
+    this._dark.addEventListener("change", this._retheme);
+    this.viewer.controls.enableZoom = this._zoom === "always";
+    if (this._zoom !== "always") {
+      this._pane.addEventListener("focus", () => (this.viewer.controls.enableZoom = true));
+      this._pane.addEventListener("blur", () => (this.viewer.controls.enableZoom = false));
+    }
+    let pressed = null;
+    this._pane.addEventListener("pointerdown", (e) => {
+      pressed = [e.clientX, e.clientY];
+      this._pane.focus({ preventScroll: true });
+    });
+    this._pane.addEventListener("pointerup", (e) => {
+      if (!pressed || Math.hypot(e.clientX - pressed[0], e.clientY - pressed[1]) > 5) return;
+      const joint = this.jointAt(e.clientX, e.clientY);
+      this.select(joint);
+      if (this.onSelect) this.onSelect(joint);
+    });
+    this._pane.addEventListener("dblclick", () => this.resetView());
+  }
+
+  // The joint whose link is seen at a point of the window; null for the base and for nothing.
+  jointAt(x, y) {
+    const area = this._pane.getBoundingClientRect();
+    const point = new THREE.Vector2(((x - area.left) / area.width) * 2 - 1, 1 - ((y - area.top) / area.height) * 2);
+    const ray = new THREE.Raycaster();
+    this.viewer.scene.updateMatrixWorld(true);
+    ray.setFromCamera(point, this.viewer.camera);
+    const [hit] = ray.intersectObjects(this._links.map((l) => l.mesh), false);
+    return hit ? hit.object.userData.joint : null;
+  }
+}
+
+// Meshcat's viewer in an element, without its controls, lights and grid; it is drawn when `render` is called.
+function meshcatViewer(pane) {
+  let renderer = null;
+  try {
+    renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
+    Object.assign(renderer.shadowMap, { enabled: true, type: THREE.PCFSoftShadowMap });
+    renderer.outputEncoding = THREE.sRGBEncoding;
+    pane.append(renderer.domElement);
+  } catch (error) { // no WebGL: all else of the page goes on
+    const nothing = () => {};
+    renderer = { setPixelRatio: nothing, setSize: nothing, render: nothing, dispose: nothing, domElement: pane };
+  }
+  const onload = window.onload;
+  const viewer = new MeshCat.Viewer(pane, false, renderer);
+  window.onload = onload; // the viewer takes the whole window for its own
+  const resize = viewer.set_3d_pane_size.bind(viewer);
+  viewer.set_3d_pane_size = () => pane.clientWidth && pane.clientHeight && resize(pane.clientWidth, pane.clientHeight);
+  viewer.drawing = renderer instanceof THREE.WebGLRenderer;
+  viewer.gui.domElement.remove();
+  for (const path of [["Lights"], ["Grid"], ["Axes"]]) viewer.delete_path(path);
+  viewer.hide_background();
+  viewer.camera.fov = 32;
+  viewer.set_3d_pane_size();
+  return viewer;
+}

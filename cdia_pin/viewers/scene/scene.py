@@ -1,0 +1,169 @@
+"""`Scene`: what an arm looks like and how it moves, for the browser to draw."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cdia_pin.errors import CdiaError
+from cdia_pin.robot.model import RobotModel
+from cdia_pin.viewers.scene.capsules import capsules
+from cdia_pin.viewers.scene.chain import SceneJoint, chain_of
+from cdia_pin.viewers.scene.meshes import Mesh, by_colour, drawn, load_mesh, shares, simplified
+from cdia_pin.viewers.scene.packing import packed
+from cdia_pin.viewers.scene.visuals import Visual, mesh_path, visuals_of
+from cdia_pin.viewers.words import joint_units, short_names
+
+Array = NDArray[np.float64]
+
+SCHEMA = "cdia-scene/1"
+TRIANGLES = 40_000  # of the whole picture; a Panda then takes 0.9 MB
+
+
+@dataclass(frozen=True, eq=False)
+class SceneMesh:
+    """A mesh fixed to a joint.
+
+    Attributes:
+        link: Link that it belongs to.
+        joint: Joint that moves it; None for the base.
+        mesh: In the frame of the joint.
+    """
+
+    link: str
+    joint: str | None
+    mesh: Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What an arm looks like.
+
+    Attributes:
+        robot: The arm.
+        joints: Its joints from the base on.
+        meshes: What is to be seen of it, the base's first.
+        notes: What could not be drawn as the file says, one sentence each.
+    """
+
+    robot: RobotModel
+    joints: tuple[SceneJoint, ...]
+    meshes: tuple[SceneMesh, ...]
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(cls, robot: RobotModel, *, triangles: int = TRIANGLES) -> Scene:
+        """Read the shapes of an arm; where there are none, draw capsules.
+
+        Args:
+            robot: The arm.
+            triangles: About how many the picture may have.
+        """
+        chain = chain_of(robot)
+        notes: list[str] = []
+        found = [(v, shape) for v in visuals_of(robot) for shape in _shapes(robot, v, notes)]
+        parts: dict[str, list[Mesh]] = {}
+        for visual, shape in found:
+            parts.setdefault(visual.link, []).append(
+                shape.moved(robot.links[visual.link][1] @ visual.placement)
+            )
+        meshes = [
+            SceneMesh(link, robot.links[link][0], mesh) for link in parts for mesh in by_colour(parts[link])
+        ]
+        bare = _bare(robot, meshes)
+        if bare:
+            names = "its bodies" if len(bare) == robot.n + 1 else ", ".join(bare.values())
+            notes.append(f"no shapes for {names}: capsules are drawn")
+            meshes += [SceneMesh(k, robot.links[k][0], m) for k, m in capsules(robot, chain, bare)]
+        order = {None: -1, **{j: k for k, j in enumerate(robot.joints)}}
+        meshes.sort(key=lambda m: order[m.joint])
+        most = shares([m.mesh for m in meshes], triangles)
+        finished = (
+            SceneMesh(m.link, m.joint, simplified(m.mesh, t)) for m, t in zip(meshes, most, strict=True)
+        )
+        return cls(robot, chain, tuple(m for m in finished if len(m.mesh.triangles)), tuple(notes))
+
+    def to_dict(self, position: ArrayLike | None = None) -> dict[str, Any]:
+        """Return the scene as the browser takes it; the same scene gives the same text.
+
+        Args:
+            position: Pose to begin with [rad or m], shape (n,); one that suits the arm if omitted.
+
+        Raises:
+            CdiaError: If the pose is not of this arm.
+        """
+        robot = self.robot
+        home = resting_pose(robot) if position is None else np.asarray(position, float)
+        if home.shape != (robot.n,) or not np.isfinite(home).all():
+            raise CdiaError(f"a pose of {robot.name} is {robot.n} finite numbers, given {position!r}")
+        short = short_names(robot.joints)
+        return {
+            "schema": SCHEMA,
+            "robot": robot.name,
+            "joints": [
+                {
+                    "name": j.name,
+                    "short": short[j.name],
+                    "parent": j.parent,
+                    "placement": [round(float(x), 10) for x in j.placement.ravel()],
+                    "axis": [round(float(x), 10) for x in j.axis],
+                    "kind": "prismatic" if j.prismatic else "revolute",
+                    "unit": joint_units(robot, j.name)["load"],
+                }
+                for j in self.joints
+            ],
+            "meshes": [{"link": m.link, "joint": m.joint, **packed(m.mesh)} for m in self.meshes],
+            "home": [round(float(x), 6) for x in home],
+            "notes": list(self.notes),
+        }
+
+
+def resting_pose(robot: RobotModel) -> Array:
+    """Return a pose that shows an arm: zero, or the middle of a range that does not hold it [rad or m], shape (n,)."""
+    lower, upper = robot.limits.lower, robot.limits.upper
+    bounded = np.isfinite(lower) & np.isfinite(upper)
+    middle = np.where(bounded, (np.where(bounded, lower, 0) + np.where(bounded, upper, 0)) / 2, 0.0)
+    inside = (lower < -0.1) & (upper > 0.1)
+    return np.where(inside, 0.0, middle)
+
+
+def _shapes(robot: RobotModel, visual: Visual, notes: list[str]) -> Sequence[Mesh]:
+    """Return the meshes of a visual in its own frame; none, with a note, where its file cannot be used."""
+    if visual.kind != "mesh":
+        return [drawn(visual)]
+    path = mesh_path(robot, visual.file)
+    if path is None:
+        notes.append(f"link '{visual.link}': there is no mesh {visual.file}")
+        return []
+    try:
+        found = load_mesh(path)
+    except Exception as error:  # every format's reader raises its own
+        notes.append(f"link '{visual.link}': {path.name} cannot be read ({' '.join(str(error).split())})")
+        return []
+    scale = np.diag([*visual.size, 1.0])
+    meshes = [m.moved(scale) for m in found]
+    return [Mesh(m.vertices, m.triangles, visual.colour or m.colour) for m in meshes]
+
+
+def _bare(robot: RobotModel, meshes: Sequence[SceneMesh]) -> dict[str | None, str]:
+    """Return joints of which nothing is to be seen, with the first link that each moves."""
+    seen = {m.joint for m in meshes}
+    first: dict[str | None, str] = {}
+    for link, (joint, _) in robot.links.items():
+        first.setdefault(joint, link)
+    if not seen:
+        return first
+    # A joint inside a wrist moves a body without shape of its own: only what hides the arm is drawn.
+    return {
+        j: link for j, link in first.items() if j is not None and j not in seen and _reach(robot, j) > 0.02
+    }
+
+
+def _reach(robot: RobotModel, joint: str) -> float:
+    chain = {j.parent: j for j in chain_of(robot)}
+    after = chain.get(joint)
+    return 0.0 if after is None else float(np.linalg.norm(after.placement[:3, 3]))
