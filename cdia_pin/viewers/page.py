@@ -13,6 +13,7 @@ from typing import Any
 from cdia_pin.errors import CdiaError
 
 LARGEST = 3_000_000  # bytes
+CHART_SCRIPTS = ("base.js", "charts.js", "charts_joint.js")  # after uPlot, in this order
 POINTS = (2000, 1000, 500, 250, 100)  # samples of a curve, the most that fits
 
 
@@ -53,17 +54,19 @@ def embeddable(data: Any) -> str:
 
 
 def _page(data: dict[str, Any], script: str, sentences: Sequence[str]) -> bytes:
-    page = Template(_asset("report.html")).substitute(
+    page = Template(asset("report.html")).substitute(
         title=html.escape(data["title"]),
         summary=html.escape(" ".join(sentences)),
-        licence=_asset("uPlot.LICENSE"),
-        uplot_style=_asset("uPlot.min.css"),
-        uplot=_asset("uPlot.iife.min.js"),
+        licence=asset("uPlot.LICENSE"),
+        uplot_style=asset("uPlot.min.css"),
+        charts_style=asset("charts.css"),
+        uplot=asset("uPlot.iife.min.js"),
         data=embeddable(data),
-        script=_asset("page.js") + _asset(script),
+        script="\n".join(asset(name) for name in (*CHART_SCRIPTS, "page.js", script)),
     )
     return page.encode("utf-8", errors="replace")
 
 
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """Return the text of an asset."""
     return (files("cdia_pin.viewers") / "assets" / name).read_text(encoding="utf-8")
