@@ -146,7 +146,18 @@ def compare(
         LogError: If a log is too short or of other joints.
     """
     given = [logs] if isinstance(logs, Log) else list(logs)
-    experiment = Experiment.of(model.robot, [condition(log, model.robot, conditioning) for log in given])
+    return compare_in(
+        Experiment.of(model.robot, [condition(log, model.robot, conditioning) for log in given]), model
+    )
+
+
+def compare_in(experiment: Experiment, model: Dynamics) -> Comparison:
+    """Answer as `compare` does, from logs that are conditioned already.
+
+    Args:
+        experiment: The logs.
+        model: A robot with its terms.
+    """
     prediction = experiment.predict(model)
     use, residual = experiment.informative, prediction.residual
     time, q, v, a = experiment.compared_motion()

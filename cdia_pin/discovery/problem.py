@@ -62,6 +62,12 @@ class Problem:
             settings,
         )
 
+    def around(self, model: Dynamics) -> Problem:
+        """Return the same logs with the candidates around another model, for a further question about them."""
+        experiment = self.experiment
+        families = enumerate_candidates(experiment, experiment.predict(model), self.settings)
+        return replace(self, families=tuple(families))
+
     @property
     def edges(self) -> NDArray[np.intp]:
         """First compared sample of each block of time, and the end, shape (B + 1,)."""
