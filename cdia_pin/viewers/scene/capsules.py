@@ -34,7 +34,7 @@ def capsules(
     ends[robot.tool_joint] = robot.tool_placement[:3, 3]
     length = sum(float(np.linalg.norm(end)) for end in ends.values()) or 1.0
     radius = THICK * length / max(1.0, np.sqrt(robot.n / 3))
-    axes = {None: np.array([0.0, 0.0, 1.0]), **{j.name: j.axis for j in chain}}
+    axes = {j.name: j.axis for j in chain}
     out = []
     for joint, link in bare.items():
         end = ends.get(joint, np.zeros(3))

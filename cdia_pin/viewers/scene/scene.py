@@ -79,8 +79,7 @@ class Scene:
             names = "its bodies" if len(bare) == robot.n + 1 else ", ".join(bare.values())
             notes.append(f"no shapes for {names}: capsules are drawn")
             meshes += [SceneMesh(k, robot.links[k][0], m) for k, m in capsules(robot, chain, bare)]
-        order = {None: -1, **{j: k for k, j in enumerate(robot.joints)}}
-        meshes.sort(key=lambda m: order[m.joint])
+        meshes.sort(key=lambda m: -1 if m.joint is None else robot.joints.index(m.joint))
         most = shares([m.mesh for m in meshes], triangles)
         finished = (
             SceneMesh(m.link, m.joint, simplified(m.mesh, t)) for m, t in zip(meshes, most, strict=True)
