@@ -8,6 +8,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from cdia_pin.display import show_with
+
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
@@ -79,6 +81,8 @@ __all__ = [
     "write_corrected_urdf",
     "write_log",
 ]
+
+show_with(lambda result: import_module("cdia_pin.viewers.notebook").html_of(result))
 
 
 def __getattr__(name: str) -> Any:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.journal import Belief, Journal, Look
 from cdia_pin.diagnosis.monitor import Monitor
 from cdia_pin.diagnosis.status import SCHEMA, Event, Stage, Status, fault_to_dict
+from cdia_pin.display import Displayed
 from cdia_pin.effects import Term
 from cdia_pin.logs.log import Log
 from cdia_pin.robot.model import RobotModel
@@ -23,7 +24,7 @@ STORED = 100.0  # [Hz], ticks that are kept; an hour of seven joints is then 165
 
 
 @dataclass(frozen=True, eq=False)
-class MonitorRun:
+class MonitorRun(Displayed):
     """A replay or a closed loop as the monitor saw it, K ticks of n joints in the robot's order.
 
     Attributes:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import cdia_pin
+from cdia_pin.display import Displayed
 from cdia_pin.discovery.experiment import Experiment, rms
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.conditioning import Conditioning, condition
@@ -68,7 +69,7 @@ class Shape:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Comparison(Displayed):
     """A model against logs, joint by joint; arrays have shape (n,) unless stated.
 
     Attributes:

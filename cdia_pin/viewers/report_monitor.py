@@ -14,6 +14,7 @@ from cdia_pin.viewers.event_words import event_rows, fault_words
 from cdia_pin.viewers.page import write_page
 from cdia_pin.viewers.report_faults import against_motion, motion_of, presence
 from cdia_pin.viewers.report_isolation import hypotheses, parameters, stage_spans
+from cdia_pin.viewers.report_scene import scene_of_run
 from cdia_pin.viewers.report_series import compact, extremes
 from cdia_pin.viewers.stage_colours import STAGE_COLOURS, STAGE_WORDS
 from cdia_pin.viewers.text_monitor import run_summary
@@ -67,7 +68,7 @@ def write_monitor_report(
             points=points,
         )
 
-    return write_page(path, data, "monitor.js", (run_summary(run),))
+    return write_page(path, data, scene_of_run(run), "monitor.js", (run_summary(run),))
 
 
 def monitor_data(

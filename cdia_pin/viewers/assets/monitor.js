@@ -153,5 +153,8 @@ function record() {
       h("p", {}, "Isolation: every combination of the known effects is asked whether it explains the residual since the detection. Accommodation: the torque is corrected by what is believed. Idle: a fault whose torque stays away where it would show is no longer corrected for, but remembered."))));
 }
 
-show([head(), stages(), events(), believed(), tracking(), joints(), record(),
+const LEAD = "Replays the run. A link takes the colour of its joint's stage, the stronger the farther its residual"
+  + (DATA.joints[0].error ? "; the faint arm is where it should be" : "") + ". Hover a chart to move the arm, click a link to choose its joint.";
+
+show([head(), motion(LEAD), stages(), events(), believed(), tracking(), joints(), record(),
   h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")]);

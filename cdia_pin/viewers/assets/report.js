@@ -237,5 +237,9 @@ function records() {
 
 // ---------------------------------------------------------------- page
 
-show([head(), verdict(), effects(), errors(), falling(), joints(), regions(), records(),
+const LEAD = "Replays the log. A link takes the colour of its joint's error beside its torque"
+  + (FOUND && FOUND.trace.length > 1 ? "; add effect after effect and see it clear" : "")
+  + ". Hover a chart to move the arm, click a link to choose its joint.";
+
+show([head(), verdict(), motion(LEAD), effects(), errors(), falling(), joints(), regions(), records(),
   h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")]);
