@@ -16,7 +16,7 @@ def log(ur5):
 
 @pytest.fixture(scope="module")
 def kept(ur5, log):
-    return Problem.of(Dynamics(ur5), [log], [], DiscoverySettings())
+    return Problem.conditioned(ur5, [log], [], DiscoverySettings())
 
 
 def test_effects_added_one_after_the_other(ur5, log, kept):
