@@ -62,7 +62,7 @@ def report_data(
         "holdout": discovery.record.get("holdout", []) if discovery else [],
         "duration": float(f"{time[-1] - time[0]:.5g}"),
         "samples": len(time),
-        "joints": [_joint(j, comparison, improved, discovery, points) for j in range(robot.n)],
+        "joints": [joint_data(j, comparison, improved, discovery, points) for j in range(robot.n)],
         "discovery": discovery_data(discovery) if discovery else None,
         "regions": {"before": _regions(comparison), "after": _regions(improved) if improved else None},
         "checks": [_check(c) for c in checks],
@@ -95,9 +95,10 @@ def _check(check: LogCheck) -> dict[str, Any]:
 # ------------------------------------------------------------------ joints
 
 
-def _joint(
+def joint_data(
     j: int, before: Comparison, after: Comparison | None, found: Discovery | None, points: int
 ) -> dict[str, Any]:
+    """Return what a report shows of joint j; the arguments are those of `report_data`."""
     robot = before.model.robot
     joint = robot.joints[j]
     return {
