@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cdia_pin.viewers.page import write_page
-from cdia_pin.viewers.report_data import report_data
+from cdia_pin.viewers.report_data import report_data, require_same
 from cdia_pin.viewers.report_scene import scene_of_comparison
 from cdia_pin.viewers.verdict import verdict_sentences
 
@@ -45,6 +45,7 @@ def write_report(
     Raises:
         CdiaError: If the results do not belong together, or the file cannot be written.
     """
+    require_same(comparison, improved, discovery)
     return write_page(
         path,
         lambda points: report_data(

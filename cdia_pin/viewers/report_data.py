@@ -44,12 +44,8 @@ def report_data(
 
     Returns:
         Schema ``cdia-report/1``, ready for JSON.
-
-    Raises:
-        CdiaError: If the results are not of one robot and the same logs.
     """
     robot = comparison.model.robot
-    _require_same(comparison, improved, discovery)
     time, _ = end_to_end(comparison)
     return {
         "schema": SCHEMA,
@@ -73,7 +69,8 @@ def _title(robot: RobotModel, discovery: Discovery | None) -> str:
     return f"{robot.name}: where the model fails" + (", and what it lacks" if discovery else "")
 
 
-def _require_same(comparison: Comparison, improved: Comparison | None, discovery: Discovery | None) -> None:
+def require_same(comparison: Comparison, improved: Comparison | None, discovery: Discovery | None) -> None:
+    """Make sure that results are of one robot and the same logs; raises CdiaError."""
     joints = comparison.model.robot.joints
     for other in (improved, discovery):
         if other is not None and other.model.robot.joints != joints:

@@ -157,5 +157,5 @@ def test_a_browser_draws_it_without_a_complaint(hostile, tmp_path):
     assert "CONSOLE" not in said, said
     assert page.count("<canvas") >= 6  # torque, residual, and four against motion
     assert "<img" not in page
-    for heading in ("What the model lacks", "Error by joint", "Joint by joint", "Worst regions"):
+    for heading in ("The arm in motion", "What the model lacks", "Error by joint", "Worst regions"):
         assert heading in page

@@ -132,12 +132,22 @@ function sizes(j) {
   };
 }
 
-function joints() {
+function mostTelling() {
   const worst = DATA.joints.map((j) => [of(j).length ? 1 : 0, j.largest / (j.usual || 1e-12)]);
-  const first = worst.reduce((best, w, k) => (w[0] > worst[best][0] || (w[0] === worst[best][0] && w[1] > worst[best][1]) ? k : best), 0);
-  const choice = picker(DATA.joints[first].name, (j) => num(j.largest / (j.usual || 1e-12), 2) + " × threshold",
-    (j) => [signals(j), isolation(j), sizes(j), againstMotion(j)].filter(Boolean));
-  return { node: h("section", {}, h("h2", {}, "Joint by joint"), choice.node), draw: choice.draw };
+  return DATA.joints[worst.reduce((best, w, k) => (w[0] > worst[best][0] || (w[0] === worst[best][0] && w[1] > worst[best][1]) ? k : best), 0)].name;
+}
+
+const buttons = () => jointButtons((j) => num(j.largest / (j.usual || 1e-12), 2) + " × threshold");
+
+function joints() {
+  if (!DATA.joints.some((j) => j.hypotheses.length || j.parameters.length || j.against)) return null;
+  const nothing = (j) => h("p", { class: "card soft" }, j.name + " was healthy all the time: nothing was decided upon.");
+  return h("section", {}, h("h2", {}, "What it is, and how large"),
+    h("p", { class: "lead" }, "Which known effects explain the residual of a joint, what their parameters were believed to be, and the residual against the motion."),
+    buttons(), ofJoint((j) => {
+      const parts = [isolation(j), sizes(j), againstMotion(j)].filter(Boolean);
+      return parts.length ? parts : [nothing(j)];
+    }));
 }
 
 // ---------------------------------------------------------------- record
@@ -156,5 +166,6 @@ function record() {
 const LEAD = "Replays the run. A link takes the colour of its joint's stage, the stronger the farther its residual"
   + (DATA.joints[0].error ? "; the faint arm is where it should be" : "") + ". Hover a chart to move the arm, click a link to choose its joint.";
 
-show([head(), motion(LEAD), stages(), events(), believed(), tracking(), joints(), record(),
+show([head(), motion(LEAD, buttons(), (j) => [signals(j)]), stages(), events(), believed(), tracking(), joints(), record(),
   h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")]);
+chosen.choose(mostTelling());

@@ -26,19 +26,19 @@ function steps(player, names) {
   const buttons = names.length > FEW ? [] : names.map((name, k) => h("button", { type: "button", onclick: () => show(k) }, name));
   if (buttons.length) {
     show(0);
-    return h("div", { class: "picker steps", role: "group", "aria-label": "model" }, h("span", { class: "soft" }, "Coloured by the error of the model:"), buttons);
+    return h("div", { class: "picker steps", role: "group", "aria-label": "model" }, h("span", { class: "soft" }, "Coloured by the error of the model"), buttons);
   }
   const slider = h("input", { type: "range", min: 0, max: names.length - 1, value: 0, "aria-label": "effects added", oninput: (e) => show(+e.target.value) });
   show(0);
   return h("div", { class: "steps" }, h("span", { class: "soft" }, "Effects added: "), slider, said);
 }
 
-// A section with the arm; `lead` says what its colours mean.
-function motion(lead) {
+// A section with the arm, and beside it the charts of the joint that is chosen; `lead` says what its colours mean.
+function motion(lead, buttons, beside) {
   const box = h("div", { class: "card arm" }), place = h("div");
-  const chooseOf = (joint) => joint && chosen.choose(joint);
   return {
-    node: h("section", { id: "motion" }, h("h2", {}, "The arm"), h("p", { class: "lead" }, lead), place, box),
+    node: h("section", { id: "motion" }, h("h2", {}, "The arm in motion"), h("p", { class: "lead" }, lead), place, buttons,
+      h("div", { class: "beside" }, box, ofJoint(beside))),
     draw() {
       const arm = new Arm3D(box, SCENE.arm, { stages: SCENE.timeline.stages });
       const timeline = tracks(SCENE.timeline, SCENE.steps), player = new Player(arm, timeline);
@@ -47,10 +47,9 @@ function motion(lead) {
       const seek = (t) => { player.pause(); player.seek(t); };
       player.onTime = (t) => clock.set(t, seek);
       clock.listen(seek);
-      arm.onSelect = chooseOf;
+      arm.onSelect = (joint) => joint && chosen.choose(joint);
       chosen.listen((joint) => arm.select(joint));
-      motion.arm = arm;
-      motion.player = player;
+      Object.assign(motion, { arm, player });
       player.seek(player.begin);
     },
   };

@@ -26,19 +26,21 @@ const chosen = {
   },
 };
 
-// One button a joint, and the parts of the joint that is chosen: make(joint) returns [{node, draw}].
-function picker(first, label, make) {
-  const place = h("div", { class: "stack" });
+// One button a joint.
+function jointButtons(label) {
   const buttons = DATA.joints.map((j) => h("button", { type: "button", onclick: () => chosen.choose(j.name) }, j.name, h("small", {}, label(j))));
+  chosen.listen((name) => buttons.forEach((b, k) => b.setAttribute("aria-pressed", String(DATA.joints[k].name === name))));
+  return h("div", { class: "picker", role: "group", "aria-label": "joint" }, buttons);
+}
+
+// A place that shows the joint that is chosen: make(joint) returns parts.
+function ofJoint(make) {
+  const place = h("div", { class: "stack" });
   chosen.listen((name) => {
-    buttons.forEach((b, k) => b.setAttribute("aria-pressed", String(DATA.joints[k].name === name)));
     Charts.clear(place);
-    const parts = make(DATA.joints.find((j) => j.name === name));
+    const parts = make(DATA.joints.find((j) => j.name === name)).filter(Boolean);
     place.replaceChildren(...parts.map((p) => (p instanceof Node ? p : p.node)));
-    parts.forEach((p) => p.draw && p.draw());
+    for (const p of parts) if (p.draw) p.draw();
   });
-  return {
-    node: [h("div", { class: "picker", role: "group", "aria-label": "joint" }, buttons), place],
-    draw() { chosen.choose(first); },
-  };
+  return place;
 }

@@ -152,15 +152,14 @@ function overTime(j) {
   const [torque, residual] = [h("div", { class: "chart" }), h("div", { class: "chart" })];
   return {
     node: h("div", { class: "card stack" },
-      h("h3", {}, j.name + ": measured and model torque"),
-      j.time.rest.length || j.time.logs.length ? legend(
-        j.time.rest.length && ["band", "band", "near rest, where friction is whatever holds the joint: not counted"],
-        j.time.logs.length && ["soft", "thin", "vertical line: the next log begins"]) : null,
-      torque, h("h3", {}, j.name + ": residual, model less measured"), residual,
+      h("h3", {}, j.name + ": residual, model less measured"), residual,
+      h("h3", {}, j.name + ": measured and model torque"), torque,
+      legend(j.time.rest.length && ["band", "band", "near rest, where friction is whatever holds the joint: not counted"],
+        j.time.logs.length && ["soft", "thin", "vertical line: the next log begins"]),
       h("div", { class: "soft small" }, ZOOM)),
     draw() {
-      JointCharts.logTorque(torque, j, { clock });
       JointCharts.logResidual(residual, j, { clock });
+      JointCharts.logTorque(torque, j, { clock });
     },
   };
 }
@@ -177,21 +176,18 @@ function againstMotion(j) {
         IMPROVED && ["after", "dots", "residual improved"], IMPROVED && ["after", "means", "its mean by region"],
         curve && ["curve", "dashed", "what the added effects explain" + (helping.length ? ": " + helping.join(", ") : "")]),
       h("div", { class: "two-up" }, names.map((s, k) => h("div", { class: "card" },
-        h("h3", {}, "against " + s), h("div", { class: "legend" }, h("span", {}, "means by region account for ", told(j.against[s].means), " of the residual's variance")), boxes[k])))),
+        h("h3", {}, j.name + ": residual against " + s), h("div", { class: "legend" }, h("span", {}, "means by region account for ", told(j.against[s].means), " of the residual's variance")), boxes[k])))),
     draw() { names.forEach((s, k) => JointCharts.against(boxes[k], j, s)); },
   };
 }
 
+const buttons = () => jointButtons((j) => [h("span", { class: "b" }, percent(share(j, j.before.rms))),
+  j.after ? [" → ", h("span", { class: "a" }, percent(share(j, j.after.rms)))] : null]);
+
 function joints() {
-  const label = (j) => [h("span", { class: "b" }, percent(share(j, j.before.rms))), j.after ? [" → ", h("span", { class: "a" }, percent(share(j, j.after.rms)))] : null];
-  const choice = picker(mostTelling(), label, (j) => [overTime(j),
-    h("h3", { style: "margin-top:26px;font-size:16px" }, j.name + ": residual against its motion and load"), againstMotion(j)]);
-  return {
-    node: h("section", {}, h("h2", {}, "Joint by joint"),
-      h("p", { class: "lead" }, "Choose a joint. The residual is the torque f that the model lacks: where its mean bends with the velocity, think of friction; with the position, of gravity or springs; with the acceleration, of inertia; with the load, of gains."),
-      choice.node),
-    draw: choice.draw,
-  };
+  return h("section", {}, h("h2", {}, "Residual against motion and load"),
+    h("p", { class: "lead" }, "Choose a joint. The residual is the torque f that the model lacks: where its mean bends with the velocity, think of friction; with the position, of gravity or springs; with the acceleration, of inertia; with the load, of gains."),
+    buttons(), ofJoint((j) => [againstMotion(j)]));
 }
 
 // ---------------------------------------------------------------- regions and records
@@ -241,5 +237,6 @@ const LEAD = "Replays the log. A link takes the colour of its joint's error besi
   + (FOUND && FOUND.trace.length > 1 ? "; add effect after effect and see it clear" : "")
   + ". Hover a chart to move the arm, click a link to choose its joint.";
 
-show([head(), verdict(), motion(LEAD), effects(), errors(), falling(), joints(), regions(), records(),
+show([head(), verdict(), motion(LEAD, buttons(), (j) => [overTime(j)]), effects(), errors(), falling(), joints(), regions(), records(),
   h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")]);
+chosen.choose(mostTelling());
