@@ -1,6 +1,8 @@
 // `Arm3D`: an arm in meshcat's viewer, its joints moved here, its links coloured by how their joints fare.
 
 const UNKNOWN_STAGE = { name: "", colour: "#888888", words: "", least: 0, most: 0 };
+const VIEW = [1, -1.15, 0.62]; // from where the arm is seen, z up
+const FILLED = 0.84; // share of the picture that the arm fills
 const ACCENT = "#0072b2";
 
 class Arm3D {
@@ -55,40 +57,36 @@ class Arm3D {
     this.viewer.set_dirty();
   }
 
-  // Point the camera at all that the arm reaches in some positions.
+  // Point the camera so that all that the arm reaches in some positions fills the picture.
   frame(positions) {
-    const box = new THREE.Box3(), corner = new THREE.Vector3();
+    const points = [];
     for (const position of positions) {
       this._move(this._arm, position);
       this._root.updateMatrixWorld(true);
-      for (const { joint, mesh } of this._links) {
-        if (joint === null) continue;
-        const { min, max } = mesh.geometry.boundingBox;
-        for (let k = 0; k < 8; k++) {
-          corner.set(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z);
-          box.expandByPoint(corner.applyMatrix4(mesh.matrixWorld));
-        }
-      }
+      for (const { joint, mesh } of this._links) if (joint !== null) points.push(...corners(mesh));
     }
-    box.union(this._foot(box));
     this._move(this._arm, this._shown.position);
-    const ball = box.getBoundingSphere(new THREE.Sphere());
-    const { camera, controls } = this.viewer;
-    const away = (ball.radius * 1.02) / Math.sin((0.5 * camera.fov * Math.PI) / 180);
-    const from = new THREE.Vector3(1, -1.15, 0.62).normalize().multiplyScalar(away).add(ball.center);
-    const turned = (v) => [v.x, v.z, -v.y]; // the camera's frame has y up
-    camera.near = away / 100;
-    camera.far = away * 20;
-    camera.position.set(...turned(from));
-    controls.target.set(...turned(ball.center));
-    this._view = { position: camera.position.clone(), target: controls.target.clone() };
-    this.viewer.set_dirty();
+    this._framed = [...points, ...this._foot(points)];
+    this.resetView();
   }
 
   // The camera as it was at the beginning.
   resetView() {
-    this.viewer.camera.position.copy(this._view.position);
-    this.viewer.controls.target.copy(this._view.target);
+    const { camera, controls } = this.viewer;
+    const away = new THREE.Vector3(...VIEW).normalize();
+    const right = new THREE.Vector3(0, 0, 1).cross(away).normalize(), up = away.clone().cross(right);
+    const tall = Math.tan((0.5 * camera.fov * Math.PI) / 180) * FILLED, wide = tall * camera.aspect;
+    const seen = this._framed.map((p) => [p.dot(right), p.dot(up), p.dot(away)]);
+    const middle = (k) => 0.5 * (Math.max(...seen.map((p) => p[k])) + Math.min(...seen.map((p) => p[k])));
+    const at = [middle(0), middle(1), middle(2)];
+    const distance = Math.max(...seen.map((p) => p[2] - at[2] + Math.max(Math.abs(p[0] - at[0]) / wide, Math.abs(p[1] - at[1]) / tall)));
+    const target = right.multiplyScalar(at[0]).addScaledVector(up, at[1]).addScaledVector(away, at[2]);
+    const turned = (v) => [v.x, v.z, -v.y]; // the camera's frame has y up
+    camera.near = distance / 50;
+    camera.far = distance * 20;
+    controls.target.set(...turned(target));
+    camera.position.set(...turned(target.clone().addScaledVector(away, distance)));
+    this._ownView = false;
     this.viewer.set_dirty();
   }
 
@@ -190,12 +188,11 @@ class Arm3D {
     return box.isEmpty() ? 0 : box.min.z;
   }
 
-  // What of the base belongs into the picture: all of a pedestal, not a whole humanoid.
+  // What of the base belongs into the picture: all of a pedestal, nothing of a humanoid.
   _foot(arm) {
-    const box = new THREE.Box3();
-    for (const { joint, mesh } of this._links) if (joint === null) box.expandByObject(mesh);
-    const size = (b) => b.getSize(new THREE.Vector3()).length();
-    return !box.isEmpty() && size(box) < 0.8 * size(arm) ? box : arm;
+    const base = this._links.filter((l) => l.joint === null).flatMap((l) => corners(l.mesh));
+    const size = (points) => new THREE.Box3().setFromPoints(points).getSize(new THREE.Vector3()).length();
+    return base.length && size(base) < 0.8 * size(arm) ? base : [];
   }
 
   _mainLink(joint) {
@@ -295,7 +292,11 @@ class Arm3D {
   }
 
   _listen() {
-    this._resize = new ResizeObserver(() => this.viewer.set_3d_pane_size());
+    this._resize = new ResizeObserver(() => {
+      this.viewer.set_3d_pane_size();
+      if (!this._ownView) this.resetView();
+    });
+    this.viewer.controls.addEventListener("start", () => (this._ownView = true));
     this._resize.observe(this._pane);
     this._dark.addEventListener("change", this._retheme);
     this.viewer.controls.enableZoom = this._zoom === "always";

@@ -27,6 +27,13 @@ function geometryOf(mesh) {
   return geometry;
 }
 
+// The corners of a mesh's bounding box where it is now.
+function corners(mesh) {
+  const { min, max } = mesh.geometry.boundingBox;
+  return [0, 1, 2, 3, 4, 5, 6, 7].map((k) =>
+    new THREE.Vector3(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z).applyMatrix4(mesh.matrixWorld));
+}
+
 // A group for each joint, one inside the other; turning or sliding it moves all that comes after.
 function chainOf(joints) {
   const root = new THREE.Group();

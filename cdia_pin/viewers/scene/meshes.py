@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from lxml import etree
 from numpy.typing import NDArray
 
+from cdia_pin.viewers.scene.collada import collada_asset
 from cdia_pin.viewers.scene.visuals import Colour, Visual
 
 if TYPE_CHECKING:
@@ -22,6 +21,9 @@ Array = NDArray[np.float64]
 GREY: Colour = (0.82, 0.83, 0.85)  # of a shape without a colour
 CREASE = np.radians(32.0)  # [rad], edges sharper than this stay sharp
 SEGMENTS = 48  # of a drawn circle
+CROWDED = 4  # triangles over those that are wanted, beyond which a mesh is snapped to a grid first
+GRID, EXACT = 250, 1e-6  # cells along such a mesh; [m], below which vertices are one
+CARE = 3.0  # of the simplification: lower keeps the shape, and more triangles
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +53,7 @@ class Mesh:
 
 
 def load_mesh(path: Path) -> list[Mesh]:
-    """Read a mesh file, one mesh for each of its materials, in metres.
+    """Read a mesh file, one mesh for each of its materials, in its own axes and in metres.
 
     Raises:
         Exception: Whatever the reader of a broken file raises.
@@ -59,7 +61,7 @@ def load_mesh(path: Path) -> list[Mesh]:
     import trimesh
 
     scene = trimesh.load_scene(path, process=False)
-    scale = _collada_frame(path) if path.suffix.lower() == ".dae" else np.eye(4)
+    scale = np.diag([*3 * [collada_asset(path).unit], 1.0])
     meshes = []
     for node in scene.graph.nodes_geometry:
         placement, name = scene.graph[node]
@@ -105,11 +107,17 @@ def simplified(mesh: Mesh, most: int) -> Mesh:
     import fast_simplification
     import trimesh
 
-    shape = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
-    shape.merge_vertices(merge_tex=True, merge_norm=True, digits_vertex=6)
+    crowded = (
+        len(mesh.triangles) > CROWDED * most
+    )  # threads and text: thinning alone does not get rid of them
+    grid = mesh.extent / GRID if crowded else EXACT
+    shape = trimesh.Trimesh(np.round(mesh.vertices / grid) * grid, mesh.triangles, process=False)
+    shape.merge_vertices(merge_tex=True, merge_norm=True)
     shape.update_faces(shape.nondegenerate_faces() & shape.unique_faces())
     if len(shape.faces) > most:
-        vertices, faces = fast_simplification.simplify(shape.vertices, shape.faces, target_count=most)
+        vertices, faces = fast_simplification.simplify(
+            shape.vertices, shape.faces, target_count=most, agg=CARE
+        )
         shape = trimesh.Trimesh(vertices, faces, process=False)
         shape.update_faces(shape.nondegenerate_faces())
     shape = trimesh.graph.smooth_shade(shape, angle=CREASE, facet_minarea=None)
@@ -125,24 +133,6 @@ def _colour_of(part: trimesh.Trimesh) -> Colour:
     colour = visual.material.main_color if visual.kind == "texture" else visual.main_color
     red, green, blue = (float(c) / 255 for c in np.asarray(colour)[:3])
     return red, green, blue
-
-
-@lru_cache(maxsize=256)
-def _collada_frame(path: Path) -> Array:
-    """Return what takes a COLLADA file's axes and unit to z up and metres, homogeneous, shape (4, 4)."""
-    unit, up = 1.0, "Y_UP"
-    for _, element in etree.iterparse(str(path), events=("end",), resolve_entities=False, huge_tree=True):
-        tag = etree.QName(element).localname
-        if tag == "unit":
-            unit = float(element.get("meter", "1"))
-        elif tag == "up_axis":
-            up = (element.text or up).strip()
-        elif tag == "asset":
-            break
-    turn = {"Y_UP": [[1, 0, 0], [0, 0, -1], [0, 1, 0]], "X_UP": [[0, -1, 0], [1, 0, 0], [0, 0, 1]]}
-    frame = np.eye(4)
-    frame[:3, :3] = unit * np.array(turn.get(up, np.eye(3)), float)
-    return frame
 
 
 def shares(meshes: Iterable[Mesh], budget: int) -> Iterator[int]:

@@ -83,11 +83,7 @@ def _worst(comparison: Comparison) -> str:
 
 
 def _added(discovery: Discovery | None) -> str:
-    terms = () if discovery is None else tuple(s.term for s in discovery.steps)
-    if not terms:
+    names = [effect_words(s.term.effect) for s in (discovery.steps if discovery else ()) if s.term]
+    if not names:
         return "improved"
-    return (
-        f"with {listed(effect_words(t.effect) for t in terms)}"
-        if len(terms) < 3
-        else f"with {len(terms)} effects"
-    )
+    return f"with {listed(names)}" if len(names) < 3 else f"with {len(names)} effects"

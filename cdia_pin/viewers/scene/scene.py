@@ -11,32 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.errors import CdiaError
 from cdia_pin.robot.model import RobotModel
+from cdia_pin.viewers.scene.bodies import SceneMesh, bodies_of
 from cdia_pin.viewers.scene.capsules import capsules
 from cdia_pin.viewers.scene.chain import SceneJoint, chain_of
-from cdia_pin.viewers.scene.meshes import Mesh, by_colour, drawn, load_mesh, shares, simplified
+from cdia_pin.viewers.scene.meshes import shares, simplified
 from cdia_pin.viewers.scene.packing import packed
-from cdia_pin.viewers.scene.visuals import Visual, mesh_path, visuals_of
 from cdia_pin.viewers.words import joint_units, short_names
 
 Array = NDArray[np.float64]
 
 SCHEMA = "cdia-scene/1"
-TRIANGLES = 40_000  # of the whole picture; a Panda then takes 0.9 MB
-
-
-@dataclass(frozen=True, eq=False)
-class SceneMesh:
-    """A mesh fixed to a joint.
-
-    Attributes:
-        link: Link that it belongs to.
-        joint: Joint that moves it; None for the base.
-        mesh: In the frame of the joint.
-    """
-
-    link: str
-    joint: str | None
-    mesh: Mesh
+HOLE = 0.02  # [m], of an arm without a shape, below which it is not filled
+TRIANGLES = 60_000  # of the whole picture; a Panda then takes 0.9 MB
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,17 +50,8 @@ class Scene:
             triangles: About how many the picture may have.
         """
         chain = chain_of(robot)
-        notes: list[str] = []
-        found = [(v, shape) for v in visuals_of(robot) for shape in _shapes(robot, v, notes)]
-        parts: dict[str, list[Mesh]] = {}
-        for visual, shape in found:
-            parts.setdefault(visual.link, []).append(
-                shape.moved(robot.links[visual.link][1] @ visual.placement)
-            )
-        meshes = [
-            SceneMesh(link, robot.links[link][0], mesh) for link in parts for mesh in by_colour(parts[link])
-        ]
-        bare = _bare(robot, meshes)
+        meshes, notes = bodies_of(robot, chain)
+        bare = _bare(robot, chain, meshes)
         if bare:
             names = "its bodies" if len(bare) == robot.n + 1 else ", ".join(bare.values())
             notes.append(f"no shapes for {names}: capsules are drawn")
@@ -130,39 +107,16 @@ def resting_pose(robot: RobotModel) -> Array:
     return np.where(inside, 0.0, middle)
 
 
-def _shapes(robot: RobotModel, visual: Visual, notes: list[str]) -> Sequence[Mesh]:
-    """Return the meshes of a visual in its own frame; none, with a note, where its file cannot be used."""
-    if visual.kind != "mesh":
-        return [drawn(visual)]
-    path = mesh_path(robot, visual.file)
-    if path is None:
-        notes.append(f"link '{visual.link}': there is no mesh {visual.file}")
-        return []
-    try:
-        found = load_mesh(path)
-    except Exception as error:  # every format's reader raises its own
-        notes.append(f"link '{visual.link}': {path.name} cannot be read ({' '.join(str(error).split())})")
-        return []
-    scale = np.diag([*visual.size, 1.0])
-    meshes = [m.moved(scale) for m in found]
-    return [Mesh(m.vertices, m.triangles, visual.colour or m.colour) for m in meshes]
-
-
-def _bare(robot: RobotModel, meshes: Sequence[SceneMesh]) -> dict[str | None, str]:
+def _bare(
+    robot: RobotModel, chain: Sequence[SceneJoint], meshes: Sequence[SceneMesh]
+) -> dict[str | None, str]:
     """Return joints of which nothing is to be seen, with the first link that each moves."""
-    seen = {m.joint for m in meshes}
     first: dict[str | None, str] = {}
     for link, (joint, _) in robot.links.items():
         first.setdefault(joint, link)
-    if not seen:
+    if not meshes:
         return first
-    # A joint inside a wrist moves a body without shape of its own: only what hides the arm is drawn.
-    return {
-        j: link for j, link in first.items() if j is not None and j not in seen and _reach(robot, j) > 0.02
-    }
-
-
-def _reach(robot: RobotModel, joint: str) -> float:
-    chain = {j.parent: j for j in chain_of(robot)}
-    after = chain.get(joint)
-    return 0.0 if after is None else float(np.linalg.norm(after.placement[:3, 3]))
+    # A joint inside a wrist may move a body that nobody sees: only what leaves a hole in the arm is drawn.
+    seen = {m.joint for m in meshes}
+    reach = {j.parent: float(np.linalg.norm(j.placement[:3, 3])) for j in chain}
+    return {j: link for j, link in first.items() if j and j not in seen and reach.get(j, 0.0) > HOLE}
