@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from cdia_pin.viewers import write_monitor_report, write_report
 from cdia_pin.viewers.page import LARGEST
 
 FAULTY, ONSET = "panda_joint4", 30.0
-EFFECTS = ("coulomb_friction", "viscous_friction", "actuator_gain", "torque_offset")
+EFFECTS = ("coulomb_friction", "torque_offset")
 STATE = "() => ({...motion.arm.state(), time: motion.player.time})"
 CURSOR = """() => Array.from(document.querySelectorAll('#motion .u-over'), (o) => {
   const x = o.querySelector('.u-cursor-x').style.transform.match(/translate\\((-?[0-9.]+)px/);
@@ -60,7 +61,9 @@ def watched(tmp_path_factory: pytest.TempPathFactory) -> Written:
 def discovered(tmp_path_factory: pytest.TempPathFactory) -> Written:
     """A minute of a Panda with friction and an offset that its model lacks."""
     robot = load_robot("panda")
-    log = measured(robot, 3, 60.0, f"coulomb_friction@{FAULTY}: level=4", "torque_offset@panda_joint6: offset=0.5")
+    log = measured(
+        robot, 3, 60.0, f"coulomb_friction@{FAULTY}: level=4", "torque_offset@panda_joint6: offset=0.5"
+    )
     found = discover(Dynamics(robot), log, settings=DiscoverySettings(effects=EFFECTS))
     before = compare(Dynamics(robot), log)
     path = tmp_path_factory.mktemp("found") / "report.html"
@@ -73,9 +76,17 @@ def written(request: pytest.FixtureRequest) -> Written:
     return request.getfixturevalue(request.param)
 
 
+def until(page: Any, expression: str, patience: float = 15.0) -> None:
+    """Wait until an expression holds; Playwright's own way needs eval, which the page forbids."""
+    end = time.monotonic() + patience
+    while not page.evaluate(expression):
+        assert time.monotonic() < end, f"not within {patience:g} s: {expression}"
+        page.wait_for_timeout(50)
+
+
 def opened(page: Any, written: Written) -> Any:
     page.goto(written.path.as_uri())
-    page.wait_for_function("motion.arm && motion.arm.frames > 0")
+    until(page, "Boolean(motion.arm && motion.arm.frames > 0)")
     return page
 
 
@@ -86,7 +97,7 @@ def hover(page: Any, share: float, chart: int = 0) -> float:
     box = over.bounding_box()
     page.mouse.move(box["x"] + 5, box["y"] + 0.5 * box["height"])
     page.mouse.move(box["x"] + share * box["width"], box["y"] + 0.5 * box["height"])
-    page.wait_for_function("motion.player.time > motion.player.begin")
+    until(page, "motion.player.time > motion.player.begin")
     return page.evaluate("motion.player.time")
 
 
@@ -130,10 +141,10 @@ def test_the_picture_is_not_empty(page: Any, written: Written):
 
 def test_hovering_a_chart_moves_the_arm(page: Any, written: Written):
     opened(page, written)
-    time = hover(page, 0.7)
-    assert time == pytest.approx(written.begin + 0.7 * (written.end - written.begin), abs=0.5)
+    moment = hover(page, 0.7)
+    assert moment == pytest.approx(written.begin + 0.7 * (written.end - written.begin), abs=0.5)
     shown = page.evaluate(STATE)["joints"]
-    q = np.array([np.interp(time, written.log.time, p) for p in written.log.position.T])
+    q = np.array([np.interp(moment, written.log.time, p) for p in written.log.position.T])
     expected = written.robot.joint_placements(q)
     drawn = np.array([shown[j]["world"] for j in written.robot.joints])
     np.testing.assert_allclose(apart(drawn), apart(expected), atol=0.01)
@@ -149,13 +160,13 @@ def test_playing_moves_the_cursor_of_every_chart(page: Any, written: Written):
     opened(page, written)
     before = page.evaluate(CURSOR)
     page.get_by_role("button", name="Play", exact=True).click()
-    page.wait_for_function("motion.player.time > motion.player.begin + 0.5")
+    until(page, "motion.player.time > motion.player.begin + 0.5")
     page.get_by_role("button", name="Pause", exact=True).click()
     after = page.evaluate(CURSOR)
-    time = page.evaluate("motion.player.time")
+    moment = page.evaluate("motion.player.time")
     assert len(after) >= 2
     assert all((b or 0.0) < a for b, a in zip(before, after, strict=True))
-    share = (time - written.begin) / (written.end - written.begin)
+    share = (moment - written.begin) / (written.end - written.begin)
     assert after == pytest.approx([share] * len(after), abs=0.02)
 
 
@@ -248,10 +259,9 @@ def test_it_follows_the_colours_of_the_system(page: Any, written: Written, schem
     page.emulate_media(color_scheme="light" if scheme == "dark" else "dark")
     opened(page, written)
     page.emulate_media(color_scheme=scheme)
-    page.wait_for_timeout(300)
+    until(page, f"motion.arm.box.dataset.theme === '{scheme}'")
     red = page.evaluate("getComputedStyle(document.body).backgroundColor.match(/\\d+/)[0]")
     assert (int(red) < 80) == (scheme == "dark")
-    assert page.evaluate("motion.arm.box.dataset.theme") == scheme
     page.evaluate("motion.player.seek(42)")
     page.locator("#motion").scroll_into_view_if_needed()
     page.wait_for_timeout(300)
