@@ -201,6 +201,17 @@ const Charts = (() => {
     return h("div", { class: "legend" }, items.filter(Boolean).map(([name, kind, words]) => h("span", {}, swatch(name, kind), words)));
   }
 
+  // An estimate with its interval [low, value, high] beside zero, as one line of a table.
+  function interval(ends, words) {
+    if (!ends) return null;
+    const [low, value, high] = ends, from = Math.min(low, 0), to = Math.max(high, 0);
+    const at = (x) => (6 + (84 * (x - from)) / (to - from || 1)).toFixed(1);
+    return svg("svg", { width: 96, height: 12, role: "img", "aria-label": words },
+      svg("line", { x1: at(0), x2: at(0), y1: 0, y2: 12, stroke: "var(--floor)" }),
+      svg("line", { x1: at(low), x2: at(high), y1: 6, y2: 6, stroke: "var(--after)", "stroke-width": 2 }),
+      svg("circle", { cx: at(value), cy: 6, r: 3.2, fill: "var(--after)" }));
+  }
+
   // ---------------------------------------------------------------- strips
 
   // One row a name, its spans beside each other; a click or a drag sets the clock.
@@ -227,5 +238,5 @@ const Charts = (() => {
     return node;
   }
 
-  return { Clock, chart, clear, overTime, scatter, strips, legend, axis, plain, color, alpha };
+  return { Clock, chart, clear, overTime, scatter, strips, legend, interval, axis, plain, color, alpha };
 })();

@@ -72,13 +72,13 @@ function effects() {
       h("div", { class: "equation" }, "f = " + e.equation)),
     h("td", {}, h("div", { class: "parameters" },
       [...e.parameters, ...e.shape].map((p) => [
-        h("span", { class: "soft" }, p.name), h("span", { class: p.telling === false ? "faint" : "" }, p.text)])),
+        h("span", { class: "soft" }, p.name), h("span", { class: p.telling === false ? "faint" : "" }, p.text), h("span", {}, Charts.interval(p.interval, p.name + " " + p.text))])),
       e.profile ? h("div", { class: "soft" }, "present: " + e.profile) : null),
     h("td", {}, e.error.joint, h("div", {}, h("span", { class: "b" }, percent(e.error.before)), " → ", h("span", { class: "a" }, percent(e.error.after)))),
     h("td", {}, e.confusions.length ? byMotion(e.confusions) : h("span", { class: "soft" }, "nothing else tried comes near")),
   ]);
   return h("section", {}, h("h2", {}, "What the model lacks"),
-    h("p", { class: "lead" }, "Each effect adds a torque f on the right of M q̈ + nle = τ + f. Parameters with their 95 % interval; faint ones cannot be told from zero. Order: the most telling first."),
+    h("p", { class: "lead" }, "Each effect adds a torque f on the right of M q̈ + nle = τ + f. Parameters with their 95 % interval, drawn beside zero (the grey line); faint ones cannot be told from it. Order: the most telling first."),
     h("div", { class: "card" }, table([right("th", ""), wide("24%", "effect"), wide("29%", "parameters ± 95 %"),
       wide("13%", "error where it helps most"), "could be mistaken for"], rows)));
 }
