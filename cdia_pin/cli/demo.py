@@ -86,8 +86,8 @@ def _tell_the_story(console: Console, log: Path, files: DiscoveryFiles) -> None:
     )
     console.print("Your own log: cdia check LOG --robot R, with R from cdia robots or a URDF file")
     console.print(
-        f"\nOpen {files.report} in a browser: the arm replays the log, links whose torque the URDF gets wrong are "
-        "coloured, and they clear as the effects are added.",
+        f"\nOpen {files.report} in a browser: the arm moves, links whose torque the URDF gets wrong are coloured, "
+        "and the error falls as the effects are added.",
         markup=False,
         soft_wrap=True,
     )

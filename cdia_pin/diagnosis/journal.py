@@ -73,8 +73,8 @@ class Journal:
         self.looks: list[Look] = []
         self.beliefs: list[Belief] = []
         self._joints, self._names = monitor.model.robot.joints, monitor.bank.names
-        self._decisions: dict[int, Decision] = {}
-        self._noted: dict[int, Look] = {}
+        self._decisions: dict[int, Decision] = {}  # taken since the last tick
+        self._live: dict[int, Look] = {}  # of the joints that are decided upon
         self._faults: tuple[Term, ...] = ()
         self._next = -np.inf
         for watch in getattr(monitor.engine, "watches", ()):
@@ -83,27 +83,23 @@ class Journal:
 
     def __call__(self, status: Status) -> None:
         """Take note of a tick."""
-        if self._decisions:
-            for j in list(self._decisions):
-                self._look(status, j)
+        for j, decision in self._decisions.items():
+            leading = None if decision.mask is None else self._effects(decision.mask)
+            rivals = tuple(self._effects(mask) for mask, _ in decision.rivals)
+            self._note(j, Look(status.time, self._joints[j], leading, rivals))
+        self._decisions.clear()
+        for j in [j for j in self._live if status.stages[j] not in DECIDED_UPON]:
+            self._note(j, Look(status.time, self._joints[j], ()))
+            del self._live[j]
         if status.faults is not self._faults and (status.events or status.time >= self._next):
             self._faults, self._next = status.faults, status.time + 1.0 / NOTED
             if status.faults or self.beliefs:
                 self.beliefs.append(Belief(status.time, status.faults))
 
-    def _look(self, status: Status, j: int) -> None:
-        if status.stages[j] in DECIDED_UPON:
-            decision = self._decisions[j]
-            leading = None if decision.mask is None else self._effects(decision.mask)
-            look = Look(
-                status.time, self._joints[j], leading, tuple(self._effects(m) for m, _ in decision.rivals)
-            )
-        else:
-            look = Look(status.time, self._joints[j], ())
-            del self._decisions[j]
-        last = self._noted.get(j)
+    def _note(self, j: int, look: Look) -> None:
+        last = self._live.get(j)
         if last is None or (last.leading, last.rivals) != (look.leading, look.rivals):
-            self._noted[j] = look
+            self._live[j] = look
             self.looks.append(look)
 
     def _effects(self, mask: int) -> tuple[str, ...]:

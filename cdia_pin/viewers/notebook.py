@@ -44,6 +44,7 @@ STYLE = """<style>
 </style>"""
 
 REGIONS = 3  # worst regions named
+LEFT = "the residual left its threshold"
 
 
 def html_of(result: object) -> str:
@@ -183,7 +184,7 @@ def _run(result: MonitorRun) -> Iterable[str]:
             f"{row.time:.3f}{NO_BREAK}s",
             row.joints,
             row.stage,
-            _lines(filter(None, (row.verdict, *row.said, row.reason))),
+            _lines(filter(None, (row.verdict, *row.said, row.reason))) or LEFT,
         )
         for row in event_rows(result.events, result.robot)
     ]
