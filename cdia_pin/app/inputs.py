@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from cdia_pin.discovery.search import Progress
 from cdia_pin.dynamics import Dynamics, load_model
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, LogCheck, check_log, read_log
+from cdia_pin.logs.conversion import Conversion
 from cdia_pin.robot import RobotModel, load_robot
 
 
@@ -35,6 +36,22 @@ class Request:
     convert: Mapping[str, Any] = field(default_factory=dict)
     gains: Mapping[str, float] = field(default_factory=dict)
     name: str = ""
+
+    def converted(self, option: str) -> Request:
+        """Return the request with one conversion more.
+
+        Args:
+            option: As an advice of `check_log` names it, such as ``angle=deg`` or ``flip_effort=elbow_joint``.
+
+        Raises:
+            LogError: If it cannot be understood.
+        """
+        convert, usual = dict(self.convert), Conversion()
+        for name, value in vars(Conversion.of([option])).items():
+            if value != getattr(usual, name):
+                flips = isinstance(value, tuple)
+                convert[name] = tuple(dict.fromkeys((*convert.get(name, ()), *value))) if flips else value
+        return replace(self, convert=convert)
 
 
 @dataclass(frozen=True, eq=False)

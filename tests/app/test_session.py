@@ -13,8 +13,10 @@ from cdia_pin import CdiaError, load_model, load_robot
 from cdia_pin.app.exports import model_file, python_file, report_file, urdf_file
 from cdia_pin.app.inputs import Request
 from cdia_pin.app.job import Cancelled, Job
+from cdia_pin.app.picture import joint, timeline
 from cdia_pin.app.python_lines import python_lines
 from cdia_pin.app.session import Session
+from cdia_pin.app.suggestions import motions, suggestions
 from cdia_pin.resources import logs_dir
 
 LOG = logs_dir() / "demo_ur5.csv"  # hidden: a payload, and Coulomb friction of the elbow
@@ -201,3 +203,42 @@ def test_the_share_that_is_done_never_falls():
     job = Job(lambda tell: [tell("a", 0.6), tell("b", 0.2)])
     job.result(5.0)
     assert (job.said, job.share) == ("b", 0.6)
+
+
+# ------------------------------------------------------------------ what a page shows
+
+
+def test_suggestions_begin_with_what_the_search_would_add(searched):
+    rows = suggestions(searched.found)
+    assert [r.text for r in rows if r.chosen] == [r.text for r in rows[:2]] == ["payload", COULOMB]
+    assert rows[0].before > 5 * rows[0].after
+    assert rows[0].where == "the whole arm"
+    assert rows[0].numbers[0].startswith("mass 1.500")
+    assert len({r.text for r in rows}) == len(rows)
+    assert all(r.after < r.before for r in rows)
+
+
+def test_confusions_become_motions_to_record(searched):
+    tried = searched.add("asymmetric_friction@elbow_joint").search()
+    said = motions(tried)
+    assert any("friction" in pair and "move the joint" in motion for pair, motion in said)
+
+
+def test_what_is_drawn_is_thinned_and_of_both_models(explained, loaded):
+    drawn = timeline(explained)
+    assert len(drawn["time"]) <= 1500
+    assert [drawn["name"], drawn["variants"][0]["name"]] == [
+        "as given",
+        "with payload and coulomb friction on elbow_joint",
+    ]
+    assert "variants" not in timeline(loaded)
+    signals = joint(explained, "elbow_joint")
+    assert signals["before"]["rms"] > 5 * signals["after"]["rms"]
+    assert len(signals["time"]["time"]) <= 1600
+    assert joint(loaded, "elbow_joint")["after"] is None
+
+
+def test_a_preview_is_drawn_beside_the_model_as_given(loaded):
+    tried = loaded.with_preview("payload")
+    assert joint(tried, "wrist_1_joint")["after"]["rms"] < joint(tried, "wrist_1_joint")["before"]["rms"]
+    assert timeline(tried)["variants"][0]["name"] == "with payload"
