@@ -20,7 +20,7 @@ const JointCharts = (() => {
   function residual(box, joint, options) {
     const bound = (label, sign, hidden) => line(label, joint.threshold.map((x) => sign * x), "floor", { dash: [6, 3], hidden });
     const lines = [line("residual", joint.residual, "after"), bound("± threshold", 1), bound("lower", -1, true)];
-    return overTime(box, lines, { ...about(joint, options), height: 260, symmetric: true, unit: joint.units.residual, label: "[" + joint.units.residual + "]" });
+    return overTime(box, lines, { ...about(joint, options), height: 260, symmetric: true, unit: joint.units.residual, label: "residual [" + joint.units.residual + "]" });
   }
 
   // The model's torque is what is measured and what it lacks; of residuals that are no torque there is none.
@@ -28,13 +28,13 @@ const JointCharts = (() => {
     const unit = joint.units.load, lines = [line("measured", joint.effort, "measured", { width: 3 })];
     if (joint.units.residual === unit) lines.push(line("modelled", sum(joint.effort, joint.residual), "after"));
     if (joint.correction.some((x) => x)) lines.push(line("correction", joint.correction, "before"));
-    return overTime(box, lines, { ...about(joint, options), unit, label: "[" + unit + "]" });
+    return overTime(box, lines, { ...about(joint, options), unit, label: "torque [" + unit + "]" });
   }
 
   function tracking(box, joint, options) {
     const unit = "m" + joint.units.position;
     const error = joint.error.map((x) => (x === null ? null : 1e3 * x));
-    return overTime(box, [line("tracking error", error, "curve")], { ...about(joint, options), height: 200, unit, label: "[" + unit + "]" });
+    return overTime(box, [line("tracking error", error, "curve")], { ...about(joint, options), height: 200, unit, label: "q − q_d [" + unit + "]" });
   }
 
   // A parameter as it was believed, with its 95 % interval: {name, unit, time, value, low, high, real}.
@@ -42,7 +42,7 @@ const JointCharts = (() => {
     const lines = [line("upper end", p.high, "after", { width: 0, hidden: true, under: true }), line("lower end", p.low, "after", { width: 0, hidden: true }),
       line("believed", p.value, "after", { width: 2 })];
     if (p.real !== null) lines.push(line("in the plant", p.time.map(() => p.real), "floor", { dash: [6, 3] }));
-    return overTime(box, lines, { time: p.time, unit: p.unit, label: p.unit === "1" ? "[1]" : "[" + p.unit + "]", height: 170, clock: options.clock });
+    return overTime(box, lines, { time: p.time, unit: p.unit, label: p.name + " [" + p.unit + "]", height: 170, clock: options.clock });
   }
 
   const MOTION = { position: "position q", velocity: "velocity q̇", load: "torque τ" };

@@ -82,13 +82,13 @@ function tracking() {
 function signals(j) {
   const boxes = [0, 1, 2].map(() => h("div", { class: "chart" })), unit = j.units.residual;
   const inside = Object.keys(STAGES).filter((s) => s !== "healthy" && j.stages.some((i) => i[2] === s));
-  const symbol = unit === j.units.load ? "residual, the torque that the model lacks" : "velocity error of the observer";
+  const torques = unit === j.units.load;
   const shown = { ...SHOWN, marks: of(j).map((e) => ({ time: e.time, text: String(e.number) })) };
   return {
     node: h("div", { class: "card stack" },
       inside.length ? legend(...inside.map((s) => ["stage-" + s, "band faint", s]), ["ink", "dotted", "event, with its number"]) : null,
-      h("h3", {}, j.name + ": " + symbol + ", and ± its threshold"), boxes[0],
-      h("h3", {}, j.name + ": torque" + (unit === j.units.load ? " measured, and modelled: measured + residual" : "")), boxes[1],
+      h("h3", {}, j.name + ": " + (torques ? "residual" : "velocity error of the observer") + " and its threshold"), boxes[0],
+      h("h3", {}, j.name + (torques ? ": measured and modelled torque" : ": torque")), boxes[1],
       j.error ? [h("h3", {}, j.name + ": tracking error q − q_d"), boxes[2]] : null,
       h("div", { class: "soft small" }, "Drag across a chart to zoom, double-click to go back.")),
     draw() {
@@ -159,7 +159,7 @@ function record() {
     h("details", {}, h("summary", {}, "Engine, settings and healthy runs"),
       h("div", {}, table(null, Object.entries(DATA.record).map(([k, v]) => [h("td", { class: "soft", style: "width:24%" }, k.replaceAll("_", " ")), h("td", {}, text(v))])))),
     h("details", {}, h("summary", {}, "Words used on this page"), h("div", {},
-      h("p", {}, "Residual: what the model lacks to explain the motion, through a filter that needs no accelerations. Beyond its threshold no healthy run has been."),
+      h("p", {}, "Residual: the torque that the model lacks to explain the motion, through a filter that needs no accelerations. Beyond its threshold no healthy run has been. Modelled torque: measured torque plus residual."),
       h("p", {}, "Isolation: every combination of the known effects is asked whether it explains the residual since the detection. Accommodation: the torque is corrected by what is believed. Idle: a fault whose torque stays away where it would show is no longer corrected for, but remembered."))));
 }
 
