@@ -97,12 +97,12 @@ def monitor(
         (watched, *runs), _ = read_logs(given, known.robot, reading, check=check, tell=tell)
         announced = []
         if not runs and bounds is None:
-            first, watched = _split(watched, healthy_until)
+            first, watched = parted(watched, healthy_until)
             runs = [first]
             announced.append(
                 f"the first {first.duration:.3g} s are taken as healthy, {watched.time[0]:.6g} s on is monitored"
             )
-        watched, *runs = _alike([watched, *runs], velocity, announced)
+        watched, *runs = alike([watched, *runs], velocity, announced)
         tell("learning from the healthy runs", 0.1)
         watcher = Monitor(
             known,
@@ -147,7 +147,7 @@ def show_run(console: Console, found: MonitorRun) -> None:
     console.print(run_summary(found), markup=False)
 
 
-def _split(log: Log, until: float | None) -> tuple[Log, Log]:
+def parted(log: Log, until: float | None) -> tuple[Log, Log]:
     """Part a log into what is taken as healthy, and what is monitored."""
     length = until
     if length is None:
@@ -161,7 +161,7 @@ def _split(log: Log, until: float | None) -> tuple[Log, Log]:
     return log.slice(0, begin), log.slice(begin, len(log.time))
 
 
-def _alike(logs: Sequence[Log], velocity: bool, announced: list[str]) -> list[Log]:
+def alike(logs: Sequence[Log], velocity: bool, announced: list[str]) -> list[Log]:
     """Return logs that all have velocities, or none of them."""
     from dataclasses import replace
 

@@ -2,8 +2,8 @@
 
 const UNKNOWN_STAGE = { name: "", colour: "#888888", words: "", least: 0, most: 0 };
 const VIEW = [1, -1.15, 0.62]; // from where the arm is seen, z up
-const FILLED = 0.84; // share of the picture that the arm fills
-const ACCENT = "#0072b2";
+const FILLED = 0.8; // share of the picture that the arm fills
+const ACCENT = "#2f8fdd"; // of what is selected
 
 class Arm3D {
   // element: filled by the picture; scene: `Scene.to_dict()`.
@@ -25,16 +25,14 @@ class Arm3D {
     this.frame([scene.home]);
     this.pose(scene.home);
     this._listen();
-    this._draw = () => {
-      this._frameRequest = requestAnimationFrame(this._draw);
-      if (!this.viewer.needs_render) return;
-      this.viewer.render();
-      this.frames += 1;
-      this._placePin();
-    };
-    this.frames = 0; // drawn so far
-    this._draw();
+    this._painter = new Painter(this.viewer, this._links, this._lights, this._ground, () => this._placePin());
   }
+
+  // Tell that a motion is being shown: while it is, speed goes before beauty where drawing is slow.
+  set moving(value) { this._painter.moving = value; }
+
+  // Frames drawn so far.
+  get frames() { return this._painter.frames; }
 
   // Show a pose. What is left out stays as it was; null takes it away.
   pose(position, { desired, stage, level, torque, label } = {}) {
@@ -62,7 +60,7 @@ class Arm3D {
     const points = [];
     for (const position of positions) {
       this._move(this._arm, position);
-      this._root.updateMatrixWorld(true);
+      this._settle();
       for (const { joint, mesh } of this._links) if (joint !== null) points.push(...corners(mesh));
     }
     this._move(this._arm, this._shown.position);
@@ -90,15 +88,23 @@ class Arm3D {
     this.viewer.set_dirty();
   }
 
+  // Poses of all links in the frame of the base: the viewer's own scene has y up, and is left out until it draws again.
+  _settle() {
+    const { parent } = this._root;
+    this._root.parent = null;
+    this._root.updateMatrixWorld(true);
+    this._root.parent = parent;
+  }
+
   // What is shown, for tests and for who cannot see it.
   state() {
-    this._root.updateMatrixWorld(true);
+    this._settle();
     const joints = {};
     this.scene.joints.forEach((joint, k) => {
       const m = this._arm.get(joint.name).matrixWorld.elements;
       const main = this._mainLink(joint.name);
       joints[joint.name] = {
-        colour: main ? displayed(main.mesh.material.color) : null,
+        colour: main ? displayed(main.material.color) : null,
         intensity: this._weights ? this._weights[k] : 0,
         stage: this._stage(k).name,
         world: [0, 1, 2, 3].map((r) => [m[r], m[r + 4], m[r + 8], m[r + 12]]),
@@ -111,7 +117,7 @@ class Arm3D {
   }
 
   dispose() {
-    cancelAnimationFrame(this._frameRequest);
+    this._painter.stop();
     this._resize.disconnect();
     this._dark.removeEventListener("change", this._retheme);
     this.viewer.renderer.dispose();
@@ -152,28 +158,33 @@ class Arm3D {
     this._ghostSkins = [];
     this._links = [];
     for (const given of this.scene.meshes) {
-      const geometry = geometryOf(given);
-      const own = new THREE.Color(given.colour);
-      const material = new THREE.MeshStandardMaterial({ color: linear(given.colour), roughness: 0.62, metalness: 0.0 });
-      const mesh = new THREE.Mesh(geometry, material);
+      const geometry = geometryOf(given), coarse = geometryOf(given.coarse);
+      const fine = new THREE.MeshStandardMaterial({ color: linear(given.colour), roughness: 0.62, metalness: 0.0 });
+      const plain = new THREE.MeshLambertMaterial();
+      Object.assign(plain, { color: fine.color, emissive: fine.emissive }); // one colour, whichever is in use
+      const mesh = new THREE.Mesh(geometry, fine);
       mesh.castShadow = mesh.receiveShadow = true;
       mesh.userData.joint = given.joint;
       groups.get(given.joint).add(mesh);
-      const link = { joint: given.joint, mesh, own, outline: null };
+      const link = {
+        joint: given.joint, mesh, own: new THREE.Color(given.colour), material: fine,
+        fine: [geometry, fine], coarse: [coarse, plain], ghost: [], outline: null,
+      };
       this._links.push(link);
       if (given.joint === null) continue;
       link.outline = outlineOf(geometry, ACCENT);
       link.outline.visible = false;
       mesh.add(link.outline);
-      const [depth, skin] = ghostOf(geometry);
-      ghost.groups.get(given.joint).add(depth, skin);
-      this._ghostSkins.push(skin.material);
+      link.ghost = ghostOf(geometry);
+      ghost.groups.get(given.joint).add(...link.ghost);
+      this._ghostSkins.push(link.ghost[1].material);
     }
     const whole = new THREE.Box3().setFromObject(root);
     this.reach = whole.getSize(new THREE.Vector3()).length();
     this._torque = new TorqueMark(Math.min(this.reach, 1.6));
     this._ground = groundOf(this.reach, Math.min(0, this._lowest()));
-    this.viewer.set_object(["Lights", "soft"], lightsOf(this.reach));
+    this._lights = lightsOf(this.reach);
+    this.viewer.set_object(["Lights", "soft"], this._lights);
     this.viewer.set_object(["Ground"], this._ground);
     this.viewer.set_object(["Arm"], root);
     this.viewer.set_object(["Ghost"], ghost.root);
@@ -219,12 +230,12 @@ class Arm3D {
       const { least = 0.6, most = 0.95 } = this._stage(k);
       return least + (most - least) * Math.min(level ? Math.abs(level[k]) : 0, 1);
     });
-    for (const { joint, mesh, own } of this._links) {
+    for (const { joint, material, own } of this._links) {
       if (joint === null) continue;
       const k = this._index.get(joint);
       const colour = own.clone().lerp(new THREE.Color(this._stage(k).colour), this._weights[k]).convertSRGBToLinear();
-      mesh.material.color.copy(colour);
-      mesh.material.emissive.copy(colour).multiplyScalar(0.18 * this._weights[k]);
+      material.color.copy(colour);
+      material.emissive.copy(colour).multiplyScalar(0.18 * this._weights[k]);
     }
   }
 
@@ -328,30 +339,4 @@ class Arm3D {
     const [hit] = ray.intersectObjects(this._links.map((l) => l.mesh), false);
     return hit ? hit.object.userData.joint : null;
   }
-}
-
-// Meshcat's viewer in an element, without its controls, lights and grid; it is drawn when `render` is called.
-function meshcatViewer(pane) {
-  let renderer = null;
-  try {
-    renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
-    Object.assign(renderer.shadowMap, { enabled: true, type: THREE.PCFSoftShadowMap });
-    renderer.outputEncoding = THREE.sRGBEncoding;
-    pane.append(renderer.domElement);
-  } catch (error) { // no WebGL: all else of the page goes on
-    const nothing = () => {};
-    renderer = { setPixelRatio: nothing, setSize: nothing, render: nothing, dispose: nothing, domElement: pane };
-  }
-  const onload = window.onload;
-  const viewer = new MeshCat.Viewer(pane, false, renderer);
-  window.onload = onload; // the viewer takes the whole window for its own
-  const resize = viewer.set_3d_pane_size.bind(viewer);
-  viewer.set_3d_pane_size = () => pane.clientWidth && pane.clientHeight && resize(pane.clientWidth, pane.clientHeight);
-  viewer.drawing = renderer instanceof THREE.WebGLRenderer;
-  viewer.gui.domElement.remove();
-  for (const path of [["Lights"], ["Grid"], ["Axes"]]) viewer.delete_path(path);
-  viewer.hide_background();
-  viewer.camera.fov = 32;
-  viewer.set_3d_pane_size();
-  return viewer;
 }

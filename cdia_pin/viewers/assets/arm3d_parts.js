@@ -1,4 +1,4 @@
-// What the picture is made of: meshes from their text, lights, ground, and the mark of a missing torque.
+// What the arm is made of: meshes from their text, joints one inside the other, ghost and outline.
 
 const THREE = MeshCat.THREE;
 
@@ -67,7 +67,7 @@ function ghostOf(geometry) {
 function outlineOf(geometry, colour) {
   const mesh = new THREE.Mesh(geometry, new THREE.ShaderMaterial({
     side: THREE.BackSide,
-    uniforms: { colour: { value: linear(colour) }, width: { value: 0.006 } },
+    uniforms: { colour: { value: linear(colour) }, width: { value: 0.009 } },
     vertexShader: `uniform float width; void main() {
       vec4 p = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
       vec2 out_ = normalize((normalMatrix * normal).xy + 1e-6);
@@ -76,106 +76,4 @@ function outlineOf(geometry, colour) {
     fragmentShader: "uniform vec3 colour; void main() { gl_FragColor = vec4(colour, 1.0); }",
   }));
   return mesh;
-}
-
-function lightsOf(reach) {
-  const group = new THREE.Group();
-  const sky = new THREE.HemisphereLight(0xffffff, 0xb4b9c0, 0.52);
-  sky.position.set(0, 0, 1);
-  const key = new THREE.DirectionalLight(0xfff8ef, 0.5), rim = new THREE.DirectionalLight(0xe6f0ff, 0.22);
-  key.position.set(0.9, -0.9, 1.9).multiplyScalar(reach);
-  rim.position.set(-1, 1.2, 0.7).multiplyScalar(reach);
-  key.castShadow = true;
-  key.shadow.mapSize.set(1024, 1024);
-  key.shadow.radius = 5;
-  key.shadow.normalBias = 0.004 * reach;
-  Object.assign(key.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.1 * reach, far: 5 * reach });
-  group.add(sky, key, key.target, rim);
-  return group;
-}
-
-function groundOf(reach, height) {
-  const group = new THREE.Group();
-  const shadow = new THREE.Mesh(new THREE.PlaneGeometry(8 * reach, 8 * reach), new THREE.ShadowMaterial({ opacity: 0.2, depthWrite: false }));
-  shadow.receiveShadow = true;
-  const lines = new THREE.Mesh(new THREE.PlaneGeometry(8 * reach, 8 * reach), new THREE.ShaderMaterial({
-    transparent: true, depthWrite: false, side: THREE.DoubleSide, extensions: { derivatives: true },
-    uniforms: { ink: { value: new THREE.Color() }, reach: { value: reach } },
-    vertexShader: "varying vec2 at; void main() { at = position.xy; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }",
-    fragmentShader: `uniform vec3 ink; uniform float reach; varying vec2 at;
-      float line(float step_) { vec2 p = at / step_, d = abs(fract(p - 0.5) - 0.5) / fwidth(p); return 1.0 - min(min(d.x, d.y), 1.0); }
-      void main() { float fade = 1.0 - smoothstep(0.5 * reach, 2.4 * reach, length(at));
-        gl_FragColor = vec4(ink, fade * max(0.10 * line(0.1), 0.22 * line(0.5))); }`,
-  }));
-  group.add(shadow, lines);
-  group.position.z = height;
-  group.ink = lines.material.uniforms.ink.value;
-  return group;
-}
-
-// An arc about a joint's axis, or an arrow along it; built once at full size, shown in part.
-class TorqueMark {
-  constructor(reach) {
-    const material = new THREE.MeshBasicMaterial({ side: THREE.DoubleSide, depthTest: false, transparent: true, opacity: 0.95 });
-    const radius = 0.12 * reach, tube = 0.011 * reach;
-    this.material = material;
-    this.radius = radius;
-    this.arc = new THREE.Mesh(ring(radius, tube, 1.6 * Math.PI, TorqueMark.STEPS, TorqueMark.SIDES), material);
-    this.shaft = new THREE.Mesh(new THREE.CylinderGeometry(tube, tube, 1, 20).rotateX(Math.PI / 2).translate(0, 0, 0.5), material);
-    this.head = new THREE.Mesh(new THREE.ConeGeometry(2.7 * tube, 6 * tube, 24), material); // points along y
-    this.group = new THREE.Group();
-    this.group.add(this.arc, this.shaft, this.head);
-    for (const part of this.group.children) part.renderOrder = 5;
-    this.group.visible = false;
-  }
-
-  // Show a share in [−1, 1] of the largest torque, about or along an axis.
-  show(parent, axis, prismatic, share, colour) {
-    const size = Math.min(Math.abs(share), 1), length = Math.max(size, 0.12);
-    parent.add(this.group);
-    this.group.visible = true;
-    this.group.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), axis);
-    this.group.scale.set(1, 1, 1);
-    this.material.color.copy(linear(colour));
-    this.arc.visible = !prismatic;
-    this.shaft.visible = prismatic;
-    if (prismatic) {
-      const reach = 2.4 * this.radius * length;
-      this.shaft.scale.set(1, 1, reach);
-      this.head.position.set(0, 0, reach);
-      this.head.rotation.set(Math.PI / 2, 0, 0);
-      if (share < 0) this.group.scale.z = -1;
-    } else {
-      const shown = Math.max(2, Math.round(length * TorqueMark.STEPS)), angle = (1.6 * Math.PI * shown) / TorqueMark.STEPS;
-      this.arc.geometry.setDrawRange(0, shown * TorqueMark.SIDES * 6);
-      this.head.position.set(this.radius * Math.cos(angle), this.radius * Math.sin(angle), 0);
-      this.head.rotation.set(0, 0, angle);
-      if (share < 0) this.group.scale.y = -1;
-    }
-  }
-
-  hide() { this.group.visible = false; }
-}
-TorqueMark.STEPS = 64;
-TorqueMark.SIDES = 12;
-
-// A piece of a torus whose triangles come in the order of its angle: a draw range shows as much of it as is wanted.
-function ring(radius, tube, angle, steps, sides) {
-  const at = [], index = [];
-  for (let i = 0; i <= steps; i++) {
-    for (let k = 0; k < sides; k++) {
-      const a = (angle * i) / steps, b = (2 * Math.PI * k) / sides, r = radius + tube * Math.cos(b);
-      at.push(r * Math.cos(a), r * Math.sin(a), tube * Math.sin(b));
-    }
-  }
-  for (let i = 0; i < steps; i++) {
-    for (let k = 0; k < sides; k++) {
-      const a = i * sides + k, b = i * sides + ((k + 1) % sides);
-      index.push(a, a + sides, b, b, a + sides, b + sides);
-    }
-  }
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.Float32BufferAttribute(at, 3));
-  geometry.setIndex(index);
-  return geometry;
 }

@@ -2,10 +2,12 @@
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5];
 const ICONS = { play: "M3 1 L13 7 L3 13 Z", pause: "M2 1 H5.5 V13 H2 Z M8.5 1 H12 V13 H8.5 Z" };
+const STRIP_EVERY = 400; // [ms]
 const LATE = 0.25; // [s], how far behind the newest frame a live picture may fall before it hurries
 
 class Player {
-  // arm: an `Arm3D`; timeline: `Timeline.to_dict()`, or {live: true, stages} to be filled by `append`.
+  // arm: an `Arm3D`; timeline: `Timeline.to_dict()`, or {live: true, follow, stages} to be filled by `append`:
+  // shown as frames come, or from the beginning if follow is false.
   constructor(arm, timeline) {
     this.arm = arm;
     this.live = Boolean(timeline.live);
@@ -17,15 +19,17 @@ class Player {
     this._data = { time: [], position: [], label: [] };
     this._variants = [{ name: timeline.name || "", ...pick(timeline) }, ...(timeline.variants || [])];
     this._variant = 0;
-    this._follow = this.live;
+    this._follow = this.live && timeline.follow !== false;
     if (timeline.stages) arm.stages = timeline.stages;
     this._build();
     if (timeline.time) this.append(timeline);
     this._last = performance.now();
+    this._stripAt = -Infinity;
     this._tick = (now) => {
       this._request = requestAnimationFrame(this._tick);
       this._advance(Math.min((now - this._last) / 1000, 0.5));
       this._last = now;
+      if (this._stripIsOld && now - this._stripAt > STRIP_EVERY) this._paintStrip();
     };
     this._request = requestAnimationFrame(this._tick);
   }
@@ -35,7 +39,7 @@ class Player {
 
   // Add frames after those that are there: the fields of a timeline.
   append(chunk) {
-    const first = this._data.time.length === 0;
+    const first = this._data.time.length === 0, follow = this._follow;
     for (const [key, rows] of Object.entries(chunk)) {
       if (Array.isArray(rows) && TRACKS.includes(key)) (this._data[key] = this._data[key] || []).push(...rows);
     }
@@ -43,12 +47,15 @@ class Player {
     if (largest > 0) this.arm.torqueScale = largest;
     this._seek.min = this.begin;
     this._seek.max = this.end;
-    this._paintStrip();
+    this._stripIsOld = true;
     if (first && this._data.time.length) {
       const rows = this._data.position, each = Math.max(1, Math.floor(rows.length / 40));
       this.arm.frame(rows.filter((_, k) => k % each === 0));
       this.seek(this.begin);
-      if (this.live) this.play();
+      if (this.live) {
+        this._follow = follow;
+        this.play();
+      }
     }
   }
 
@@ -69,6 +76,11 @@ class Player {
     this.time = Math.min(Math.max(time, this.begin), this.end);
     this._follow = this.live && this.time >= this.end;
     this._show();
+  }
+
+  // No more frames will come.
+  finish() {
+    this.live = this._follow = false;
   }
 
   // Show another model's residuals over the same motion.
@@ -93,7 +105,6 @@ class Player {
     if (next >= this.end) {
       next = this.end;
       if (!this.live) this.pause();
-      else this._follow = true;
     }
     if (next !== this.time) {
       this.time = next;
@@ -184,6 +195,7 @@ class Player {
   }
 
   _showButton() {
+    this.arm.moving = this.playing;
     const name = this.playing ? "pause" : "play";
     if (this._button.dataset.shows === name) return;
     this._button.dataset.shows = name;
@@ -193,6 +205,8 @@ class Player {
 
   // The gravest stage of any joint over the time, above the slider.
   _paintStrip() {
+    this._stripIsOld = false;
+    this._stripAt = performance.now();
     const chosen = this._variant ? this._variants[this._variant] : this._data;
     const { time } = this._data, { stages } = this.arm;
     const whole = this.end - this.begin;

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
-PARTS = ("arm3d_parts.js", "arm3d.js", "player.js")
+PARTS = ("arm3d_parts.js", "arm3d_mark.js", "arm3d_world.js", "arm3d.js", "player.js")
 
 
 @dataclass(frozen=True)

@@ -61,18 +61,25 @@ def missing_torque(stage: NDArray[np.integer], torque: Array) -> Array:
 
 
 def spoken(events: Sequence[Event], robot: RobotModel) -> tuple[tuple[float, str], ...]:
-    """Return what a label says after each event."""
-    return tuple((e.time, event_label(e, robot)) for e in events)
+    """Return what a label says after each event that changes it."""
+    said: list[tuple[float, str]] = []
+    for event in events:
+        label = event_label(event, robot)
+        if not said or said[-1][1] != label:
+            said.append((event.time, label))
+    return tuple(said)
 
 
 def event_label(event: Event, robot: RobotModel) -> str:
-    """Return an event in a line, such as ``elbow: coulomb friction: level 4.99 ± 0.01 N·m``."""
+    """Return an event in a line, such as ``coulomb friction on elbow_joint: level 4.99 ± 0.01 N·m``."""
     short = short_names(robot.joints)
     where = "all joints" if len(event.joints) == robot.n > 1 else listed(short[j] for j in event.joints)
     if event.stage == "detection":
         return f"{where}: a fault, which one is being decided"
     if event.stage == "idle":
         return f"{where}: the fault is gone, and remembered"
-    said = "; ".join(fault_words(t, robot, joint=len(event.joints) > 1) for t in event.faults)
+    if not event.faults:
+        return f"{where}: no known effect"
+    said = "; ".join(fault_words(t, robot, joint=True) for t in event.faults)
     others = " or ".join(" with ".join(effect_name(t.effect) for t in one) for one in event.alternatives)
-    return f"{where}: {said or 'no known effect'}" + (f" (or {others})" if others else "")
+    return said + (f" (or {others})" if others else "")

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 SCHEMA = "cdia-scene/1"
 HOLE = 0.02  # [m], of an arm without a shape, below which it is not filled
 TRIANGLES = 60_000  # of the whole picture; a Panda then takes 0.9 MB
+COARSE = 12_000  # of the picture where it moves and drawing is slow
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,12 +34,14 @@ class Scene:
         robot: The arm.
         joints: Its joints from the base on.
         meshes: What is to be seen of it, the base's first.
+        coarse: The same with far fewer triangles, for where drawing is slow.
         notes: What could not be drawn as the file says, one sentence each.
     """
 
     robot: RobotModel
     joints: tuple[SceneJoint, ...]
     meshes: tuple[SceneMesh, ...]
+    coarse: tuple[SceneMesh, ...]
     notes: tuple[str, ...]
 
     @classmethod
@@ -57,11 +60,8 @@ class Scene:
             notes.append(f"no shapes for {names}: capsules are drawn")
             meshes += [SceneMesh(k, robot.links[k][0], m) for k, m in capsules(robot, chain, bare)]
         meshes.sort(key=lambda m: -1 if m.joint is None else robot.joints.index(m.joint))
-        most = shares([m.mesh for m in meshes], triangles)
-        finished = (
-            SceneMesh(m.link, m.joint, simplified(m.mesh, t)) for m, t in zip(meshes, most, strict=True)
-        )
-        return cls(robot, chain, tuple(m for m in finished if len(m.mesh.triangles)), tuple(notes))
+        fine = [m for m in _simpler(meshes, triangles) if len(m.mesh.triangles)]
+        return cls(robot, chain, tuple(fine), tuple(_simpler(fine, COARSE)), tuple(notes))
 
     def to_dict(self, position: ArrayLike | None = None) -> dict[str, Any]:
         """Return the scene as the browser takes it; the same scene gives the same text.
@@ -92,10 +92,19 @@ class Scene:
                 }
                 for j in self.joints
             ],
-            "meshes": [{"link": m.link, "joint": m.joint, **packed(m.mesh)} for m in self.meshes],
+            "meshes": [
+                {"link": m.link, "joint": m.joint, **packed(m.mesh), "coarse": packed(c.mesh)}
+                for m, c in zip(self.meshes, self.coarse, strict=True)
+            ],
             "home": [round(float(x), 6) for x in home],
             "notes": list(self.notes),
         }
+
+
+def _simpler(meshes: Sequence[SceneMesh], triangles: int) -> list[SceneMesh]:
+    """Return meshes that have about so many triangles together."""
+    most = shares([m.mesh for m in meshes], triangles)
+    return [SceneMesh(m.link, m.joint, simplified(m.mesh, t)) for m, t in zip(meshes, most, strict=True)]
 
 
 def resting_pose(robot: RobotModel) -> Array:
