@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from cdia_pin.logs import Log, check_log, read_log, write_log
     from cdia_pin.logs.conditioning import Conditioning
     from cdia_pin.robot import RobotModel, load_robot, write_corrected_urdf
+    from cdia_pin.viewers.arm_page import view
 
 # Public name → where it lives.
 _HOME = {
@@ -51,6 +52,7 @@ _HOME = {
     "Discovery": "discovery",
     "DiscoverySettings": "discovery",
     "CdiaError": "errors",
+    "view": "viewers.arm_page",
 }
 
 __all__ = [
@@ -78,6 +80,7 @@ __all__ = [
     "read_log",
     "save_model",
     "simulate",
+    "view",
     "write_corrected_urdf",
     "write_log",
 ]

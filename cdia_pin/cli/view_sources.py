@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from cdia_pin.diagnosis import Status
 
 
+REACHED = 40  # positions from which the camera learns how far the arm reaches
+
+
 @dataclass(frozen=True)
 class Simulation:
     """What is to be simulated; each field is the option of that name."""
@@ -76,8 +79,9 @@ def show_monitored(
         tell("drawing the arm", 0.8)
         scene = Scene.of(known.robot)
     title = f"{known.robot.name}, {logs[0].name}"
+    reach = watched.position[:: max(1, len(watched.position) // REACHED)]
     with page.of(
-        scene, stages=monitor_stages(), follow=False, position=watched.position[0], title=title
+        scene, stages=monitor_stages(), follow=False, position=watched.position[0], reach=reach, title=title
     ) as live:
         frame_of = FrameMaker(known.robot)
         positions = iter(watched.position)
@@ -91,6 +95,8 @@ def show_monitored(
 
 def show_simulation(page: Page, robot: str, model: Path | None, asked: Simulation) -> None:
     """Show a closed loop with faults while it is computed."""
+    import numpy as np
+
     from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
     from cdia_pin.diagnosis import DEFAULT_BANK, Bank, MonitorSettings
     from cdia_pin.dynamics import Dynamics
@@ -104,7 +110,9 @@ def show_simulation(page: Page, robot: str, model: Path | None, asked: Simulatio
     loop = ClosedLoop(known, LoopSettings(seed=asked.seed))
     motion = loop.motion(0, asked.duration)
     title = f"{known.robot.name}, simulated"
-    with page.of(Scene.of(known.robot), stages=monitor_stages(), position=motion(0.0).q, title=title) as live:
+    reach = motion(np.linspace(0.0, asked.duration, REACHED)).q
+    scene = Scene.of(known.robot)
+    with page.of(scene, stages=monitor_stages(), position=reach[0], reach=reach, title=title) as live:
 
         def tell(sentence: str, share: float) -> None:
             live.say(f"Before it moves: {sentence}")

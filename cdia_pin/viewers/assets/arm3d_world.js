@@ -101,7 +101,7 @@ class Painter {
     const since = now - this._drawn;
     if (this.viewer.needs_render) {
       if (since < STILL && !this.viewer.bySoftware) this._gap += 0.3 * (since - this._gap);
-      if (this._gap > SLOW && !this._simple && since < STILL) this._simplify(true);
+      if (this._gap > SLOW && !this._simple && (this.moving || since < STILL)) this._simplify(true);
     } else if (this._simple && since > (this.moving ? STILL : REST)) this._simplify(false);
     else return;
     this.viewer.render();

@@ -7,7 +7,7 @@ const LATE = 0.25; // [s], how far behind the newest frame a live picture may fa
 
 class Player {
   // arm: an `Arm3D`; timeline: `Timeline.to_dict()`, or {live: true, follow, stages} to be filled by `append`:
-  // shown as frames come, or from the beginning if follow is false.
+  // shown as frames come, or from the beginning if follow is false; reach, if given, are positions to come.
   constructor(arm, timeline) {
     this.arm = arm;
     this.live = Boolean(timeline.live);
@@ -21,6 +21,8 @@ class Player {
     this._variant = 0;
     this._follow = this.live && timeline.follow !== false;
     if (timeline.stages) arm.stages = timeline.stages;
+    this._framed = Boolean(timeline.reach);
+    if (this._framed) arm.frame(sparse(timeline.reach));
     this._build();
     if (timeline.time) this.append(timeline);
     this._last = performance.now();
@@ -49,8 +51,7 @@ class Player {
     this._seek.max = this.end;
     this._stripIsOld = true;
     if (first && this._data.time.length) {
-      const rows = this._data.position, each = Math.max(1, Math.floor(rows.length / 40));
-      this.arm.frame(rows.filter((_, k) => k % each === 0));
+      if (!this._framed) this.arm.frame(sparse(this._data.position));
       this.seek(this.begin);
       if (this.live) {
         this._follow = follow;
@@ -232,4 +233,5 @@ class Player {
 }
 
 const TRACKS = ["time", "position", "desired", "stage", "level", "torque", "label"];
+const sparse = (rows) => rows.filter((_, k) => k % Math.max(1, Math.floor(rows.length / 40)) === 0);
 const pick = (timeline) => Object.fromEntries(Object.entries(timeline).filter(([key]) => TRACKS.includes(key)));

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import Any, Self
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from cdia_pin.errors import CdiaError
@@ -30,6 +31,7 @@ class LiveView:
     Args:
         scene: The arm.
         position: Pose to begin with [rad or m], shape (n,).
+        reach: Positions to come, for the camera to have them in view [rad or m], shape (K, n).
         stages: What the numbers of stages mean.
         follow: Whether the page shows the newest frame, and not all of them from the beginning.
         timeline: A motion that is known already; then no frames are shown.
@@ -45,6 +47,7 @@ class LiveView:
         scene: Scene,
         *,
         position: ArrayLike | None = None,
+        reach: ArrayLike | None = None,
         stages: Sequence[SceneStage] = (),
         follow: bool = True,
         timeline: Timeline | None = None,
@@ -53,7 +56,9 @@ class LiveView:
     ) -> None:
         import uvicorn
 
-        live = {"live": True, "follow": follow, "stages": [vars(s) for s in stages]}
+        live: dict[str, Any] = {"live": True, "follow": follow, "stages": [vars(s) for s in stages]}
+        if reach is not None:
+            live["reach"] = np.round(np.asarray(reach, float), 3).tolist()
         setup = {
             "title": title or scene.robot.name,
             "scene": scene.to_dict(position),

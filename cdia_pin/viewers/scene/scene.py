@@ -73,9 +73,7 @@ class Scene:
             CdiaError: If the pose is not of this arm.
         """
         robot = self.robot
-        home = resting_pose(robot) if position is None else np.asarray(position, float)
-        if home.shape != (robot.n,) or not np.isfinite(home).all():
-            raise CdiaError(f"a pose of {robot.name} is {robot.n} finite numbers, given {position!r}")
+        home = resting_pose(robot) if position is None else _pose(robot, position)
         short = short_names(robot.joints)
         return {
             "schema": SCHEMA,
@@ -105,6 +103,16 @@ def _simpler(meshes: Sequence[SceneMesh], triangles: int) -> list[SceneMesh]:
     """Return meshes that have about so many triangles together."""
     most = shares([m.mesh for m in meshes], triangles)
     return [SceneMesh(m.link, m.joint, simplified(m.mesh, t)) for m, t in zip(meshes, most, strict=True)]
+
+
+def _pose(robot: RobotModel, given: ArrayLike) -> Array:
+    try:
+        pose = np.asarray(given, float)
+    except (TypeError, ValueError):
+        pose = np.empty(0)
+    if pose.shape != (robot.n,) or not np.isfinite(pose).all():
+        raise CdiaError(f"a pose of {robot.name} is {robot.n} finite numbers, given {given!r}")
+    return pose
 
 
 def resting_pose(robot: RobotModel) -> Array:

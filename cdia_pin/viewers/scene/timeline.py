@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.logs.log import Log
+
 Array = NDArray[np.float64]
 Says = tuple[tuple[float, str], ...]
 
@@ -96,6 +98,13 @@ class Timeline:
         if others:
             out["variants"] = [t.to_dict() for t in others]
         return out
+
+
+def timeline_of_log(log: Log) -> Timeline:
+    """Return the motion of a log, without a word on how the joints fare."""
+    at = frames(log.time)
+    nothing = np.zeros((len(at), len(log.joints)))
+    return Timeline(log.time[at], log.position[at], (), (Track("", nothing.astype(int), nothing, nothing),))
 
 
 def frames(time: Array, keep: Sequence[float] = (), rate: float = RATE) -> NDArray[np.intp]:
