@@ -19,9 +19,17 @@ class ArmElement(Element, component="assets/arm.js", default_classes="arm-box"):
         super().__init__()
         self.on("joint", lambda event: choose(event.args))
 
-    def draw(self, scene: dict[str, Any], stages: list[dict[str, Any]]) -> None:
-        """Draw an arm anew, of `Scene.to_dict`."""
-        self.run_method("draw", scene, stages)
+    def draw(
+        self, scene: dict[str, Any], stages: list[dict[str, Any]], reach: list[list[float]] | None = None
+    ) -> None:
+        """Draw an arm anew.
+
+        Args:
+            scene: Of `Scene.to_dict`.
+            stages: What colours mean.
+            reach: Positions that the picture is to hold, where no motion is known yet [rad or m].
+        """
+        self.run_method("draw", scene, stages, reach)
 
     def play(self, timeline: dict[str, Any], variant: int) -> None:
         """Show a motion, of `Timeline.to_dict`, by the reckoning of one of its models."""

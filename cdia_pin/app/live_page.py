@@ -32,6 +32,7 @@ class LivePage:
         self._run: LiveRun | None = None
         self._form = {"what": "simulate", "robot": "ur5", "log": "", "faults": "", "accommodate": True}
         self._events: list[Event] = []
+        self._chosen = False  # whether somebody chose a joint; until then the last event does
         self._stages = [vars(s) for s in monitor_stages()]
         with node("div", classes="page"):
             with node("div", classes="steps"):
@@ -40,9 +41,9 @@ class LivePage:
                 self._faults = Step(2, "Faults", "faults")
                 self._said = Step(3, "What the monitor says", "events")
             with node("div", classes="stage", data_state="waiting") as self._stage:
-                self._arm = ArmElement(self._pick)
+                self._arm = ArmElement(self._choose)
                 self._arm.props["data-mark"] = "arm"
-                self._live = LiveElement(self._arm.select)
+                self._live = LiveElement(self._choose)
         self._show_form()
         with self._faults.filling("waiting"), self._said.filling("waiting"):
             pass
@@ -68,7 +69,7 @@ class LivePage:
                 lines = [line.strip() for line in str(asked["faults"]).splitlines() if line.strip()]
                 source = simulated(robot, lines, bool(asked["accommodate"]), tell)
             tell("drawing the arm", 0.97)
-            return source, Scene.of(source.robot).to_dict(source.home)
+            return source, Scene.of(source.robot).to_dict(source.reach[0])
 
         done = await self._runner.run("Preparing", work)
         if done is None:
@@ -82,11 +83,12 @@ class LivePage:
         robot = source.robot
         short = short_names(robot.joints)
         units = {j: joint_units(robot, j)["load"] for j in robot.joints}
-        self._arm.draw(scene, self._stages)
+        self._arm.draw(scene, self._stages, source.reach.tolist())
         self._live.begin(
             [{"name": j, "short": short[j], "unit": units[j]} for j in robot.joints], self._stages
         )
-        self._arm.select(robot.joints[0])
+        self._chosen = False
+        self._follow(robot.joints[0])
         self._run = LiveRun(source, replay=asked["what"] == "replay")
         self._show_form()
         self._show_faults()
@@ -136,15 +138,23 @@ class LivePage:
         if events:
             self._events += events
             self._show_events()
+            if not self._chosen:
+                self._follow(events[-1].joints[0])
         if run.ended:
             self._run = None
             if run.error:
                 self._runner.wrong.text = run.error
             self._show_form()
 
-    def _pick(self, joint: str | None) -> None:
+    def _choose(self, joint: str | None) -> None:
+        """Show the joint that somebody chose, from now on."""
         if joint is not None:
-            self._live.select(joint)
+            self._chosen = True
+            self._follow(joint)
+
+    def _follow(self, joint: str) -> None:
+        self._arm.select(joint)
+        self._live.select(joint)
 
     def _show_form(self) -> None:
         form, runs = self._form, self._run is not None and not self._run.ended

@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 
 RATE = 500.0  # [Hz], of the simulated control
 MOTION = 40.0  # [s], after which the simulated motion begins again
+POSES = 60  # that a picture is to hold
 HEALTHY = (0.3, 5.0, 20.0)  # share of a log that is taken as healthy, its least and its most [s]
 
 
@@ -35,7 +36,7 @@ class Source:
         robot: The arm.
         monitor: Who watches.
         ticks: What happens, each tick with what the monitor says.
-        home: Where it begins [rad or m], shape (n,).
+        reach: Positions on its way, from the first on, for a picture that holds them all [rad or m], shape (K, n).
         faults: What can be switched on and off.
         acting: Those of them that act now; whoever switches them changes this set.
         notes: What should be known besides, in sentences.
@@ -44,7 +45,7 @@ class Source:
     robot: RobotModel
     monitor: Monitor
     ticks: Iterator[Tick]
-    home: Array
+    reach: Array
     faults: tuple[Term, ...] = ()
     acting: set[Term] = field(default_factory=set)
     notes: tuple[str, ...] = ()
@@ -73,7 +74,8 @@ def simulated(robot: str, faults: Sequence[str], accommodate: bool, tell: Progre
     )
     acting: set[Term] = set()
     ticks = loop.ticks(motion, terms, monitor, acts=acting.__contains__)
-    return Source(loop.robot, monitor, ticks, motion(0.0).q, terms, acting)
+    reach = motion(np.linspace(0.0, MOTION, POSES)).q
+    return Source(loop.robot, monitor, ticks, reach, terms, acting)
 
 
 def usual_faults(loop: ClosedLoop) -> list[str]:
@@ -110,7 +112,8 @@ def replayed(robot: str, path: Path, tell: Progress) -> Source:
     tell("learning from the healthy part", 0.5)
     monitor = Monitor(Dynamics(arm), healthy=[healthy], position_only=watched.velocity is None)
     note = f"The first {healthy.duration:.3g} s are taken as healthy."
-    return Source(arm, monitor, _ticks(monitor, watched), watched.position[0], notes=(note,))
+    reach = watched.position[:: len(watched.time) // POSES + 1]
+    return Source(arm, monitor, _ticks(monitor, watched), reach, notes=(note,))
 
 
 def parted(log: Log) -> tuple[Log, Log]:

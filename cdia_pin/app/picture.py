@@ -22,11 +22,10 @@ def improved(session: Session) -> Comparison | None:
 
 def timeline(session: Session) -> dict[str, Any]:
     """Return the motion of the log for the browser, coloured by the error before and after."""
-    after = improved(session)
-    shown = session.preview or session.present
-    discovery = shown.fitted if session.preview else session.history.discovery
-    whole = timeline_of_comparison(session.history.first.comparison, after, discovery)
-    return thinned(whole, FRAMES).to_dict()
+    whole = thinned(timeline_of_comparison(session.history.first.comparison, improved(session)), FRAMES)
+    names = ("as given", "preview" if session.preview else "improved")
+    tracks = tuple(replace(track, name=name) for track, name in zip(whole.tracks, names, strict=False))
+    return replace(whole, tracks=tracks).to_dict()
 
 
 def thinned(whole: Timeline, most: int) -> Timeline:

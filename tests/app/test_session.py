@@ -241,4 +241,4 @@ def test_what_is_drawn_is_thinned_and_of_both_models(explained, loaded):
 def test_a_preview_is_drawn_beside_the_model_as_given(loaded):
     tried = loaded.with_preview("payload")
     assert joint(tried, "wrist_1_joint")["after"]["rms"] < joint(tried, "wrist_1_joint")["before"]["rms"]
-    assert timeline(tried)["variants"][0]["name"] == "with payload"
+    assert timeline(tried)["variants"][0]["name"] == "preview"

@@ -10,12 +10,13 @@ export default {
   },
   methods: {
     // Draw an arm anew; nothing moves yet.
-    async draw(scene, stages) {
+    async draw(scene, stages, reach) {
       await this.ready;
       this.clear();
       this.arm = new Arm3D(this.$el, scene, { stages: stages || [] });
       this.arm.onSelect = (joint) => this.$emit("joint", joint);
       this.$el.arm = this.arm;
+      this.reach = reach;
     },
     // Show a motion over time; the time that was shown, and whether it played, are kept.
     async play(timeline, variant) {
@@ -39,8 +40,9 @@ export default {
       if (!this.player) {
         this.player = this.$el.player = new Player(this.arm, { live: true, stages });
         this.leave = () => this.player.dispose();
-      }
-      this.player.append(piece);
+        this.player.append(piece);
+        if (this.reach) this.arm.frame(this.reach);
+      } else this.player.append(piece);
     },
     async select(joint) {
       await this.ready;

@@ -36,12 +36,14 @@ export default {
       this.chart();
       if (told) this.$emit("joint", this.joints[k].name);
     },
-    select(name) {
+    async select(name) {
+      await this.ready;
       const k = (this.joints || []).findIndex((joint) => joint.name === name);
       if (k >= 0) this.choose(k, false);
     },
     // piece: {time, stage, residual, threshold}, rows of frames
-    push(piece) {
+    async push(piece) {
+      await this.ready;
       if (!this.joints || !piece.time) return;
       piece.time.forEach((time, k) => this.past.push({ time, residual: piece.residual[k], threshold: piece.threshold[k] }));
       const now = piece.time[piece.time.length - 1];
