@@ -57,3 +57,14 @@ def test_beliefs_grow_surer(watched):
     widths = [np.ptp(t.ci95[0]) for b in run.beliefs for t in b.faults if t.ci95]
     assert len(widths) > 5
     assert widths[-1] < widths[0]
+
+
+def test_an_engine_without_isolators_is_read_by_its_events(watched):
+    _, log, _ = watched
+    monitor = Monitor(Dynamics(load_robot("scara")), healthy=[measured(1)], engine="thesis")
+    run = replay(monitor, log)
+    isolated = [e for e in run.events if e.stage == "isolation"]
+    assert isolated
+    assert {look.time for look in run.looks} >= {isolated[0].time}
+    first = next(look for look in run.looks if look.time == isolated[0].time)
+    assert first.joint in isolated[0].joints

@@ -130,6 +130,8 @@ const Charts = (() => {
   function overTime(box, lines, options) {
     const { time, label, unit, height = 220, symmetric, spans = [], marks = [], clock, zoom } = options;
     const most = 1.06 * lines.flatMap((l) => l.values).reduce((m, v) => Math.max(m, Math.abs(v ?? 0)), 1e-12);
+    box.setAttribute("role", "group");
+    box.setAttribute("aria-label", lines.filter((l) => !l.hidden).map((l) => l.label).join(", ") + " over time");
     const line = (l) => ({ label: l.label, class: l.hidden ? "hidden" : undefined, stroke: color(l.colour), width: l.width ?? 1.5, dash: l.dash,
       spanGaps: false, value: (u, v) => withUnit(v, unit), points: { show: false } });
     const bands = lines.flatMap((l, k) => (l.under ? [{ series: [k + 1, k + 2], fill: () => alpha(color(l.colour), 0.2) }] : []));
