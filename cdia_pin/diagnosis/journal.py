@@ -9,7 +9,7 @@ import numpy as np
 
 from cdia_pin.diagnosis.isolation import Decision, Isolator
 from cdia_pin.diagnosis.monitor import Monitor
-from cdia_pin.diagnosis.status import Event, Stage, Status, Verdict
+from cdia_pin.diagnosis.status import Stage, Status
 from cdia_pin.effects import Term
 
 DECIDED_UPON = frozenset({Stage.DETECTED, Stage.ISOLATED, Stage.ACCOMMODATED})  # stages with looks
@@ -66,7 +66,7 @@ class Journal:
     """Keeps looks and beliefs, wherever they change.
 
     Args:
-        monitor: Whose thoughts are kept; of an engine without isolators, as its events tell them.
+        monitor: Whose thoughts are kept; of an engine without isolators there are no looks.
     """
 
     def __init__(self, monitor: Monitor) -> None:
@@ -77,11 +77,10 @@ class Journal:
         self._live: dict[int, Look] = {}  # of the joints that are decided upon
         self._faults: tuple[Term, ...] = ()
         self._next = -np.inf
-        watches = getattr(monitor.engine, "watches", ())
-        self._tells = not watches
-        for watch in watches:
-            inner = getattr(watch.isolator, "_isolator", watch.isolator)  # an earlier journal hears no more
-            watch.isolator = _Overheard(inner, self._decisions)
+        for watch in getattr(monitor.engine, "watches", ()):
+            asks = getattr(watch, "evidence", watch)  # whoever of a joint's watch asks the isolator
+            inner = getattr(asks.isolator, "_isolator", asks.isolator)  # an earlier journal hears no more
+            asks.isolator = _Overheard(inner, self._decisions)
 
     def __call__(self, status: Status) -> None:
         """Take note of a tick."""
@@ -90,8 +89,6 @@ class Journal:
             rivals = tuple(self._effects(mask) for mask, _ in decision.rivals)
             self._note(j, Look(status.time, self._joints[j], leading, rivals))
         self._decisions.clear()
-        for event in status.events if self._tells else ():
-            self._read(event)
         for j in [j for j in self._live if status.stages[j] not in DECIDED_UPON]:
             self._note(j, Look(status.time, self._joints[j], ()))
             del self._live[j]
@@ -99,16 +96,6 @@ class Journal:
             self._faults, self._next = status.faults, status.time + 1.0 / NOTED
             if status.faults or self.beliefs:
                 self.beliefs.append(Belief(status.time, status.faults))
-
-    def _read(self, event: Event) -> None:
-        """Take what an event says for a look at each of its joints."""
-        if event.stage != "isolation":
-            return
-        for joint in event.joints:
-            on = lambda terms: tuple(t.effect.name for t in terms if joint in t.effect.scope)  # noqa: B023, E731
-            leading = None if event.verdict is Verdict.UNKNOWN else on(event.faults)
-            look = Look(event.time, joint, leading, tuple(on(terms) for terms in event.alternatives))
-            self._note(self._joints.index(joint), look)
 
     def _note(self, j: int, look: Look) -> None:
         last = self._live.get(j)

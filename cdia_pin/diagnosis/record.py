@@ -42,7 +42,7 @@ class MonitorRun(Displayed):
         events: Everything that was said, at whichever tick.
         faults: What was believed at the end.
         record: Engine, bank, settings, healthy runs, thresholds and version.
-        looks: Which hypotheses lived on each joint, wherever that changed.
+        looks: Which hypotheses lived on each joint, wherever that changed; none of the engine ``thesis``.
         beliefs: The faults believed in and their sizes, wherever they changed.
     """
 
