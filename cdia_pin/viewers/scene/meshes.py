@@ -23,7 +23,10 @@ CREASE = np.radians(32.0)  # [rad], edges sharper than this stay sharp
 SEGMENTS = 48  # of a drawn circle
 CROWDED = 4  # triangles over those that are wanted, beyond which a mesh is snapped to a grid first
 GRID, EXACT = 250, 1e-6  # cells along such a mesh; [m], below which vertices are one
-CARE = 3.0  # of the simplification: lower keeps the shape, and more triangles
+CARE, NEAR = (
+    (3.0, 7.0),
+    1.1,
+)  # of thinning, gentle at first and then less so; [1], how near to what is wanted will do
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +117,11 @@ def simplified(mesh: Mesh, most: int) -> Mesh:
     shape = trimesh.Trimesh(np.round(mesh.vertices / grid) * grid, mesh.triangles, process=False)
     shape.merge_vertices(merge_tex=True, merge_norm=True)
     shape.update_faces(shape.nondegenerate_faces() & shape.unique_faces())
-    if len(shape.faces) > most:
+    for care in CARE:
+        if len(shape.faces) <= NEAR * most:
+            break
         vertices, faces = fast_simplification.simplify(
-            shape.vertices, shape.faces, target_count=most, agg=CARE
+            shape.vertices, shape.faces, target_count=most, agg=care
         )
         shape = trimesh.Trimesh(vertices, faces, process=False)
         shape.update_faces(shape.nondegenerate_faces())
