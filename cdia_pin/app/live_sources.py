@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
 from cdia_pin.campaigns.monitored_control import Tick
 from cdia_pin.diagnosis import Monitor, MonitorSettings
+from cdia_pin.diagnosis.healthy_part import parted
 from cdia_pin.discovery.search import Progress
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.dynamics.trajectories import Repeated
 from cdia_pin.effects import Term, parse_term
-from cdia_pin.errors import EffectError, LogError
+from cdia_pin.errors import EffectError
 from cdia_pin.logs import Log, read_log
 from cdia_pin.robot import RobotModel, load_robot
 
@@ -25,7 +26,6 @@ Array = NDArray[np.float64]
 RATE = 500.0  # [Hz], of the simulated control
 MOTION = 40.0  # [s], after which the simulated motion begins again
 POSES = 60  # that a picture is to hold
-HEALTHY = (0.3, 5.0, 20.0)  # share of a log that is taken as healthy, its least and its most [s]
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,15 +114,6 @@ def replayed(robot: str, path: Path, tell: Progress) -> Source:
     note = f"The first {healthy.duration:.3g} s are taken as healthy."
     reach = watched.position[:: len(watched.time) // POSES + 1]
     return Source(arm, monitor, _ticks(monitor, watched), reach, notes=(note,))
-
-
-def parted(log: Log) -> tuple[Log, Log]:
-    """Part a log into what is taken as healthy and what is watched; raises LogError if it is too short."""
-    share, least, most = HEALTHY
-    begin = int((log.time < log.time[0] + min(max(share * log.duration, least), most)).sum())
-    if not 1 < begin < len(log.time) - 1:
-        raise LogError(f"{log.source}: {log.duration:.3g} s is too short for a healthy part and one to watch")
-    return log.slice(0, begin), log.slice(begin, len(log.time))
 
 
 def _ticks(monitor: Monitor, log: Log) -> Iterator[Tick]:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from cdia_pin.cli.console import progress
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs
-from cdia_pin.cli.monitor import alike, parted
 from cdia_pin.cli.view_page import Pace, Page
 
 if TYPE_CHECKING:
@@ -63,6 +62,7 @@ def show_monitored(
 ) -> None:
     """Show the first log as a monitor would have seen it live; the others are of the healthy arm."""
     from cdia_pin.diagnosis import DEFAULT_BANK, Monitor
+    from cdia_pin.diagnosis.healthy_part import alike, parted
     from cdia_pin.viewers.live import FrameMaker
     from cdia_pin.viewers.scene import Scene, monitor_stages
 
