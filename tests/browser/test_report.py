@@ -90,14 +90,15 @@ def opened(page: Any, written: Written) -> Any:
     return page
 
 
-def hover(page: Any, share: float, chart: int = 0) -> float:
+def hover(page: Any, written: Written, share: float, chart: int = 0) -> float:
     """Move the pointer over a chart beside the arm; returns the time there [s]."""
     over = page.locator("#motion .u-over").nth(chart)
     over.scroll_into_view_if_needed()
     box = over.bounding_box()
     page.mouse.move(box["x"] + 5, box["y"] + 0.5 * box["height"])
     page.mouse.move(box["x"] + share * box["width"], box["y"] + 0.5 * box["height"])
-    until(page, "motion.player.time > motion.player.begin")
+    moment = written.begin + share * (written.end - written.begin)
+    until(page, f"Math.abs(motion.player.time - {moment}) < 0.5")
     return page.evaluate("motion.player.time")
 
 
@@ -141,7 +142,7 @@ def test_the_picture_is_not_empty(page: Any, written: Written):
 
 def test_hovering_a_chart_moves_the_arm(page: Any, written: Written):
     opened(page, written)
-    moment = hover(page, 0.7)
+    moment = hover(page, written, 0.7)
     assert moment == pytest.approx(written.begin + 0.7 * (written.end - written.begin), abs=0.5)
     shown = page.evaluate(STATE)["joints"]
     q = np.array([np.interp(moment, written.log.time, p) for p in written.log.position.T])
@@ -152,15 +153,15 @@ def test_hovering_a_chart_moves_the_arm(page: Any, written: Written):
 
 def test_hovering_another_chart_moves_it_as_well(page: Any, written: Written):
     opened(page, written)
-    first, second = hover(page, 0.2), hover(page, 0.6, chart=1)
+    first, second = hover(page, written, 0.2), hover(page, written, 0.6, chart=1)
     assert second - first == pytest.approx(0.4 * (written.end - written.begin), abs=1.0)
 
 
 def test_playing_moves_the_cursor_of_every_chart(page: Any, written: Written):
     opened(page, written)
-    before = page.evaluate(CURSOR)
+    before, started = page.evaluate(CURSOR), page.evaluate("motion.player.time")
     page.get_by_role("button", name="Play", exact=True).click()
-    until(page, "motion.player.time > motion.player.begin + 0.5")
+    until(page, f"motion.player.time > {started} + 0.5")
     page.get_by_role("button", name="Pause", exact=True).click()
     after = page.evaluate(CURSOR)
     moment = page.evaluate("motion.player.time")
@@ -239,6 +240,12 @@ def test_the_picture_clears_as_effects_are_added(page: Any, discovered: Written)
     assert buttons.last.get_attribute("aria-pressed") == "true"
     left = page.evaluate(STATE)["joints"][FAULTY]["intensity"]
     assert left < 0.3 * given
+
+
+def test_a_discovery_opens_with_its_error_coloured(page: Any, discovered: Written):
+    opened(page, discovered)
+    shown = page.evaluate(STATE)["joints"]
+    assert max(j["intensity"] for j in shown.values()) > 0.5
 
 
 def test_isolation_shows_which_hypotheses_live(page: Any, watched: Written):

@@ -33,6 +33,13 @@ function steps(player, names) {
   return h("div", { class: "steps" }, h("span", { class: "soft" }, "Effects added: "), slider, said);
 }
 
+// When the page opens: a run at its begin, an error at the moment of its strongest colour.
+function opening({ stages, time, level }) {
+  if (stages.length > 1) return time[0];
+  const sums = level.map((row) => row.reduce((s, x) => s + Math.min(x, 1), 0));
+  return time[sums.indexOf(Math.max(...sums))];
+}
+
 // A section with the arm, and beside it the charts of the joint that is chosen; `lead` says what its colours mean.
 function motion(lead, buttons, beside) {
   const box = h("div", { class: "card arm" }), place = h("div");
@@ -50,7 +57,7 @@ function motion(lead, buttons, beside) {
       arm.onSelect = (joint) => joint && chosen.choose(joint);
       chosen.listen((joint) => arm.select(joint));
       Object.assign(motion, { arm, player });
-      player.seek(player.begin);
+      player.seek(opening(timeline));
     },
   };
 }
