@@ -64,7 +64,7 @@ const Charts = (() => {
   }
 
   function place(c) { // the cursor of a chart at the time of its clock, unless the pointer is on the chart
-    if (c.clock.time === null || c.box.matches(":hover")) return;
+    if (c.clock.time === null || !alive.has(c) || c.plot.over.matches(":hover")) return;
     const left = c.plot.valToPos(c.clock.time, "x");
     const inside = left >= 0 && left <= c.plot.over.clientWidth;
     c.plot.setCursor({ left: inside ? left : -10, top: inside ? 0 : -10 }, false, false);
@@ -74,7 +74,7 @@ const Charts = (() => {
     const over = c.plot.over;
     over.addEventListener("pointermove", (e) => c.clock.set(c.plot.posToVal(e.clientX - over.getBoundingClientRect().left, "x")));
     over.addEventListener("pointerleave", () => setTimeout(() => place(c)));
-    place(c);
+    setTimeout(() => place(c)); // once it has been drawn
   }
 
   // ---------------------------------------------------------------- axes and lines

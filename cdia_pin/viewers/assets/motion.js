@@ -33,11 +33,11 @@ function steps(player, names) {
   return h("div", { class: "steps" }, h("span", { class: "soft" }, "Effects added: "), slider, said);
 }
 
-// When the page opens: a run at its begin, an error at the moment of its strongest colour.
+// When the page opens: a run at its begin, an error when its colours are strong for the first time.
 function opening({ stages, time, level }) {
   if (stages.length > 1) return time[0];
   const sums = level.map((row) => row.reduce((s, x) => s + Math.min(x, 1), 0));
-  return time[sums.indexOf(Math.max(...sums))];
+  return time[sums.findIndex((s) => s >= 0.85 * Math.max(...sums))];
 }
 
 // A section with the arm, and beside it the charts of the joint that is chosen; `lead` says what its colours mean.
