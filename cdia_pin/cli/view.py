@@ -74,6 +74,12 @@ def view(
     duration: Annotated[
         float, typer.Option("--duration", metavar="S", help="Length \\[s].", rich_help_panel=SIMULATION)
     ] = 30.0,
+    rate: Annotated[
+        float,
+        typer.Option(
+            "--rate", metavar="HZ", help="Ticks of the control per second \\[Hz].", rich_help_panel=SIMULATION
+        ),
+    ] = 1000.0,
     seed: Annotated[
         int,
         typer.Option("--seed", metavar="N", help="Of the motion and the noise.", rich_help_panel=SIMULATION),
@@ -128,7 +134,9 @@ def view(
     reading = Reading(gains, joint_map, convert, topic)
     try:
         if log is None:
-            asked = view_sources.Simulation(tuple(fault or ()), accommodate, duration, seed, speed, bank)
+            asked = view_sources.Simulation(
+                tuple(fault or ()), accommodate, duration, rate, seed, speed, bank
+            )
             view_sources.show_simulation(page, robot, model, asked)
         elif healthy or monitored:
             view_sources.show_monitored(page, robot, model, [log, *(healthy or [])], bank, reading, check)

@@ -26,6 +26,7 @@ class Simulation:
     faults: tuple[str, ...]
     accommodate: bool
     duration: float
+    rate: float
     seed: int
     speed: float
     bank: Sequence[str] | None
@@ -107,7 +108,7 @@ def show_simulation(page: Page, robot: str, model: Path | None, asked: Simulatio
     known = load_inputs(robot, model)
     faults = Dynamics(known.robot, tuple(parse_term(text) for text in asked.faults)).terms
     bank = Bank.of(known.robot, asked.bank or DEFAULT_BANK)
-    loop = ClosedLoop(known, LoopSettings(seed=asked.seed))
+    loop = ClosedLoop(known, LoopSettings(asked.rate, seed=asked.seed))
     motion = loop.motion(0, asked.duration)
     title = f"{known.robot.name}, simulated"
     reach = motion(np.linspace(0.0, asked.duration, REACHED)).q
