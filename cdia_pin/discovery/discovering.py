@@ -49,6 +49,18 @@ def discover(
     tell = progress or _silent
     tell("conditioning", 0.0)
     problem = Problem.of(model, _listed(logs), _listed(holdout), settings or DiscoverySettings())
+    return discover_in(problem, model, tell)
+
+
+def discover_in(problem: Problem, model: Dynamics, progress: Progress | None = None) -> Discovery:
+    """Answer as `discover` does, from logs that are conditioned already.
+
+    Args:
+        problem: The logs, with the candidates around the model.
+        model: What is known.
+        progress: Called with a sentence and the share done.
+    """
+    tell = progress or _silent
     tell("looking at the noise", 0.05)
     whitened = problem.first_noise(model)
     found, futile = model, Swaps()
@@ -93,6 +105,25 @@ def add_effect(
     tell = progress or _silent
     tell("conditioning", 0.0)
     problem = Problem.of(model, _listed(logs), _listed(holdout), settings or DiscoverySettings())
+    return add_effect_in(problem, model, effect, tell)
+
+
+def add_effect_in(
+    problem: Problem, model: Dynamics, effect: Effect, progress: Progress | None = None
+) -> Discovery:
+    """Answer as `add_effect` does, from logs that are conditioned already.
+
+    Args:
+        problem: The logs, with the candidates around the model.
+        model: The model.
+        effect: The effect to add.
+        progress: Called with a sentence and the share done.
+
+    Raises:
+        EffectError: If the effect cannot be seen in these logs.
+    """
+    tell = progress or _silent
+    tell("looking at the noise", 0.1)
     whitened = problem.first_noise(model)
     tell(f"fitting {effect.label}", 0.3)
     base = model.remove(effect.label) if effect.label in {t.label for t in model.terms} else model
