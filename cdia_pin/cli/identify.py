@@ -100,9 +100,8 @@ def identify(
 
 
 def _write_urdf(found: Identification, file: str) -> Any:
-    from cdia_pin.robot import write_corrected_urdf
-
     from cdia_pin.dynamics.urdf_terms import UrdfValues
+    from cdia_pin.robot import write_corrected_urdf
 
     values = UrdfValues.of(found.model.terms, found.model.robot)
     return write_corrected_urdf(found.model.robot, file, **values.arguments)
