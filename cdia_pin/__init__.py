@@ -8,6 +8,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from cdia_pin.display import show_with
+
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
     from cdia_pin.logs import Log, check_log, read_log, write_log
     from cdia_pin.logs.conditioning import Conditioning
     from cdia_pin.robot import RobotModel, load_robot, write_corrected_urdf
+    from cdia_pin.viewers.arm_page import view
 
 # Public name → where it lives.
 _HOME = {
@@ -70,6 +73,7 @@ _HOME = {
     "Identification": "discovery",
     "IdentificationSettings": "discovery",
     "CdiaError": "errors",
+    "view": "viewers.arm_page",
 }
 
 __all__ = [
@@ -104,10 +108,13 @@ __all__ = [
     "read_log",
     "save_model",
     "simulate",
+    "view",
     "what_changed",
     "write_corrected_urdf",
     "write_log",
 ]
+
+show_with(lambda result: import_module("cdia_pin.viewers.notebook").html_of(result))
 
 
 def __getattr__(name: str) -> Any:

@@ -6,7 +6,8 @@ torques with noise. The monitor learns from healthy runs of the same plant on ot
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.campaigns.model_error import with_model_error
-from cdia_pin.campaigns.monitored_control import MonitoredControl
-from cdia_pin.diagnosis import DEFAULT_BANK, Bank, Monitor, MonitorRun
+from cdia_pin.campaigns.monitored_control import MonitoredControl, Tick
+from cdia_pin.diagnosis import DEFAULT_BANK, Bank, Monitor, MonitorRun, Recorder
 from cdia_pin.dynamics.controllers import ComputedTorque
 from cdia_pin.dynamics.dynamics import Dynamics
-from cdia_pin.dynamics.simulate import Run, run_plant
+from cdia_pin.dynamics.simulate import Run, run_plant, steps
 from cdia_pin.dynamics.smoothing import Stiffness
 from cdia_pin.dynamics.trajectories import Trajectory, exciting_trajectory
 from cdia_pin.effects import JointEffect, Term
@@ -159,30 +160,79 @@ class ClosedLoop:
         Raises:
             ModelError: If the arm runs away.
         """
-        s = self.settings
-        plant = Dynamics(self.robot, (*self.model.terms, *faults))  # a fault adds to a term of the same name
-        stiffness = Stiffness.of(plant, motion)
-        inner = int(np.ceil(1.0 / s.rate / stiffness.step(None) - 1e-9))
-        control = MonitoredControl(
-            ComputedTorque(self.model),
-            s.rate,
-            self._readings(np.random.default_rng([s.seed, 3, noise])),
-            monitor,
-        )
-        run = run_plant(plant, motion, control, stiffness, step=1.0 / s.rate / inner, progress=progress)
-        time, q, v, tau = (np.array(column) for column in zip(*control.seen, strict=True))
-        log = Log(
-            plant.robot.joints,
-            time,
-            q,
-            tau,
-            v,
-            source=f"closed loop of {plant.robot.name}, motion seed {s.seed}",
-        )
-        monitored = None
-        if control.recorder is not None:
-            monitored = control.recorder.finish(loop=vars(s))
+        plant = self._plant(faults)
+        stiffness, inner = self._steps(plant, motion)
+        recorder = Recorder(monitor) if monitor is not None else None
+        seen = []
+
+        def watch(tick: Tick) -> None:
+            seen.append((tick.time, tick.q, tick.v, tick.effort))
+            if recorder is not None and tick.status is not None:
+                recorder(tick.status, tick.q, tick.v, tick.effort, tick.desired)
+
+        control = self._control(monitor, noise, watch)
+        step = 1.0 / self.settings.rate / inner
+        run = run_plant(plant, motion, control, stiffness, step=step, progress=progress)
+        time, q, v, tau = (np.array(column) for column in zip(*seen, strict=True))
+        source = f"closed loop of {plant.robot.name}, motion seed {self.settings.seed}"
+        log = Log(plant.robot.joints, time, q, tau, v, source=source)
+        monitored = None if recorder is None else recorder.finish(loop=vars(self.settings))
         return LoopRun(run, log, run.q[::inner][: len(time)] - motion(time).q, monitored)
+
+    def ticks(
+        self,
+        motion: Trajectory,
+        faults: Sequence[Term] = (),
+        monitor: Monitor | None = None,
+        *,
+        acts: Callable[[Term], bool] = lambda fault: True,
+        noise: int = 0,
+    ) -> Iterator[Tick]:
+        """Let the plant follow a motion tick by tick, for as long as ticks are asked for.
+
+        Args:
+            motion: Asked for.
+            faults: What the plant may have and the model has not.
+            monitor: Watches, and corrects if its settings say so.
+            acts: Tells which of the faults act now, so that they can be switched while the arm moves.
+            noise: Number of the noise.
+
+        Yields:
+            Every tick, as soon as it has happened.
+
+        Raises:
+            ModelError: If the arm runs away.
+        """
+        whole = self._plant(faults)
+        stiffness, inner = self._steps(whole, motion)
+        step = 1.0 / self.settings.rate / inner
+        plant, acting = whole, tuple(faults)
+
+        def now(t: float) -> Dynamics:
+            nonlocal plant, acting
+            if (chosen := tuple(f for f in faults if acts(f))) != acting:
+                plant, acting = self._plant(chosen), chosen
+            return plant
+
+        waiting: deque[Tick] = deque()
+        control = self._control(monitor, noise, waiting.append)
+        for _ in steps(now, motion, control, stiffness.sign_width(step), step):
+            while waiting:
+                yield waiting.popleft()
+
+    def _plant(self, faults: Sequence[Term]) -> Dynamics:
+        return Dynamics(self.robot, (*self.model.terms, *faults))  # a fault adds to a term of the same name
+
+    def _steps(self, plant: Dynamics, motion: Trajectory) -> tuple[Stiffness, int]:
+        """Return how stiff a plant is, and the steps of its integration in a tick."""
+        stiffness = Stiffness.of(plant, motion)
+        return stiffness, int(np.ceil(1.0 / self.settings.rate / stiffness.step(None) - 1e-9))
+
+    def _control(
+        self, monitor: Monitor | None, noise: int, watch: Callable[[Tick], None]
+    ) -> MonitoredControl:
+        readings = self._readings(np.random.default_rng([self.settings.seed, 3, noise]))
+        return MonitoredControl(ComputedTorque(self.model), self.settings.rate, readings, monitor, watch)
 
     def _readings(
         self, rng: np.random.Generator

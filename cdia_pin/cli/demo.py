@@ -85,6 +85,12 @@ def _tell_the_story(console: Console, log: Path, files: DiscoveryFiles) -> None:
         f"One effect at a time: cdia add {strongest} {name} --robot {ROBOT}", markup=False, soft_wrap=True
     )
     console.print("Your own log: cdia check LOG --robot R, with R from cdia robots or a URDF file")
+    console.print(
+        f"\nOpen {files.report} in a browser: the arm moves, links whose torque the URDF gets wrong are coloured, "
+        "and the error falls as the effects are added.",
+        markup=False,
+        soft_wrap=True,
+    )
 
 
 def _step(console: Console, number: int, question: str, command: str) -> None:

@@ -27,7 +27,6 @@ from cdia_pin.cli.options import (
     Save,
     Topic,
 )
-from cdia_pin.cli.ranking_table import SHOWN, ranking_table
 
 if TYPE_CHECKING:
     from cdia_pin.effects import Effect
@@ -108,10 +107,11 @@ def discover(
         )
         found = discovery.discover(known, given, holdout=held_out or None, settings=settings, progress=tell)
     from cdia_pin.viewers import discovery_table
+    from cdia_pin.viewers.text_ranking import ranking_table
 
     show_inputs(console, known, given, held_out)
     if found.ranking:
-        console.print(ranking_table(found, None if everything else SHOWN))
+        console.print(ranking_table(found, everything))
     console.print(discovery_table(found))
     files.write(console, found, known, given, conditioning=conditioning, checks=checks, command=ctx.obj)
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cdia_pin.cli.console import progress, stdout
-from cdia_pin.cli.export import UrdfValues
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, require_unseen, show_inputs
 from cdia_pin.cli.options import (
     OUTPUT,
@@ -101,6 +100,7 @@ def identify(
 
 
 def _write_urdf(found: Identification, file: str) -> Any:
+    from cdia_pin.dynamics.urdf_terms import UrdfValues
     from cdia_pin.robot import write_corrected_urdf
 
     values = UrdfValues.of(found.model.terms, found.model.robot)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -31,9 +30,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from cdia_pin.diagnosis import MonitorRun
-    from cdia_pin.logs import Log
-
-LEARNED_SHARE, LEARNED_LEAST, LEARNED_MOST = 0.3, 5.0, 20.0  # [1, s, s], of a log that is taken as healthy
 
 
 def monitor(
@@ -92,17 +88,18 @@ def monitor(
     bounds = thresholds(threshold)
     with progress() as tell:
         from cdia_pin.diagnosis import DEFAULT_BANK, Monitor, replay
+        from cdia_pin.diagnosis.healthy_part import alike, parted
 
         reading = Reading(gains, joint_map, convert, topic)
         (watched, *runs), _ = read_logs(given, known.robot, reading, check=check, tell=tell)
         announced = []
         if not runs and bounds is None:
-            first, watched = _split(watched, healthy_until)
+            first, watched = parted(watched, healthy_until)
             runs = [first]
             announced.append(
                 f"the first {first.duration:.3g} s are taken as healthy, {watched.time[0]:.6g} s on is monitored"
             )
-        watched, *runs = _alike([watched, *runs], velocity, announced)
+        watched, *runs = alike([watched, *runs], velocity, announced)
         tell("learning from the healthy runs", 0.1)
         watcher = Monitor(
             known,
@@ -145,29 +142,3 @@ def show_run(console: Console, found: MonitorRun) -> None:
         console.print(events_table(found))
     console.print(joints_table(found))
     console.print(run_summary(found), markup=False)
-
-
-def _split(log: Log, until: float | None) -> tuple[Log, Log]:
-    """Part a log into what is taken as healthy, and what is monitored."""
-    length = until
-    if length is None:
-        length = min(max(LEARNED_SHARE * log.duration, LEARNED_LEAST), LEARNED_MOST)
-    begin = int((log.time < log.time[0] + length).sum())
-    if not 1 < begin < len(log.time) - 1:
-        raise CommandError(
-            f"{log.source}: {log.duration:.3g} s cannot be parted at {length:.3g} s into a healthy part and one to "
-            "monitor; give runs of the healthy arm with --healthy"
-        )
-    return log.slice(0, begin), log.slice(begin, len(log.time))
-
-
-def _alike(logs: Sequence[Log], velocity: bool, announced: list[str]) -> list[Log]:
-    """Return logs that all have velocities, or none of them."""
-    from dataclasses import replace
-
-    have = [log.velocity is not None for log in logs]
-    if not any(have) or (velocity and all(have)):
-        return list(logs)
-    if velocity:
-        announced.append("not all logs have velocities: they are derived from the positions of all")
-    return [replace(log, velocity=None) for log in logs]

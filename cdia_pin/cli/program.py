@@ -14,6 +14,7 @@ from typer.core import TyperGroup
 
 import cdia_pin
 from cdia_pin.cli.add import add
+from cdia_pin.cli.app import app as app_command
 from cdia_pin.cli.check import check
 from cdia_pin.cli.compare import compare
 from cdia_pin.cli.console import close_stdout
@@ -30,6 +31,7 @@ from cdia_pin.cli.options import examples
 from cdia_pin.cli.robots import robots
 from cdia_pin.cli.simulate import simulate
 from cdia_pin.cli.study import study
+from cdia_pin.cli.view import view
 from cdia_pin.errors import CdiaError, unknown_name
 
 BAD_INPUT, INTERRUPTED = 2, 130  # exit codes
@@ -95,6 +97,15 @@ for command, panel, example in (
         [
             "cdia monitor run.csv --robot ur5 --healthy before.csv --report watch.html",
             "cdia monitor run.csv --robot ur5 --model model.json --bank coulomb_friction --bank actuator_gain",
+        ],
+    ),
+    (app_command, JOB, ["cdia app", "cdia app run.csv --robot ur5"]),
+    (
+        view,
+        JOB,
+        [
+            "cdia view run.csv --robot ur5 --healthy before.csv",
+            "cdia view --simulate --robot ur5 --fault 'coulomb_friction@elbow_joint: level=5, after=4'",
         ],
     ),
     (

@@ -102,7 +102,12 @@ def simulate_loop(console: Console, plant: Dynamics, asked: LoopRequest) -> None
         (
             asked.report,
             lambda f: write_monitor_report(
-                f, run, tracking=found.tracking(), since=found.since, command=asked.command
+                f,
+                run,
+                tracking=found.tracking(),
+                since=found.since,
+                present=plant.terms,
+                command=asked.command,
             ),
         ),
     )

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.journal import Belief, Journal, Look
 from cdia_pin.diagnosis.monitor import Monitor
 from cdia_pin.diagnosis.status import SCHEMA, Event, Stage, Status, fault_to_dict
+from cdia_pin.display import Displayed
 from cdia_pin.effects import Term
 from cdia_pin.logs.log import Log
 from cdia_pin.robot.model import RobotModel
@@ -22,7 +24,7 @@ STORED = 100.0  # [Hz], ticks that are kept; an hour of seven joints is then 165
 
 
 @dataclass(frozen=True, eq=False)
-class MonitorRun:
+class MonitorRun(Displayed):
     """A replay or a closed loop as the monitor saw it, K ticks of n joints in the robot's order.
 
     Attributes:
@@ -40,6 +42,8 @@ class MonitorRun:
         events: Everything that was said, at whichever tick.
         faults: What was believed at the end.
         record: Engine, bank, settings, healthy runs, thresholds and version.
+        looks: Which hypotheses lived on each joint, wherever that changed; none of the engine ``thesis``.
+        beliefs: The faults believed in and their sizes, wherever they changed.
     """
 
     robot: RobotModel
@@ -55,6 +59,8 @@ class MonitorRun:
     events: tuple[Event, ...]
     faults: tuple[Term, ...]
     record: dict[str, Any]
+    looks: tuple[Look, ...] = ()
+    beliefs: tuple[Belief, ...] = ()
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -106,6 +112,7 @@ class Recorder:
         self._next = -np.inf
         self._nothing = np.full(monitor.model.robot.n, np.nan)
         self._velocity, self._desired = True, True
+        self._journal = Journal(monitor)
 
     def __call__(
         self, status: Status, q: Array, v: Array | None, tau: Array, desired: Array | None = None
@@ -119,6 +126,7 @@ class Recorder:
             tau: Torque [N·m or N], shape (n,).
             desired: Position asked for [rad or m], shape (n,), or None.
         """
+        self._journal(status)
         late = status.time - self._next  # a little below zero: not due; far below: time has gone back
         due = not -2 * self._period < late < 0
         if not due and not status.events:
@@ -158,6 +166,8 @@ class Recorder:
             events=monitor.events,
             faults=monitor.faults,
             record={**monitor.record, **record},
+            looks=tuple(self._journal.looks),
+            beliefs=tuple(self._journal.beliefs),
         )
 
 

@@ -117,7 +117,7 @@ class Columns:
     def __init__(self, experiment: Experiment) -> None:
         self.experiment = experiment
         self._fixed: dict[Effect, Array] = {}
-        self._families: dict[tuple[Effect, int], tuple[Array, Array]] = {}
+        self._families: dict[Effect, tuple[NoiseModel, list[Effect], Array, Array]] = {}
 
     def of(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
         """Return the columns of an effect, shape (K, len(acts_on), p).
@@ -145,8 +145,8 @@ class Columns:
 
     def family(self, family: list[Effect], prediction: Prediction, noise: NoiseModel) -> tuple[Array, Array]:
         """Return a family's whitened columns (C, p, K) of its joint and their inverse Gram matrices (C, p, p)."""
-        key = (family[0], id(noise))
-        if key not in self._families:
+        known = self._families.get(family[0])
+        if known is None or known[0] is not noise or known[1] != family:
             (j,) = family[0].acts_on(self.experiment.robot)
             used = self.experiment.informative[:, j]
             stacked = np.stack([self.fixed(e, prediction)[:, 0, :] for e in family], axis=1)  # (K, C, p)
@@ -154,8 +154,9 @@ class Columns:
             white = np.where(at, noise.whiten(np.where(at, stacked, 0.0)), 0.0).transpose(1, 2, 0)
             gram = white @ white.transpose(0, 2, 1)
             ridge = 1e-6 * np.einsum("cpp->c", gram)[:, None, None] * np.eye(gram.shape[1])
-            self._families[key] = (np.ascontiguousarray(white), np.linalg.inv(gram + ridge))
-        return self._families[key]
+            known = (noise, family, np.ascontiguousarray(white), np.linalg.inv(gram + ridge))
+            self._families[family[0]] = known
+        return known[2:]
 
 
 def screen(

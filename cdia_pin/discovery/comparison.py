@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import cdia_pin
 from cdia_pin.discovery.experiment import Experiment, rms
+from cdia_pin.display import Displayed
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.log import Log
@@ -68,7 +69,7 @@ class Shape:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Comparison(Displayed):
     """A model against logs, joint by joint; arrays have shape (n,) unless stated.
 
     Attributes:
@@ -146,7 +147,18 @@ def compare(
         LogError: If a log is too short or of other joints.
     """
     given = [logs] if isinstance(logs, Log) else list(logs)
-    experiment = Experiment.of(model.robot, [condition(log, model.robot, conditioning) for log in given])
+    return compare_in(
+        Experiment.of(model.robot, [condition(log, model.robot, conditioning) for log in given]), model
+    )
+
+
+def compare_in(experiment: Experiment, model: Dynamics) -> Comparison:
+    """Answer as `compare` does, from logs that are conditioned already.
+
+    Args:
+        experiment: The logs.
+        model: A robot with its terms.
+    """
     prediction = experiment.predict(model)
     use, residual = experiment.informative, prediction.residual
     time, q, v, a = experiment.compared_motion()

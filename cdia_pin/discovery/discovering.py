@@ -59,7 +59,27 @@ def discover(
     changes = changes_between(model, given, settings, lambda sentence, share: tell(sentence, 0.05 * share))
     settings = replace(settings, per_log=(*settings.per_log, *effects_that_differ(changes)))
     problem = Problem.of(model, given, _listed(holdout), settings)
-    model = with_parameters_per_log(model, problem.experiment.logs, settings.per_log)
+    findings = tuple(f for c in changes for f in c.findings)
+    return discover_in(problem, model, tell, findings=findings)
+
+
+def discover_in(
+    problem: Problem,
+    model: Dynamics,
+    progress: Progress | None = None,
+    *,
+    findings: tuple[Finding, ...] = (),
+) -> Discovery:
+    """Answer as `discover` does, from logs that are conditioned already.
+
+    Args:
+        problem: The logs, with the candidates around the model.
+        model: What is known.
+        progress: Called with a sentence and the share done.
+        findings: What is known of the logs besides, to be handed on.
+    """
+    tell = progress or _silent
+    model = with_parameters_per_log(model, problem.experiment.logs, problem.settings.per_log)
     tell("looking at the noise", 0.05)
     whitened = problem.first_noise(model)
     found, futile = model, Swaps()
@@ -73,7 +93,6 @@ def discover(
             break
     tell("asking what each effect explains", 0.85)
     ranking = rank(problem, model, whitened)
-    findings = tuple(f for c in changes for f in c.findings)
     return _concluded(problem, model, found, whitened, ranking, tell, findings=findings)
 
 
@@ -105,9 +124,27 @@ def add_effect(
     """
     tell = progress or _silent
     tell("conditioning", 0.0)
-    settings = settings or DiscoverySettings()
-    problem = Problem.of(model, _listed(logs), _listed(holdout), settings)
-    (effect,) = per_log([effect], problem.experiment, settings.per_log)
+    problem = Problem.of(model, _listed(logs), _listed(holdout), settings or DiscoverySettings())
+    return add_effect_in(problem, model, effect, tell)
+
+
+def add_effect_in(
+    problem: Problem, model: Dynamics, effect: Effect, progress: Progress | None = None
+) -> Discovery:
+    """Answer as `add_effect` does, from logs that are conditioned already.
+
+    Args:
+        problem: The logs, with the candidates around the model.
+        model: The model.
+        effect: The effect to add.
+        progress: Called with a sentence and the share done.
+
+    Raises:
+        EffectError: If the effect cannot be seen in these logs.
+    """
+    tell = progress or _silent
+    tell("looking at the noise", 0.1)
+    (effect,) = per_log([effect], problem.experiment, problem.settings.per_log)
     whitened = problem.first_noise(model)
     tell(f"fitting {effect.label}", 0.3)
     base = model.remove(effect.label) if effect.label in {t.label for t in model.terms} else model

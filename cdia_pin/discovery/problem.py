@@ -19,6 +19,7 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.log import Log
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
@@ -50,19 +51,25 @@ class Problem:
         cls, model: Dynamics, logs: Sequence[Log], holdout: Sequence[Log], settings: DiscoverySettings
     ) -> Problem:
         """Condition the logs and enumerate the candidates."""
-        robot = model.robot
+        return cls.conditioned(model.robot, logs, holdout, settings).around(model)
+
+    @classmethod
+    def conditioned(
+        cls, robot: RobotModel, logs: Sequence[Log], holdout: Sequence[Log], settings: DiscoverySettings
+    ) -> Problem:
+        """Condition the logs, without candidates: `around` a model there are."""
         motions, unseen = (
             [condition(log, robot, settings.conditioning) for log in part] for part in (logs, holdout)
         )
         experiment = Experiment.of(robot, motions)
-        families = enumerate_candidates(experiment, experiment.predict(model), settings)
-        return cls(
-            experiment,
-            Experiment.of(robot, unseen) if unseen else None,
-            Columns(experiment),
-            tuple(families),
-            settings,
-        )
+        held_out = Experiment.of(robot, unseen) if unseen else None
+        return cls(experiment, held_out, Columns(experiment), (), settings)
+
+    def around(self, model: Dynamics) -> Problem:
+        """Return the same logs with the candidates around a model; several questions share their columns."""
+        experiment = self.experiment
+        families = enumerate_candidates(experiment, experiment.predict(model), self.settings)
+        return replace(self, families=tuple(families))
 
     @property
     def edges(self) -> NDArray[np.intp]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.discovery.finding import Finding
+from cdia_pin.display import Displayed
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
 from cdia_pin.robot.model import RobotModel
@@ -77,7 +78,7 @@ class Ranked:
 
 
 @dataclass(frozen=True)
-class Discovery:
+class Discovery(Displayed):
     """The outcome of `discover`.
 
     Attributes:

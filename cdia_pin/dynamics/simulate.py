@@ -11,8 +11,10 @@ the acceleration that the torque recorded at t_k causes: holding it over a step 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +27,13 @@ from cdia_pin.dynamics.trajectories import Reference, Trajectory
 from cdia_pin.effects import State, Term
 from cdia_pin.errors import ModelError
 from cdia_pin.logs.log import Log
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
 FASTEST = 1e3  # [rad/s or m/s], beyond which a simulation has diverged
 WATCHED = 50  # steps between looks at that
+AHEAD = 1000  # steps of the motion asked for that are computed at once
 WIDE = 0.05  # [1], smoothing of sgn over largest speed that a log makes a note of
 
 
@@ -56,6 +60,24 @@ class Run:
     def state(self, plant: Dynamics) -> State:
         """Return the run as effects see it."""
         return State(plant.robot, self.q, self.v, self.a, self.effort, self.time, self.sign_width)
+
+
+class Step(NamedTuple):
+    """What really happens at one step of a simulation.
+
+    Attributes:
+        time: Time [s].
+        q: Positions where the arm is [rad or m], shape (n,).
+        v: Velocities [rad/s or m/s], shape (n,).
+        a: Accelerations [rad/s² or m/s²], shape (n,).
+        effort: Torques commanded [N·m or N], shape (n,).
+    """
+
+    time: float
+    q: Array
+    v: Array
+    a: Array
+    effort: Array
 
 
 def simulate(
@@ -129,37 +151,75 @@ def run_plant(
     count = int(np.floor(duration / step + 1e-9)) + 1 if duration > 0 else 0
     if count < 2:
         raise ModelError(f"a simulation needs a duration above its step of {step:g} s, given {duration} s")
-    command = ComputedTorque(Dynamics(plant.robot)) if controller is None else controller
     width = (stiffness or Stiffness.of(plant, trajectory)).sign_width(step)
-    arm = Dynamics(plant.robot, plant.on_motion)
-    time = step * np.arange(count, dtype=float)
-    asked = trajectory(time)
-    n = plant.robot.n
-    empty = [np.empty((count, n)) for _ in range(4)]
-    out = Run(time, empty[0], empty[1], empty[2], empty[3], width)
-    shifting = [t for t in plant.terms if t.effect.shifts]
-    v = half = tau = np.zeros(n)
-    q = asked.q[0] + _shift(shifting, State.of(plant.robot, asked.q[0], v, effort=tau, time=0.0))[0]
-    for k in range(count):
-        t = float(time[k])
-        read = q - _shift(shifting, State.of(plant.robot, q, v, effort=tau, time=t))[0] if shifting else q
-        tau = command(t, read, v, Reference(asked.q[k], asked.v[k], asked.a[k]))
-        a = arm.forward_dynamics(q, v, tau, t, width)
-        out.q[k], out.v[k], out.a[k], out.effort[k] = q, v, a, tau
-        half = half + (step if k else 0.5 * step) * a
-        q = q + step * half
-        v = half + 0.5 * step * a
-        if k % WATCHED:
-            continue
-        if progress:
+    empty = [np.empty((count, plant.robot.n)) for _ in range(4)]
+    out = Run(np.empty(count), empty[0], empty[1], empty[2], empty[3], width)
+    for k, now in enumerate(islice(steps(lambda t: plant, trajectory, controller, width, step), count)):
+        out.time[k], out.q[k], out.v[k], out.a[k], out.effort[k] = now
+        if progress and k % WATCHED == 0:
             progress(k / count)
-        if not np.abs(v).max() < FASTEST:
-            joint = plant.robot.joints[int(np.argmax(np.nan_to_num(np.abs(v), nan=np.inf)))]
-            raise ModelError(
-                f"the simulation diverged, {joint} is beyond all speeds at {t:.3g} s; are the parameters and "
-                f"the controller's gains possible, and is a step of {step:g} s small enough?"
-            )
     return out
+
+
+def steps(
+    plant: Callable[[float], Dynamics],
+    trajectory: Trajectory,
+    controller: Controller | None,
+    width: Array,
+    step: float,
+) -> Iterator[Step]:
+    """Integrate a plant under control, step by step and without end.
+
+    Args:
+        plant: The true arm at a time; its effects may change, its body may not.
+        trajectory: The motion asked for; the arm starts in it, at rest.
+        controller: Computed torque on the bare robot if omitted.
+        width: Smoothing of sgn q̇ [rad/s or m/s], shape (n,).
+        step: Step h [s].
+
+    Yields:
+        Every step, the first at time zero.
+
+    Raises:
+        ModelError: If the simulation diverges.
+    """
+    arm = plant(0.0)
+    robot, moving, shifting = arm.robot, *_acting(arm)
+    command = ComputedTorque(Dynamics(robot)) if controller is None else controller
+    v = half = tau = np.zeros(robot.n)
+    q = trajectory(0.0).q
+    q = q + _shift(shifting, State.of(robot, q, v, effort=tau, time=0.0))[0]
+    k = 0
+    while True:
+        time = step * np.arange(k, k + AHEAD, dtype=float)
+        for t, *asked in zip(time.tolist(), *trajectory(time), strict=True):
+            if (given := plant(t)) is not arm:
+                arm, (moving, shifting) = given, _acting(given)
+            read = q - _shift(shifting, State.of(robot, q, v, effort=tau, time=t))[0] if shifting else q
+            tau = command(t, read, v, Reference(*asked))
+            a = moving.forward_dynamics(q, v, tau, t, width)
+            if k % WATCHED == 0:
+                _require_bounded(robot, v, t, step)
+            yield Step(t, q, v, a, tau)
+            half = half + (step if k else 0.5 * step) * a
+            q = q + step * half
+            v = half + 0.5 * step * a
+            k += 1
+
+
+def _acting(plant: Dynamics) -> tuple[Dynamics, list[Term]]:
+    """Return what acts on the motion of a plant, and what shifts the readings of its positions."""
+    return Dynamics(plant.robot, plant.on_motion), [t for t in plant.terms if t.effect.shifts]
+
+
+def _require_bounded(robot: RobotModel, v: Array, t: float, step: float) -> None:
+    if np.abs(v).max() < FASTEST:
+        return
+    joint = robot.joints[int(np.argmax(np.nan_to_num(np.abs(v), nan=np.inf)))]
+    raise ModelError(
+        f"the simulation diverged, {joint} is beyond all speeds at {t:.3g} s; are the parameters and "
+        f"the controller's gains possible, and is a step of {step:g} s small enough?"
+    )
 
 
 def record(

@@ -89,6 +89,26 @@ class FourierTrajectory:
         return Reference(*(r[0] for r in out)) if np.ndim(t) == 0 else out
 
 
+@dataclass(frozen=True, eq=False)
+class Repeated:
+    """A motion that rests at both ends in one posture, again and again.
+
+    Attributes:
+        motion: What is repeated.
+    """
+
+    motion: Trajectory
+
+    @property
+    def duration(self) -> float:
+        """Length of the motion that is repeated [s]."""
+        return self.motion.duration
+
+    def __call__(self, t: ArrayLike) -> Reference:
+        """Return the motion at a time, or at times (N,) [s]."""
+        return self.motion(np.mod(t, self.motion.duration))
+
+
 def exciting_trajectory(
     robot: RobotModel,
     rng: np.random.Generator,

@@ -153,6 +153,13 @@ class RobotModel:
         """
         return np.array([inertia.toDynamicParameters() for inertia in list(self._model.inertias)[1:]])
 
+    @cached_property
+    def links(self) -> dict[str, tuple[str | None, Array]]:
+        """Joint that moves each link, None if nothing does, and the link's pose in its frame, shape (4, 4)."""
+        bodies = [f for f in self._model.frames if f.type == pin.FrameType.BODY]
+        names = (None, *self.joints)
+        return {str(f.name): (names[f.parentJoint], np.array(f.placement.homogeneous)) for f in bodies}
+
     @property
     def total_mass(self) -> float:
         """Mass of all moving bodies [kg]."""

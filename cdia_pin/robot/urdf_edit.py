@@ -71,8 +71,8 @@ def remove(element: etree._Element | None) -> None:
 
 
 def rebase_meshes(tree: etree._ElementTree, old: Path, new: Path) -> None:
-    """Keep relative mesh paths, which hold from the file's folder, pointing at the same meshes."""
-    here, there = old.resolve().parent, new.resolve().parent
+    """Keep relative mesh paths, which hold from the file's folder, pointing at the same meshes from another."""
+    here, there = old.resolve(), new.resolve()
     for mesh in tree.iter("mesh", "texture"):
         name = str(mesh.get("filename", ""))
         if name and "://" not in name and not Path(name).is_absolute() and here != there:

@@ -76,6 +76,37 @@ def write_corrected_urdf(
     path = Path(path).expanduser()
     if path.resolve() == robot.urdf.resolve():
         raise RobotError(f"{path} is the robot's own file: give another name")
+    text = corrected_urdf(
+        robot,
+        path.parent,
+        inertial=inertial,
+        damping=damping,
+        friction=friction,
+        payload=payload,
+        allow_unphysical=allow_unphysical,
+    )
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise RobotError(f"cannot write {path}: {error.strerror or error}") from None
+    return path
+
+
+def corrected_urdf(
+    robot: RobotModel,
+    folder: Path,
+    *,
+    inertial: Mapping[str, ArrayLike] | None = None,
+    damping: Mapping[str, float] | None = None,
+    friction: Mapping[str, float] | None = None,
+    payload: ArrayLike | None = None,
+    allow_unphysical: bool = False,
+) -> str:
+    """Return the text that `write_corrected_urdf` writes into a folder; the other arguments are its own.
+
+    Raises:
+        RobotError: If a joint is unknown, or a value cannot be.
+    """
     urdf = read_urdf(robot.urdf)
     totals = {joint: _ten(joint, given) for joint, given in (inertial or {}).items()}
     for joint in (*totals, *(damping or {}), *(friction or {})):
@@ -86,14 +117,10 @@ def write_corrected_urdf(
         _set_body(robot, urdf, joint, total, allow_unphysical)
     _set_dynamics(urdf, "damping", damping or {})
     _set_dynamics(urdf, "friction", friction or {})
-    rebase_meshes(urdf.tree, urdf.path, path)
+    rebase_meshes(urdf.tree, urdf.path.parent, folder)
     changed = {"inertial": inertial, "damping": damping, "friction": friction}
     add_note(urdf.tree, _summary(robot, changed, payload is not None))
-    try:
-        path.write_text(text_of(urdf.tree), encoding="utf-8")
-    except OSError as error:
-        raise RobotError(f"cannot write {path}: {error.strerror or error}") from None
-    return path
+    return text_of(urdf.tree)
 
 
 def _set_body(robot: RobotModel, urdf: Urdf, joint: str, total: Array, allow_unphysical: bool) -> None:

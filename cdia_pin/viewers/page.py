@@ -11,19 +11,26 @@ from string import Template
 from typing import Any
 
 from cdia_pin.errors import CdiaError
+from cdia_pin.viewers.scene import scene_assets
 
-LARGEST = 3_000_000  # bytes
+LARGEST = 6_000_000  # bytes
+CHART_SCRIPTS = ("base.js", "charts.js", "charts_joint.js")  # after uPlot, in this order
 POINTS = (2000, 1000, 500, 250, 100)  # samples of a curve, the most that fits
 
 
 def write_page(
-    path: str | Path, data: Callable[[int], dict[str, Any]], script: str, sentences: Sequence[str] = ()
+    path: str | Path,
+    data: Callable[[int], dict[str, Any]],
+    scene: dict[str, Any],
+    script: str,
+    sentences: Sequence[str] = (),
 ) -> Path:
-    """Write a page of at most 3 MB; the same data give the same bytes.
+    """Write a page of at most 6 MB; the same data give the same bytes.
 
     Args:
         path: Where to write; folders are made, an existing file is replaced.
         data: Returns what is shown, with its ``title``, for a largest number of samples of a curve.
+        scene: The arm and its motion, of `report_scene`.
         script: Name of the asset that builds the page from the data.
         sentences: What is said where scripts do not run.
 
@@ -32,7 +39,7 @@ def write_page(
     """
     page = b""
     for points in POINTS:
-        page = _page(data(points), script, sentences)
+        page = _page(data(points), scene, script, sentences)
         if len(page) <= LARGEST:
             break
     path = Path(path)
@@ -52,18 +59,25 @@ def embeddable(data: Any) -> str:
     return text
 
 
-def _page(data: dict[str, Any], script: str, sentences: Sequence[str]) -> bytes:
-    page = Template(_asset("report.html")).substitute(
+def _page(data: dict[str, Any], scene: dict[str, Any], script: str, sentences: Sequence[str]) -> bytes:
+    arm = scene_assets()
+    page = Template(asset("report.html")).substitute(
         title=html.escape(data["title"]),
         summary=html.escape(" ".join(sentences)),
-        licence=_asset("uPlot.LICENSE"),
-        uplot_style=_asset("uPlot.min.css"),
-        uplot=_asset("uPlot.iife.min.js"),
+        licence=f"{asset('uPlot.LICENSE')}\nThe arm is drawn by meshcat:\n{arm.licence}".replace("--", "- -"),
+        arm_style=arm.style,
+        meshcat=arm.meshcat,
+        arm_script=arm.script,
+        scene=embeddable(scene),
+        uplot_style=asset("uPlot.min.css"),
+        charts_style=asset("charts.css"),
+        uplot=asset("uPlot.iife.min.js"),
         data=embeddable(data),
-        script=_asset("page.js") + _asset(script),
+        script="\n".join(asset(name) for name in (*CHART_SCRIPTS, "page.js", "motion.js", script)),
     )
     return page.encode("utf-8", errors="replace")
 
 
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """Return the text of an asset."""
     return (files("cdia_pin.viewers") / "assets" / name).read_text(encoding="utf-8")

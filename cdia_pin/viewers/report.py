@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cdia_pin.viewers.page import write_page
-from cdia_pin.viewers.report_data import report_data
+from cdia_pin.viewers.report_data import report_data, require_same
+from cdia_pin.viewers.report_scene import scene_of_comparison
 from cdia_pin.viewers.verdict import verdict_sentences
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ def write_report(
     title: str = "",
     command: str = "",
 ) -> Path:
-    """Write what was found as one HTML page of at most 3 MB.
+    """Write what was found as one HTML page of at most 6 MB.
 
     The page needs no network and its own policy forbids any. The same results give the same bytes.
 
@@ -44,11 +45,13 @@ def write_report(
     Raises:
         CdiaError: If the results do not belong together, or the file cannot be written.
     """
+    require_same(comparison, improved, discovery)
     return write_page(
         path,
         lambda points: report_data(
             comparison, improved, discovery, checks, title=title, command=command, points=points
         ),
+        scene_of_comparison(comparison, improved, discovery),
         "report.js",
         verdict_sentences(discovery) if discovery else (),
     )

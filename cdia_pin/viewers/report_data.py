@@ -44,12 +44,8 @@ def report_data(
 
     Returns:
         Schema ``cdia-report/1``, ready for JSON.
-
-    Raises:
-        CdiaError: If the results are not of one robot and the same logs.
     """
     robot = comparison.model.robot
-    _require_same(comparison, improved, discovery)
     time, _ = end_to_end(comparison)
     return {
         "schema": SCHEMA,
@@ -62,7 +58,7 @@ def report_data(
         "holdout": discovery.record.get("holdout", []) if discovery else [],
         "duration": float(f"{time[-1] - time[0]:.5g}"),
         "samples": len(time),
-        "joints": [_joint(j, comparison, improved, discovery, points) for j in range(robot.n)],
+        "joints": [joint_data(j, comparison, improved, discovery, points) for j in range(robot.n)],
         "discovery": discovery_data(discovery) if discovery else None,
         "regions": {"before": _regions(comparison), "after": _regions(improved) if improved else None},
         "checks": [_check(c) for c in checks],
@@ -73,7 +69,8 @@ def _title(robot: RobotModel, discovery: Discovery | None) -> str:
     return f"{robot.name}: where the model fails" + (", and what it lacks" if discovery else "")
 
 
-def _require_same(comparison: Comparison, improved: Comparison | None, discovery: Discovery | None) -> None:
+def require_same(comparison: Comparison, improved: Comparison | None, discovery: Discovery | None) -> None:
+    """Make sure that results are of one robot and the same logs; raises CdiaError."""
     joints = comparison.model.robot.joints
     for other in (improved, discovery):
         if other is not None and other.model.robot.joints != joints:
@@ -95,9 +92,10 @@ def _check(check: LogCheck) -> dict[str, Any]:
 # ------------------------------------------------------------------ joints
 
 
-def _joint(
+def joint_data(
     j: int, before: Comparison, after: Comparison | None, found: Discovery | None, points: int
 ) -> dict[str, Any]:
+    """Return what a report shows of joint j; the arguments are those of `report_data`."""
     robot = before.model.robot
     joint = robot.joints[j]
     return {

@@ -68,13 +68,14 @@ def _effect(k: int, found: Discovery) -> dict[str, Any]:
 
 
 def parameters(term: Term, robot: RobotModel) -> list[dict[str, Any]]:
-    """Return name and text of each parameter, and whether its interval leaves out zero."""
+    """Return name, text, interval of each parameter, and whether that leaves out zero."""
     intervals = term.ci95 or (None,) * len(term.theta)
     rows = zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True)
     return [
         {
             "name": parameter_name(p.name),
             "text": with_interval(value, interval, unit),
+            "interval": None if interval is None else compact([interval[0], value, interval[1]]),
             "telling": interval is None or not bool(interval[0] <= 0.0 <= interval[1]),
         }
         for p, value, unit, interval in rows

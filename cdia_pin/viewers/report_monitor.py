@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.diagnosis.record import STAGES
 from cdia_pin.viewers.event_words import event_rows, fault_words
 from cdia_pin.viewers.page import write_page
+from cdia_pin.viewers.report_faults import against_motion, motion_of, presence
+from cdia_pin.viewers.report_isolation import hypotheses, parameters, stage_spans
+from cdia_pin.viewers.report_scene import scene_of_run
 from cdia_pin.viewers.report_series import compact, extremes
 from cdia_pin.viewers.stage_colours import STAGE_COLOURS, STAGE_WORDS
 from cdia_pin.viewers.text_monitor import run_summary
@@ -20,6 +22,7 @@ from cdia_pin.viewers.words import joint_units, short_names
 
 if TYPE_CHECKING:
     from cdia_pin.diagnosis import MonitorRun
+    from cdia_pin.effects import State, Term
 
 Array = NDArray[np.float64]
 
@@ -32,16 +35,18 @@ def write_monitor_report(
     *,
     tracking: Mapping[str, Array] | None = None,
     since: float = 0.0,
+    present: Sequence[Term] = (),
     title: str = "",
     command: str = "",
 ) -> Path:
-    """Write what a monitor saw, said and did as one HTML page of at most 3 MB that needs no network.
+    """Write what a monitor saw, said and did as one HTML page of at most 6 MB that needs no network.
 
     Args:
         path: Where to write; folders are made, an existing file is replaced.
         run: Of a replay or a closed loop.
         tracking: RMS of the tracking error of each joint [rad or m], shape (n,), by the name of the run.
         since: From when on they are compared [s].
+        present: Faults that the plant has, where that is known, as in a simulation.
         title: Headline; made from the robot if empty.
         command: The command that made the report, to be shown.
 
@@ -53,9 +58,17 @@ def write_monitor_report(
     """
 
     def data(points: int) -> dict[str, Any]:
-        return monitor_data(run, tracking=tracking, since=since, title=title, command=command, points=points)
+        return monitor_data(
+            run,
+            tracking=tracking,
+            since=since,
+            present=present,
+            title=title,
+            command=command,
+            points=points,
+        )
 
-    return write_page(path, data, "monitor.js", (run_summary(run),))
+    return write_page(path, data, scene_of_run(run), "monitor.js", (run_summary(run),))
 
 
 def monitor_data(
@@ -63,11 +76,13 @@ def monitor_data(
     *,
     tracking: Mapping[str, Array] | None = None,
     since: float = 0.0,
+    present: Sequence[Term] = (),
     title: str = "",
     command: str = "",
     points: int = 2000,
 ) -> dict[str, Any]:
     """Collect what the page shows, ready for JSON; the arguments are those of `write_monitor_report`."""
+    x = motion_of(run)
     return {
         "schema": SCHEMA,
         "title": title or f"{run.robot.name} under watch",
@@ -83,7 +98,7 @@ def monitor_data(
             for stage, colour in STAGE_COLOURS.items()
         },
         "events": [asdict(row) for row in event_rows(run.events, run.robot)],
-        "joints": [_joint(run, j, points) for j in range(run.robot.n)],
+        "joints": [_joint(run, x, j, present, points) for j in range(run.robot.n)],
         "tracking": None
         if tracking is None
         else {"since": since, "runs": {name: compact(rms) for name, rms in tracking.items()}},
@@ -92,14 +107,13 @@ def monitor_data(
     }
 
 
-def _joint(run: MonitorRun, j: int, points: int) -> dict[str, Any]:
+def _joint(run: MonitorRun, x: State, j: int, present: Sequence[Term], points: int) -> dict[str, Any]:
     joint = run.joints[j]
     units = joint_units(run.robot, joint)
     error = None if run.desired is None else run.position[:, j] - run.desired[:, j]
     signals = [run.residual[:, j], run.effort[:, j]] + ([] if error is None else [error])
     keep = extremes(signals, points)
-    change = np.flatnonzero(np.diff(run.stages[:, j], prepend=255))
-    keep = np.union1d(keep, change)
+    keep = np.union1d(keep, np.flatnonzero(np.diff(run.stages[:, j], prepend=255)))
     limit = run.threshold[:, j]
     return {
         "name": joint,
@@ -111,17 +125,12 @@ def _joint(run: MonitorRun, j: int, points: int) -> dict[str, Any]:
         "effort": compact(run.effort[keep, j]),
         "correction": compact(run.torque_correction[keep, j]),
         "error": None if error is None else compact(error[keep]),
-        "stages": _intervals(run, j, change),
+        "stages": stage_spans(run, j),
+        "present": presence(run, x, j, present),
+        "hypotheses": hypotheses(run, j),
+        "parameters": parameters(run, j, present),
+        "against": against_motion(run, x, j, points),
         "usual": compact([float(np.median(limit))])[0],
         "largest": compact([float(np.abs(run.residual[:, j]).max())])[0],
         "believed": [fault_words(t, run.robot) for t in run.faults if joint in t.effect.scope],
     }
-
-
-def _intervals(run: MonitorRun, j: int, change: NDArray[np.intp]) -> list[list[Any]]:
-    """Return [from, to, stage] of a joint, one after the other."""
-    ends = [*run.time[change[1:]], run.time[-1]]
-    return [
-        [round(float(run.time[k]), 4), round(float(end), 4), str(STAGES[run.stages[k, j]])]
-        for k, end in zip(change, ends, strict=True)
-    ]

@@ -107,7 +107,7 @@ def against(signal: str, before: Comparison, after: Comparison | None, joint: st
         use = before.informative[:, j]
         added = (before.residual - after.residual)[use, j]
         if len(added) and np.abs(added).max() > SAME:
-            curve = _curve(before.signals[signal][use, j], added)
+            curve = curve_of(before.signals[signal][use, j], added)
     return {"means": means, "curve": curve}
 
 
@@ -122,7 +122,13 @@ def _means(shape: Shape) -> dict[str, Any]:
     }
 
 
-def _curve(x: Array, y: Array) -> list[list[float | None]] | None:
+def curve_of(x: Array, y: Array) -> list[list[float | None]] | None:
+    """Return y as a curve over x, means of regions; None where y is no function of x.
+
+    Args:
+        x: A signal of the motion, shape (K,).
+        y: A torque at the same samples [N·m or N], shape (K,).
+    """
     low, high = np.percentile(x, [0.5, 99.5])
     inside = (x >= low) & (x <= high)
     x, y = x[inside], y[inside]

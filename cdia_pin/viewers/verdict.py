@@ -10,7 +10,7 @@ import numpy as np
 from cdia_pin.viewers.words import confusion_words, effect_words, listed, percent
 
 if TYPE_CHECKING:
-    from cdia_pin.discovery import Discovery, Step
+    from cdia_pin.discovery import Comparison, Discovery, Step
 
 NAMED = 3  # effects that a sentence names before it counts the others
 
@@ -35,6 +35,16 @@ def verdict_sentences(found: Discovery) -> list[str]:
         said = _structure_sentences(found)
     recognised = [f"{f.sentence[:1].upper()}{f.sentence[1:]}." for f in found.findings]
     return [*said, *recognised, _error_sentence(found), *_confusion_sentences(found.steps)]
+
+
+def comparison_sentence(found: Comparison) -> str:
+    """Return how far a model is from its logs, and on which joint most."""
+    share = found.relative_rms
+    worst = int(np.argmax(share))
+    return (
+        f"The model of {found.model.robot.name} misses the measured torque by {percent(float(share.mean()))} "
+        f"(mean over the joints), most on {found.model.robot.joints[worst]} ({percent(float(share[worst]))})."
+    )
 
 
 def mean_share(errors: Sequence[float] | np.ndarray, found: Discovery) -> float:

@@ -1,5 +1,7 @@
 """A closed loop: the plant is not the model, a number makes it repeatable, and held torques are held."""
 
+from itertools import islice
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from cdia_pin import Dynamics, load_robot
 from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
 from cdia_pin.campaigns.loop_comparison import compare_loops, onset
 from cdia_pin.campaigns.model_error import with_model_error
+from cdia_pin.dynamics.trajectories import Repeated
 from cdia_pin.effects import parse_term
 from cdia_pin.errors import CdiaError, ModelError
 from cdia_pin.robot.inertia import is_physical
@@ -114,3 +117,37 @@ def test_the_onset_is_that_of_the_first_fault():
 def test_impossible_settings_are_refused(wrong):
     with pytest.raises(ModelError):
         LoopSettings(**wrong)
+
+
+def test_ticks_are_those_of_a_run(robot):
+    loop = loop_of(robot)
+    motion, faults = loop.motion(0, 2.0), [parse_term(FAULT)]
+    run = loop.run(motion, faults)
+    ticks = list(islice(loop.ticks(motion, faults), len(run.log.time)))
+    np.testing.assert_array_equal([t.time for t in ticks], run.log.time)
+    np.testing.assert_array_equal([t.q for t in ticks], run.log.position)
+    np.testing.assert_array_equal([t.effort for t in ticks], run.log.effort)
+    np.testing.assert_array_equal([t.desired for t in ticks], motion(run.log.time).q)
+
+
+def test_a_fault_that_is_switched_on_by_hand_acts_from_then_on(robot):
+    loop = loop_of(robot)
+    motion, fault = loop.motion(0, 4.0), parse_term("coulomb_friction@joint2: level=0.3")
+    on = {"now": False}
+    walk = loop.ticks(motion, [fault], acts=lambda term: on["now"])
+    before = list(islice(walk, 200))
+    on["now"] = True
+    after = list(islice(walk, 200))
+    healthy = list(islice(loop.ticks(motion, [fault], acts=lambda term: False), 400))
+    torque = lambda ticks: np.array([t.effort[1] for t in ticks])  # noqa: E731
+    np.testing.assert_array_equal(torque(before), torque(healthy[:200]))
+    assert np.abs(torque(after) - torque(healthy[200:])).max() > 0.2
+
+
+def test_a_motion_may_be_repeated_without_end(robot):
+    motion = loop_of(robot).motion(0, 2.0)
+    again = Repeated(motion)
+    for whole, part in zip(again([0.7, 2.7, 8.7]), motion(0.7), strict=True):
+        np.testing.assert_allclose(whole, np.repeat(part[None], 3, axis=0), atol=1e-9)
+    assert again.duration == motion.duration
+    assert again(0.7).q.shape == (robot.n,)

@@ -1,7 +1,9 @@
 """``cdia demo`` on the log that ships."""
 
 import json
+import re
 
+import numpy as np
 import pytest
 
 from cdia_pin.resources import logs_dir
@@ -38,6 +40,18 @@ def test_the_demo_names_commands_and_files(told):
     for name in ("demo_model.json", "demo_report.html"):
         assert (out / "new" / name).is_file()
         assert name in outcome.out
+    assert outcome.out.strip().splitlines()[-1].startswith(f"Open {out / 'new' / 'demo_report.html'}")
+
+
+def test_the_report_of_the_demo_shows_the_arm_clearing(told):
+    _, out = told
+    page = (out / "new" / "demo_report.html").read_text()
+    scene = json.loads(re.search(r'id="scene">(.*?)</script>', page, re.DOTALL)[1])
+    levels = [max(step["level"]) for step in scene["steps"]]
+    assert scene["steps"][0]["name"] == "as given"
+    assert levels[0] == 1.0
+    assert levels[-1] < 0.2
+    assert np.ptp(scene["timeline"]["position"], axis=0).max() > 0.5
 
 
 def test_a_missing_log_is_said(cdia, monkeypatch, tmp_path):

@@ -11,8 +11,9 @@ import pytest
 
 from cdia_pin import load_robot
 from cdia_pin.diagnosis import Event, MonitorRun, Stage, Verdict
+from cdia_pin.diagnosis.journal import Belief, Look
 from cdia_pin.diagnosis.record import STAGES
-from cdia_pin.effects import CoulombFriction, LoadFriction, Term, Unknown
+from cdia_pin.effects import Between, CoulombFriction, LoadFriction, Term, Unknown
 from cdia_pin.viewers import events_table, joints_table, run_summary, tracking_table, write_monitor_report
 from cdia_pin.viewers.event_words import event_rows
 from cdia_pin.viewers.page import LARGEST
@@ -22,6 +23,12 @@ from cdia_pin.viewers.stage_colours import STAGE_COLOURS, STAGE_WORDS
 DATA = re.compile(r'<script type="application/json" id="data">(.*?)</script>', re.DOTALL)
 FRICTION = Term(CoulombFriction("joint1"), (4.0,), ci95=((3.8, 4.2),))
 LOAD = Term(LoadFriction("joint1"), (0.1,))
+LOOKS = (
+    Look(13.5, "joint1", ("coulomb_friction",), (("load_friction",),)),
+    Look(15.0, "joint1", ("coulomb_friction",)),
+    Look(18.0, "joint1", ()),
+)
+BELIEFS = (Belief(14.0, (FRICTION,)), Belief(16.0, (replace(FRICTION, theta=(3.9,)),)), Belief(18.0, ()))
 
 
 def a_run(count=500):
@@ -51,13 +58,13 @@ def a_run(count=500):
     record = {
         "version": "0",
         "engine": "momentum",
-        "bank": ["coulomb_friction"],
+        "bank": ["coulomb_friction", "load_friction"],
         "healthy": [],
         "notes": ["a note"],
     }
     return MonitorRun(
         robot, time, signal, np.ones((count, 4)), stages, 0.1 * signal, signal, signal, signal, signal + 0.01,
-        events, (FRICTION,), record,
+        events, (FRICTION,), record, LOOKS, BELIEFS,
     )  # fmt: skip
 
 
@@ -100,6 +107,47 @@ def test_intervals_of_a_joint_cover_the_run(run):
         assert joint["stages"][0][0] == 10.0
         assert ends[-1] == 20.0
         assert [i[0] for i in joint["stages"][1:]] == ends[:-1]
+
+
+def test_hypotheses_live_from_the_detection_until_they_are_excluded(run):
+    first, *others = monitor_data(run)["joints"]
+    rows = {row["effect"]: row["spans"] for row in first["hypotheses"]}
+    assert list(rows) == ["coulomb friction", "load friction", "none of these"]
+    begin = first["stages"][1][0]
+    assert rows["coulomb friction"] == [[begin, 13.5, "open"], [13.5, 18.0, "leading"]]
+    assert rows["load friction"] == [[begin, 13.5, "open"], [13.5, 15.0, "possible"]]
+    assert rows["none of these"] == []
+    assert all(j["hypotheses"] == [] for j in others)
+
+
+def test_parameters_are_shown_as_they_were_believed(run):
+    joints = monitor_data(run, present=[replace(FRICTION, theta=(4.1,))])["joints"]
+    (level,) = joints[0]["parameters"]
+    assert (level["effect"], level["name"], level["unit"]) == ("coulomb friction", "level", "N·m")
+    assert level["time"] == [10.0, 14.0, 16.0, 18.0, 20.0]
+    assert level["value"] == [None, 4.0, 3.9, None, None]
+    assert level["low"] == [None, 3.8, 3.8, None, None]
+    assert level["real"] == 4.1
+    assert joints[1]["parameters"] == []
+
+
+def test_faults_of_the_plant_are_marked_where_they_are(run):
+    fault = replace(FRICTION, profile=Between(12.5, 17.5))
+    first, second, *_ = monitor_data(run, present=[fault])["joints"]
+    ((begin, end, name),) = first["present"]
+    assert (begin, end) == pytest.approx((12.5, 17.5), abs=0.03)
+    assert name == "coulomb friction"
+    assert second["present"] == []
+
+
+def test_the_fitted_effect_is_drawn_over_the_signal_that_it_follows():
+    run = a_run(2000)
+    speed = np.tile(np.sin(np.linspace(0, 60, 2000))[:, None], 4)
+    shown = monitor_data(replace(run, velocity=speed))["joints"][0]["against"]
+    assert shown["fitted"] == ["coulomb friction"]
+    x, torque = (np.array(v) for v in shown["signals"]["velocity"]["curve"])
+    np.testing.assert_allclose(torque[np.abs(x) > 0.1], -3.9 * np.sign(x[np.abs(x) > 0.1]), rtol=0.02)
+    assert shown["signals"]["load"]["curve"] is None
 
 
 def test_an_hour_still_fits(tmp_path):

@@ -109,6 +109,28 @@ def test_a_comparison_alone_makes_a_page(results, tmp_path):
     assert all(j["after"] is None for j in data["joints"])
 
 
+def test_the_arm_is_in_the_page_and_clears_step_by_step(results, page):
+    (text,) = re.findall(r'<script type="application/json" id="scene">(.*?)</script>', page, re.DOTALL)
+    scene = json.loads(text)
+    assert tuple(j["name"] for j in scene["arm"]["joints"]) == results.robot.joints
+    names = [s["name"] for s in scene["steps"]]
+    assert names[0] == "as given"
+    assert len(names) == len(results.discovery.trace)
+    worst = int(np.argmax(scene["steps"][0]["level"]))
+    levels = [s["level"][worst] for s in scene["steps"]]
+    assert levels[0] == 1.0
+    assert levels[-1] < 0.2
+    time = np.array(scene["timeline"]["time"])
+    assert (np.diff(time) > 0).all()
+    assert len(scene["timeline"]["variants"]) == 1
+
+
+def test_a_comparison_alone_has_no_steps(results, tmp_path):
+    page = write_report(tmp_path / "compare.html", results.given).read_text(encoding="utf-8")
+    (text,) = re.findall(r'<script type="application/json" id="scene">(.*?)</script>', page, re.DOTALL)
+    assert json.loads(text)["steps"] == []
+
+
 def test_hostile_names_stay_text(hostile, page, tmp_path):
     wicked = hostile.write(tmp_path / "hostile.html")
     assert wicked.count("</script>") == page.count("</script>")
@@ -157,5 +179,5 @@ def test_a_browser_draws_it_without_a_complaint(hostile, tmp_path):
     assert "CONSOLE" not in said, said
     assert page.count("<canvas") >= 6  # torque, residual, and four against motion
     assert "<img" not in page
-    for heading in ("What the model lacks", "Error by joint", "Joint by joint", "Worst regions"):
+    for heading in ("The arm in motion", "What the model lacks", "Error by joint", "Worst regions"):
         assert heading in page

@@ -6,6 +6,8 @@ const EVENT = { detection: "detected", isolation: "isolated", accommodation: "ac
 const stageOf = (e) => EVENT[e.stage.split(", ").pop()];
 const of = (j) => DATA.events.map((e, k) => ({ ...e, number: k + 1 })).filter((e) => e.concerned.includes(j.name));
 const time = (t) => t.toFixed(3) + "\u00a0s";
+const SHOWN = { stages: STAGES, begin: DATA.begin, end: DATA.end, clock };
+const named = (p) => p.effect + ": " + p.name;
 
 // ---------------------------------------------------------------- head
 
@@ -32,16 +34,12 @@ function head() {
 
 function stages() {
   const seen = Object.keys(STAGES).filter((s) => DATA.joints.some((j) => j.stages.some((i) => i[2] === s)));
-  const place = (t) => (100 * (t - DATA.begin)) / (DATA.end - DATA.begin);
-  const strip = (j) => h("div", { class: "strip", role: "img", "aria-label": j.name + ": " + j.stages.map((i) => i[2] + " from " + num(i[0], 4) + " s").join(", ") },
-    j.stages.map(([from, to, stage]) => h("i", { class: stage === "healthy" ? "calm" : "",
-      title: stage + ", " + time(from) + " to " + time(to), style: `left:${place(from)}%;width:${place(to) - place(from)}%;background:var(--stage-${stage})` })));
-  const ticks = [0, 0.25, 0.5, 0.75, 1].map((s) => h("span", {}, num(DATA.begin + s * (DATA.end - DATA.begin), 4) + " s"));
   return h("section", {}, h("h2", {}, "Stages"),
     h("p", { class: "lead" }, "Where each joint stands between healthy and corrected, over time."),
     h("div", { class: "card" },
-      legend(...seen.map((s) => ["stage-" + s, "band", s + (STAGES[s].words && ": " + STAGES[s].words)])),
-      h("div", { class: "strips" }, DATA.joints.map((j) => [h("span", {}, j.short), strip(j)]), h("span", {}), h("div", { class: "ticks" }, ticks))));
+      legend(...seen.map((s) => ["stage-" + s, "band", s + (STAGES[s].words && ": " + STAGES[s].words)]),
+        DATA.joints.some((j) => j.present.length) && ["ink", "thin", "the fault is in the plant"]),
+      JointCharts.stages(DATA.joints, SHOWN)));
 }
 
 // ---------------------------------------------------------------- tables
@@ -81,77 +79,75 @@ function tracking() {
 
 // ---------------------------------------------------------------- one joint
 
-function shade(j) {
-  return (u) => {
-    const { left, top, width, height } = u.bbox;
-    const x = (t) => Math.min(Math.max(u.valToPos(t, "x", true), left), left + width);
-    for (const [from, to, stage] of j.stages) {
-      if (stage === "healthy" || x(to) <= x(from)) continue;
-      u.ctx.fillStyle = alpha(STAGES[stage].colour, 0.2);
-      u.ctx.fillRect(x(from), top, x(to) - x(from), height);
-    }
-  };
-}
-
-function marks(j) {
-  return (u) => {
-    const c = u.ctx, px = devicePixelRatio, { left, top, width, height } = u.bbox;
-    c.save();
-    c.beginPath(); c.rect(left, top, width, height); c.clip();
-    c.strokeStyle = c.fillStyle = color("ink"); c.lineWidth = px; c.setLineDash([4 * px, 4 * px]);
-    c.font = 11 * px + "px " + getComputedStyle(document.body).fontFamily;
-    c.textBaseline = "top"; c.textAlign = "left";
-    let free = -Infinity, level = 0; // labels that would overlap stand on lines of their own
-    for (const e of of(j)) {
-      const x = u.valToPos(e.time, "x", true);
-      level = x < free ? level + 1 : 0;
-      c.beginPath(); c.moveTo(x, top); c.lineTo(x, top + height); c.stroke();
-      c.fillText(String(e.number), x + 3 * px, top + (2 + 12 * level) * px);
-      free = x + 18 * px;
-    }
-    c.restore();
-  };
-}
-
-function oneJoint(j) {
-  const value = (unit) => (u, v) => (v === null || v === undefined ? "–" : withUnit(v, unit));
-  const line = (label, name, width, unit, more = {}) => ({ label, stroke: color(name), width, value: value(unit), points: { show: false }, ...more });
-  const options = (label, series, scale) => ({
-    scales: { x: { time: false, range: (u, low, high) => [low, high] }, y: scale || {} }, padding: [8, 12, 0, 0],
-    legend: { markers: { width: 0, fill: (u, k) => u.series[k].stroke(u, k) } },
-    hooks: { drawClear: [shade(j)], draw: [marks(j)] },
-    cursor: { sync: { key: "joint-" + j.name }, points: { size: 7 } },
-    axes: [axis("time [s]", { values: axisNumber }), axis(label, { size: 62, values: axisNumber })],
-    series: [{ label: "time", value: (u, v) => (v === null ? "–" : num(v, 5) + " s") }, ...series],
-  });
-  const boxes = [0, 1, 2].map(() => h("div", { class: "chart" }));
-  const unit = j.units.residual, corrected = j.correction.some((x) => x);
+function signals(j) {
+  const boxes = [0, 1, 2].map(() => h("div", { class: "chart" })), unit = j.units.residual;
   const inside = Object.keys(STAGES).filter((s) => s !== "healthy" && j.stages.some((i) => i[2] === s));
-  const symbol = unit === j.units.load ? "residual, the torque that the model lacks" : "velocity error of the observer";
+  const torques = unit === j.units.load;
+  const shown = { ...SHOWN, marks: of(j).map((e) => ({ time: e.time, text: String(e.number) })) };
   return {
     node: h("div", { class: "card stack" },
       inside.length ? legend(...inside.map((s) => ["stage-" + s, "band faint", s]), ["ink", "dotted", "event, with its number"]) : null,
-      h("h3", {}, j.name + ": " + symbol + ", and ± its threshold"), boxes[0],
-      h("h3", {}, j.name + ": torque, and what is added to the nominal one"), boxes[1],
+      h("h3", {}, j.name + ": " + (torques ? "residual" : "velocity error of the observer") + " and its threshold"), boxes[0],
+      h("h3", {}, j.name + (torques ? ": measured and modelled torque" : ": torque")), boxes[1],
       j.error ? [h("h3", {}, j.name + ": tracking error q − q_d"), boxes[2]] : null,
-      h("div", { class: "soft", style: "font-size:13px" }, "Drag across a chart to zoom, double-click to go back.")),
+      h("div", { class: "soft small" }, "Drag across a chart to zoom, double-click to go back.")),
     draw() {
-      const t = j.time, bound = (more) => line("± threshold", "floor", 1.5, unit, { dash: [6, 3], ...more });
-      const most = Math.max(...j.residual.map(Math.abs), ...j.threshold) * 1.06;
-      chart(boxes[0], 260, options("[" + unit + "]", [line("residual", "after", 1.5, unit), bound(), bound({ label: "lower", class: "hidden" })], { range: [-most, most] }),
-        [t, j.residual, j.threshold, j.threshold.map((x) => -x)]);
-      chart(boxes[1], 230, options("[" + j.units.load + "]", [line("torque", "measured", 2, j.units.load), ...(corrected ? [line("correction", "before", 1.5, j.units.load)] : [])]),
-        [t, j.effort, ...(corrected ? [j.correction] : [])]);
-      if (j.error) chart(boxes[2], 200, options("[m" + j.units.position + "]", [line("tracking error", "curve", 1.5, "m" + j.units.position)]), [t, j.error.map((x) => (x === null ? null : 1e3 * x))]);
+      JointCharts.residual(boxes[0], j, shown);
+      JointCharts.torque(boxes[1], j, shown);
+      if (j.error) JointCharts.tracking(boxes[2], j, shown);
     },
   };
 }
 
-function joints() {
+function againstMotion(j) {
+  if (!j.against) return null;
+  const names = Object.keys(j.against.signals), boxes = names.map(() => h("div", { class: "chart" }));
+  const curve = names.some((s) => j.against.signals[s].curve);
+  return {
+    node: h("div", { class: "stack" },
+      legend(["before", "dots", "residual from the detection on"], ["measured", "dots", "before, and after the fault was gone"],
+        curve && ["curve", "dashed", "torque of what was believed last: " + j.against.fitted.join(" with ")]),
+      h("div", { class: "three-up" }, names.map((s, k) => h("div", { class: "card" }, h("h3", {}, j.name + ": residual against " + (s === "load" ? "torque" : s)), boxes[k])))),
+    draw() { names.forEach((s, k) => JointCharts.faulty(boxes[k], j, s)); },
+  };
+}
+
+function isolation(j) {
+  if (!j.hypotheses.length) return null;
+  return h("div", { class: "card stack" },
+    h("h3", {}, j.name + ": which hypotheses live"),
+    legend(["floor", "band faint", "open: detected, nothing excluded yet"], ["after", "band", "leading: in the combination that explains best"],
+      ["after", "band faint", "possible: in another one that explains the same"]),
+    JointCharts.hypotheses(j, SHOWN));
+}
+
+function sizes(j) {
+  const boxes = j.parameters.map(() => h("div", { class: "chart" }));
+  if (!boxes.length) return null;
+  return {
+    node: h("div", { class: "stack" },
+      legend(["after", "line", "parameter as believed"], ["after", "band faint", "its 95 % interval"], j.parameters.some((p) => p.real !== null) && ["floor", "dashed", "its value in the plant"]),
+      h("div", { class: "two-up" }, j.parameters.map((p, k) => h("div", { class: "card" }, h("h3", {}, j.name + ", " + named(p)), boxes[k])))),
+    draw() { j.parameters.forEach((p, k) => JointCharts.parameter(boxes[k], j, p, SHOWN)); },
+  };
+}
+
+function mostTelling() {
   const worst = DATA.joints.map((j) => [of(j).length ? 1 : 0, j.largest / (j.usual || 1e-12)]);
-  const first = worst.reduce((best, w, k) => (w[0] > worst[best][0] || (w[0] === worst[best][0] && w[1] > worst[best][1]) ? k : best), 0);
-  const choice = picker(first, (j) => num(j.largest / (j.usual || 1e-12), 2) + " × threshold", (j) => [oneJoint(j)]);
-  return { node: h("section", {}, h("h2", {}, "Joint by joint"), choice.node), draw: choice.draw };
+  return DATA.joints[worst.reduce((best, w, k) => (w[0] > worst[best][0] || (w[0] === worst[best][0] && w[1] > worst[best][1]) ? k : best), 0)].name;
+}
+
+const buttons = () => jointButtons((j) => num(j.largest / (j.usual || 1e-12), 2) + " × threshold");
+
+function joints() {
+  if (!DATA.joints.some((j) => j.hypotheses.length || j.parameters.length || j.against)) return null;
+  const nothing = (j) => h("p", { class: "card soft" }, j.name + " was healthy all the time: nothing was decided upon.");
+  return h("section", {}, h("h2", {}, "What it is, and how large"),
+    h("p", { class: "lead" }, "Which known effects explain the residual of a joint, what their parameters were believed to be, and the residual against the motion."),
+    buttons(), ofJoint((j) => {
+      const parts = [isolation(j), sizes(j), againstMotion(j)].filter(Boolean);
+      return parts.length ? parts : [nothing(j)];
+    }));
 }
 
 // ---------------------------------------------------------------- record
@@ -163,9 +159,13 @@ function record() {
     h("details", {}, h("summary", {}, "Engine, settings and healthy runs"),
       h("div", {}, table(null, Object.entries(DATA.record).map(([k, v]) => [h("td", { class: "soft", style: "width:24%" }, k.replaceAll("_", " ")), h("td", {}, text(v))])))),
     h("details", {}, h("summary", {}, "Words used on this page"), h("div", {},
-      h("p", {}, "Residual: what the model lacks to explain the motion, through a filter that needs no accelerations. Beyond its threshold no healthy run has been."),
+      h("p", {}, "Residual: the torque that the model lacks to explain the motion, through a filter that needs no accelerations. Beyond its threshold no healthy run has been. Modelled torque: measured torque plus residual."),
       h("p", {}, "Isolation: every combination of the known effects is asked whether it explains the residual since the detection. Accommodation: the torque is corrected by what is believed. Idle: a fault whose torque stays away where it would show is no longer corrected for, but remembered."))));
 }
 
-show(() => [head(), stages(), events(), believed(), tracking(), joints(), record(),
+const LEAD = "Replays the run. A link takes the colour of its joint's stage, the stronger the farther its residual"
+  + (DATA.joints[0].error ? "; the faint arm is where it should be" : "") + ". Hover a chart to move the arm, click a link to choose its joint.";
+
+show([head(), motion(LEAD, buttons(), (j) => [signals(j)]), stages(), events(), believed(), tracking(), joints(), record(),
   h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")]);
+chosen.choose(mostTelling());

@@ -6,7 +6,7 @@ const share = (j, rms) => rms / Math.max(j.torque_rms, 1e-12);
 
 function mostTelling() {
   const worth = DATA.joints.map((j) => share(j, j.before.rms) - (j.after ? share(j, j.after.rms) : 0));
-  return worth.indexOf(Math.max(...worth));
+  return DATA.joints[worth.indexOf(Math.max(...worth))].name;
 }
 
 // ---------------------------------------------------------------- head and verdict
@@ -72,13 +72,13 @@ function effects() {
       h("div", { class: "equation" }, "f = " + e.equation)),
     h("td", {}, h("div", { class: "parameters" },
       [...e.parameters, ...e.shape].map((p) => [
-        h("span", { class: "soft" }, p.name), h("span", { class: p.telling === false ? "faint" : "" }, p.text)])),
+        h("span", { class: "soft" }, p.name), h("span", { class: p.telling === false ? "faint" : "" }, p.text), h("span", {}, Charts.interval(p.interval, p.name + " " + p.text))])),
       e.profile ? h("div", { class: "soft" }, "present: " + e.profile) : null),
     h("td", {}, e.error.joint, h("div", {}, h("span", { class: "b" }, percent(e.error.before)), " → ", h("span", { class: "a" }, percent(e.error.after)))),
     h("td", {}, e.confusions.length ? byMotion(e.confusions) : h("span", { class: "soft" }, "nothing else tried comes near")),
   ]);
   return h("section", {}, h("h2", {}, "What the model lacks"),
-    h("p", { class: "lead" }, "Each effect adds a torque f on the right of M q̈ + nle = τ + f. Parameters with their 95 % interval; faint ones cannot be told from zero. Order: the most telling first."),
+    h("p", { class: "lead" }, "Each effect adds a torque f on the right of M q̈ + nle = τ + f. Parameters with their 95 % interval, drawn beside zero (the grey line); faint ones cannot be told from it. Order: the most telling first."),
     h("div", { class: "card" }, table([right("th", ""), wide("24%", "effect"), wide("29%", "parameters ± 95 %"),
       wide("13%", "error where it helps most"), "could be mistaken for"], rows)));
 }
@@ -120,25 +120,6 @@ function errors() {
 
 // ---------------------------------------------------------------- the error falling
 
-function fallChart(box, height, fitted, heldout, floor, labels) {
-  const steps = fitted.map((_, k) => k);
-  const top = 108 * Math.max(...fitted, ...heldout, floor);
-  const line = (name, extra) => ({ stroke: color(name), width: 2, points: { show: true, size: 6, fill: color(name) }, ...extra });
-  chart(box, height, {
-    legend: { show: false }, cursor: { show: false }, padding: [10, 14, 0, 0],
-    scales: { x: { time: false, range: [-0.15, Math.max(steps.length - 1, 1) + 0.15] }, y: { range: [0, top || 1] } },
-    axes: [
-      axis(labels ? "effects added (numbers as in the table above; 0 = as given)" : null, {
-        splits: () => steps, values: (u, s) => s.map((v) => (steps.length > (labels ? 40 : 12) && v % 2 ? "" : String(v))), grid: { show: false } }),
-      axis(labels ? "% of torque RMS" : null, { size: labels ? 44 : 50, values: (u, s) => axisNumber(u, s).map((v) => (labels ? v : v + " %")) }),
-    ],
-    series: [{},
-      line("heldout", { dash: [6, 4], points: { show: true, size: 5, fill: color("card"), stroke: color("heldout") } }),
-      line("after"),
-      line("floor", { width: 1.5, dash: [2, 3], points: { show: false } })],
-  }, [steps, heldout.map((v) => 100 * v), fitted.map((v) => 100 * v), steps.map(() => 100 * floor)]);
-}
-
 function falling() {
   if (!FOUND || FOUND.trace.length < 2) return null;
   const trace = FOUND.trace;
@@ -156,96 +137,30 @@ function falling() {
       h("div", { class: "grid", style: "margin-top:14px" }, DATA.joints.map((j, k) => h("div", { class: "card" }, h("h3", {}, j.name), boxes[k]))),
       h("details", { style: "margin-top:14px" }, h("summary", {}, "The numbers"), h("div", {}, table(heads, rows)))),
     draw() {
-      fallChart(big, 250, trace.map((s) => s.mean), trace.map((s) => s.heldout_mean), FOUND.floor_mean, true);
-      boxes.forEach((box, j) => fallChart(box, 150, trace.map((s) => s.share[j]), trace.map((s) => s.heldout[j]), FOUND.floor[j], false));
+      JointCharts.fall(big, { fitted: trace.map((s) => s.mean), heldout: trace.map((s) => s.heldout_mean), floor: FOUND.floor_mean }, { height: 250 });
+      boxes.forEach((box, j) => JointCharts.fall(box, { fitted: trace.map((s) => s.share[j]), heldout: trace.map((s) => s.heldout[j]), floor: FOUND.floor[j] },
+        { height: 150, small: true }));
     },
   };
 }
 
-// ---------------------------------------------------------------- one joint: torque and residual over time
+// ---------------------------------------------------------------- one joint
 
-const add = (x, y) => x.map((v, k) => (v === null || y[k] === null ? null : v + y[k]));
-
-function shade(j) {
-  return (u) => {
-    const { left, top, width, height } = u.bbox;
-    const x = (t) => Math.min(Math.max(u.valToPos(t, "x", true), left), left + width);
-    u.ctx.fillStyle = color("band");
-    for (const [from, to] of j.time.rest) u.ctx.fillRect(x(from), top, x(to) - x(from), height);
-    u.ctx.fillStyle = color("soft");
-    for (const t of j.time.logs) if (t >= u.scales.x.min && t <= u.scales.x.max) u.ctx.fillRect(x(t), top, 1, height);
-  };
-}
+const ZOOM = "Drag across a chart to zoom, double-click to go back.";
 
 function overTime(j) {
   const [torque, residual] = [h("div", { class: "chart" }), h("div", { class: "chart" })];
-  const unit = j.units.load;
-  const value = (u, v) => (v === null || v === undefined ? "–" : withUnit(v, unit));
-  const line = (label, name, width) => ({ label, stroke: color(name), width, value, points: { show: false } });
-  const options = (label, series) => ({
-    scales: { x: { time: false } }, padding: [8, 12, 0, 0], legend: { markers: { width: 0, fill: (u, k) => u.series[k].stroke(u, k) } }, hooks: { drawClear: [shade(j)] },
-    cursor: { sync: { key: "joint-" + j.name }, points: { size: 7 } },
-    axes: [axis("time [s]", { values: axisNumber }), axis(label, { size: 58, values: axisNumber })],
-    series: [{ label: "time", value: (u, v) => (v === null ? "–" : num(v, 4) + " s") }, ...series],
-  });
   return {
     node: h("div", { class: "card stack" },
-      h("h3", {}, j.name + ": measured and model torque"),
-      j.time.rest.length || j.time.logs.length ? legend(
-        j.time.rest.length && ["band", "band", "near rest, where friction is whatever holds the joint: not counted"],
-        j.time.logs.length && ["soft", "thin", "vertical line: the next log begins"]) : null,
-      torque, h("h3", {}, j.name + ": residual, model less measured"), residual,
-      h("div", { class: "soft", style: "font-size:13px" }, "Drag across a chart to zoom, double-click to go back.")),
+      h("h3", {}, j.name + ": residual, model less measured"), residual,
+      h("h3", {}, j.name + ": measured and model torque"), torque,
+      legend(j.time.rest.length && ["band", "band", "near rest, where friction is whatever holds the joint: not counted"],
+        j.time.logs.length && ["soft", "thin", "vertical line: the next log begins"]),
+      h("div", { class: "soft small" }, ZOOM)),
     draw() {
-      const t = j.time;
-      const given = [line("as given", "before", 1.5)];
-      const improved = t.after ? [line("improved", "after", 1.5)] : [];
-      chart(torque, 280, options("torque [" + unit + "]", [line("measured", "measured", 4), ...given, ...improved]),
-        [t.time, t.measured, add(t.measured, t.before), ...(t.after ? [add(t.measured, t.after)] : [])]);
-      chart(residual, 220, options("residual [" + unit + "]", [...given, ...improved]), [t.time, t.before, ...(t.after ? [t.after] : [])]);
+      JointCharts.logResidual(residual, j, { clock });
+      JointCharts.logTorque(torque, j, { clock });
     },
-  };
-}
-
-// ---------------------------------------------------------------- one joint: residual against motion
-
-const SYMBOLS = { velocity: "q̇", position: "q", acceleration: "q̈", load: "τ of the model" };
-
-function dots(name, opacity) {
-  return (u, s) => {
-    const [x, y] = u.data[s];
-    const { left, top, width, height } = u.bbox;
-    const size = 2.4 * devicePixelRatio;
-    u.ctx.save();
-    u.ctx.beginPath(); u.ctx.rect(left, top, width, height); u.ctx.clip();
-    u.ctx.fillStyle = alpha(color(name), opacity);
-    for (let k = 0; k < x.length; k++) u.ctx.fillRect(u.valToPos(x[k], "x", true) - size / 2, u.valToPos(y[k], "y", true) - size / 2, size, size);
-    u.ctx.restore();
-    return null;
-  };
-}
-
-function curves(a) {
-  return (u) => {
-    const c = u.ctx, px = devicePixelRatio, { left, top, width, height } = u.bbox;
-    const X = (v) => u.valToPos(v, "x", true), Y = (v) => u.valToPos(v, "y", true);
-    const path = (xs, ys) => { c.beginPath(); xs.forEach((x, k) => (k ? c.lineTo(X(x), Y(ys[k])) : c.moveTo(X(x), Y(ys[k])))); c.stroke(); };
-    c.save();
-    c.beginPath(); c.rect(left, top, width, height); c.clip();
-    c.lineJoin = "round";
-    c.strokeStyle = color("soft"); c.lineWidth = px;
-    path([u.scales.x.min, u.scales.x.max], [0, 0]);
-    for (const [which, name] of [["before", "before"], ["after", "after"]]) {
-      const m = a.means[which];
-      if (!m) continue;
-      for (const [paint, more] of [[color("card"), 3], [color(name), 0]]) { // a halo keeps the line apart from its cloud
-        c.strokeStyle = c.fillStyle = paint; c.lineWidth = (2 + more) * px;
-        path(m.x, m.mean);
-        m.x.forEach((x, k) => { c.beginPath(); c.arc(X(x), Y(m.mean[k]), (3.4 + more / 2) * px, 0, 7); c.fill(); });
-      }
-    }
-    if (a.curve) { c.strokeStyle = color("curve"); c.lineWidth = 2.2 * px; c.setLineDash([7 * px, 4 * px]); path(...a.curve); }
-    c.restore();
   };
 }
 
@@ -261,36 +176,18 @@ function againstMotion(j) {
         IMPROVED && ["after", "dots", "residual improved"], IMPROVED && ["after", "means", "its mean by region"],
         curve && ["curve", "dashed", "what the added effects explain" + (helping.length ? ": " + helping.join(", ") : "")]),
       h("div", { class: "two-up" }, names.map((s, k) => h("div", { class: "card" },
-        h("h3", {}, "against " + s), h("div", { class: "legend" }, h("span", {}, "means by region account for ", told(j.against[s].means), " of the residual's variance")), boxes[k])))),
-    draw() {
-      names.forEach((s, k) => {
-        const a = j.against[s], c = j.cloud;
-        const clouds = [["before", [c[s], c.before], 0.35]];
-        if (c.after) clouds.push(["after", [s === "load" ? c.load_after : c[s], c.after], 0.4]);
-        const xs = range(clouds.flatMap(([, cloud]) => cloud[0])), ys = range(clouds.flatMap(([, cloud]) => cloud[1]));
-        chart(boxes[k], 250, {
-          mode: 2, legend: { show: false }, cursor: { show: false }, padding: [8, 12, 0, 0],
-          scales: { x: { time: false, range: xs }, y: { range: ys } },
-          axes: [axis(s + " " + SYMBOLS[s] + " of " + j.name + " [" + j.units[s] + "]", { values: axisNumber }),
-            axis("residual [" + j.units.load + "]", { size: 58, values: axisNumber })],
-          series: [null, ...clouds.map(([name, , opacity]) => ({ stroke: color(name), paths: dots(name, opacity) }))],
-          hooks: { draw: [curves(a)] },
-        }, [null, ...clouds.map(([, cloud]) => cloud)]);
-      });
-    },
+        h("h3", {}, j.name + ": residual against " + s), h("div", { class: "legend" }, h("span", {}, "means by region account for ", told(j.against[s].means), " of the residual's variance")), boxes[k])))),
+    draw() { names.forEach((s, k) => JointCharts.against(boxes[k], j, s)); },
   };
 }
 
+const buttons = () => jointButtons((j) => [h("span", { class: "b" }, percent(share(j, j.before.rms))),
+  j.after ? [" → ", h("span", { class: "a" }, percent(share(j, j.after.rms)))] : null]);
+
 function joints() {
-  const label = (j) => [h("span", { class: "b" }, percent(share(j, j.before.rms))), j.after ? [" → ", h("span", { class: "a" }, percent(share(j, j.after.rms)))] : null];
-  const choice = picker(mostTelling(), label, (j) => [overTime(j),
-    h("h3", { style: "margin-top:26px;font-size:16px" }, j.name + ": residual against its motion and load"), againstMotion(j)]);
-  return {
-    node: h("section", {}, h("h2", {}, "Joint by joint"),
-      h("p", { class: "lead" }, "Choose a joint. The residual is the torque f that the model lacks: where its mean bends with the velocity, think of friction; with the position, of gravity or springs; with the acceleration, of inertia; with the load, of gains."),
-      choice.node),
-    draw: choice.draw,
-  };
+  return h("section", {}, h("h2", {}, "Residual against motion and load"),
+    h("p", { class: "lead" }, "Choose a joint. The residual is the torque f that the model lacks: where its mean bends with the velocity, think of friction; with the position, of gravity or springs; with the acceleration, of inertia; with the load, of gains."),
+    buttons(), ofJoint((j) => [againstMotion(j)]));
 }
 
 // ---------------------------------------------------------------- regions and records
@@ -336,5 +233,10 @@ function records() {
 
 // ---------------------------------------------------------------- page
 
-show(() => [head(), verdict(), effects(), errors(), falling(), joints(), regions(), records(),
+const LEAD = "Replays the log. A link takes the colour of its joint's error beside its torque"
+  + (FOUND && FOUND.trace.length > 1 ? "; add effect after effect and see it clear" : "")
+  + ". Hover a chart to move the arm, click a link to choose its joint.";
+
+show([head(), verdict(), motion(LEAD, buttons(), (j) => [overTime(j)]), effects(), errors(), falling(), joints(), regions(), records(),
   h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")]);
+chosen.choose(mostTelling());

@@ -1,0 +1,76 @@
+"""The arm and the charts as elements of a page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from nicegui.element import Element
+
+
+class ArmElement(Element, component="assets/arm.js", default_classes="arm-box"):
+    """The picture of an arm; a click on a link chooses its joint.
+
+    Args:
+        choose: Told the joint whose link was clicked, or None for none.
+    """
+
+    def __init__(self, choose: Callable[[str | None], Any]) -> None:
+        super().__init__()
+        self.on("joint", lambda event: choose(event.args))
+
+    def draw(
+        self, scene: dict[str, Any], stages: list[dict[str, Any]], reach: list[list[float]] | None = None
+    ) -> None:
+        """Draw an arm anew.
+
+        Args:
+            scene: Of `Scene.to_dict`.
+            stages: What colours mean.
+            reach: Positions that the picture is to hold, where no motion is known yet [rad or m].
+        """
+        self.run_method("draw", scene, stages, reach)
+
+    def play(self, timeline: dict[str, Any], variant: int) -> None:
+        """Show a motion, of `Timeline.to_dict`, by the reckoning of one of its models."""
+        self.run_method("play", timeline, variant)
+
+    def append(self, piece: dict[str, Any], stages: list[dict[str, Any]]) -> None:
+        """Show a piece of the timeline of an arm that moves now."""
+        self.run_method("append", piece, stages)
+
+    def select(self, joint: str | None) -> None:
+        """Highlight the link of a joint."""
+        self.run_method("select", joint)
+
+
+class ChartsElement(Element, component="assets/charts.js", default_classes="charts"):
+    """The charts of one joint."""
+
+    def draw(self, joint: dict[str, Any]) -> None:
+        """Draw what `picture.joint` returns."""
+        self.run_method("draw", joint)
+
+
+class LiveElement(Element, component="assets/live.js", default_classes="live-box"):
+    """Tiles and a chart of an arm that moves now; a press on a tile chooses its joint.
+
+    Args:
+        choose: Told the joint whose tile was pressed.
+    """
+
+    def __init__(self, choose: Callable[[str], Any]) -> None:
+        super().__init__()
+        self.on("joint", lambda event: choose(event.args))
+
+    def begin(self, joints: list[dict[str, str]], stages: list[dict[str, Any]]) -> None:
+        """Begin anew with the joints of an arm."""
+        self.run_method("begin", joints, stages)
+
+    def push(self, piece: dict[str, Any]) -> None:
+        """Show what `LiveRun.take` returned."""
+        self.run_method("push", piece)
+
+    def select(self, joint: str) -> None:
+        """Show the residual of a joint."""
+        self.run_method("select", joint)

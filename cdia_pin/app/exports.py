@@ -1,0 +1,67 @@
+"""What a session leaves behind, as the bytes of files: model, corrected URDF and report."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from cdia_pin.app.python_lines import python_lines
+from cdia_pin.app.session import Session
+from cdia_pin.dynamics import save_model
+from cdia_pin.dynamics.urdf_terms import UrdfValues
+from cdia_pin.errors import ModelError
+from cdia_pin.robot.urdf_export import corrected_urdf
+from cdia_pin.viewers import write_report
+
+
+def model_file(session: Session) -> bytes:
+    """Return the present model as `save_model` writes it."""
+    fitted = session.present.fitted
+    record = fitted.record if fitted else session.present.comparison.record
+    return _written("model.json", lambda path: save_model(session.present.model, path, record=record))
+
+
+def urdf_file(session: Session) -> bytes:
+    """Return the URDF with what it can hold of the present model.
+
+    Relative mesh paths hold from the folder of the robot's own URDF.
+
+    Raises:
+        ModelError: If the model has no term with a place in a URDF.
+    """
+    robot = session.inputs.robot
+    values = UrdfValues.of(session.present.model.terms, robot)
+    if not values.written:
+        have = ", ".join(values.left_out) or "no terms"
+        raise ModelError(f"nothing of the model has a place in a URDF; it has {have}")
+    return corrected_urdf(robot, robot.urdf.parent, **values.arguments).encode()
+
+
+def report_file(session: Session) -> bytes:
+    """Return the report on the present model beside the model as given."""
+    first, present, inputs = session.history.first, session.present, session.inputs
+    improved = None if present is first else present.comparison
+    return _written(
+        "report.html",
+        lambda path: write_report(
+            path,
+            first.comparison,
+            improved=improved,
+            discovery=session.history.discovery,
+            checks=[inputs.check],
+            command="",
+        ),
+    )
+
+
+def python_file(session: Session) -> bytes:
+    """Return the Python lines that end with the same model."""
+    return python_lines(session).encode()
+
+
+def _written(name: str, write: Callable[[Path], object]) -> bytes:
+    with tempfile.TemporaryDirectory(prefix="cdia-") as folder:
+        path = Path(folder) / name
+        write(path)
+        return path.read_bytes()

@@ -1,0 +1,101 @@
+"""What a session works on: a robot, a log and how it was read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from cdia_pin.discovery.search import Progress
+from cdia_pin.dynamics import Dynamics, load_model
+from cdia_pin.errors import LogError
+from cdia_pin.logs import Log, LogCheck, check_log, read_log
+from cdia_pin.logs.conversion import Conversion
+from cdia_pin.robot import RobotModel, load_robot
+
+
+@dataclass(frozen=True)
+class Request:
+    """What was asked for; the fields are those of `load_robot`, `load_model` and `read_log`.
+
+    Attributes:
+        robot: Name of the catalogue, or path of a URDF.
+        log: Path of the log.
+        model: Path of a model saved before; None for the URDF alone.
+        joint_map: Name in the log → joint of the robot.
+        convert: Units and signs that are not SI or not the URDF's.
+        gains: Drive gains [N·m/A] by joint, where the log has motor currents.
+        name: What the log is called, where its path says nothing, as of an upload.
+    """
+
+    robot: str
+    log: Path
+    model: Path | None = None
+    joint_map: Mapping[str, str] = field(default_factory=dict)
+    convert: Mapping[str, Any] = field(default_factory=dict)
+    gains: Mapping[str, float] = field(default_factory=dict)
+    name: str = ""
+
+    def converted(self, option: str) -> Request:
+        """Return the request with one conversion more.
+
+        Args:
+            option: As an advice of `check_log` names it, such as ``angle=deg`` or ``flip_effort=elbow_joint``.
+
+        Raises:
+            LogError: If it cannot be understood.
+        """
+        convert, usual = dict(self.convert), Conversion()
+        for name, value in vars(Conversion.of([option])).items():
+            if value != getattr(usual, name):
+                flips = isinstance(value, tuple)
+                convert[name] = tuple(dict.fromkeys((*convert.get(name, ()), *value))) if flips else value
+        return replace(self, convert=convert)
+
+
+@dataclass(frozen=True, eq=False)
+class Inputs:
+    """What was loaded.
+
+    Attributes:
+        request: What was asked for.
+        model: The robot, with the terms of a saved model if there is one.
+        log: The log.
+        check: What `check_log` says of it.
+    """
+
+    request: Request
+    model: Dynamics
+    log: Log
+    check: LogCheck
+
+    @property
+    def robot(self) -> RobotModel:
+        """The arm."""
+        return self.model.robot
+
+    @classmethod
+    def load(cls, asked: Request, tell: Progress) -> Inputs:
+        """Read and check everything.
+
+        Raises:
+            CdiaError: If a file is not what it must be; its message says what to do.
+        """
+        if not asked.robot:
+            raise LogError("name a robot of the catalogue, or give the path of a URDF")
+        if not str(asked.log) or not asked.log.exists():
+            raise LogError(f"there is no log {asked.log}")
+        tell("reading the robot", 0.0)
+        robot = load_robot(asked.robot)
+        model = load_model(asked.model, robot) if asked.model else Dynamics(robot)
+        tell("reading the log", 0.2)
+        log = read_log(
+            asked.log,
+            robot,
+            gains=asked.gains or None,
+            joint_map=asked.joint_map or None,
+            convert=asked.convert or None,
+        )
+        tell("checking the log", 0.6)
+        return cls(asked, model, log, check_log(log, robot))

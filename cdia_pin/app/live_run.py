@@ -1,0 +1,107 @@
+"""`LiveRun`: an arm that moves in a thread, at the pace of a clock, and what there is to see of it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Any
+
+import numpy as np
+
+from cdia_pin.app.live_sources import Source
+from cdia_pin.diagnosis import Event, Status
+from cdia_pin.errors import CdiaError
+from cdia_pin.viewers.live import FrameMaker
+
+FRAMES = 20.0  # [Hz]
+LATE = 0.25  # [s], by which the clock may be missed before it is set anew
+UNSEEN = 400  # frames that wait for a page which does not ask; older ones are dropped
+
+
+class LiveRun:
+    """Runs a source until it ends or is stopped.
+
+    Args:
+        source: What moves.
+        replay: Whether what is asked for is unknown, as in a log.
+
+    Attributes:
+        error: Why it ended, in a sentence; empty if it did not fail.
+        speed: Time that passed for the arm over time that passed [1].
+    """
+
+    def __init__(self, source: Source, *, replay: bool = False) -> None:
+        self.source, self.error, self.speed = source, "", 1.0
+        self._replay = replay
+        self._frames: list[dict[str, Any]] = []
+        self._events: list[Event] = []
+        self._stop, self._goes = threading.Event(), threading.Event()
+        self._goes.set()
+        self._thread = threading.Thread(target=self._run, name="cdia live", daemon=True)
+        self._thread.start()
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing moves any more."""
+        return not self._thread.is_alive()
+
+    @property
+    def paused(self) -> bool:
+        """Whether it waits."""
+        return not self._goes.is_set()
+
+    def stop(self) -> None:
+        """End it."""
+        self._stop.set()
+        self._goes.set()
+
+    def pause(self, waits: bool) -> None:
+        """Let it wait, or go on."""
+        self._goes.clear() if waits else self._goes.set()
+
+    def take(self) -> tuple[dict[str, list[Any]], list[Event]]:
+        """Return what is new since it was last asked: frames as a piece of a timeline, and events."""
+        frames, self._frames = self._frames, []
+        events, self._events = self._events, []
+        piece: dict[str, list[Any]] = {}
+        for frame in frames:
+            for key, rows in frame.items():
+                piece.setdefault(key, []).extend(rows)
+        return piece, events
+
+    def _run(self) -> None:
+        try:
+            self._follow()
+        except CdiaError as error:
+            self.error = " ".join(str(error).split())
+
+    def _follow(self) -> None:
+        frame_of = FrameMaker(self.source.robot, rate=FRAMES)
+        begun = wall = shown = None
+        for tick in self.source.ticks:
+            status = tick.status
+            if self._stop.is_set() or status is None:
+                return
+            self._events.extend(status.events)
+            frame = frame_of(tick.time, tick.q, status, None if self._replay else tick.desired)
+            if frame is None:
+                continue
+            self._frames = [*self._frames[-UNSEEN:], frame | _signals(status)]
+            if not self._goes.is_set():
+                self._goes.wait()
+                begun = None
+            now = time.monotonic()
+            if shown is not None and wall is not None and now > wall:
+                self.speed += 0.05 * ((tick.time - shown) / (now - wall) - self.speed)
+            if begun is None or now - begun > tick.time + LATE:
+                begun = now - tick.time
+            time.sleep(max(begun + tick.time - now, 0.0))
+            wall, shown = now, tick.time
+
+
+def _signals(status: Status) -> dict[str, list[Any]]:
+    """Return residual and threshold of each joint, as a page draws them."""
+    return {
+        "residual": [np.round(status.residual, 4).tolist()],
+        "threshold": [np.round(status.threshold, 4).tolist()],
+    }

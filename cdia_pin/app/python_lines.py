@@ -1,0 +1,61 @@
+"""The Python lines that do what was done in a session."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cdia_pin.app.history import Version
+from cdia_pin.app.inputs import Request
+from cdia_pin.app.session import Session
+from cdia_pin.dynamics.urdf_terms import UrdfValues
+
+IMPORTS = {
+    "parse_effect": "from cdia_pin.effects import parse_effect",
+    "UrdfValues": "from cdia_pin.dynamics.urdf_terms import UrdfValues",
+    "write_report": "from cdia_pin.viewers import write_report",
+}
+PUBLIC = (
+    "Dynamics", "add_effect", "compare", "discover", "load_model", "load_robot", "read_log", "save_model",
+    "write_corrected_urdf",
+)  # fmt: skip
+
+
+def python_lines(session: Session) -> str:
+    """Return a script that reads the same files, ends with the same model and writes what the app exports."""
+    asked, steps = session.inputs.request, session.history.path[1:]
+    body = "\n".join([*_loading(asked), *(line for v in steps for line in _adding(v)), *_writing(session)])
+    used = [name for name in PUBLIC if f"{name}(" in body]
+    imports = [
+        f"from cdia_pin import {', '.join(used)}",
+        *(line for name, line in IMPORTS.items() if name in body),
+    ]
+    return "\n".join([*imports, "", body, ""])
+
+
+def _loading(asked: Request) -> Iterator[str]:
+    reading = (("gains", asked.gains), ("joint_map", asked.joint_map), ("convert", asked.convert))
+    options = "".join(f", {name}={dict(value)!r}" for name, value in reading if value)
+    yield f"robot = load_robot({asked.robot!r})"
+    yield f"log = read_log({asked.name or str(asked.log)!r}, robot{options})"
+    yield f"model = load_model({str(asked.model)!r}, robot)" if asked.model else "model = Dynamics(robot)"
+    yield "given = compare(model, log)"
+
+
+def _adding(version: Version) -> Iterator[str]:
+    if version.chosen:
+        yield f"found = discover(model, log)  # {', '.join(version.added)}"
+    else:
+        yield f"found = add_effect(model, parse_effect({version.added[0]!r}, robot), log)"
+    yield "model = found.model"
+
+
+def _writing(session: Session) -> Iterator[str]:
+    yield "improved = compare(model, log)"
+    yield "print(given.relative_rms, improved.relative_rms)  # error over torque RMS, joint by joint"
+    record = ", record=found.record" if session.history.at else ""
+    yield f'save_model(model, "model.json"{record})'
+    model = session.present.model
+    if UrdfValues.of(model.terms, model.robot).written:
+        arguments = "**UrdfValues.of(model.terms, robot).arguments"
+        yield f'write_corrected_urdf(robot, "corrected.urdf", {arguments})'
+    yield 'write_report("report.html", given, improved=improved)'

@@ -1,0 +1,109 @@
+"""The steps that show results: check, compare, missing effects, export."""
+
+from __future__ import annotations
+
+import re
+from functools import partial
+from typing import Any, Protocol
+
+from nicegui import ui
+
+from cdia_pin.app.history import Version
+from cdia_pin.app.parts import button, folded, node
+from cdia_pin.app.python_lines import python_lines
+from cdia_pin.app.session import Session
+from cdia_pin.logs import LogCheck
+from cdia_pin.logs.checks.finding import Finding
+from cdia_pin.viewers.words import percent, region_words, short_names
+
+OPTION = re.compile(r"--convert ([\w]+=[\w,.:]+)")
+REGIONS = 3  # that are shown
+MARKS = {"ok": "✓", "info": "·", "warning": "!", "error": "✕"}
+
+
+class Actions(Protocol):
+    """What can be asked of the page."""
+
+    def convert(self, option: str) -> Any:
+        """Load the log again with a conversion."""
+
+    def choose(self, joint: str) -> Any:
+        """Show a joint."""
+
+    def export(self, what: str) -> Any:
+        """Download a file."""
+
+
+def check_step(check: LogCheck, do: Actions) -> None:
+    """Show what `check_log` says, what needs attention first."""
+    problems = check.problems
+    rest = [f for f in check.findings if f not in problems]
+    if not problems:
+        node("p", f"Nothing needs attention in {len(check.findings)} findings.", "good", data_mark="check-ok")
+    for finding in problems:
+        _finding(finding, do)
+    with folded(f"{len(rest)} more" if problems else "All findings", mark="findings"):
+        for finding in rest:
+            _finding(finding, do)
+
+
+def _finding(finding: Finding, do: Actions) -> None:
+    with node("div", classes=f"finding {finding.severity}", data_mark="finding"):
+        node("span", MARKS[finding.severity], "mark", aria_label=finding.severity)
+        with node("div"):
+            where = f"{finding.joint}: " if finding.joint else ""
+            node("p", f"{where}{finding.message}")
+            if finding.advice:
+                node("p", finding.advice, "soft")
+            for option in OPTION.findall(finding.advice) if finding.severity in {"warning", "error"} else ():
+                button(
+                    f"Apply {option}", partial(do.convert, option), mark=f"apply-{option}", classes="quiet"
+                )
+
+
+def compare_step(session: Session, do: Actions) -> None:
+    """Show where the present model fails."""
+    comparison = session.present.comparison
+    short = short_names(comparison.model.robot.joints)
+    with node("p"):
+        node("span", "The model misses ")
+        node(
+            "b", percent(session.present.error), data_mark="error", data_value=f"{session.present.error:.6f}"
+        )
+        node("span", " of the measured torque (RMS, mean over the joints). It is worst at")
+    with node("ul", classes="regions"):
+        for region in comparison.worst_regions[:REGIONS]:
+            with node("li"):
+                button(short[region.joint], partial(do.choose, region.joint), mark="region", classes="link")
+                node("span", f" {region_words(region)}: {region.ratio:.1f} × its mean", "soft")
+
+
+def export_step(session: Session, do: Actions) -> None:
+    """Offer the files, and the lines that make them."""
+    with node("div", classes="actions"):
+        for what, name in (
+            ("model", "Model (.json)"),
+            ("urdf", "Corrected URDF"),
+            ("report", "Report (.html)"),
+            ("python", "Python (.py)"),
+        ):
+            button(name, partial(do.export, what), mark=f"export-{what}")
+    script = python_lines(session)
+    with folded("The Python lines that do the same", mark="python"):
+        node("pre", script, data_mark="python-lines", tabindex="0")
+        button("Copy", lambda: ui.clipboard.write(script), mark="copy", classes="quiet")
+
+
+def fall(before: float, after: float) -> None:
+    """Write an error that falls: ``48 % → 8.2 %``."""
+    with node("span", classes="fall"):
+        node("span", percent(before), "b")
+        node("span", " → ", "soft", aria_label="falls to")
+        node("span", percent(after), "a")
+
+
+def name_of(version: Version) -> str:
+    """Return what a version of the history is called."""
+    if not version.added:
+        return "as given"
+    return "+ " + ", ".join(text.replace("_", " ").replace("@", " on ") for text in version.added)

@@ -1,0 +1,130 @@
+"""`Session`: what one tab of the browser works on, without any page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from cdia_pin.app.history import History, Version
+from cdia_pin.app.inputs import Inputs, Request
+from cdia_pin.discovery import (
+    Discovery,
+    DiscoverySettings,
+    Problem,
+    add_effect_in,
+    compare_in,
+    discover_in,
+)
+from cdia_pin.discovery.search import Progress
+from cdia_pin.effects import parse_effect
+from cdia_pin.errors import CdiaError
+
+
+def silent(sentence: str, share: float) -> None:
+    """Tell nobody."""
+
+
+@dataclass(frozen=True, eq=False)
+class Session:
+    """One log of one arm in work, from loading to export.
+
+    Every step returns the next session and leaves this one as it is: what fails, or is cancelled by an exception out of
+    `tell`, has changed nothing.
+
+    Attributes:
+        inputs: What was loaded.
+        problem: The log, conditioned once for all questions.
+        history: The models.
+        preview: What adding one effect would give; None without one.
+    """
+
+    inputs: Inputs
+    problem: Problem
+    history: History
+    preview: Version | None = None
+
+    @classmethod
+    def load(cls, asked: Request, tell: Progress = silent) -> Session:
+        """Load a robot and a log, check them and compare them.
+
+        Raises:
+            CdiaError: If they cannot be read or used.
+        """
+        inputs = Inputs.load(asked, tell)
+        tell("comparing", 0.8)
+        problem = Problem.conditioned(inputs.robot, [inputs.log], [], DiscoverySettings())
+        first = Version(compare_in(problem.experiment, inputs.model))
+        tell("done", 1.0)
+        return cls(inputs, problem, History((first,)))
+
+    @property
+    def present(self) -> Version:
+        """The version that is shown."""
+        return self.history.present
+
+    @property
+    def found(self) -> Discovery | None:
+        """What a search beside the present model found; None before one was made."""
+        return self.present.found
+
+    def search(self, tell: Progress = silent) -> Session:
+        """Find what the present model lacks: what explains most by itself, and what a search would add."""
+        model = self.present.model
+        found = discover_in(self.problem.around(model), model, tell)
+        return replace(self, history=self.history.with_found(found))
+
+    def with_preview(self, text: str, tell: Progress = silent) -> Session:
+        """See what one effect would do, without adding it.
+
+        Args:
+            text: As in ``coulomb_friction@elbow_joint``, or an expression.
+            tell: Told what is done.
+
+        Raises:
+            CdiaError: If there is no such effect, or it cannot be seen in the log.
+        """
+        return replace(self, preview=self._with(text, tell))
+
+    def without_preview(self) -> Session:
+        """Forget the preview."""
+        return replace(self, preview=None)
+
+    def add(self, text: str, tell: Progress = silent) -> Session:
+        """Add one effect, fitted together with what the model has; what was previewed is not fitted again.
+
+        Raises:
+            CdiaError: If there is no such effect, or it cannot be seen in the log.
+        """
+        ready = self.preview
+        version = ready if ready is not None and ready.added == (text,) else self._with(text, tell)
+        return replace(self, history=self.history.then(version), preview=None)
+
+    def add_found(self) -> Session:
+        """Add all effects that the search would add.
+
+        Raises:
+            CdiaError: If there was no search, or it found nothing.
+        """
+        found = self.found
+        if found is None or not found.steps:
+            raise CdiaError("no search has found an effect to add")
+        added = tuple(s.term.label for s in found.steps if s.term is not None)
+        version = Version(compare_in(self.problem.experiment, found.model), added, found, chosen=True)
+        return replace(self, history=self.history.then(version), preview=None)
+
+    def goto(self, at: int) -> Session:
+        """Return to a model of the history; none that came after it is forgotten until another is added."""
+        return replace(self, history=self.history.goto(at), preview=None)
+
+    def undo(self) -> Session:
+        """Return to the model before."""
+        return self.goto(self.history.at - 1)
+
+    def redo(self) -> Session:
+        """Return to the model that was undone last."""
+        return self.goto(self.history.at + 1)
+
+    def _with(self, text: str, tell: Progress) -> Version:
+        model = self.present.model
+        effect = parse_effect(text, self.inputs.robot)
+        fitted = add_effect_in(self.problem.around(model), model, effect, tell)
+        return Version(compare_in(self.problem.experiment, fitted.model), (text,), fitted)

@@ -1,0 +1,47 @@
+"""``cdia app``: find what is missing, and watch an arm, in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.options import Model
+
+
+def app(
+    log: Annotated[
+        Path | None,
+        typer.Argument(metavar="[LOG]", show_default=False, help="Log to load at once; needs --robot."),
+    ] = None,
+    *,
+    robot: Annotated[
+        str | None,
+        typer.Option(
+            "--robot", "-r", metavar="R", show_default=False, help="Whose log it is: a name or a URDF file."
+        ),
+    ] = None,
+    model: Model = None,
+    port: Annotated[
+        int | None,
+        typer.Option(
+            "--port", metavar="N", show_default=False, help="Port on 127.0.0.1; a free one if left out."
+        ),
+    ] = None,
+    open_: Annotated[bool, typer.Option("--open/--no-open", help="Open a browser.")] = True,
+) -> None:
+    """Serve the app on this machine: load, check, compare, add what is missing, export; watch faults live.
+
+    It asks nothing of the network, and only this machine can reach it.
+    """
+    from cdia_pin.app.inputs import Request
+    from cdia_pin.app.server import serve
+
+    if (log is None) != (robot is None):
+        raise CommandError("a log needs its robot, and a robot its log: cdia app LOG --robot R")
+    if log is not None and not log.exists():
+        raise CommandError(f"there is no log {log}")
+    start = Request(robot, log.resolve(), model and model.resolve()) if log is not None and robot else None
+    serve(start, port=port, show=open_)

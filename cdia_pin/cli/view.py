@@ -1,0 +1,146 @@
+"""``cdia view``: an arm in the browser, its links coloured by how their joints fare."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.inputs import Reading
+from cdia_pin.cli.monitor_options import MONITOR, Bank
+from cdia_pin.cli.options import Check, Convert, Gains, JointMap, Model, Robot, Topic
+
+SIMULATION, PAGE = "Simulation", "Page"
+
+
+def view(
+    log: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[LOG]",
+            show_default=False,
+            help="Log: .csv, .parquet, .npz, or a ROS 2 bag (.db3, .mcap).",
+        ),
+    ] = None,
+    *,
+    robot: Robot,
+    model: Model = None,
+    healthy: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--healthy",
+            metavar="LOG",
+            show_default=False,
+            help="Run of the healthy arm, to learn thresholds from; may be repeated. Shows the stages of a monitor.",
+            rich_help_panel=MONITOR,
+        ),
+    ] = None,
+    monitored: Annotated[
+        bool,
+        typer.Option(
+            "--monitor",
+            help="Show the stages of a monitor, the first part of LOG taken as healthy, and not how much the model "
+            "misses.",
+            rich_help_panel=MONITOR,
+        ),
+    ] = False,
+    bank: Bank = None,
+    simulate: Annotated[
+        bool,
+        typer.Option(
+            "--simulate", help="Show a simulated closed loop instead of a log.", rich_help_panel=SIMULATION
+        ),
+    ] = False,
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--fault",
+            metavar="FAULT",
+            show_default=False,
+            help="What the arm has and its URDF does not, 'EFFECT@JOINT: NAME=VALUE, …'; may be repeated.",
+            rich_help_panel=SIMULATION,
+        ),
+    ] = None,
+    accommodate: Annotated[
+        bool,
+        typer.Option(
+            "--accommodate/--no-accommodate",
+            help="Let the monitor correct the control, or only watch.",
+            rich_help_panel=SIMULATION,
+        ),
+    ] = True,
+    duration: Annotated[
+        float, typer.Option("--duration", metavar="S", help="Length \\[s].", rich_help_panel=SIMULATION)
+    ] = 30.0,
+    rate: Annotated[
+        float,
+        typer.Option(
+            "--rate", metavar="HZ", help="Ticks of the control per second \\[Hz].", rich_help_panel=SIMULATION
+        ),
+    ] = 1000.0,
+    seed: Annotated[
+        int,
+        typer.Option("--seed", metavar="N", help="Of the motion and the noise.", rich_help_panel=SIMULATION),
+    ] = 0,
+    speed: Annotated[
+        float,
+        typer.Option(
+            "--speed",
+            metavar="FACTOR",
+            help="Simulated seconds in a second; 0: as fast as they are computed.",
+            rich_help_panel=SIMULATION,
+        ),
+    ] = 1.0,
+    port: Annotated[
+        int,
+        typer.Option(
+            "--port", metavar="N", help="Port on this machine; 0: a free one.", rich_help_panel=PAGE
+        ),
+    ] = 0,
+    browser: Annotated[
+        bool, typer.Option("--open/--no-open", help="Open the page in a browser.", rich_help_panel=PAGE)
+    ] = True,
+    gains: Gains = None,
+    joint_map: JointMap = None,
+    convert: Convert = None,
+    topic: Topic = None,
+    check: Check = True,
+) -> None:
+    """Show an arm move in the browser: a log, or a simulation with faults while it is computed.
+
+    Links are coloured by what the model misses at their joint or, with --healthy, --monitor or --simulate, by the
+    stage that a monitor sees it in; an arc shows the missing torque. Served to this machine alone, until Ctrl-C.
+    """
+    if simulate == (log is not None):
+        raise CommandError("give either a LOG or --simulate" if log else "give a LOG, or --simulate")
+    if log is not None and fault:
+        raise CommandError("--fault is of a simulation: add --simulate and leave out the LOG")
+    if simulate and (healthy or monitored):
+        raise CommandError(
+            "--healthy and --monitor are of a log: --simulate has a monitor that learns by itself"
+        )
+    if log is not None and bank and not (healthy or monitored):
+        raise CommandError("--bank is of a monitor: add --healthy or --monitor")
+    if not (duration > 0 and speed >= 0 and seed >= 0):
+        raise CommandError(
+            f"a view needs duration > 0 s, speed ≥ 0 and seed ≥ 0, given {duration:g}, {speed:g} and {seed}"
+        )
+    from cdia_pin.cli import view_sources
+    from cdia_pin.cli.view_page import Page
+
+    page = Page(port, browser)
+    reading = Reading(gains, joint_map, convert, topic)
+    try:
+        if log is None:
+            asked = view_sources.Simulation(
+                tuple(fault or ()), accommodate, duration, rate, seed, speed, bank
+            )
+            view_sources.show_simulation(page, robot, model, asked)
+        elif healthy or monitored:
+            view_sources.show_monitored(page, robot, model, [log, *(healthy or [])], bank, reading, check)
+        else:
+            view_sources.show_compared(page, robot, model, log, reading, check)
+    except KeyboardInterrupt:  # how a view ends
+        return

@@ -1,0 +1,63 @@
+"""The page of ``cdia view``: opened, fed, and served until somebody ends the command."""
+
+from __future__ import annotations
+
+import time
+import webbrowser
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from cdia_pin.viewers.live import LiveView
+    from cdia_pin.viewers.scene import Scene
+
+
+@dataclass(frozen=True)
+class Page:
+    """Where to show.
+
+    Attributes:
+        port: On this machine; a free one if 0.
+        browser: Whether to open it.
+    """
+
+    port: int
+    browser: bool
+
+    @contextmanager
+    def of(self, scene: Scene, **options: Any) -> Iterator[LiveView]:
+        """Serve a scene while it is fed, then until the process is interrupted.
+
+        Args:
+            scene: The arm.
+            **options: Of `LiveView`.
+        """
+        from cdia_pin.viewers.live import LiveView
+
+        with LiveView(scene, port=self.port, **options) as live:
+            print(f"{scene.robot.name} moves at {live.address}  (Ctrl-C ends it)", flush=True)
+            for note in scene.notes:
+                print(f"drawn in part: {note}", flush=True)
+            if self.browser:
+                webbrowser.open(live.address)
+            yield live
+            live.finish()
+            live.wait()
+
+
+class Pace:
+    """Lets simulated time pass no faster than asked.
+
+    Args:
+        speed: Simulated seconds in a second; 0: no limit.
+    """
+
+    def __init__(self, speed: float) -> None:
+        self._speed, self._begin = speed, time.monotonic()
+
+    def __call__(self, simulated: float) -> None:
+        """Wait until a simulated time [s] has come."""
+        if self._speed:
+            time.sleep(max(0.0, self._begin + simulated / self._speed - time.monotonic()))

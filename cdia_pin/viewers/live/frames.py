@@ -1,0 +1,61 @@
+"""Frames of a picture from the ticks of a monitor."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.record import STAGES
+from cdia_pin.viewers.scene.of_run import event_label, levels, missing_torque
+from cdia_pin.viewers.scene.timeline import RATE
+
+if TYPE_CHECKING:
+    from cdia_pin.diagnosis import Status
+    from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+
+class FrameMaker:
+    """Makes frames of ticks: at most so many a second, and one of every tick at which something is said.
+
+    Args:
+        robot: The arm.
+        in_torque: Whether residuals are torques; else what is missing is read off the correction.
+        rate: Frames a second [Hz].
+    """
+
+    def __init__(self, robot: RobotModel, *, in_torque: bool = True, rate: float = RATE) -> None:
+        self._robot, self._in_torque, self._period = robot, in_torque, 1.0 / rate
+        self._next = -np.inf
+
+    def __call__(
+        self, time: float, q: Array, status: Status | None = None, desired: Array | None = None
+    ) -> dict[str, Any] | None:
+        """Return the frame of a tick as a piece of a timeline, None where none is due.
+
+        Args:
+            time: Time [s].
+            q: Positions [rad or m], shape (n,).
+            status: What a monitor said; None without one.
+            desired: Positions asked for [rad or m], shape (n,); None where nobody says.
+        """
+        events = status.events if status else ()
+        if time < self._next and not events:
+            return None
+        self._next = max(self._next + self._period, time + 0.5 * self._period)
+        frame: dict[str, Any] = {"time": [round(time, 3)], "position": [np.round(q, 5).tolist()]}
+        if desired is not None:
+            frame["desired"] = [np.round(desired, 5).tolist()]
+        if status is None:
+            return frame
+        stage = np.array([STAGES.index(s) for s in status.stages])
+        missing = status.residual if self._in_torque else -status.torque_correction
+        frame["stage"] = [stage.tolist()]
+        frame["level"] = [np.round(levels(status.residual, status.threshold), 2).tolist()]
+        frame["torque"] = [np.round(missing_torque(stage, missing), 3).tolist()]
+        if events:
+            frame["label"] = [[round(e.time, 3), event_label(e, self._robot)] for e in events]
+        return frame

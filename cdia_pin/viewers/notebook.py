@@ -1,0 +1,199 @@
+"""Results as a notebook shows them: HTML without scripts, which GitHub and a printed notebook show as well."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from cdia_pin.diagnosis import MonitorRun, Stage
+from cdia_pin.discovery import Comparison, Discovery
+from cdia_pin.viewers import sparks
+from cdia_pin.viewers.event_words import event_rows, fault_words
+from cdia_pin.viewers.report_discovery import parameters, shape_parameters
+from cdia_pin.viewers.report_isolation import stage_spans
+from cdia_pin.viewers.sparks import BEFORE
+from cdia_pin.viewers.stage_colours import STAGE_COLOURS
+from cdia_pin.viewers.text_monitor import run_summary
+from cdia_pin.viewers.verdict import comparison_sentence, mean_share, verdict_sentences
+from cdia_pin.viewers.words import (
+    NO_BREAK,
+    confusion_words,
+    effect_name,
+    joint_units,
+    listed,
+    number,
+    percent,
+    region_words,
+    with_unit,
+)
+
+STYLE = """<style>
+.cdia-pin { font-variant-numeric: tabular-nums; max-width: 62em; line-height: 1.5; }
+.cdia-pin p { margin: 0 0 .6em; }
+.cdia-pin p:first-of-type { font-weight: 600; }
+.cdia-pin table { border-collapse: collapse; margin: .4em 0 1em; font-size: 13px; }
+.cdia-pin th, .cdia-pin td { padding: 3px 14px 3px 0; text-align: left; vertical-align: top;
+  border: 0; border-bottom: 1px solid rgba(128, 140, 152, .3); background: transparent; color: inherit; }
+.cdia-pin th { opacity: .75; font-weight: 600; vertical-align: bottom; }
+.cdia-pin .n { text-align: right; white-space: nowrap; }
+.cdia-pin .soft { opacity: .72; font-weight: 400; }
+.cdia-pin svg { display: block; max-width: none; }
+</style>"""
+
+REGIONS = 3  # worst regions named
+LEFT = "the residual left its threshold"
+
+
+def html_of(result: object) -> str:
+    """Return a comparison, a discovery or a monitor's run as HTML.
+
+    Raises:
+        TypeError: If it is none of them.
+    """
+    for kind, parts in SHOWN.items():
+        if isinstance(result, kind):
+            return f'{STYLE}<div class="cdia-pin">{"".join(parts(result))}</div>'
+    raise TypeError(f"no picture of a {type(result).__name__}")
+
+
+# ------------------------------------------------------------------ pieces
+
+
+class Markup(str):
+    """Text that is HTML already."""
+
+
+def _text(value: object) -> str:
+    return value if isinstance(value, Markup) else html.escape(str(value))
+
+
+def _say(sentence: object, style: str = "") -> str:
+    return f"<p{f' class={style}' if style else ''}>{_text(sentence)}</p>"
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[object]], numbers: Sequence[int] = ()) -> Markup:
+    """Return a table; the columns in `numbers` stand to the right."""
+    cell = lambda tag, k, value: f"<{tag}{' class=n' if k in numbers else ''}>{_text(value)}</{tag}>"  # noqa: E731
+    line = lambda tag, row: f"<tr>{''.join(cell(tag, k, v) for k, v in enumerate(row))}</tr>"  # noqa: E731
+    body = "".join(line("td", row) for row in rows)
+    return Markup(f"<table><thead>{line('th', heads)}</thead><tbody>{body}</tbody></table>")
+
+
+def _lines(lines: Iterable[object]) -> Markup:
+    return Markup("<br>".join(_text(x) for x in lines))
+
+
+# ------------------------------------------------------------------ results
+
+
+def _comparison(result: Comparison) -> Iterable[str]:
+    robot, share = result.model.robot, result.relative_rms
+    yield _say(comparison_sentence(result))
+    rows = []
+    for j, joint in enumerate(robot.joints):
+        unit = joint_units(robot, joint)["load"]
+        rows.append((
+            joint,
+            with_unit(number(result.torque_rms[j]), unit),
+            with_unit(number(result.rms[j]), unit),
+            percent(share[j]),
+            Markup(sparks.bar([share[j]], [BEFORE], share.max(), f"{joint}: {percent(share[j])}")),
+            Markup(sparks.line([result.residual[:, j]], [BEFORE], f"residual of {joint} over time")),
+        ))  # fmt: skip
+    heads = ("joint", "torque RMS", "error RMS", "share", "share of the torque RMS", "residual over time")
+    yield _table(heads, rows, numbers=(1, 2, 3))
+    for r in result.worst_regions[:REGIONS]:
+        yield _say(
+            f"On {r.joint} the error is {number(r.ratio, 2)} × its mean where {region_words(r)}.", "soft"
+        )
+
+
+def _discovery(result: Discovery) -> Iterable[str]:
+    robot = result.model.robot
+    yield from (_say(sentence) for sentence in verdict_sentences(result))
+    rows = []
+    for step in result.steps:
+        term = step.term
+        assert term is not None  # only the first step of a trace is without
+        sizes = [
+            f"{p['name']} {p['text']}" for p in (*parameters(term, robot), *shape_parameters(term, robot))
+        ]
+        doubts = [confusion_words(c) for c in step.confusions]
+        where = f"on {listed(term.effect.scope)}" if term.effect.scope else "on the whole arm"
+        named = Markup(f"<b>{_text(effect_name(term.effect))}</b><br>{_text(where)}")
+        rows.append((named, f"f = {term.effect.equation}", _lines(sizes), listed(doubts) or "–"))
+    if rows:
+        yield _table(("effect", "equation", "parameters ± 95 %", "could be mistaken for"), rows)
+    yield _table(("error, share of the torque RMS", ""), [(_errors(result), _falling(result))])
+
+
+def _errors(result: Discovery) -> Markup:
+    columns = {
+        "as given": result.trace[0].rms,
+        "improved": result.trace[-1].rms,
+        "held out": result.trace[-1].heldout_rms,
+        "noise floor": result.noise_floor,
+    }
+    shares = [rms / np.maximum(result.torque_rms, 1e-12) for rms in columns.values()]
+    rows = [(joint, *(percent(s[j]) for s in shares)) for j, joint in enumerate(result.model.robot.joints)]
+    return _table(("joint", *columns), rows, numbers=range(1, 1 + len(columns)))
+
+
+def _falling(result: Discovery) -> Markup:
+    fitted, heldout = ([mean_share(v, result) for v in values] for values in
+                       ([s.rms for s in result.trace], [s.heldout_rms for s in result.trace]))  # fmt: skip
+    words = f"mean error, effect by effect: {', '.join(map(percent, fitted))}"
+    key = "blue: fitted; orange: held out; dotted: noise floor"
+    picture = sparks.fall(fitted, heldout, mean_share(result.noise_floor, result), words)
+    return Markup(f"{picture}<span class=soft>{key}</span>")
+
+
+def _run(result: MonitorRun) -> Iterable[str]:
+    yield _say(run_summary(result))
+    begin, end = float(result.time[0]), float(result.time[-1])
+    rows = []
+    seen: set[str] = set()
+    colours = {str(s): (colour, 0.3 if s is Stage.HEALTHY else 1.0) for s, colour in STAGE_COLOURS.items()}
+    for j, joint in enumerate(result.joints):
+        unit = joint_units(result.robot, joint)["load" if result.in_torque else "velocity"]
+        spans = stage_spans(result, j)
+        seen |= {s for _, _, s in spans}
+        words = f"{joint}: {', '.join(f'{s} from {a:.2f} s' for a, _, s in spans)}"
+        rows.append((
+            joint,
+            with_unit(number(float(np.median(result.threshold[:, j]))), unit),
+            with_unit(number(float(np.abs(result.residual[:, j]).max())), unit),
+            Markup(sparks.strip([(a, b, *colours[s]) for a, b, s in spans], begin, end, words)),
+            _lines(fault_words(t, result.robot) for t in result.faults if joint in t.effect.scope) or "–",
+        ))  # fmt: skip
+    heads = (
+        "joint",
+        "threshold",
+        "largest residual",
+        f"stages, {begin:.4g} to {end:.4g} s",
+        "believed at the end",
+    )
+    yield _table(heads, rows, numbers=(1, 2))
+    keys = (f'<span style="color:{c}">■</span> {s}' for s, c in STAGE_COLOURS.items() if str(s) in seen)
+    yield _say(Markup(" &nbsp; ".join(keys)), "soft")
+    said = [
+        (
+            f"{row.time:.3f}{NO_BREAK}s",
+            row.joints,
+            row.stage,
+            _lines(filter(None, (row.verdict, *row.said, row.reason))) or LEFT,
+        )
+        for row in event_rows(result.events, result.robot)
+    ]
+    if said:
+        yield _table(("time", "joint", "stage", "said"), said, numbers=(0,))
+
+
+SHOWN: dict[type, Callable[[Any], Iterable[str]]] = {
+    Comparison: _comparison,
+    Discovery: _discovery,
+    MonitorRun: _run,
+}

@@ -1,0 +1,58 @@
+"""The arm in a report: what it looks like, how it moved, and how it is coloured, effect by effect."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cdia_pin.viewers.report_series import compact
+from cdia_pin.viewers.scene import Scene, timeline_of_comparison, timeline_of_run
+from cdia_pin.viewers.words import effect_words, percent, short_names
+
+if TYPE_CHECKING:
+    from cdia_pin.diagnosis import MonitorRun
+    from cdia_pin.discovery import Comparison, Discovery, Step
+
+
+def scene_of_run(run: MonitorRun) -> dict[str, Any]:
+    """Return the arm of a run and its motion, coloured by the monitor's stages; ready for JSON."""
+    return {"arm": Scene.of(run.robot).to_dict(), "timeline": timeline_of_run(run).to_dict(), "steps": []}
+
+
+def scene_of_comparison(
+    before: Comparison, after: Comparison | None = None, discovery: Discovery | None = None
+) -> dict[str, Any]:
+    """Return the arm of a comparison and the motion of its logs, coloured by what the model misses.
+
+    Args:
+        before: The model as given against the logs.
+        after: The improved model against them.
+        discovery: How one became the other. The steps between have one colour a joint over the whole motion, that
+            of its RMS error: how their residuals went over time is not kept.
+    """
+    timeline = timeline_of_comparison(before, after, discovery).to_dict()
+    steps = [] if discovery is None or after is None else _steps(discovery)
+    return {"arm": Scene.of(before.model.robot).to_dict(), "timeline": timeline, "steps": steps}
+
+
+def _steps(found: Discovery) -> list[dict[str, Any]]:
+    torque = np.maximum(found.torque_rms, 1e-12)
+    most = max(float((found.trace[0].rms / torque).max()), 1e-12)
+    return [
+        {"name": _name(step), "label": _label(step, found), "level": compact(step.rms / torque / most)}
+        for step in found.trace
+    ]
+
+
+def _name(step: Step) -> str:
+    return "as given" if step.term is None else f"+ {effect_words(step.term.effect)}"
+
+
+def _label(step: Step, found: Discovery) -> str:
+    share = step.rms / np.maximum(found.torque_rms, 1e-12)
+    worst = int(np.argmax(share))
+    joint = short_names(found.model.robot.joints)[found.model.robot.joints[worst]]
+    return (
+        f"error {percent(float(share.mean()))} of the torque, most on {joint}: {percent(float(share[worst]))}"
+    )

@@ -1,0 +1,115 @@
+"""`Timeline`: how an arm moved and how its joints fared, no finer than an eye follows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
+Says = tuple[tuple[float, str], ...]
+
+RATE = 30.0  # [Hz], frames that are kept
+MOST = 2400  # frames; a longer motion has fewer a second
+
+
+@dataclass(frozen=True)
+class SceneStage:
+    """A colour with its meaning.
+
+    Attributes:
+        name: Shown in legend and label.
+        colour: As ``#rrggbb``.
+        words: What it means.
+        least: Share of the colour in a link's at level 0 [0, 1].
+        most: Share at level 1 and above [0, 1].
+    """
+
+    name: str
+    colour: str
+    words: str = ""
+    least: float = 0.55
+    most: float = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """How joints fared over the frames of a timeline, by one model's reckoning.
+
+    Attributes:
+        name: Of the model; empty if there is only one.
+        stage: Index in the timeline's stages, shape (K, n).
+        level: Residual over its threshold or scale [1], shape (K, n).
+        torque: Torque that the model lacks, 0 where it lacks none [N·m or N], shape (K, n).
+        label: What is said from a time [s] on.
+    """
+
+    name: str
+    stage: NDArray[np.integer]
+    level: Array
+    torque: Array
+    label: Says = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the track as JSON has it."""
+        return {
+            "name": self.name,
+            "stage": self.stage.astype(int).tolist(),
+            "level": np.round(self.level, 2).tolist(),
+            "torque": np.round(self.torque, 3).tolist(),
+            "label": [[round(t, 3), text] for t, text in self.label],
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Timeline:
+    """A motion of K frames, and one or more tracks over it.
+
+    Attributes:
+        time: Time [s], shape (K,).
+        position: Where the arm is [rad or m], shape (K, n).
+        stages: What the numbers of the tracks' stages mean; later is graver.
+        tracks: The first is shown until another is chosen.
+        desired: Where it should be [rad or m], shape (K, n); None where nobody says.
+    """
+
+    time: Array
+    position: Array
+    stages: tuple[SceneStage, ...]
+    tracks: tuple[Track, ...]
+    desired: Array | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the timeline as the browser takes it: numbers rounded to what can be seen."""
+        first, *others = self.tracks
+        out = {
+            "time": np.round(self.time, 3).tolist(),
+            "position": np.round(self.position, 5).tolist(),
+            "stages": [vars(s) for s in self.stages],
+            **first.to_dict(),
+        }
+        if self.desired is not None:
+            out["desired"] = np.round(self.desired, 5).tolist()
+        if others:
+            out["variants"] = [t.to_dict() for t in others]
+        return out
+
+
+def timeline_of_log(log: Log) -> Timeline:
+    """Return the motion of a log, without a word on how the joints fare."""
+    at = frames(log.time)
+    nothing = np.zeros((len(at), len(log.joints)))
+    return Timeline(log.time[at], log.position[at], (), (Track("", nothing.astype(int), nothing, nothing),))
+
+
+def frames(time: Array, keep: Sequence[float] = (), rate: float = RATE) -> NDArray[np.intp]:
+    """Return which samples become frames: at most so many a second, and the first not before each time to keep."""
+    rate = min(rate, MOST / max(float(time[-1] - time[0]), 1e-9))
+    wanted = np.arange(time[0], time[-1], 1.0 / rate)
+    at = np.searchsorted(time, np.concatenate([wanted, np.asarray(keep, float)]) - 1e-9)
+    return np.unique(np.append(np.minimum(at, len(time) - 1), len(time) - 1))
