@@ -13,6 +13,7 @@ from benchmarks.plant.model_error import erroneous
 from benchmarks.plant.motion import Fourier, Motion, PointToPoint, slow, small
 from benchmarks.plant.plant import MujocoPlant
 from benchmarks.plant.poor import OneWay, SingleSpeed, planar
+from benchmarks.plant.run import Run
 from benchmarks.plant.scenarios import OUTSIDE_PARAMETERS, PARAMETERS, Scenario
 from benchmarks.plant.sizes import Sizer
 from cdia_pin.logs import Log
@@ -57,11 +58,10 @@ def drawn(case: Case) -> tuple[MujocoPlant, Scenario]:
     return plant, scenario
 
 
-def recorded(case: Case, plant: MujocoPlant, scenario: Scenario) -> Log:
+def recorded(case: Case, run: Run) -> Log:
     """Return the log of a run, as long as it is recorded."""
-    log = scenario.run(plant).log
-    cut = round(case.cut * scenario.rate)
-    return log.slice(cut, len(log.time) - cut)
+    cut = round(case.cut * run.log.rate)
+    return run.log.slice(cut, len(run.log.time) - cut)
 
 
 def _faults(case: Case, look: Sizer, rng: np.random.Generator) -> tuple[Fault, ...]:

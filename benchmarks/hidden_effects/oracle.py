@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from benchmarks.hidden_effects.truth import label_of
 from benchmarks.plant.faults import Fault
+from benchmarks.plant.run import Run
 from cdia_pin.discovery.candidates import screen
 from cdia_pin.discovery.comparison import compare
 from cdia_pin.discovery.evidence import Evidence
-from cdia_pin.discovery.experiment import Prediction
+from cdia_pin.discovery.experiment import Experiment, Prediction
 from cdia_pin.discovery.fitting import Whitened, gather
 from cdia_pin.discovery.problem import Problem
 from cdia_pin.discovery.settings import DiscoverySettings
@@ -28,6 +29,7 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect
 from cdia_pin.effects.inertia import Body
 from cdia_pin.logs import Log
+from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.robot import RobotModel
 
 Array = NDArray[np.float64]
@@ -87,20 +89,54 @@ def unordered(label: str) -> tuple[str, ...]:
     return name, *sorted(joints.split("+"))
 
 
+def sight_outside(run: Run, robot: RobotModel) -> Sight:
+    """Return how well an effect outside the vocabulary shows, and which one effect of it comes closest.
+
+    Args:
+        run: The log, and what really happened.
+        robot: The arm as its file describes it.
+    """
+    bare, log = Dynamics(robot), run.log
+    exact = replace(log, position=run.truth.position, effort=run.truth.effort)
+    problem = Problem.of(bare, [log], [], DiscoverySettings())
+    same = Conditioning(cutoff=problem.experiment.segments[0].motion.cutoff)
+    missing = Experiment.of(robot, [condition(exact, robot, same)]).predict(bare).residual
+    seen = problem.experiment.predict(bare)
+    evidence = _around(problem, seen, missing, replace(seen, residual=missing), seen.residual - missing)
+    alone = evidence.free_chi2([])
+    left = alone - evidence.gains([])
+    best = int(np.argmin(left))
+    return Sight(alone, evidence.effects[best].label, float(left[best]))
+
+
 def _evidence(problem: Problem, bare: Prediction, true: Prediction) -> Evidence:
     """Return the normal equations of the true effects, then all others, for a response without noise."""
+    around = replace(true, residual=np.zeros_like(true.residual))
+    return _around(problem, bare, bare.residual - true.residual, around, true.residual)
+
+
+def _around(
+    problem: Problem, bare: Prediction, missing: Array, around: Prediction, noise_alone: Array
+) -> Evidence:
+    """Return the normal equations of all effects.
+
+    Args:
+        problem: Log and candidates.
+        bare: What the file's model predicts.
+        missing: What it misses, without noise, shape (K, n).
+        around: Where the equations are formed; its residual is the part of the response that its terms do not explain.
+        noise_alone: What the noise is known by, shape (K, n).
+    """
     experiment, n = problem.experiment, problem.experiment.robot.n
     use = experiment.informative
     noise = [
-        fit_noise(true.residual[:, j], use[:, j], experiment.nearness[:, j], experiment.lengths, 0.0)
+        fit_noise(noise_alone[:, j], use[:, j], experiment.nearness[:, j], experiment.lengths, 0.0)
         for j in range(n)
     ]
     whitened = Whitened.of(experiment, noise, problem.edges)
-    missing = bare.residual - true.residual
     seen = np.column_stack([whitened.joint(j, missing[:, j]) for j in range(n)])
     screened = screen(problem.families, problem.columns, bare, noise, seen)
-    effects = dict.fromkeys([*(t.effect for t in true.model.terms), *screened])
-    around = replace(true, residual=np.zeros_like(true.residual))
+    effects = dict.fromkeys([*(t.effect for t in around.model.terms), *screened])
     return gather(experiment, problem.columns, around, list(effects), whitened)
 
 

@@ -26,7 +26,7 @@ class Outcome:
         confusable: Labels of what they can be confused with, according to the discovery; sets joined by ' + '.
         verdict: Of the discovery.
         structure_left: Joints whose residual is not noise, according to the discovery.
-        sights: How well each hidden effect shows, see `oracle`; empty where nothing is hidden or nothing can know.
+        sights: How well each hidden effect shows, see `oracle`; empty where nothing is hidden.
         over_floor: Held-out RMS over the noise floor, the worst joint [1].
         mean_over_floor: The same, RMS over the joints [1].
         parameter_errors: Relative error of the parameters of effects that were rightly named [1].

@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.hidden_effects.case import Case
 from benchmarks.hidden_effects.drawing import drawn, recorded
-from benchmarks.hidden_effects.oracle import noise_floor, sights, unordered
+from benchmarks.hidden_effects.oracle import noise_floor, sight_outside, sights, unordered
 from benchmarks.hidden_effects.outcome import Outcome
 from benchmarks.hidden_effects.resolving import resolved
 from benchmarks.hidden_effects.truth import label_of, true_model
@@ -25,15 +25,19 @@ SMALLEST = 0.05  # parameters below this share of an effect's largest are no mea
 def run_case(case: Case) -> Outcome:
     """Run a case."""
     plant, scenario = drawn(case)
-    log = recorded(case, plant, scenario)
+    run = scenario.run(plant)
+    log = recorded(case, run)
     began = perf_counter()
     found = discover(Dynamics(plant.robot), log)
     seconds = perf_counter() - began
     true = true_model(plant, scenario.faults)
     seen, ratio = (), np.array([np.nan])
-    if true is not None:
+    if true is None:
+        seen = (sight_outside(run, plant.robot),)
+    else:
         seen = sights(true, scenario.faults, log) if scenario.faults else ()
-        later = recorded(case, plant, replace(scenario.holdout(), duration=min(HELD_OUT, scenario.duration)))
+        other = replace(scenario.holdout(), duration=min(HELD_OUT, scenario.duration))
+        later = recorded(case, other.run(plant))
         ratio = compare(found.model, later).rms / noise_floor(true, later)
     again = resolved(plant, scenario, log, found) if any(s.confusable for s in seen) else None
     right = list(_right(found, true)) if true is not None else []

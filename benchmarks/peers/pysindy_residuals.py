@@ -2,11 +2,12 @@
 
 A fair chance: it gets our conditioned signals, a library of the right physics for each joint (the columns of our
 effects of one joint, as functions of q, q̇, q̈ and the rigid-body torque), columns of equal size, and the threshold
-that predicts the last quarter of the log best. Effects of the whole arm are not in such a library.
+and ridge that predict the last quarter of the log best. Effects of the whole arm are not in such a library.
 """
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -24,8 +25,13 @@ Array = NDArray[np.float64]
 
 SMOOTH = 0.01  # [rad/s or m/s], over which sgn q̇ is smoothed
 THRESHOLDS = np.geomspace(3e-3, 1.0, 12)  # as shares of the RMS of what is missing
-RIPPLES = range(5, 15)  # [1/rad]; the slower ones are much alike, and extrapolate wildly
-RIDGE = 0.01  # [1], on columns of unit size
+RIPPLES = range(5, 15)  # [1/rad]
+RIDGES = (
+    1e-3,
+    1e-2,
+    1e-1,
+)  # [1], on columns of unit size: without, alike columns cancel, and extrapolate wildly
+SMALLEST = 1e-6  # [1], columns below that are rounding
 FITTED = 0.75  # share of the log that is fitted while the threshold is chosen
 
 Feature = Callable[[Array, Array, Array, Array], Array]  # of q, q̇, q̈, τ of the joint
@@ -54,13 +60,16 @@ def fit(robot: RobotModel, log: Log) -> Answer:
         theta, y = _features(robot, *motion)[use[:, j], j, :], missing[use[:, j], j]
         split = int(FITTED * len(y))
         scale = np.maximum(np.sqrt(np.mean(y**2)), 1e-12)
-        size = np.sqrt(np.mean(theta**2, axis=0))
+        size = np.maximum(np.sqrt(np.mean(theta**2, axis=0)), SMALLEST)
         x, y = theta / size, y / scale
         errors = {
-            t: float(np.mean((y[split:] - x[split:] @ _sparse(x[:split], y[:split], t)) ** 2))
+            (float(t), ridge): float(
+                np.mean((y[split:] - x[split:] @ _sparse(x[:split], y[:split], t, ridge)) ** 2)
+            )
             for t in THRESHOLDS
+            for ridge in RIDGES
         }
-        weights[:, j] = _sparse(x, y, min(errors, key=errors.__getitem__)) * scale / size
+        weights[:, j] = _sparse(x, y, *min(errors, key=errors.__getitem__)) * scale / size
     named = {
         f"{name.partition(' ')[0]}@{joint}": None
         for j, joint in enumerate(robot.joints)
@@ -74,8 +83,12 @@ def fit(robot: RobotModel, log: Log) -> Answer:
     return Answer(tuple(named), torque)
 
 
-def _sparse(x: Array, y: Array, threshold: float) -> Array:
-    fitted = STLSQ(threshold=threshold, alpha=RIDGE, max_iter=30).fit(x, y[:, None])
+def _sparse(x: Array, y: Array, threshold: float, ridge: float) -> Array:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that a threshold leaves nothing is an answer
+        fitted = STLSQ(threshold=threshold, alpha=ridge * len(x), max_iter=30, unbias=False).fit(
+            x, y[:, None]
+        )
     return np.ravel(fitted.coef_)
 
 

@@ -14,11 +14,11 @@ from benchmarks.hidden_effects.case import NOISES, POOR, Case
 from benchmarks.hidden_effects.cases import ARMS, OUTSIDE, SUITES, VOCABULARY, planned
 from benchmarks.hidden_effects.claims import PARTS
 from benchmarks.hidden_effects.drawing import drawn, recorded
-from benchmarks.hidden_effects.oracle import noise_floor, sights, unordered
+from benchmarks.hidden_effects.oracle import noise_floor, sight_outside, sights, unordered
 from benchmarks.hidden_effects.outcome import Outcome
 from benchmarks.hidden_effects.page import page
 from benchmarks.hidden_effects.truth import label_of, true_model
-from benchmarks.plant import CLEAN, Fault, MujocoPlant, cache
+from benchmarks.plant import CLEAN, Fault, Fourier, MujocoPlant, cache
 from cdia_pin.discovery import compare, discover
 from cdia_pin.dynamics import Dynamics
 
@@ -80,13 +80,31 @@ def test_the_true_model_lacks_nothing(effect: str) -> None:
 def test_the_oracle_tells_what_a_good_motion_shows_and_confuses_what_one_speed_hides() -> None:
     good = Case("single", "ur5", ("viscous_friction",), (0.1,), "white")
     plant, scenario = drawn(good)
-    (sight,) = sights(true_model(plant, scenario.faults), scenario.faults, recorded(good, plant, scenario))
+    (sight,) = sights(
+        true_model(plant, scenario.faults), scenario.faults, recorded(good, scenario.run(plant))
+    )
     assert sight.told
     hidden = replace(good, suite="alike", excitation="one way")
     plant, scenario = drawn(hidden)
-    (sight,) = sights(true_model(plant, scenario.faults), scenario.faults, recorded(hidden, plant, scenario))
+    (sight,) = sights(
+        true_model(plant, scenario.faults), scenario.faults, recorded(hidden, scenario.run(plant))
+    )
     assert sight.confusable
     assert sight.rival.endswith(str(scenario.faults[0].joint))
+
+
+def test_the_oracle_knows_what_is_outside_in_name_only() -> None:
+    """A dead zone that a torque never crosses is an offset; a cubic spring is like nothing else."""
+    plant = MujocoPlant("double_pendulum")
+    still = Fourier(amplitude=0.05)
+    run = plant.run(
+        [Fault("torque_deadzone", joint="joint1", width=0.02)], motion=still, duration=12.0, seed=3
+    )
+    assert np.abs(run.truth.effort[:, 0]).min() > 0.02  # [N·m]
+    sight = sight_outside(run, plant.robot)
+    assert sight.alone > 100 > sight.apart
+    run = plant.run([Fault("cubic_spring", joint="joint1", stiffness=0.2)], duration=12.0)
+    assert sight_outside(run, plant.robot).told
 
 
 def test_bounds_are_those_of_a_regression_in_white_noise() -> None:
@@ -161,7 +179,7 @@ def test_the_discovery_answers_as_hoped(case: Case, request: pytest.FixtureReque
     if case.id in NOT_YET:
         request.applymarker(pytest.mark.xfail(reason="docs/results-discovery.md, falls short", strict=True))
     plant, scenario = drawn(case)
-    found = discover(Dynamics(plant.robot), recorded(case, plant, scenario))
+    found = discover(Dynamics(plant.robot), recorded(case, scenario.run(plant)))
     named = {unordered(s.term.label) for s in found.steps}
     hidden = {
         unordered(str(f)) if case.suite == "outside" else unordered(label_of(f)) for f in scenario.faults

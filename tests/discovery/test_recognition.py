@@ -52,9 +52,9 @@ def test_friction_without_memory_or_drift_has_none(name, discovered):
 
 
 def test_bristles_follow_distance_and_not_speed():
-    reach, q = 0.1, np.concatenate([np.linspace(0, 1, 400), np.linspace(1, 0, 400)[1:]])
+    reach, q = 0.1, np.concatenate([np.linspace(0, 1, 401), np.linspace(1, 0, 401)[1:]])
     z = bristle(q, reach)
-    assert z[399] == pytest.approx(1.0, abs=1e-4)
-    after = z[399:] - (-1 + 2 * np.exp(-(1 - q[399:]) / reach))  # from +1 to −1 over the reach
+    assert z[400] == pytest.approx(1.0, abs=1e-4)
+    after = z[400:] - (-1 + 2 * np.exp(-(1 - q[400:]) / reach))  # from +1 to −1 over the reach
     np.testing.assert_allclose(after, 0.0, atol=1e-4)
     np.testing.assert_allclose(bristle(q[::10], reach), z[::10], atol=1e-9)  # however fast it was
