@@ -127,6 +127,10 @@ def _of_speed(experiment: Experiment, j: int) -> Array:
 
 
 def _orthonormal(columns: Array) -> Array:
-    scaled = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-    left, values, _ = np.linalg.svd(scaled, full_matrices=False)
-    return left[:, values > 1e-5 * values[0]]
+    from scipy.linalg import svd
+
+    norm = np.linalg.norm(columns, axis=0)
+    seen = norm > 1e-12 * norm.max(initial=0.0)
+    # numpy's way of dividing does not converge on some columns that nearly repeat each other
+    left, values, _ = svd(columns[:, seen] / norm[seen], full_matrices=False, lapack_driver="gesvd")
+    return np.asarray(left[:, values > 1e-5 * values[0]]) if len(values) else columns[:, :0]
