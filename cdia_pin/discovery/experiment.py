@@ -130,10 +130,8 @@ class Experiment:
         """
         power, total = np.zeros(self.robot.n), 0
         for motion in (s.motion for s in self.segments):
-            # white noise of a position, filtered: that of its acceleration from that of its speed
-            acceleration = motion.speed_noise * 2 * np.pi * motion.cutoff * np.sqrt(3 / 5)
             inertia = self.robot.mass_matrix(motion.q[:: max(1, len(motion.q) // POSTURES)])
-            of_positions = np.mean(inertia**2 @ acceleration**2, axis=0)
+            of_positions = np.mean(inertia**2 @ motion.acceleration_noise**2, axis=0)
             power += len(motion.kept) * (of_positions + motion.effort_step**2 / 12)
             total += len(motion.kept)
         return np.sqrt(power / total)

@@ -28,11 +28,11 @@ def rank(columns: Array, negligible: float = NEGLIGIBLE) -> int:
 
 def rank_of_gram(gram: Array, negligible: float = FAINT) -> int:
     """Return the same from XᵀX, shape (p, p)."""
-    unit = np.sqrt(np.diag(gram))
-    seen = unit > 0
-    values = (
-        np.linalg.eigvalsh((gram / np.outer(unit, unit))[np.ix_(seen, seen)]) if seen.any() else np.zeros(1)
-    )
+    seen = np.diag(gram) > 0
+    if not seen.any():
+        return 0
+    unit = np.sqrt(np.diag(gram)[seen])
+    values = np.linalg.eigvalsh(gram[np.ix_(seen, seen)] / np.outer(unit, unit))
     return int(np.sum(values > max(negligible**2 * values[-1], 1e-14)))
 
 

@@ -63,6 +63,7 @@ class Motion:
         cutoff: Cut-off of the filter [Hz].
         decimation: Every how many samples a compared torque is kept.
         speed_noise: Standard deviation of the noise in v [rad/s or m/s], shape (n,).
+        acceleration_noise: Standard deviation of the noise in a [rad/s² or m/s²], shape (n,).
         effort_step: Step between the levels of rounded torques [N·m or N], 0 where they are not, shape (n,).
         record: What was done, for files and reports.
     """
@@ -77,6 +78,7 @@ class Motion:
     cutoff: float
     decimation: int
     speed_noise: Array
+    acceleration_noise: Array
     effort_step: Array
     record: dict[str, Any]
 
@@ -168,6 +170,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
     v = differentiate(q, rate)
     a = differentiate(v, rate)
     effort = zero_phase(even.effort, cutoff, rate)
+    speed_noise = _speed_noise(even.position, q, rate, cutoff)
     every = max(1, int(rate / (MOTION_OVERSAMPLING * cutoff)))
     kept = np.s_[::every]
     again = max(1, int(rate / every / (TORQUE_OVERSAMPLING * cutoff)))
@@ -181,7 +184,12 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         rate=rate / every,
         cutoff=cutoff,
         decimation=again,
-        speed_noise=_speed_noise(even.position, q, rate, cutoff),
+        speed_noise=speed_noise,
+        acceleration_noise=np.maximum(
+            # white noise of a position, filtered: that of its acceleration from that of its speed
+            speed_noise * 2 * np.pi * cutoff * np.sqrt(3 / 5),
+            _rounding(even.position, rate, cutoff),
+        ),
         effort_step=np.array([quantum(of_joint) for of_joint in log.effort.T]),
         record={
             **asdict(settings),
@@ -255,3 +263,18 @@ def _speed_noise(raw: Array, smooth: Array, rate: float, cutoff: float) -> Array
     """Standard deviation of the filtered speed from the noise that the filter took out of the position."""
     white = np.std(raw - smooth, axis=0) / np.sqrt(max(1.0 - 2 * cutoff / rate, 0.1))
     return white * 2 * np.pi * cutoff * np.sqrt(2 * cutoff / rate / 3)
+
+
+def _rounding(position: Array, rate: float, cutoff: float) -> Array:
+    """RMS acceleration that rounding of the positions leaves in the band; 0 for positions that are not rounded.
+
+    It is not white where a joint moves evenly, and beats where steps of its encoder meet the samples: so a smoother
+    motion is rounded again.
+    """
+    step = np.array([quantum(of_joint) for of_joint in position.T])
+    if not step.any():
+        return step
+    safe, smooth = np.where(step > 0, step, 1.0), zero_phase(position, min(LOWEST_CUTOFF, cutoff), rate)
+    error = np.where(step > 0, np.round(smooth / safe) * safe - smooth, 0.0)
+    again = differentiate(differentiate(zero_phase(error, cutoff, rate), rate), rate)
+    return np.asarray(np.sqrt(np.mean(again**2, axis=0)))

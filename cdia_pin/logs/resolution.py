@@ -15,7 +15,7 @@ def quantum(signal: Array) -> float:
     levels = np.unique(signal)
     step = np.diff(levels)
     step = step[step > 1e-9 * max(float(np.abs(levels).max()), 1e-12)]
-    if not len(step) or len(levels) > 0.8 * len(signal):
+    if not len(step):
         return 0.0
     if len(levels) < FEW * len(signal):
         return float(step.min())

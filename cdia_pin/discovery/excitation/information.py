@@ -115,6 +115,7 @@ def planned(robot: RobotModel, *trajectories: Trajectory, cutoff: float = CUTOFF
                 cutoff=cutoff,
                 decimation=max(1, int(rate / (TORQUE_OVERSAMPLING * cutoff))),
                 speed_noise=np.zeros(robot.n),
+                acceleration_noise=np.zeros(robot.n),
                 effort_step=np.zeros(robot.n),
                 record={"source": "planned", "trim": 0.0, "condition": f"planned {k}"},
             )
