@@ -284,10 +284,15 @@ class Arm3D {
 
   _placePin() {
     if (this._pin.hidden) return;
-    const at = this._arm.get(this.scene.joints[this._worst].name).getWorldPosition(new THREE.Vector3()).project(this.viewer.camera);
-    const { clientWidth: w, clientHeight: h } = this._pane;
-    const x = Math.min(Math.max((0.5 + 0.5 * at.x) * w, 70), w - 70), y = Math.min(Math.max((0.5 - 0.5 * at.y) * h, 60), h - 20);
-    this._pin.style.transform = `translate(${Math.round(x)}px, ${Math.round(y)}px)`;
+    const { camera } = this.viewer, { clientWidth: w, clientHeight: h } = this._pane;
+    const at = this._arm.get(this.scene.joints[this._worst].name).getWorldPosition(new THREE.Vector3());
+    const away = at.distanceTo(camera.getWorldPosition(new THREE.Vector3()));
+    const beside = (this._torque.radius * h) / (2 * Math.tan((0.5 * camera.fov * Math.PI) / 180) * away); // [px]
+    at.project(camera);
+    const inside = (x, low, high) => Math.round(Math.min(Math.max(x, low), high));
+    const x = inside((0.5 + 0.5 * at.x) * w + 0.8 * beside, 8, w - this._pin.offsetWidth - 8);
+    const y = inside((0.5 - 0.5 * at.y) * h - 1.2 * beside - this._pin.offsetHeight, 48, h - 48);
+    this._pin.style.transform = `translate(${x}px, ${y}px)`;
   }
 
   // ---------------------------------------------------------------- the world around
