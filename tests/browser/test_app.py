@@ -147,7 +147,6 @@ def test_from_a_log_to_what_is_missing(tab, screenshots, tmp_path):
     mark(tab, "preview").wait_for()
     assert error(tab) == begun  # a preview changes no model
     assert tile(tab, "wrist_1_joint")[1] < 0.1 * tile(tab, "wrist_1_joint")[0]
-    picture(tab, screenshots / "app-preview.png")
     mark(tab, "add-preview").click()
     mark(tab, "version-1").wait_for()
     half = error(tab)
