@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 JOBS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1  # small matrices: threads only cost
 
-.PHONY: install test lint demo bench bench-cdia clean help
+.PHONY: install test lint demo bench bench-discovery bench-cdia clean help
 
 help:  ## show this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -23,8 +23,12 @@ lint: $(VENV)/.installed-dev  ## format, lint and types
 demo: $(VENV)/.installed  ## find a missing effect in a log that ships, in under a minute
 	$(BIN)/cdia demo
 
-bench: $(VENV)/.installed-dev  ## measure what the README states
+bench: $(VENV)/.installed-dev  ## measure what the README states of measured logs
 	$(BIN)/python -m benchmarks
+
+bench-discovery: $(VENV)/.installed-dev  ## measure the discovery of hidden effects; an hour, an interrupted run goes on
+	-$(BIN)/python -m pip install --quiet --editable ".[bench]"
+	$(BIN)/python -m benchmarks.hidden_effects --jobs $(JOBS)
 
 bench-cdia: $(VENV)/.installed-dev  ## measure the monitor in closed loop; an hour, an interrupted run goes on
 	$(BIN)/python -m benchmarks.online --jobs $(JOBS)

@@ -15,7 +15,20 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from cdia_pin import effects
     from cdia_pin.diagnosis import Monitor, MonitorSettings
-    from cdia_pin.discovery import Comparison, Discovery, DiscoverySettings, add_effect, compare, discover
+    from cdia_pin.discovery import (
+        Changes,
+        Comparison,
+        Discovery,
+        DiscoverySettings,
+        Identification,
+        IdentificationSettings,
+        add_effect,
+        compare,
+        discover,
+        identify,
+        what_changed,
+    )
+    from cdia_pin.discovery.excitation import Excitation, ExcitationSettings, excite
     from cdia_pin.dynamics import Dynamics, load_model, save_model
     from cdia_pin.dynamics.simulate import simulate
     from cdia_pin.dynamics.trajectories import exciting_trajectory
@@ -48,21 +61,34 @@ _HOME = {
     "add_effect": "discovery",
     "compare": "discovery",
     "discover": "discovery",
+    "what_changed": "discovery",
+    "Changes": "discovery",
     "Comparison": "discovery",
     "Discovery": "discovery",
     "DiscoverySettings": "discovery",
+    "excite": "discovery",
+    "Excitation": "discovery",
+    "ExcitationSettings": "discovery",
+    "identify": "discovery",
+    "Identification": "discovery",
+    "IdentificationSettings": "discovery",
     "CdiaError": "errors",
     "view": "viewers.arm_page",
 }
 
 __all__ = [
     "CdiaError",
+    "Changes",
     "Comparison",
     "Conditioning",
     "Discovery",
     "DiscoverySettings",
     "Dynamics",
     "Effect",
+    "Excitation",
+    "ExcitationSettings",
+    "Identification",
+    "IdentificationSettings",
     "Log",
     "Monitor",
     "MonitorSettings",
@@ -74,13 +100,16 @@ __all__ = [
     "compare",
     "discover",
     "effects",
+    "excite",
     "exciting_trajectory",
+    "identify",
     "load_model",
     "load_robot",
     "read_log",
     "save_model",
     "simulate",
     "view",
+    "what_changed",
     "write_corrected_urdf",
     "write_log",
 ]

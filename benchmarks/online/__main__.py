@@ -14,9 +14,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from benchmarks.online.plan import CHECKOUT, SUITES
-from benchmarks.online.running import run_all, tell
+from benchmarks.online.plan import SUITES
+from benchmarks.online.running import run_all
 from benchmarks.online.scenarios import ARMS
+from benchmarks.outcomes import CHECKOUT, tell
 
 PAGE = CHECKOUT / "docs" / "results-online.md"
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from math import isnan, nan
 from statistics import median
 
+from benchmarks.claims import Claim, Figure, Measure, Part, at_least, at_most, counted, of_cases
 from benchmarks.online.outcome import JointOutcome, Outcome
 from benchmarks.online.scenarios import USUAL
-from cdia_pin.viewers.words import number, percent
+from cdia_pin.viewers.words import number
 
 WORSE = 1.01  # tracking error over that without accommodation, beyond which it counts as worse [1]
 DROPPED = 1.0  # [s], within which a fault that is gone is to be dropped
@@ -17,57 +17,7 @@ RECOVERED = 0.9  # share of the variance of an unknown torque that is to be reco
 SPEED, NEAR = 0.5, 0.15  # [rad/s or m/s], where the faults of the suite profile begin, and how near is right
 
 
-@dataclass(frozen=True)
-class Figure:
-    """A measured figure.
-
-    Attributes:
-        value: The figure; NaN where there is nothing to measure.
-        n: Number of cases, faults or minutes that it is of.
-        text: As it is printed.
-    """
-
-    value: float
-    n: int
-    text: str
-
-
-Measure = Callable[[Sequence[Outcome]], Figure]
 Joints = Callable[[JointOutcome], bool]
-
-
-@dataclass(frozen=True)
-class Claim:
-    """One row of the results.
-
-    Attributes:
-        text: What is measured.
-        target: What was asked for; empty if nothing was.
-        measure: From outcomes to the figure.
-        met: Whether a figure is what was asked for.
-    """
-
-    text: str
-    target: str
-    measure: Measure
-    met: Callable[[float], bool] = lambda _: True
-
-
-@dataclass(frozen=True)
-class Part:
-    """Rows about the same outcomes.
-
-    Attributes:
-        title: Of the table.
-        about: What it is measured on.
-        chosen: Whether an outcome belongs to it.
-        claims: Its rows.
-    """
-
-    title: str
-    about: str
-    chosen: Callable[[Outcome], bool]
-    claims: tuple[Claim, ...]
 
 
 # ---------------------------------------------------------------- figures
@@ -77,18 +27,7 @@ def share(good: Joints, of: Joints = lambda _: True) -> Measure:
     """Return a measure: the share of faulty joints that are good."""
 
     def measure(outcomes: Sequence[Outcome]) -> Figure:
-        asked = [good(j) for o in outcomes for j in o.joints if of(j)]
-        return Figure(sum(asked) / len(asked) if asked else nan, len(asked), _count(asked))
-
-    return measure
-
-
-def of_cases(good: Callable[[Outcome], bool], of: Callable[[Outcome], bool] = lambda _: True) -> Measure:
-    """Return a measure: the share of cases that are good."""
-
-    def measure(outcomes: Sequence[Outcome]) -> Figure:
-        asked = [good(o) for o in outcomes if of(o)]
-        return Figure(sum(asked) / len(asked) if asked else nan, len(asked), _count(asked))
+        return counted([good(j) for o in outcomes for j in o.joints if of(j)])
 
     return measure
 
@@ -129,28 +68,16 @@ def alarms(of: Callable[[Outcome], int]) -> Measure:
     return measure
 
 
-def _count(asked: Sequence[bool]) -> str:
-    return f"{percent(sum(asked) / len(asked))} ({sum(asked)}/{len(asked)})" if asked else "–"
-
-
 # ---------------------------------------------------------------- rows
 
 
-def _at_least(share_: float) -> Callable[[float], bool]:
-    return lambda value: value >= share_
-
-
-def _at_most(most: float) -> Callable[[float], bool]:
-    return lambda value: value <= most
-
-
 def _detected(target: bool) -> Iterator[Claim]:
-    yield Claim("detected", "≥ 99 %" if target else "", share(lambda j: j.detected), _at_least(0.99))
+    yield Claim("detected", "≥ 99 %" if target else "", share(lambda j: j.detected), at_least(0.99))
     yield Claim(
         "delay of detection, median, from when the fault's torque exceeds the threshold",
         "≤ 50 ms" if target else "",
         middle(lambda j: j.delay, " ms", 1e3),
-        _at_most(50.0),
+        at_most(50.0),
     )
 
 
@@ -159,13 +86,13 @@ def _named(target: bool) -> Iterator[Claim]:
         "right combination, or an ambiguous set that holds it, 4 s after detection",
         "≥ 97 %" if target else "",
         share(lambda j: j.holds, _was_detected),
-        _at_least(0.97),
+        at_least(0.97),
     )
     yield Claim(
         "right combination as the only one",
         "≥ 90 %" if target else "",
         share(lambda j: j.unique, _was_detected),
-        _at_least(0.90),
+        at_least(0.90),
     )
 
 
@@ -174,13 +101,13 @@ def _tracking(target: bool) -> Iterator[Claim]:
         "tracking RMS of the faulty joint in the last 3 s over that of the healthy arm, median",
         "≤ 1.2" if target else "",
         middle(lambda j: j.tracking),
-        _at_most(1.2),
+        at_most(1.2),
     )
     yield Claim(
         "cases that track worse than without accommodation (by more than 1 %)",
         "0" if target else "",
         count(lambda j: j.against_none > WORSE),
-        _at_most(0.0),
+        at_most(0.0),
     )
     yield Claim("tracking RMS over that without accommodation, median", "", middle(lambda j: j.against_none))
 
@@ -230,7 +157,7 @@ def _under(name: str, title: str, about: str) -> tuple[Part, Part]:
         f"{title}: healthy",
         "Three healthy minutes of each arm.",
         lambda o: o.conditions == name and not o.effects,
-        (Claim("false alarms", "0", alarms(lambda o: o.false_alarms), _at_most(0.0)),),
+        (Claim("false alarms", "0", alarms(lambda o: o.false_alarms), at_most(0.0)),),
     )
     return faulty, healthy
 
@@ -241,7 +168,7 @@ PARTS = (
         "An hour of healthy motion of each arm, three motions a minute, none of which the monitor has seen.",
         lambda o: o.conditions == USUAL and o.suite == "hour",
         (
-            Claim("false alarms of the monitor", "0", alarms(lambda o: o.false_alarms), _at_most(0.0)),
+            Claim("false alarms of the monitor", "0", alarms(lambda o: o.false_alarms), at_most(0.0)),
             Claim(
                 "plain momentum observer: joints that alarmed in a minute",
                 "",
@@ -299,9 +226,9 @@ PARTS = (
         lambda o: o.suite == "unknown",
         (
             *_detected(False),
-            Claim("called unknown", "≥ 95 %", share(lambda j: j.verdict == "unknown"), _at_least(0.95)),
+            Claim("called unknown", "≥ 95 %", share(lambda j: j.verdict == "unknown"), at_least(0.95)),
             Claim(
-                "recovered by the correction, median", "≥ 0.9", middle(lambda j: j.recovered), _at_least(0.9)
+                "recovered by the correction, median", "≥ 0.9", middle(lambda j: j.recovered), at_least(0.9)
             ),
             Claim("cases with 0.9 or more", "", share(lambda j: j.recovered >= RECOVERED)),
             Claim("recovered as a formula, median", "", middle(lambda j: j.learned)),
@@ -317,7 +244,7 @@ PARTS = (
                 "dropped within 1 s",
                 "≥ 95 %",
                 of_cases(lambda o: o.drop <= DROPPED, lambda o: o.joints[0].detected),
-                _at_least(0.95),
+                at_least(0.95),
             ),
             Claim(
                 "found again, by its right name",

@@ -182,13 +182,8 @@ def _micro(block: float) -> float:
 
 def _decision(monitor: Monitor, j: int) -> float:
     """Return the median time of a decision of a joint under watch [µs]."""
-    watch, o = monitor.engine.watches[j], monitor.engine.observer  # type: ignore[attr-defined]
-    gram, weight = o.gram[j].copy(), float(o.joint[o.k.WEIGHT, j])
-    times = [
-        _timed(lambda: watch.isolator.decide(j, gram, weight, watch.level, watch.independent))
-        for _ in range(300)
-    ]
-    return 1e6 * median(times)
+    evidence = monitor.engine.watches[j].evidence  # type: ignore[attr-defined]
+    return 1e6 * median(_timed(lambda: _discard(evidence.decide())) for _ in range(300))
 
 
 IMPORT = """
@@ -224,7 +219,7 @@ def _start(cache: str) -> float:
     return _timed(lambda: _discard(_python(START, folders)))
 
 
-def _discard(_: str) -> None:
+def _discard(_: object) -> None:
     pass
 
 

@@ -33,20 +33,20 @@ class JointOutcome:
 
     joint: str
     detected: bool
-    delay: float
-    since_begin: float
-    plain_delay: float
-    plain_since_begin: float
-    verdict: str
-    named: tuple[str, ...]
-    right: bool
-    unique: bool
-    holds: bool
-    tracking: float
-    against_none: float
-    recovered: float
-    learned: float
-    region: str
+    delay: float = nan
+    since_begin: float = nan
+    plain_delay: float = nan
+    plain_since_begin: float = nan
+    verdict: str = ""
+    named: tuple[str, ...] = ()
+    right: bool = False
+    unique: bool = False
+    holds: bool = False
+    tracking: float = nan
+    against_none: float = nan
+    recovered: float = nan
+    learned: float = nan
+    region: str = ""
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from benchmarks import outcomes
 from benchmarks.online import scenarios as s
 from benchmarks.online.outcome import Outcome
 from benchmarks.online.scenarios import Case
+from benchmarks.outcomes import CHECKOUT, package_text, text_hash
 
-CHECKOUT = Path(__file__).resolve().parents[2]
 STORE = CHECKOUT / ".cache" / "online"
 APART = {
     "__main__.py",
@@ -49,18 +49,12 @@ def planned(arm: str, suites: Iterable[str] = SUITES, quick: bool = False) -> li
 
 def fingerprint() -> str:
     """Return a hash of all text that an outcome depends on: the package, the plant, the cases."""
-    digest = hashlib.sha256()
-    files = [*(CHECKOUT / "cdia_pin").rglob("*.py"), *(CHECKOUT / "benchmarks" / "plant").rglob("*.py")]
-    files += [f for f in (CHECKOUT / "benchmarks" / "online").glob("*.py") if f.name not in APART]
-    apart = {CHECKOUT / "cdia_pin" / part for part in ("cli", "viewers", "campaigns", "discovery")}
-    for file in sorted(files):
-        if not apart & set(file.parents):
-            digest.update(file.relative_to(CHECKOUT).as_posix().encode() + file.read_bytes())
-    return digest.hexdigest()[:16]
+    here = [f for f in (CHECKOUT / "benchmarks" / "online").glob("*.py") if f.name not in APART]
+    return text_hash([*package_text(("cli", "viewers", "campaigns", "discovery")), *here])
 
 
-class Store:
-    """Outcomes of one arm as JSON lines, so that an interrupted run goes on where it was.
+class Store(outcomes.Store[Outcome]):
+    """Outcomes of one arm.
 
     Args:
         arm: Name of the arm.
@@ -69,22 +63,4 @@ class Store:
     """
 
     def __init__(self, arm: str, version: str, folder: Path = STORE) -> None:
-        self.path = folder / f"{arm}-{version}.jsonl"
-
-    def read(self) -> dict[str, Outcome]:
-        """Return what is there, by the case's name; a line cut short by an interruption is left out."""
-        if not self.path.exists():
-            return {}
-        lines = self.path.read_text(encoding="utf-8").splitlines()
-        whole = [Outcome.from_json(line) for line in lines if line.endswith("}")]
-        return {o.id: o for o in whole}
-
-    def add(self, outcome: Outcome) -> None:
-        """Append an outcome."""
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(outcome.to_json() + "\n")
-
-    def forget(self) -> None:
-        """Delete what is there."""
-        self.path.unlink(missing_ok=True)
+        super().__init__(folder / f"{arm}-{version}.jsonl", Outcome.from_json)

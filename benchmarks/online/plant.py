@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.online.faults import mechanism
-from benchmarks.online.model_error import erroneous, give
 from benchmarks.online.motions import Onward
 from benchmarks.online.physics import Physics
 from benchmarks.online.run import OnlineRun
 from benchmarks.online.sensors import Readings, Sensors
 from benchmarks.plant.arm import Arm
 from benchmarks.plant.faults import Fault, Mechanism
+from benchmarks.plant.model_error import erroneous, give
 from benchmarks.plant.motion import Motion, Plan, Reference
 from benchmarks.plant.plant import MujocoPlant
 from benchmarks.plant.simulate import FASTEST

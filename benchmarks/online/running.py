@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -11,6 +10,7 @@ from multiprocessing import get_context
 
 from benchmarks.online.outcome import Outcome
 from benchmarks.online.plan import Store, fingerprint, planned
+from benchmarks.outcomes import tell
 
 
 def run_all(arms: Sequence[str], suites: Sequence[str], jobs: int, quick: bool, fresh: bool) -> list[Outcome]:
@@ -51,8 +51,3 @@ def run_arm(arm: str, suites: Sequence[str], quick: bool, version: str) -> None:
         tell(
             f"{arm:6} {k:4}/{len(cases)} {seconds:5.1f} s  {'ok' if not why else 'MISS'}  {case.id}  {'; '.join(why)}"
         )
-
-
-def tell(line: str) -> None:
-    """Print a line about progress."""
-    print(line, file=sys.stderr, flush=True)

@@ -7,7 +7,7 @@ ones, at the end of the run.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -115,8 +115,7 @@ def run_case(case: Case, settings: MonitorSettings | None = None, minutes: int =
         settings: Of the monitor; its own if omitted.
         minutes: Healthy ones that the monitor has learned from.
     """
-    beyond = any(f.effect in FURTHER for f in case.faults)
-    b = bench(case.robot, ALL_EFFECTS if beyond else EFFECTS, case.conditions, settings, minutes)
+    b = bench(case.robot, ALL_EFFECTS if _is_further(case) else EFFECTS, case.conditions, settings, minutes)
     nominal = NominalControl(b.plant.robot)
     loop = Loop(b.monitor, nominal)
     try:
@@ -128,60 +127,33 @@ def run_case(case: Case, settings: MonitorSettings | None = None, minutes: int =
     healthy = case.run(b.plant, nominal, healthy=True) if case.faults else None
     alone = _left_alone(case, b.plant, nominal) if case.faults else None
     joints = tuple(
-        _joint(joint, case, b, loop, run, residual, healthy, alone)
-        for joint in dict.fromkeys(f.joint for f in case.faults if f.joint)
+        _joint(joint, since, case, b, loop, run, residual, healthy, alone)
+        for joint, since in _begun(case).items()
     )
     drop = again = np.nan
     if case.suite == "return":
         first, second = case.faults
         drop = metrics.drop_delay(events, joints[0].joint, first.until, second.after)
         again = metrics.found_again_delay(run, events, joints[0].joint, second.after)
-    return Outcome(
-        id=case.id,
-        suite="further" if beyond else case.suite,
-        robot=case.robot,
-        conditions=case.conditions,
-        share=case.share,
-        effects=tuple(dict.fromkeys(str(f) for f in case.faults)),
-        minutes=case.duration / 60.0,
+    return replace(
+        _nothing_seen(case, b.monitor),
         false_alarms=len(metrics.false_alarms(run, events)),
         plain_false_alarms=_plain_false_alarms(case, b, run, residual),
         joints=joints,
         drop=drop,
         again=again,
-        said=tuple(_in_words(e) for e in events if e.stage != "accommodation"),
     )
 
 
-def _ran_away(case: Case, b: Bench, alone: OnlineRun | None) -> Outcome:
-    """Return what came of an arm that its drives could not hold, in spite of the monitor."""
-    events, joints = b.monitor.events, []
-    for joint in dict.fromkeys(f.joint for f in case.faults if f.joint):
-        since = min(f.after for f in case.faults if f.joint == joint)
-        detected_at = metrics.detection_time(events, joint, since)
-        joints.append(
-            JointOutcome(
-                joint=joint,
-                detected=bool(np.isfinite(detected_at)),
-                delay=np.nan,
-                since_begin=detected_at - since,
-                plain_delay=np.nan,
-                plain_since_begin=np.nan,
-                verdict="the arm ran away",
-                named=(),
-                right=False,
-                unique=False,
-                holds=False,
-                tracking=np.inf,
-                against_none=1.0 if alone is None else np.inf,
-                recovered=np.nan,
-                learned=np.nan,
-                region="",
-            )
-        )
+def _is_further(case: Case) -> bool:
+    return any(f.effect in FURTHER for f in case.faults)
+
+
+def _nothing_seen(case: Case, monitor: Monitor) -> Outcome:
+    """Return a case and what the monitor said, with nothing measured yet."""
     return Outcome(
         id=case.id,
-        suite=case.suite,
+        suite="further" if _is_further(case) else case.suite,
         robot=case.robot,
         conditions=case.conditions,
         share=case.share,
@@ -189,11 +161,34 @@ def _ran_away(case: Case, b: Bench, alone: OnlineRun | None) -> Outcome:
         minutes=case.duration / 60.0,
         false_alarms=0,
         plain_false_alarms=0,
-        joints=tuple(joints),
-        drop=np.nan,
-        again=np.nan,
-        said=tuple(_in_words(e) for e in events if e.stage != "accommodation"),
+        said=tuple(_in_words(e) for e in monitor.events if e.stage != "accommodation"),
     )
+
+
+def _ran_away(case: Case, b: Bench, alone: OnlineRun | None) -> Outcome:
+    """Return what came of an arm that its drives could not hold, in spite of the monitor."""
+    joints = tuple(
+        JointOutcome(
+            joint=joint,
+            detected=bool(np.isfinite(detected_at)),
+            since_begin=detected_at - since,
+            verdict="the arm ran away",
+            tracking=np.inf,
+            against_none=1.0 if alone is None else np.inf,
+        )
+        for joint, since in _begun(case).items()
+        for detected_at in [metrics.detection_time(b.monitor.events, joint, since)]
+    )
+    return replace(_nothing_seen(case, b.monitor), joints=joints)
+
+
+def _begun(case: Case) -> dict[str, float]:
+    """Return when the first fault of each joint begins [s]."""
+    out: dict[str, float] = {}
+    for f in case.faults:
+        if f.joint:
+            out[f.joint] = min(f.after, out.get(f.joint, np.inf))
+    return out
 
 
 def _left_alone(case: Case, plant: OnlinePlant, nominal: NominalControl) -> OnlineRun | None:
@@ -206,6 +201,7 @@ def _left_alone(case: Case, plant: OnlinePlant, nominal: NominalControl) -> Onli
 
 def _joint(
     joint: str,
+    since: float,
     case: Case,
     b: Bench,
     loop: Loop,
@@ -215,7 +211,6 @@ def _joint(
     alone: OnlineRun | None,
 ) -> JointOutcome:
     j, events = run.joints.index(joint), b.monitor.events
-    since = min(f.after for f in case.faults if f.joint == joint)
     detected_at = metrics.detection_time(events, joint, since)
     at = run.time[-1] if case.suite in ASKED_AT_THE_END else detected_at + metrics.TIME_TO_DECIDE
     said = metrics.isolation(run, events, joint, at)
@@ -259,10 +254,8 @@ def _plain_false_alarms(case: Case, b: Bench, run: OnlineRun, residual: Array | 
     if residual is None:
         return 0
     begin = np.full(len(run.joints), np.inf)
-    for f in case.faults:
-        if f.joint:
-            j = run.joints.index(f.joint)
-            begin[j] = min(begin[j], f.after)
+    for joint, since in _begun(case).items():
+        begin[run.joints.index(joint)] = since
     seen = baseline.detection_times(run.time, residual, b.plain)
     return int((seen < begin).sum())
 

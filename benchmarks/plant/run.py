@@ -77,16 +77,14 @@ def record(
         source: What the log says of itself.
     """
     truth = Truth(*(exact[k] for k in Truth._fields))
-    std = noise.std_of(truth.effort)
-    shape = truth.effort.shape
-    effort = exact.get("read_effort", truth.effort) + std * noise.draw(shape, rate, rng)
-    velocities = truth.velocity + noise.velocity_std * rng.standard_normal(shape)
+    effort = noise.read_effort(exact.get("read_effort", truth.effort), rate, rng)
+    velocities = truth.velocity + noise.velocity_std * rng.standard_normal(truth.velocity.shape)
     log = Log(
         joints=joints,
         time=truth.time,
-        position=noise.quantise(exact.get("read_position", truth.position)),
+        position=noise.read_position(exact.get("read_position", truth.position)),
         effort=effort,
         velocity=velocities if velocity else None,
         source=source,
     )
-    return Run(log, truth, std, faults)
+    return Run(log, truth, noise.std_of(truth.effort), faults)

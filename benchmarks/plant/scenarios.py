@@ -14,10 +14,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from benchmarks.plant.faults import Fault
+from benchmarks.plant.faults import MECHANISMS, Fault
 from benchmarks.plant.motion import Fourier, Motion, PointToPoint
 from benchmarks.plant.noise import Noise
-from benchmarks.plant.plant import MujocoPlant, Run
+from benchmarks.plant.plant import DRAWS, MujocoPlant, Run
 from benchmarks.plant.sizes import Sizer
 
 HOLDOUT = 1000  # added to the seed for a second motion with the same faults
@@ -35,6 +35,7 @@ class Scenario:
         noise: Imperfections of the sensors.
         duration: Length [s].
         rate: Sampling rate [Hz].
+        noise_seed: Another one gives other noise on the same motion.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Scenario:
     noise: Noise = field(default_factory=Noise)
     duration: float = 36.0
     rate: float = 250.0
+    noise_seed: int = DRAWS
 
     def run(self, plant: MujocoPlant) -> Run:
         """Make the run, or find it on disk."""
@@ -54,6 +56,7 @@ class Scenario:
             rate=self.rate,
             noise=self.noise,
             seed=self.seed,
+            noise_seed=self.noise_seed,
         )
 
     def holdout(self) -> Scenario:
@@ -91,44 +94,65 @@ def _arm(effect: str, **parameters: Any) -> Recipe:
     return lambda _: Fault(effect, **parameters)
 
 
-RECIPES: dict[str, Recipe] = {
-    "coulomb_friction": _on("coulomb_friction", 1, level=1.0),
-    "viscous_friction": _on("viscous_friction", 2, coefficient=1.0),
-    "stribeck_friction": _on("stribeck_friction", 1, level=1.0, breakaway=1.5, decay=8.0),
-    "asymmetric_friction": _on(
-        "asymmetric_friction",
-        2,
-        level_positive=1.0,
-        level_negative=1.8,
-        coefficient_positive=1.0,
-        coefficient_negative=0.4,
-    ),
-    "quadratic_friction": _on("quadratic_friction", 1, coefficient=1.0),
-    "load_friction": _on("load_friction", 0, coefficient=0.1),
-    "position_ripple": _on("position_ripple", 2, sine=1.0, cosine=0.6, frequency=9.0),
-    "actuator_gain": _on("actuator_gain", 1, gain=-0.1),
-    "torque_offset": _on("torque_offset", 2, offset=1.0),
-    "rotor_inertia": _on("rotor_inertia", 1, inertia=0.1),
-    "joint_spring": _on("joint_spring", 1, stiffness=1.0, preload=0.3),
-    "coupled_friction": _coupled(coefficient=1.0, level=1.0),
-    "link_inertia": _on("link_inertia", 1, mass=0.5, com=(0.01, 0.005, 0.02), inertia=0.1),
-    "payload": _arm("payload", mass=1.0, com=(0.03, 0.01, 0.06), size=0.12),
-    "base_tilt": _arm("base_tilt", tilt_x=0.3, tilt_y=-0.2),
-    "tool_wrench": _arm("tool_wrench", force=(4.0, -3.0, 5.0), torque=(0.3, 0.2, -0.2)),
-    "viscous_medium": _arm("viscous_medium", drag=10.0, displaced_mass=1.0),
-    "encoder_offset": _on("encoder_offset", 1, offset=0.02),
-    "effort_delay": _arm("effort_delay", delay=0.005),
+Parameters = dict[str, Any]
+
+# Sizes are scaled afterwards; ratios and shapes stay.
+PARAMETERS: dict[str, Parameters] = {
+    "coulomb_friction": {"level": 1.0},
+    "viscous_friction": {"coefficient": 1.0},
+    "stribeck_friction": {"level": 1.0, "breakaway": 1.5, "decay": 8.0},
+    "asymmetric_friction": {
+        "level_positive": 1.0,
+        "level_negative": 1.8,
+        "coefficient_positive": 1.0,
+        "coefficient_negative": 0.4,
+    },
+    "quadratic_friction": {"coefficient": 1.0},
+    "load_friction": {"coefficient": 0.1},
+    "position_ripple": {"sine": 1.0, "cosine": 0.6, "frequency": 9.0},
+    "actuator_gain": {"gain": -0.1},
+    "torque_offset": {"offset": 1.0},
+    "rotor_inertia": {"inertia": 0.1},
+    "joint_spring": {"stiffness": 1.0, "preload": 0.3},
+    "coupled_friction": {"coefficient": 1.0, "level": 1.0},
+    "link_inertia": {"mass": 0.5, "com": (0.01, 0.005, 0.02), "inertia": 0.1},
+    "payload": {"mass": 1.0, "com": (0.03, 0.01, 0.06), "size": 0.12},
+    "base_tilt": {"tilt_x": 0.3, "tilt_y": -0.2},
+    "tool_wrench": {"force": (4.0, -3.0, 5.0), "torque": (0.3, 0.2, -0.2)},
+    "viscous_medium": {"drag": 10.0, "displaced_mass": 1.0},
+    "encoder_offset": {"offset": 0.02},
+    "effort_delay": {"delay": 0.005},
 }
-OUTSIDE_RECIPES: dict[str, Recipe] = {
-    "cubic_spring": _on("cubic_spring", 1, stiffness=1.0),
-    "torque_deadzone": _on("torque_deadzone", 1, width=1.0),
-    "speed_cogging": _on("speed_cogging", 1, coefficient=1.0),
-    "posture_friction": _between("posture_friction", 1, level=1.0),
-    "warming_friction": _on("warming_friction", 1, level=1.0, time=12.0),
-    "cross_spring": _between("cross_spring", 1, torque=1.0),
-    "presliding": _on("presliding", 1, level=1.0, reach=0.1),
-    "speed_bump": _on("speed_bump", 1, level=1.0, speed=0.25, width=0.06),
+OUTSIDE_PARAMETERS: dict[str, Parameters] = {
+    "cubic_spring": {"stiffness": 1.0},
+    "torque_deadzone": {"width": 1.0},
+    "speed_cogging": {"coefficient": 1.0},
+    "posture_friction": {"level": 1.0},
+    "warming_friction": {"level": 1.0, "time": 12.0},
+    "cross_spring": {"torque": 1.0},
+    "presliding": {"level": 1.0, "reach": 0.1},
+    "speed_bump": {"level": 1.0, "speed": 0.25, "width": 0.06},
 }
+RANKS = {  # of the joint, by the torque it carries; 1 for all others
+    "viscous_friction": 2,
+    "asymmetric_friction": 2,
+    "load_friction": 0,
+    "position_ripple": 2,
+    "torque_offset": 2,
+}
+
+
+def _recipe(effect: str, parameters: Parameters) -> Recipe:
+    places = MECHANISMS[effect].places
+    if effect == "coupled_friction":
+        return _coupled(**parameters)
+    if places == 2:
+        return _between(effect, RANKS.get(effect, 1), **parameters)
+    return _on(effect, RANKS.get(effect, 1), **parameters) if places else _arm(effect, **parameters)
+
+
+RECIPES = {effect: _recipe(effect, given) for effect, given in PARAMETERS.items()}
+OUTSIDE_RECIPES = {effect: _recipe(effect, given) for effect, given in OUTSIDE_PARAMETERS.items()}
 PAIRS: tuple[tuple[Recipe, ...], ...] = (
     (_on("coulomb_friction", 1, level=1.0), RECIPES["payload"]),
     (_on("coulomb_friction", 1, level=1.0), _on("viscous_friction", 1, coefficient=1.0)),

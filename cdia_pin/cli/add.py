@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cdia_pin.cli.conditions import Conditions, PerLog, parse_conditions, parse_per_log, under
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
@@ -49,6 +50,8 @@ def add(
     model: Model = None,
     holdout: Holdout = None,
     save: Save = None,
+    condition: Conditions = None,
+    per_log: PerLog = None,
     cutoff: Cutoff = None,
     gains: Gains = None,
     joint_map: JointMap = None,
@@ -66,6 +69,7 @@ def add(
     files = DiscoveryFiles(save, json, report)
     files.require_writable([*logs, *unseen])
     require_unseen(unseen, logs)
+    conditions = parse_conditions(condition, [*logs, *unseen])
     if Path(effect).is_file():
         raise CommandError(f"'{effect}' is a file: the effect comes before the logs, cdia add EFFECT LOG...")
     console = stdout(json)
@@ -76,10 +80,16 @@ def add(
         from cdia_pin.logs.conditioning import Conditioning
 
         added = parse_effect(effect, known.robot)
-        settings = discovery.DiscoverySettings(conditioning=Conditioning(cutoff=cutoff))
+        settings = discovery.DiscoverySettings(
+            conditioning=Conditioning(cutoff=cutoff),
+            per_log=parse_per_log(per_log, logs, conditions, known.robot),
+        )
         reading = Reading(gains, joint_map, convert, topic)
-        given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
-        held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
+        read, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
+        given = under(conditions, read, logs)
+        held_out = under(
+            conditions, read_logs(unseen, known.robot, reading, check=check, tell=tell)[0], unseen
+        )
         found = discovery.add_effect(
             known, added, given, holdout=held_out or None, settings=settings, progress=tell
         )

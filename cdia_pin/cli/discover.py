@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cdia_pin.cli.conditions import Conditions, PerLog, parse_conditions, parse_per_log, under
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
@@ -26,7 +27,6 @@ from cdia_pin.cli.options import (
     Save,
     Topic,
 )
-from cdia_pin.cli.ranking_table import SHOWN, ranking_table
 
 if TYPE_CHECKING:
     from cdia_pin.effects import Effect
@@ -66,6 +66,8 @@ def discover(
     everything: Annotated[
         bool, typer.Option("--all", help="Show the whole ranking of single effects.", rich_help_panel=OUTPUT)
     ] = False,
+    condition: Conditions = None,
+    per_log: PerLog = None,
     cutoff: Cutoff = None,
     gains: Gains = None,
     joint_map: JointMap = None,
@@ -83,6 +85,7 @@ def discover(
     files = DiscoveryFiles(save, json, report)
     files.require_writable([*logs, *unseen])
     require_unseen(unseen, logs)
+    conditions = parse_conditions(condition, [*logs, *unseen])
     console = stdout(json)
     known = load_inputs(robot, model)
     with progress() as tell:
@@ -94,16 +97,21 @@ def discover(
             conditioning=conditioning,
             effects=named_effects(effects),
             extra=own_effects(extra or [], known.robot),
+            per_log=parse_per_log(per_log, logs, conditions, known.robot),
         )
         reading = Reading(gains, joint_map, convert, topic)
-        given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
-        held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
+        read, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
+        given = under(conditions, read, logs)
+        held_out = under(
+            conditions, read_logs(unseen, known.robot, reading, check=check, tell=tell)[0], unseen
+        )
         found = discovery.discover(known, given, holdout=held_out or None, settings=settings, progress=tell)
     from cdia_pin.viewers import discovery_table
+    from cdia_pin.viewers.text_ranking import ranking_table
 
     show_inputs(console, known, given, held_out)
     if found.ranking:
-        console.print(ranking_table(found, None if everything else SHOWN))
+        console.print(ranking_table(found, everything))
     console.print(discovery_table(found))
     files.write(console, found, known, given, conditioning=conditioning, checks=checks, command=ctx.obj)
 

@@ -22,8 +22,10 @@ from cdia_pin.cli.convert import convert
 from cdia_pin.cli.demo import demo
 from cdia_pin.cli.discover import discover
 from cdia_pin.cli.effects import effects
+from cdia_pin.cli.excite import excite
 from cdia_pin.cli.export import export
 from cdia_pin.cli.failures import CommandError, one_line
+from cdia_pin.cli.identify import identify
 from cdia_pin.cli.monitor import monitor
 from cdia_pin.cli.options import examples
 from cdia_pin.cli.robots import robots
@@ -82,6 +84,14 @@ for command, panel, example in (
     (discover, JOB, ["cdia discover run.csv --robot ur5 --save model.json --report found.html"]),
     (add, JOB, ["cdia add coulomb_friction@elbow_joint run.csv --robot ur5 --save model.json"]),
     (
+        excite,
+        JOB,
+        [
+            "cdia excite --robot ur5 --out motion.csv",
+            "cdia excite --robot ur5 --between coulomb_friction@elbow_joint load_friction@elbow_joint --out motion.csv",
+        ],
+    ),
+    (
         monitor,
         JOB,
         [
@@ -97,6 +107,11 @@ for command, panel, example in (
             "cdia view run.csv --robot ur5 --healthy before.csv",
             "cdia view --simulate --robot ur5 --fault 'coulomb_friction@elbow_joint: level=5, after=4'",
         ],
+    ),
+    (
+        identify,
+        JOB,
+        ["cdia identify run.csv --robot ur5 --holdout other.csv --save model.json --urdf corrected.urdf"],
     ),
     (export, MODELS, ["cdia export --robot ur5 --model model.json --urdf corrected.urdf"]),
     (

@@ -90,6 +90,10 @@ class Bank:
             [np.arange(self.ends[i], self.ends[i + 1]) for i in chosen] or [np.zeros(0, int)]
         )
 
+    def members(self, mask: int) -> list[int]:
+        """Return the effects of a combination, which has one bit for each."""
+        return [i for i in range(len(self)) if mask >> i & 1]
+
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
         """Smallest and largest physical parameter of every column, shape (P,) each."""

@@ -3,33 +3,20 @@
 An effect is written once, in numpy. Its method ``columns`` reads signals by name and is a function of arrays,
 whether they run over samples or over joints: numba compiles it as it stands. What numba does not understand, a
 line of arithmetic or a user's class with richer Python, is evaluated in Python at every tick instead.
-
-The generated module is kept in a cache folder beside numba's own cache of it, so that the second start of a
-program does not compile again.
 """
 
 from __future__ import annotations
 
-import hashlib
-import importlib.util
-import inspect
-import linecache
-import os
-import sys
-import tempfile
 from collections import namedtuple
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-import cdia_pin
-from cdia_pin.effects import JointEffect, JointState, Unknown
-
-BAD = 4  # a tick's answer to a signal that is not finite; nothing was done
+from cdia_pin.diagnosis.kernel_cache import load
+from cdia_pin.diagnosis.layout import Shape, spans
+from cdia_pin.effects import JointEffect, JointState
 
 HEADER = '''"""Generated: the columns of {names}, and a tick with them."""
 
@@ -42,7 +29,7 @@ from cdia_pin.diagnosis.kernels import (
     ADDITION, BANDWIDTH, CORRECTS, COUNT, DEBOUNCE, DRIVEN, FLOOR, FORGET, IDLE, LEARNS, POSITION, REMEMBER, SELDOM,
     SOFT, TIME, VELOCITY, WIDTH, Neurons, Signals, activate, advance, correction, learn,
 )
-from cdia_pin.diagnosis.compiled import BAD
+from cdia_pin.diagnosis.codes import BAD
 from cdia_pin.effects.unknown import Unknown
 
 activations = njit(Unknown.columns)
@@ -112,32 +99,6 @@ def corrected(state, direction, a, tau, divide):
 '''
 
 
-def layout(n: int, effects: Sequence[JointEffect], neurons: int) -> dict[str, tuple[int, ...]]:
-    """Return the shape of each part of the state of n joints, in its order.
-
-    Args:
-        n: Number of joints.
-        effects: Effects whose columns are filtered.
-        neurons: Radial basis functions per joint, in position and in velocity each.
-    """
-    from cdia_pin.diagnosis import kernels as k
-
-    P, hidden = sum(e.size for e in effects), 2 * neurons + 1
-    return {
-        "scalars": (k.SCALARS,),
-        "joint": (k.JOINT_ROWS, n),
-        "columns": (k.COLUMN_ROWS, n, P),
-        "gram": (n, P + 1, P + 1),
-        "absent": (n, len(effects)),
-        "mass": (n, n),
-        "phi": (3, n, P),  # of the tick, and for corrections without and with torque
-        "centres": (2, neurons, n),
-        "widths": (2, n),
-        "neurons": (k.NEURON_ROWS, n, hidden),
-        "neuron_gram": (n, hidden + 1, hidden + 1),
-    }
-
-
 @dataclass(frozen=True)
 class Compiled:
     """A compiled bank.
@@ -153,7 +114,7 @@ class Compiled:
     in_python: tuple[int, ...]
 
 
-def compile_bank(effects: Sequence[JointEffect], parts: Mapping[str, tuple[int, ...]]) -> Compiled:
+def compile_bank(effects: Sequence[JointEffect], parts: Mapping[str, Shape]) -> Compiled:
     """Compile the columns of effects, side by side in the order given.
 
     Args:
@@ -161,7 +122,7 @@ def compile_bank(effects: Sequence[JointEffect], parts: Mapping[str, tuple[int, 
         parts: Parts of the state, see `layout`.
     """
     in_python = tuple(i for i, e in enumerate(effects) if not _compiles(e))
-    module = _load(_source(effects, in_python, parts), effects)
+    module = load(_source(effects, in_python, parts), effects)
     return Compiled(module.tick, module.corrected, in_python)
 
 
@@ -217,9 +178,7 @@ def _shape_class(i: int, effect: JointEffect) -> str:
     return f'Shape{i} = namedtuple("Shape{i}", "{" ".join(_shape(effect))}")'
 
 
-def _source(
-    effects: Sequence[JointEffect], in_python: Sequence[int], parts: Mapping[str, tuple[int, ...]]
-) -> str:
+def _source(effects: Sequence[JointEffect], in_python: Sequence[int], parts: Mapping[str, Shape]) -> str:
     """Return the module's text, which depends on nothing but the effects and this package's own text."""
     lines, fills, at = [], [], 0
     for i, effect in enumerate(effects):
@@ -241,61 +200,6 @@ def _source(
         smooth=np.repeat([bool(e.of_acceleration) for e in effects], sizes).tolist(),
         ends=np.cumsum([0, *sizes]).tolist(),
     )
-    tail = TAIL.format(fills="\n".join(fills) or "    pass", views="\n".join(_views(parts)))
+    views = [f"    {name} = state[{a}:{b}].reshape({shape})" for name, a, b, shape in spans(parts)]
+    tail = TAIL.format(fills="\n".join(fills) or "    pass", views="\n".join(views))
     return head + "\n".join(lines) + tail
-
-
-def _views(parts: Mapping[str, tuple[int, ...]]) -> Iterator[str]:
-    at = 0
-    for name, shape in parts.items():
-        size = int(np.prod(shape))
-        yield f"    {name} = state[{at}:{at + size}].reshape({shape})"
-        at += size
-
-
-def _load(source: str, effects: Sequence[JointEffect]) -> ModuleType:
-    """Import the generated module from the cache folder, writing it there first."""
-    name = f"tick_{_fingerprint(source, effects)}"
-    if name in sys.modules:
-        return sys.modules[name]
-    for folder in _folders():
-        path = folder / f"{name}.py"
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            if not path.exists():
-                draft = path.with_suffix(f".{os.getpid()}")
-                draft.write_text(source, encoding="utf-8")
-                draft.replace(
-                    path
-                )  # at once, so that two programs that start together do not meet half a file
-        except OSError:
-            continue
-        spec = importlib.util.spec_from_file_location(name, path)
-        assert spec is not None and spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[name] = module
-        spec.loader.exec_module(module)
-        return module
-    raise OSError("no folder to keep compiled code in")  # pragma: no cover  (a temporary one always works)
-
-
-def _folders() -> Iterator[Path]:
-    """Yield the user's cache folder, then a private one that lasts no longer than the machine's memory of it."""
-    home = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    yield Path(home) / "cdia-pin" / "kernels"
-    yield Path(tempfile.mkdtemp(prefix="cdia-pin-"))
-
-
-def _fingerprint(source: str, effects: Sequence[JointEffect]) -> str:
-    """Return a hash that changes with all the text that is compiled, of which numba sees only a part."""
-    from cdia_pin.diagnosis import kernels
-
-    digest = hashlib.sha256(f"{cdia_pin.__version__}\n{source}".encode())
-    linecache.checkcache()
-    modules = {type(e).__module__ for e in effects} | {Unknown.__module__, kernels.__name__}
-    for name in sorted(modules):
-        try:
-            digest.update(inspect.getsource(sys.modules[name]).encode())
-        except (OSError, TypeError, KeyError):
-            digest.update(os.urandom(16))  # typed at a prompt: whether it is new nobody can tell
-    return digest.hexdigest()[:16]

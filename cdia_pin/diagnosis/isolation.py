@@ -55,7 +55,7 @@ class Isolator:
     """
 
     def __init__(self, bank: Bank, lower: Array, upper: Array, settings: MonitorSettings) -> None:
-        from cdia_pin.diagnosis.kernels import subsets
+        from cdia_pin.diagnosis.fits import subsets
 
         self.bank, self.lower, self.upper, self.settings = bank, lower, upper, settings
         self._subsets = subsets
@@ -67,7 +67,6 @@ class Isolator:
         members = masks[:, None] >> np.arange(len(bank)) & 1  # (2^N, N)
         self._parameters = members @ sizes
         self._further = np.maximum(members.sum(axis=1) - 1, 0)  # several changes at once are rarer than one
-        self._masks = masks
 
     def decide(
         self,
@@ -79,7 +78,6 @@ class Isolator:
         required: int = 0,
         prior: Array | None = None,
         centre: Array | None = None,
-        barred: int = 0,
     ) -> Decision:
         """Decide on a joint.
 
@@ -92,7 +90,6 @@ class Isolator:
             required: Effects that are there already.
             prior: Weight of what is believed of their parameters, shape (P,).
             centre: What is believed of them, shape (P,).
-            barred: Effects that are not asked for, one bit each.
         """
         P, s, weight = self.bank.width, self.settings, max(weight, 1.0)
         zero = np.zeros(P)
@@ -105,7 +102,7 @@ class Isolator:
             s.most_effects, self._theta, self._rss, self._ok,
         )  # fmt: skip
         noise2 = level**2 + s.mismatch**2 * own[P, P] / weight
-        possible = self._ok & (self._rss / weight <= s.tolerance**2 * noise2) & (self._masks & barred == 0)
+        possible = self._ok & (self._rss / weight <= s.tolerance**2 * noise2)
         if not possible.any():
             return Decision(None, zero, noise=float(np.sqrt(noise2)))
         score = 0.5 * self._rss / noise2 / independent + s.price * (self._parameters + self._further)
@@ -126,18 +123,12 @@ class Isolator:
 
     def intervals(self, mask: int, theta: Array, gram: Array, noise: float, independent: float) -> Array:
         """Return the 95 % interval of each parameter of a combination, shape (p, 2)."""
-        columns = self.bank.columns(self.members(mask))
-        upper = np.triu(gram[: self.bank.width, : self.bank.width])
-        full = upper + np.triu(upper, 1).T
-        part = full[np.ix_(columns, columns)]
+        columns = self.bank.columns(self.bank.members(mask))
+        part = symmetric(gram)[np.ix_(columns, columns)]
         unit = 1.0 / np.sqrt(np.maximum(np.diag(part), 1e-300))
         inverse = np.linalg.pinv(part * np.outer(unit, unit), hermitian=True)
         half = 1.96 * noise * unit * np.sqrt(np.maximum(np.diag(inverse), 0.0) * independent)
         return np.column_stack([theta[columns] - half, theta[columns] + half])
-
-    def members(self, mask: int) -> list[int]:
-        """Return the effects of a combination."""
-        return [i for i in range(len(self.bank)) if mask >> i & 1]
 
     def _first_distinct(self, order: NDArray[np.int64], score: Array) -> int:
         for m in order:
@@ -150,4 +141,12 @@ class Isolator:
     def _is_distinct(self, mask: int) -> bool:
         """Tell whether every effect of a combination is more than a simpler one with another name."""
         theta = self._theta[mask]
-        return all(self.bank.prototypes[i].is_distinct(theta[self.bank.span(i)]) for i in self.members(mask))
+        return all(
+            self.bank.prototypes[i].is_distinct(theta[self.bank.span(i)]) for i in self.bank.members(mask)
+        )
+
+
+def symmetric(gram: Array) -> Array:
+    """Return a matrix of which only the upper triangle is kept, shape (p, p)."""
+    upper = np.triu(gram)
+    return np.asarray(upper + np.triu(upper, 1).T)

@@ -78,9 +78,9 @@ class Journal:
         self._faults: tuple[Term, ...] = ()
         self._next = -np.inf
         for watch in getattr(monitor.engine, "watches", ()):
-            asks = getattr(watch, "evidence", watch)  # whoever of a joint's watch asks the isolator
-            inner = getattr(asks.isolator, "_isolator", asks.isolator)  # an earlier journal hears no more
-            asks.isolator = _Overheard(inner, self._decisions)
+            asked = watch.evidence.isolator
+            inner = getattr(asked, "_isolator", asked)  # an earlier journal hears no more
+            watch.evidence.isolator = _Overheard(inner, self._decisions)
 
     def __call__(self, status: Status) -> None:
         """Take note of a tick."""

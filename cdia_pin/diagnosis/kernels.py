@@ -20,6 +20,8 @@ from collections import namedtuple
 import numpy as np
 from numba import njit
 
+from cdia_pin.diagnosis.codes import ABSENT, ALARM
+
 # What `JointEffect.columns` reads, here with arrays that run over the joints.
 Signals = namedtuple("Signals", "q v a effort sign time")
 # What `Unknown.columns` reads, here with arrays of shape (K, n) and (n,).
@@ -55,9 +57,8 @@ TIME, FORGET, REMEMBER, DEBOUNCE, IDLE, FLOOR, LEARNS, CORRECTS, DRIVEN, COUNT =
 SCALARS = 10
 SELDOM = 4  # ticks between two of the neurons, which take more time than all else
 
-ALARM, ABSENT = 1, 2  # what a tick may ask attention for, beside `compiled.BAD`
 ROUGH = (
-    0.2  # [1], share of a believed fault by which its formula may fail for a moment, as friction at rest does
+    0.2  # [1], share of a believed fault that its formula may miss for a moment, as friction's does at rest
 )
 
 
@@ -198,103 +199,3 @@ def correction(joint, columns, neurons, activations, phi0, phi1, interval, smoot
             gain = max(1.0 + driven / tau[j], floor)
         out[j] = wanted / gain
     return out
-
-
-@njit(cache=True)
-def subsets(gram, ends, lower, upper, required, prior, centre, most, out_theta, out_rss, out_ok):
-    """Fit every combination of effects that holds the required ones to the normal equations of a joint.
-
-    Args:
-        gram: Gram matrix of [y; r], upper triangle, shape (P + 1, P + 1).
-        ends: Columns of the effects, shape (N + 1,).
-        lower: Smallest parameters, shape (P,).
-        upper: Largest parameters, shape (P,).
-        required: Bits of the effects that every combination holds.
-        prior: Weight of what is believed already, shape (P,).
-        centre: What is believed already, shape (P,).
-        most: Largest number of further effects.
-        out_theta: Parameters of each combination, shape (2^N, P).
-        out_rss: Sum of squares that each leaves, shape (2^N,).
-        out_ok: Whether it was fitted and is physical, shape (2^N,).
-    """
-    N = len(ends) - 1
-    P = len(gram) - 1
-    full = np.empty((P + 1, P + 1))
-    for i in range(P + 1):
-        for k in range(i, P + 1):
-            full[i, k] = full[k, i] = gram[i, k]
-    index = np.empty(P, np.int64)
-    for mask in range(1 << N):
-        out_ok[mask] = False
-        out_rss[mask] = np.inf
-        if (mask & required) != required:
-            continue
-        extra = mask & ~required
-        count = 0
-        while extra:
-            extra &= extra - 1
-            count += 1
-        if count > most:
-            continue
-        p = 0
-        for e in range(N):
-            if mask >> e & 1:
-                for k in range(ends[e], ends[e + 1]):
-                    index[p] = k
-                    p += 1
-        theta, ok = solve(full, index, p, prior, centre)
-        rss = full[P, P]
-        for i in range(p):
-            rss -= 2.0 * theta[i] * full[index[i], P]
-            for k in range(p):
-                rss += theta[i] * theta[k] * full[index[i], index[k]]
-        for i in range(p):
-            k = index[i]
-            out_theta[mask, k] = theta[i]
-            # a number may pass its bound by as much as noise explains, not more
-            slack = np.sqrt(max(rss, 0.0) / max(full[k, k], 1e-300)) * 0.3
-            if theta[i] < lower[k] - slack or theta[i] > upper[k] + slack:
-                ok = False
-        out_rss[mask] = max(rss, 0.0)
-        out_ok[mask] = ok
-
-
-@njit(cache=True)
-def solve(full, index, p, prior, centre):
-    """Solve the normal equations of some columns by Cholesky; returns the parameters, and whether it went well."""
-    theta = np.zeros(p)
-    P = len(full) - 1
-    L = np.zeros((p, p))
-    scale = np.empty(p)
-    for i in range(p):
-        k = index[i]
-        d = full[k, k] + prior[k]
-        if d <= 0.0:
-            return theta, False
-        scale[i] = 1.0 / np.sqrt(d)
-    for i in range(p):
-        for k in range(i + 1):
-            value = full[index[i], index[k]] * scale[i] * scale[k]
-            if i == k:
-                value += prior[index[i]] * scale[i] * scale[i] + 1e-9
-            for m in range(k):
-                value -= L[i, m] * L[k, m]
-            if i == k:
-                if value < 1e-5:  # columns that are sums of each other on this motion
-                    return theta, False
-                L[i, i] = np.sqrt(value)
-            else:
-                L[i, k] = value / L[k, k]
-    for i in range(p):
-        value = (full[index[i], P] + prior[index[i]] * centre[index[i]]) * scale[i]
-        for m in range(i):
-            value -= L[i, m] * theta[m]
-        theta[i] = value / L[i, i]
-    for i in range(p - 1, -1, -1):
-        value = theta[i]
-        for m in range(i + 1, p):
-            value -= L[m, i] * theta[m]
-        theta[i] = value / L[i, i]
-    for i in range(p):
-        theta[i] *= scale[i]
-    return theta, True

@@ -10,16 +10,17 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.alignment import Alignment
 from cdia_pin.diagnosis.approximation import unknown_of
 from cdia_pin.diagnosis.bank import Bank
-from cdia_pin.diagnosis.compiled import BAD
+from cdia_pin.diagnosis.codes import ABSENT, ALARM, BAD
 from cdia_pin.diagnosis.isolation import Isolator
-from cdia_pin.diagnosis.learning import SETTLE, Healthy, assumed, learn
+from cdia_pin.diagnosis.learning import Healthy, assumed, learn
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.observer import Observer
+from cdia_pin.diagnosis.residuals import SETTLE
 from cdia_pin.diagnosis.settings import MonitorSettings
 from cdia_pin.diagnosis.status import Event, Stage, Status, Verdict
 from cdia_pin.diagnosis.watch import JointWatch
 from cdia_pin.dynamics.dynamics import Dynamics
-from cdia_pin.effects import Term
+from cdia_pin.effects import State, Term
 from cdia_pin.errors import ModelError
 from cdia_pin.logs.log import Log
 
@@ -148,10 +149,10 @@ class MomentumEngine:
     def _attend(self, t: float, then: float, asks: int) -> tuple[Event, ...]:
         o, k = self.observer, self.observer.k
         new: list[Event] = []
-        if asks & k.ALARM and then >= self._quiet_until:
+        if asks & ALARM and then >= self._quiet_until:
             for j in np.flatnonzero(o.joint[k.EXCEEDED] >= self.settings.debounce):
                 new += self.watches[j].alarm(t)
-        if asks & k.ABSENT:
+        if asks & ABSENT:
             for watch in self._busy:
                 new += watch.absent(t)
         for watch in self._busy:
@@ -173,8 +174,6 @@ class MomentumEngine:
 
     def _gate(self, t: float, q: Array, v: Array, tau: Array) -> None:
         """Set where the effects with a profile are present."""
-        from cdia_pin.effects import State
-
         o, k = self.observer, self.observer.k
         x = State(o.nominal.robot, q[None], v[None], q[None], tau[None], np.array([t]), o.joint[k.WIDTH])
         for watch in self._gated:

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.bank import prototype
-from cdia_pin.diagnosis.compiled import BAD, compile_bank, layout, python_columns
+from cdia_pin.diagnosis.codes import BAD
+from cdia_pin.diagnosis.compiled import compile_bank, python_columns
+from cdia_pin.diagnosis.layout import allocate, layout
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.settings import MonitorSettings
 from cdia_pin.effects import JointEffect, Unknown
@@ -54,12 +56,7 @@ class Observer:
         unknown = unknown or [Unknown(joint=joint) for joint in nominal.robot.joints]
         parts = layout(n, self.effects, len(unknown[0].position_centres))
         self._compiled = compile_bank(self.effects, parts)
-        self._state = np.zeros(sum(int(np.prod(shape)) for shape in parts.values()))
-        views, at = {}, 0
-        for name, shape in parts.items():
-            size = int(np.prod(shape))
-            views[name] = self._state[at : at + size].reshape(shape)
-            at += size
+        self._state, views = allocate(parts)
         self.joint, self.columns, self.gram = views["joint"], views["columns"], views["gram"]
         self.absent, self.neurons, self.neuron_gram = views["absent"], views["neurons"], views["neuron_gram"]
         self._scalars, self._mass, self._phi = views["scalars"], views["mass"], views["phi"]
@@ -68,11 +65,8 @@ class Observer:
             np.transpose([u.velocity_centres for u in unknown]),
         ]
         views["widths"][:] = [[u.position_width for u in unknown], [u.velocity_width for u in unknown]]
-        sizes = [e.size for e in self.effects]
-        self._smooth = np.repeat([e.of_acceleration for e in self.effects], sizes).astype(bool)
-        self._driven = np.repeat([e.of_torque and not e.of_acceleration for e in self.effects], sizes).astype(
-            bool
-        )
+        self._smooth = self._columns_of([e.of_acceleration for e in self.effects])
+        self._driven = self._columns_of([e.of_torque and not e.of_acceleration for e in self.effects])
         self.columns[kernels.PRESENT] = 1.0
         self.joint[kernels.BANDWIDTH] = settings.bandwidth if bandwidth is None else bandwidth
         self.joint[kernels.BOUND] = np.inf
@@ -98,6 +92,9 @@ class Observer:
         self.inertial = False  # is an effect of acceleration believed in?
         self.use_width(np.full(n, NARROWEST))
         self.reset()
+
+    def _columns_of(self, chosen: Sequence[bool]) -> NDArray[np.bool_]:
+        return np.repeat(chosen, np.diff(self.ends)).astype(bool)
 
     def reset(self) -> None:
         """Forget the past, keeping bounds and beliefs; the next tick starts the filters."""

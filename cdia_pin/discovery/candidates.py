@@ -11,7 +11,19 @@ from numpy.typing import NDArray
 from cdia_pin.discovery.experiment import Experiment, Prediction, rms
 from cdia_pin.discovery.settings import DiscoverySettings
 from cdia_pin.discovery.whitening import NoiseModel
-from cdia_pin.effects import EFFECTS, Effect, Expression, PositionRipple, RotorInertia, Unknown
+from cdia_pin.effects import (
+    EFFECTS,
+    CoulombFriction,
+    Drift,
+    Effect,
+    Expression,
+    PerLog,
+    PositionRipple,
+    RotorInertia,
+    TorqueOffset,
+    Unknown,
+    ViscousFriction,
+)
 from cdia_pin.errors import EffectError, unknown_name
 
 Array = NDArray[np.float64]
@@ -20,6 +32,7 @@ LARGE_FAMILY = 12  # an effect with more shapes than that is screened before it 
 LEAST_RIGID_SHARE = (
     0.2  # of a joint's torque that must be the rigid body's for a gain to be told from friction
 )
+SLOW = (CoulombFriction, ViscousFriction, TorqueOffset)  # what may drift within a log
 SCREENED = 2  # shapes that pass the screening
 
 
@@ -51,7 +64,31 @@ def enumerate_candidates(
                 families.append(list(effect.shape_grid(x)))
     for effect in settings.extra:
         families.extend([e] for e in _expanded(effect, experiment))
-    return [f for f in families if f]
+    return [per_log(f, experiment, settings.per_log) for f in families if f]
+
+
+def per_log(family: list[Effect], experiment: Experiment, asked: Sequence[str]) -> list[Effect]:
+    """Return a family with parameters per log, if its effect, by name or label, is among those asked for."""
+    if not {family[0].name, family[0].label} & set(asked):
+        return family
+    return [PerLog(e, experiment.logs) for e in family]
+
+
+def drifting(effects: Iterable[Effect], experiment: Experiment) -> list[list[Effect]]:
+    """Return the families of friction and offsets, on the joints of some effects, that drift within the log.
+
+    Only effects of one parameter: more of them, each with a beginning and an end, would fit whatever is left. None
+    where there are several logs.
+    """
+    if len(experiment.segments) > 1:
+        return []
+    time = experiment.segments[0].motion.time
+    start, end = float(time[0]), float(time[-1])
+    joints = dict.fromkeys(
+        j for e in effects if e.dissipative or isinstance(e, TorqueOffset) for j in e.scope
+    )
+    slow = [Drift(kind(j), start, end, end - start) for j in joints for kind in SLOW]
+    return [list(e.shape_grid(experiment.segments[0].state)) for e in slow]
 
 
 def _expanded(effect: Effect, experiment: Experiment) -> Iterator[Effect]:

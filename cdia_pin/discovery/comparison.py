@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import cdia_pin
-from cdia_pin.display import Displayed
 from cdia_pin.discovery.experiment import Experiment, rms
+from cdia_pin.display import Displayed
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.log import Log

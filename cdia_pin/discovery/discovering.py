@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import cdia_pin
+from cdia_pin.discovery.candidates import per_log
+from cdia_pin.discovery.conditions import changes_between, effects_that_differ, with_parameters_per_log
 from cdia_pin.discovery.experiment import rms
+from cdia_pin.discovery.finding import Finding
 from cdia_pin.discovery.fitting import Whitened, refit
 from cdia_pin.discovery.problem import Problem
 from cdia_pin.discovery.ranking import rank
+from cdia_pin.discovery.recognition import recognised
 from cdia_pin.discovery.result import Discovery, Ranked, Step
 from cdia_pin.discovery.search import Progress, Swaps, search
 from cdia_pin.discovery.settings import DiscoverySettings
@@ -34,7 +39,8 @@ def discover(
 
     Args:
         model: What is known: a bare robot, or one with terms, which are fitted again together with what is found.
-        logs: One log or several of the same arm in the same condition.
+        logs: One log or several of the same arm. Effects that differ between their conditions get parameters of
+            their own in each; all others are common.
         holdout: Logs that are only predicted; without, each block of time is predicted from the others.
         settings: What to search for and how.
         progress: Called with a sentence and the share done, from 0 to 1.
@@ -48,32 +54,46 @@ def discover(
     """
     tell = progress or _silent
     tell("conditioning", 0.0)
-    problem = Problem.of(model, _listed(logs), _listed(holdout), settings or DiscoverySettings())
-    return discover_in(problem, model, tell)
+    settings, given = settings or DiscoverySettings(), _listed(logs)
+    # what differs between the logs is told first, beside all that they may have in common
+    changes = changes_between(model, given, settings, lambda sentence, share: tell(sentence, 0.05 * share))
+    settings = replace(settings, per_log=(*settings.per_log, *effects_that_differ(changes)))
+    problem = Problem.of(model, given, _listed(holdout), settings)
+    findings = tuple(f for c in changes for f in c.findings)
+    return discover_in(problem, model, tell, findings=findings)
 
 
-def discover_in(problem: Problem, model: Dynamics, progress: Progress | None = None) -> Discovery:
+def discover_in(
+    problem: Problem,
+    model: Dynamics,
+    progress: Progress | None = None,
+    *,
+    findings: tuple[Finding, ...] = (),
+) -> Discovery:
     """Answer as `discover` does, from logs that are conditioned already.
 
     Args:
         problem: The logs, with the candidates around the model.
         model: What is known.
         progress: Called with a sentence and the share done.
+        findings: What is known of the logs besides, to be handed on.
     """
     tell = progress or _silent
+    model = with_parameters_per_log(model, problem.experiment.logs, problem.settings.per_log)
     tell("looking at the noise", 0.05)
     whitened = problem.first_noise(model)
     found, futile = model, Swaps()
     for k in range(PASSES):
         before = {t.label for t in found.terms}
         lap = lambda sentence, share, k=k: tell(sentence, 0.1 + 0.7 * (k + share) / PASSES)  # noqa: E731
+        problem = problem.with_drift(found)
         found = search(problem, found, whitened, futile, lap)
         whitened = problem.whitened(problem.structure(found))
         if k > 0 and {t.label for t in found.terms} == before:
             break
     tell("asking what each effect explains", 0.85)
     ranking = rank(problem, model, whitened)
-    return _concluded(problem, model, found, whitened, ranking, tell)
+    return _concluded(problem, model, found, whitened, ranking, tell, findings=findings)
 
 
 def add_effect(
@@ -124,6 +144,7 @@ def add_effect_in(
     """
     tell = progress or _silent
     tell("looking at the noise", 0.1)
+    (effect,) = per_log([effect], problem.experiment, problem.settings.per_log)
     whitened = problem.first_noise(model)
     tell(f"fitting {effect.label}", 0.3)
     base = model.remove(effect.label) if effect.label in {t.label for t in model.terms} else model
@@ -154,6 +175,7 @@ def _concluded(
     ranking: tuple[Ranked, ...],
     tell: Progress,
     forced: tuple[str, ...] = (),
+    findings: tuple[Finding, ...] = (),
 ) -> Discovery:
     final, steps = trace(problem, base, found, whitened, forced)
     structure = problem.structure(final)
@@ -175,8 +197,10 @@ def _concluded(
             "blocks": problem.settings.blocks,
             "effects": list(problem.settings.effects) if problem.settings.effects else "all",
             "extra": [e.to_dict() for e in problem.settings.extra],
+            "per_log": list(problem.settings.per_log),
             "most_effects": problem.settings.most_effects,
         },
+        findings=(*findings, *recognised(problem, final, problem.whitened(structure), left)),
     )
 
 

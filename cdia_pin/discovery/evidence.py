@@ -27,7 +27,6 @@ Mask = NDArray[np.bool_]
 PRICE_PER_PARAMETER = 4.0  # beside the log of the samples: parsimony between nested effects
 PARAMETER_WORTH = 0.012  # share of one joint's sum of squares that a parameter must explain beside its rivals
 WORTH = 0.1  # least share of what is left of a joint that an effect must explain to be worth a name
-SMALLEST_TORQUE = 0.015  # of a joint's RMS torque: an effect below that changes nothing a user would notice
 MOST_INFLATION = 1e5  # of a parameter's variance by the others, beyond which it repeats them
 REPAIRS = 4  # rounds of holding unphysical parameters at their nearest physical value
 
@@ -305,7 +304,7 @@ class Evidence:
         return out
 
 
-def needed_gain(left: Array, residual_rms: Array, torque_rms: Array) -> Array:
+def needed_gain(left: Array, residual_rms: Array, smallest: Array) -> Array:
     """Return what an effect must explain of each joint to be worth a name.
 
     It must lower what is left by a share that can be seen, and give a torque that matters beside the joint's own.
@@ -313,10 +312,9 @@ def needed_gain(left: Array, residual_rms: Array, torque_rms: Array) -> Array:
     Args:
         left: Sum of squares that the present model leaves, in variances of the noise [1], shape (n,).
         residual_rms: RMS residual of the present model [N·m or N], shape (n,).
-        torque_rms: RMS measured torque [N·m or N], shape (n,).
+        smallest: RMS torque of an effect that matters [N·m or N], shape (n,).
 
     Returns:
         Sum of squares [1], shape (n,).
     """
-    of_residual = np.maximum(residual_rms, 1e-12) / np.maximum(torque_rms, 1e-12)
-    return left * np.maximum(WORTH, (SMALLEST_TORQUE / of_residual) ** 2)
+    return left * np.maximum(WORTH, (smallest / np.maximum(residual_rms, 1e-12)) ** 2)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ DISTANCES = (
     2.0,
     4.0,
 )  # classes of distance from rest, in periods of the cut-off; the first is left out
+POSTURES = 200  # at which the inertia is asked for
 RESTING = 0.5  # a joint near rest for longer than this share of the log is taken as resting
 
 
@@ -85,9 +87,9 @@ class Experiment:
                 raise LogError(f"the log's joints {motion.joints} are not the robot's {robot.joints}")
         width = np.max([_sign_width(m) for m in motions], axis=0)
         segments, moving, nearness = [], [], []
-        for motion in motions:
+        for motion, name in zip(motions, _names(motions), strict=True):
             zero = np.zeros_like(motion.q)
-            state = State(robot, motion.q, motion.v, motion.a, zero, motion.time, width)
+            state = State(robot, motion.q, motion.v, motion.a, zero, motion.time, width, name)
             measured = motion.compared(motion.effort)
             if len(measured) < 40:
                 raise LogError(
@@ -113,6 +115,28 @@ class Experiment:
     def informative(self) -> NDArray[np.bool_]:
         """Which samples count: those of moving joints in motion, all of resting joints, shape (K, n)."""
         return self.moving | self.resting
+
+    @property
+    def logs(self) -> tuple[str, ...]:
+        """Names of the logs or conditions, each once."""
+        return tuple(dict.fromkeys(s.state.log for s in self.segments))
+
+    @cached_property
+    def resolution(self) -> Array:
+        """Torque below which a structure may be that of the sensors' noise and steps [N·m or N], shape (n,).
+
+        Noise of the positions makes torque through the accelerations, and it is white only where a joint moves
+        over many steps of its encoder; a torque that changes by less than its own step is recorded as structure too.
+        """
+        power, total = np.zeros(self.robot.n), 0
+        for motion in (s.motion for s in self.segments):
+            # white noise of a position, filtered: that of its acceleration from that of its speed
+            acceleration = motion.speed_noise * 2 * np.pi * motion.cutoff * np.sqrt(3 / 5)
+            inertia = self.robot.mass_matrix(motion.q[:: max(1, len(motion.q) // POSTURES)])
+            of_positions = np.mean(inertia**2 @ acceleration**2, axis=0)
+            power += len(motion.kept) * (of_positions + motion.effort_step**2 / 12)
+            total += len(motion.kept)
+        return np.sqrt(power / total)
 
     @property
     def lengths(self) -> list[int]:
@@ -153,6 +177,10 @@ class Experiment:
             rows.append(flat.reshape(len(flat), len(joints), -1))
         return np.vstack(rows)
 
+    def compared(self, torque: Callable[[Motion], Array]) -> Array:
+        """Return a torque of the motion at the compared samples of all segments, filtered as torques are, (K, …)."""
+        return np.concatenate([s.motion.compared(torque(s.motion)) for s in self.segments])
+
     def compared_motion(self) -> tuple[Array, Array, Array, Array]:
         """Return time, q, v, a at the compared samples of all segments; shapes (K,) and (K, n)."""
         parts = [
@@ -172,6 +200,19 @@ def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:
     """Return the root mean square of each joint's signal over the samples that count, shape (n,)."""
     count = np.maximum(informative.sum(axis=0), 1)
     return np.sqrt(np.sum(np.where(informative, signal, 0.0) ** 2, axis=0) / count)
+
+
+def _names(motions: Sequence[Motion]) -> list[str]:
+    """Return each log's condition, or its own name; a name that is not the first of its kind is numbered."""
+    out: list[str] = []
+    for motion in motions:
+        name = given = motion.record["source"]
+        count = 1
+        while not motion.record["condition"] and name in out:
+            count += 1
+            name = f"{given} ({count})"
+        out.append(motion.record["condition"] or name)
+    return out
 
 
 def _sign_width(motion: Motion) -> Array:

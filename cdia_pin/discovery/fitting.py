@@ -18,6 +18,9 @@ from cdia_pin.effects import Effect, Term
 Array = NDArray[np.float64]
 
 MOST_ITERATIONS = 20
+SCATTER = (
+    1.36  # variance between blocks over that within, which ten blocks of white noise pass in one case of five
+)
 CONVERGED = 0.1  # standard deviations by which no parameter moves any more
 
 
@@ -143,14 +146,14 @@ def with_parameters(model: Dynamics, theta: Array) -> Dynamics:
 def with_intervals(model: Dynamics, evidence: Evidence) -> Dynamics:
     """Return a model whose terms carry 95 % intervals.
 
-    The larger of two variances counts: that of the whitened fit, and that of the scores of contiguous blocks, which
-    also knows of errors that the noise model does not [Liang1986].
+    They are those of the whitened fit, unless the scores of contiguous blocks scatter more than its noise allows: then
+    that scatter counts, with the few degrees of freedom that it has [Liang1986].
 
     Args:
         model: A model at its optimum.
         evidence: Normal equations of just its terms there.
     """
-    from scipy.special import stdtrit
+    from scipy.special import ndtri, stdtrit
 
     if not model.terms:
         return model
@@ -159,10 +162,14 @@ def with_intervals(model: Dynamics, evidence: Evidence) -> Dynamics:
     unit = 1.0 / np.sqrt(np.diag(gram))
     inverse = np.linalg.pinv(gram * np.outer(unit, unit), rcond=1e-12, hermitian=True) * np.outer(unit, unit)
     scores = evidence.blocks[:, :-1, -1] - evidence.blocks[:, :-1, :-1] @ theta
-    count = len(scores)
-    between = inverse @ (scores.T @ scores) @ inverse * count / (count - 1)
-    variance = np.maximum(np.diag(inverse), np.diag(between))
-    half = float(stdtrit(count - 1, 0.975)) * np.sqrt(np.maximum(variance, 0.0))
+    freedom = len(scores) - 1
+    between = np.diag(inverse @ (scores.T @ scores) @ inverse) * len(scores) / freedom
+    within = np.diag(inverse)
+    half = np.where(
+        between > SCATTER * within,
+        float(stdtrit(freedom, 0.975)) * np.sqrt(np.maximum(between, 0.0)),
+        float(ndtri(0.975)) * np.sqrt(np.maximum(within, 0.0)),
+    )
     terms, at = [], 0
     for term in model.terms:
         part = slice(at, at + term.effect.size)

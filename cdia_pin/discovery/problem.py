@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.discovery.candidates import Columns, enumerate_candidates, screen
+from cdia_pin.discovery.candidates import Columns, drifting, enumerate_candidates, screen
 from cdia_pin.discovery.evidence import Evidence, needed_gain
 from cdia_pin.discovery.experiment import Experiment, Prediction, rms
 from cdia_pin.discovery.fitting import Whitened, gather
@@ -22,6 +23,7 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
+SMALLEST_TORQUE = 0.015  # of a joint's RMS torque: an effect below that changes nothing a user would notice
 GENERIC_SIZE = 10  # larger effects do not take part in the first estimate of the noise
 GENERIC_SHAPES = 20  # nor do those with more shapes
 
@@ -74,6 +76,12 @@ class Problem:
         """First compared sample of each block of time, and the end, shape (B + 1,)."""
         return np.linspace(0, len(self.experiment.measured), self.settings.blocks + 1).astype(int)
 
+    def with_drift(self, model: Dynamics) -> Problem:
+        """Return the problem in which the model's own friction and offsets may drift as well."""
+        known = {f[0].label for f in self.families}
+        more = drifting([t.effect for t in model.terms], self.experiment)
+        return replace(self, families=(*self.families, *(f for f in more if f[0].label not in known)))
+
     def first_noise(self, model: Dynamics) -> Whitened:
         """Estimate the noise before anything is known: what all simple effects together leave."""
         generic = [f[0] for f in self.families if f[0].size < GENERIC_SIZE and len(f) < GENERIC_SHAPES]
@@ -84,6 +92,12 @@ class Problem:
         """Return what whitens residuals whose structure is known."""
         noise = structure.innermost if innermost else structure.noise
         return Whitened.of(self.experiment, noise, self.edges)
+
+    @cached_property
+    def smallest_torque(self) -> Array:
+        """RMS torque of an effect that matters and is above what the sensors resolve [N·m or N], shape (n,)."""
+        measured = rms(self.experiment.measured, self.experiment.informative)
+        return np.maximum(self.experiment.resolution, SMALLEST_TORQUE * measured)
 
     def rms(self, model: Dynamics) -> Array:
         """Return the RMS residual of a model [N·m or N], shape (n,)."""
@@ -108,7 +122,7 @@ class Problem:
             needed=needed_gain(
                 np.sum(leftover**2, axis=0),
                 rms(prediction.residual, use),
-                rms(self.experiment.measured, use),
+                self.smallest_torque,
             ),
         )
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cdia_pin.discovery.confusion import find_confusions
+from cdia_pin.discovery.confusion import Rivals
 from cdia_pin.discovery.evidence import Evidence
 from cdia_pin.discovery.fitting import Whitened, refit, with_intervals
 from cdia_pin.discovery.moves import ranked
@@ -45,7 +45,7 @@ def rank(problem: Problem, model: Dynamics, whitened: Whitened) -> tuple[Ranked,
         after = step_of(problem, term, trial, whitened)
         if not (after.heldout_rms < (1 - VISIBLE) * before.heldout_rms).any():
             continue
-        confusions = find_confusions(beside, [*present, c], c)
+        confusions = Rivals(beside, [*present, c]).of(c)
         out.append(
             Ranked(term, before.heldout_rms, after.heldout_rms, _plausible(beside, [*present, c]), confusions)
         )

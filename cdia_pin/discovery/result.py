@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.discovery.finding import Finding
 from cdia_pin.display import Displayed
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
@@ -30,6 +31,14 @@ class Confusion:
 
     effects: tuple[Effect, ...]
     motion: str
+
+    def to_dict(self, robot: RobotModel) -> dict[str, Any]:
+        """Return a JSON-ready description."""
+        return {
+            "effect": " + ".join(e.label if len(self.effects) > 1 else e.name for e in self.effects),
+            "joints": list(dict.fromkeys(j for e in self.effects for j in e.joints(robot))),
+            "motion": self.motion,
+        }
 
 
 @dataclass(frozen=True)
@@ -81,6 +90,7 @@ class Discovery(Displayed):
         torque_rms: RMS of the measured torque, shape (n,).
         ranking: What each of the most telling candidates would explain by itself, the best first.
         record: Logs, hashes, settings and version, enough to run it again.
+        findings: What effects mean together, and what the residual looks like.
     """
 
     model: Dynamics
@@ -91,6 +101,7 @@ class Discovery(Displayed):
     torque_rms: Array
     ranking: tuple[Ranked, ...]
     record: dict[str, Any]
+    findings: tuple[Finding, ...] = ()
 
     @property
     def steps(self) -> tuple[Step, ...]:
@@ -126,6 +137,7 @@ class Discovery(Displayed):
                 }
                 for r in self.ranking
             ],
+            "findings": [f.to_dict() for f in self.findings],
             "record": self.record,
         }
 
@@ -137,14 +149,6 @@ def _entry(term: Term, confusions: tuple[Confusion, ...], robot: RobotModel) -> 
         "parameters": term.parameters_to_dict(robot),
     }
     described = term.effect.to_dict()
-    if "shape" in described:
-        entry["shape"] = described["shape"]
-    entry["confusable_with"] = [
-        {
-            "effect": " + ".join(e.label if len(c.effects) > 1 else e.name for e in c.effects),
-            "joints": list(dict.fromkeys(j for e in c.effects for j in e.joints(robot))),
-            "motion": c.motion,
-        }
-        for c in confusions
-    ]
+    entry.update({k: described[k] for k in ("shape", "varies") if k in described})
+    entry["confusable_with"] = [c.to_dict(robot) for c in confusions]
     return entry

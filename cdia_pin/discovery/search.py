@@ -71,14 +71,23 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
         fit = beside.fit(_indices(beside, trial), bodies=True)
         errors = problem.rms(trial)
         grew = len(fit.theta) > len(now.theta)
-        unseen = grew and not (errors < (1 - VISIBLE) * now_errors).any()
-        if not fit.physical or unseen or fit.cost > now.cost + _sacrifice(evidence, now, better):
+        if (
+            not fit.physical
+            or (grew and not _is_seen(problem, now_errors, errors))
+            or fit.cost > now.cost + _sacrifice(evidence, now, better)
+        ):
             driven = {t.label for t in trial.terms if t.effect.of_torque}
             rejected += 1
             futile.update(s for s in _swaps(present, frozenset(_labels(trial))) if s[0] in driven)
             continue
         model, evidence, now, now_errors, rejected = trial, beside, fit, errors, 0
     return model
+
+
+def _is_seen(problem: Problem, before: Array, after: Array) -> bool:
+    """Tell whether a user would see the RMS of some joint fall, by a torque that matters there."""
+    fallen = np.sqrt(np.maximum(before**2 - after**2, 0.0))
+    return bool(((after < (1 - VISIBLE) * before) & (fallen > problem.smallest_torque)).any())
 
 
 def _sacrifice(evidence: Evidence, now: Fit, after: Fit) -> float:

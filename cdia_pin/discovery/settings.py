@@ -16,6 +16,7 @@ class DiscoverySettings:
         conditioning: How logs are filtered.
         effects: Names of the vocabulary that may be found; all but ``unknown`` and ``expression`` if None.
         extra: Effects of the user's own that may be found as well.
+        per_log: Effects, by name or label, whose parameters are each log's own in any case.
         most_effects: Search ends with this many effects in the model.
         blocks: Contiguous blocks of time for held-out errors and intervals.
     """
@@ -23,5 +24,6 @@ class DiscoverySettings:
     conditioning: Conditioning = field(default_factory=Conditioning)
     effects: tuple[str, ...] | None = None
     extra: tuple[Effect, ...] = ()
+    per_log: tuple[str, ...] = ()
     most_effects: int = 40
     blocks: int = 10

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.discovery.experiment import Experiment, Prediction
+from cdia_pin.discovery.experiment import Experiment, Prediction, rms
 from cdia_pin.discovery.whitening import NoiseModel, fit_noise
 
 Array = NDArray[np.float64]
@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 NEURONS = 7  # radial bases over position, speed and load
 LEAST_IMPROVEMENT = 0.03  # share by which held-out RMS must fall for structure to be worth a word
 PLAIN_IMPROVEMENT = 0.25  # the same where slow structure was not whitened away as noise
+SMALLEST_TORQUE = 0.005  # of a joint's RMS torque: a structure below that is no flaw of a model
 RIDGES = (1e-3, 1e-2, 1e-1)  # how firmly smooth functions are held back, beside columns of unit norm
 ALARM = 1e-4  # probability of calling noise structure, per joint
 
@@ -82,6 +83,9 @@ def look_for_structure(
     n = experiment.robot.n
     left, improvement, floor = np.zeros(n, bool), np.zeros(n), np.zeros(n)
     outer, inner = [], []
+    smallest = np.maximum(
+        experiment.resolution, SMALLEST_TORQUE * rms(experiment.measured, experiment.informative)
+    )
     for j in range(n):
         use, nearness = experiment.informative[:, j], experiment.nearness[:, j]
         smooth = smooth_columns(experiment, prediction, j)
@@ -101,7 +105,8 @@ def look_for_structure(
         improvement[j], plain = (
             _improvement(white(fitted), white(smooth), white(y), edges) for white in (by_outer, by_inner)
         )
-        left[j] = (chance < ALARM and improvement[j] > LEAST_IMPROVEMENT) or plain > PLAIN_IMPROVEMENT
+        shown = (chance < ALARM and improvement[j] > LEAST_IMPROVEMENT) or plain > PLAIN_IMPROVEMENT
+        left[j] = shown and np.sqrt(max(np.mean(y[use] ** 2) - floor[j] ** 2, 0.0)) > smallest[j]
     return Structure(left, improvement, tuple(outer), tuple(inner), floor)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from cdia_pin.discovery.confusion import find_confusions
+from cdia_pin.discovery.confusion import Rivals, refitting
 from cdia_pin.discovery.experiment import rms
 from cdia_pin.discovery.fitting import Whitened, refit, with_intervals
 from cdia_pin.discovery.heldout import held_out_rms
@@ -52,11 +52,11 @@ def trace(
     final = with_intervals(final, evidence)
     beside = problem.beside(experiment.predict(final), whitened)
     index = {e.label: i for i, e in enumerate(beside.effects) if e in {t.effect for t in final.terms}}
+    rivals = Rivals(beside, list(index.values()), refitting(problem, final, whitened, beside))
     steps = [step_of(problem, None, base, whitened)]
     for k, (label, partial) in enumerate(models):
-        confusions = find_confusions(beside, list(index.values()), index[label])
         shown = final if k == len(models) - 1 else partial
-        steps.append(step_of(problem, final.find(label), shown, whitened, confusions))
+        steps.append(step_of(problem, final.find(label), shown, whitened, rivals.of(index[label])))
     return final, tuple(steps)
 
 

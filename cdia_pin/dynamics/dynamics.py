@@ -75,10 +75,11 @@ class Dynamics:
 
     def find(self, label: str) -> Term:
         """Return the term of that label; raises ModelError if there is none."""
-        label = parse_effect(label, self.robot).label
-        for term in self.terms:
-            if term.label == label:
-                return term
+        known = {t.label: t for t in self.terms}
+        if label not in known:
+            label = parse_effect(label, self.robot).label
+        if label in known:
+            return known[label]
         raise ModelError(f"the model has no term '{label}'")
 
     # ------------------------------------------------------------- torques

@@ -38,6 +38,7 @@ from cdia_pin.effects.specification import parse_term
 from cdia_pin.effects.state import JointState, State
 from cdia_pin.effects.term import Term
 from cdia_pin.effects.unknown import Unknown
+from cdia_pin.effects.varying import Drift, PerLog, Varying, varied
 from cdia_pin.errors import EffectError, unknown_name
 from cdia_pin.robot.model import RobotModel
 
@@ -112,15 +113,16 @@ def effect_from_dict(given: Mapping[str, Any]) -> Effect:
     joints, shape = given.get("joints", []), given.get("shape", {})
     if not isinstance(joints, list | tuple) or not isinstance(shape, Mapping):
         raise EffectError(f"{name}: joints must be a list and shape an object, given {joints!r}, {shape!r}")
-    return EFFECTS[name].from_scope(joints, shape)
+    effect = EFFECTS[name].from_scope(joints, shape)
+    return varied(effect, given["varies"]) if "varies" in given else effect
 
 
 __all__ = [
     "ALWAYS", "EFFECTS", "ActuatorGain", "Always", "AsymmetricFriction", "BaseTilt", "Between",
-    "CoulombFriction", "CoupledFriction", "Effect", "EffortDelay", "EncoderOffset", "Expression", "Incipient",
+    "CoulombFriction", "CoupledFriction", "Drift", "Effect", "EffortDelay", "EncoderOffset", "Expression", "Incipient",
     "Intermittent", "JointEffect", "JointSpring", "JointState", "LinkInertia", "LoadFriction",
-    "NonlinearEffect", "Parameter", "Payload", "PositionRipple", "Profile", "QuadraticFriction", "Region",
+    "NonlinearEffect", "Parameter", "Payload", "PerLog", "PositionRipple", "Profile", "QuadraticFriction", "Region",
     "RotorInertia", "State", "StribeckFriction", "Term", "ToolWrench", "TorqueOffset", "Unknown",
-    "ViscousFriction", "ViscousMedium", "after", "effect_from_dict", "from_expression", "parse_effect",
-    "parse_term", "profile_from_dict", "register",
+    "Varying", "ViscousFriction", "ViscousMedium", "after", "effect_from_dict", "from_expression", "parse_effect",
+    "parse_term", "profile_from_dict", "register", "varied",
 ]  # fmt: skip

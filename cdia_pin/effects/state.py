@@ -49,6 +49,7 @@ class State:
             log the torque that the model predicts: a measured torque would be a noisy regressor of itself.
         time: Time of each sample [s], shape (N,).
         sign_width: Speed below which sgn(v) is smoothed [rad/s or m/s], shape (n,).
+        log: Log or condition that the motion belongs to, for effects whose parameters differ between logs.
     """
 
     robot: RobotModel
@@ -58,6 +59,7 @@ class State:
     effort: Array
     time: Array
     sign_width: Array = field(default_factory=lambda: np.array(DEFAULT_SIGN_WIDTH))
+    log: str = ""
 
     @classmethod
     def of(

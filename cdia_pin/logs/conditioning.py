@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.resolution import quantum
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -62,6 +63,7 @@ class Motion:
         cutoff: Cut-off of the filter [Hz].
         decimation: Every how many samples a compared torque is kept.
         speed_noise: Standard deviation of the noise in v [rad/s or m/s], shape (n,).
+        effort_step: Step between the levels of rounded torques [N·m or N], 0 where they are not, shape (n,).
         record: What was done, for files and reports.
     """
 
@@ -75,6 +77,7 @@ class Motion:
     cutoff: float
     decimation: int
     speed_noise: Array
+    effort_step: Array
     record: dict[str, Any]
 
     @cached_property
@@ -179,10 +182,12 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         cutoff=cutoff,
         decimation=again,
         speed_noise=_speed_noise(even.position, q, rate, cutoff),
+        effort_step=np.array([quantum(of_joint) for of_joint in log.effort.T]),
         record={
             **asdict(settings),
             "cutoff": cutoff,
             "source": log.source,
+            "condition": log.condition,
             "sha256": log.sha256,
             "log_rate": rate,
             "motion_rate": rate / every,

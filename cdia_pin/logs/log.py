@@ -26,6 +26,7 @@ class Log:
         source: Where the log came from, for messages and records.
         sha256: Hash of the file's bytes; empty for a log made in memory.
         notes: What the reader inferred or converted, one sentence each.
+        condition: What logs have in common that others have not, such as ``warm``; empty if its own.
     """
 
     joints: tuple[str, ...]
@@ -36,6 +37,7 @@ class Log:
     source: str = "memory"
     sha256: str = ""
     notes: tuple[str, ...] = ()
+    condition: str = ""
 
     def __post_init__(self) -> None:
         n, count = len(self.joints), len(self.time)

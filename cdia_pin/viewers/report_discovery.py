@@ -14,6 +14,7 @@ from cdia_pin.viewers.words import (
     effect_words,
     joint_units,
     number,
+    parameter_name,
     profile_words,
     with_interval,
     with_unit,
@@ -72,7 +73,7 @@ def parameters(term: Term, robot: RobotModel) -> list[dict[str, Any]]:
     rows = zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True)
     return [
         {
-            "name": p.name.replace("_", " "),
+            "name": parameter_name(p.name),
             "text": with_interval(value, interval, unit),
             "interval": None if interval is None else compact([interval[0], value, interval[1]]),
             "telling": interval is None or not bool(interval[0] <= 0.0 <= interval[1]),

@@ -33,7 +33,8 @@ def verdict_sentences(found: Discovery) -> list[str]:
         said = [f"The model of {robot} explains {log} down to the noise once {_what(found.steps)} {added}."]
     else:
         said = _structure_sentences(found)
-    return [*said, _error_sentence(found), *_confusion_sentences(found.steps)]
+    recognised = [f"{f.sentence[:1].upper()}{f.sentence[1:]}." for f in found.findings]
+    return [*said, *recognised, _error_sentence(found), *_confusion_sentences(found.steps)]
 
 
 def comparison_sentence(found: Comparison) -> str:

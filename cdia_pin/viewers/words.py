@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from cdia_pin.discovery.comparison import signal_units
+from cdia_pin.effects import Varying
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Confusion
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from cdia_pin.effects import Effect, Term
     from cdia_pin.robot.model import RobotModel
 
+VARYING = {"log": "per log", "time": "(drifting)"}
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
@@ -99,6 +101,8 @@ def short_names(joints: Sequence[str]) -> dict[str, str]:
 
 def effect_name(effect: Effect) -> str:
     """Return ``coulomb friction`` for the effect of that name, or a user's expression as it is written."""
+    if isinstance(effect, Varying):
+        return f"{effect_name(effect.effect)} {VARYING[effect.kind]}"
     name = effect.label.partition("@")[0]
     return name.replace("_", " ") if name.isidentifier() else name
 
@@ -106,6 +110,12 @@ def effect_name(effect: Effect) -> str:
 def effect_words(effect: Effect) -> str:
     """Return ``coulomb friction on elbow_joint``, or ``payload`` for an effect of the whole arm."""
     return effect_name(effect) + (f" on {listed(effect.scope)}" if effect.scope else "")
+
+
+def parameter_name(name: str) -> str:
+    """Return ``coefficient positive`` for the parameter of that name; the log that it belongs to stays as it is."""
+    word, bracket, log = name.partition("[")
+    return word.replace("_", " ") + bracket + log
 
 
 def confusion_words(confusion: Confusion) -> str:

@@ -68,7 +68,9 @@ def watch(page: Any) -> Seen:
     seen = Seen()
     page.on("console", lambda m: seen.errors.append(m.text) if m.type == "error" else None)
     page.on("pageerror", lambda e: seen.errors.append(str(e)))
-    page.on("request", lambda r: seen.requests.append(r.url) if not r.url.startswith(("data:", "blob:")) else None)
+    page.on(
+        "request", lambda r: seen.requests.append(r.url) if not r.url.startswith(("data:", "blob:")) else None
+    )
     return seen
 
 

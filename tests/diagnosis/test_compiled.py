@@ -12,7 +12,9 @@ from scipy import special
 
 from cdia_pin.diagnosis import MonitorSettings
 from cdia_pin.diagnosis.bank import prototype
-from cdia_pin.diagnosis.compiled import BAD, compile_bank, layout, python_columns
+from cdia_pin.diagnosis.codes import BAD
+from cdia_pin.diagnosis.compiled import compile_bank, python_columns
+from cdia_pin.diagnosis.layout import layout
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.observer import Observer
 from cdia_pin.dynamics import Dynamics

@@ -7,9 +7,10 @@ import pytest
 
 from cdia_pin.diagnosis import Bank, MonitorSettings
 from cdia_pin.diagnosis.alignment import Alignment
-from cdia_pin.diagnosis.learning import assumed, learn, replay, velocity_noise
+from cdia_pin.diagnosis.learning import assumed, learn
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.observer import Observer
+from cdia_pin.diagnosis.residuals import replay, velocity_noise
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log

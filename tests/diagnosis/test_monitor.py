@@ -228,6 +228,19 @@ def test_the_improved_model_has_the_fault_on_top_of_what_was_known(loop):
     assert term.theta[0] == pytest.approx(0.3, rel=0.02)
 
 
+def test_a_gap_is_survived_with_a_fault_in_mind(loop):
+    monitor = loop.monitor(bank=BANK)
+    fault = parse_term("viscous_friction@joint2: coefficient=0.2, after=1")
+    log = loop.run(loop.motion(0, 4.0), [fault], monitor).log
+    assert [t.label for t in monitor.faults] == ["viscous_friction@joint2"]
+    gap = log.duration + 1.0
+    status = feed(monitor, log, 0, 1, shift=gap)
+    assert [t.label for t in status.faults] == ["viscous_friction@joint2"]
+    assert not status.torque_correction.any()
+    status = feed(monitor, log, 1, 300, shift=gap)
+    assert np.isfinite(status.residual).all()
+
+
 def test_reset_forgets_faults_and_keeps_thresholds(believing):
     monitor, log = believing
     monitor.reset()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cdia_pin.diagnosis import Bank, MonitorSettings
-from cdia_pin.diagnosis.compiled import BAD
+from cdia_pin.diagnosis.codes import BAD
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.observer import Observer
 from cdia_pin.dynamics import Dynamics

@@ -189,8 +189,8 @@ def test_noise_rarely_pays_the_price(pendulum):
 
 def test_an_effect_must_matter_beside_the_residual_and_beside_the_torque():
     left_over = np.array([1000.0, 1000.0])
-    dominated = needed_gain(left_over, np.array([1.0, 1.0]), np.array([1.0, 1.0]))
-    tiny = needed_gain(left_over, np.array([1e-3, 1e-3]), np.array([1.0, 10.0]))
+    dominated = needed_gain(left_over, np.array([1.0, 1.0]), np.array([0.015, 0.015]))
+    tiny = needed_gain(left_over, np.array([1e-3, 1e-3]), np.array([0.015, 0.15]))
     assert (dominated >= 0.05 * left_over).all() and (dominated <= 0.2 * left_over).all()
     assert (tiny > left_over).all()  # nothing in so small a residual is worth a name
     assert tiny[1] == pytest.approx(100 * tiny[0])

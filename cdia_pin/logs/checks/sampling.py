@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cdia_pin.logs.checks.finding import Finding
 from cdia_pin.logs.checks.motion import CUTOFF, LONGEST_GAP, SHORTEST, Motion
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.resolution import quantum
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
@@ -172,21 +173,6 @@ def check_resolution(log: Log, robot: RobotModel, motion: Motion | None) -> Iter
             advice=f"record {signal}s with more digits" if shares[worst] > 0.1 else "",
             value={"signal": signal, "quantum": steps, "share_of_effort": shares},
         )
-
-
-def quantum(signal: Array) -> float:
-    """Step between the levels of a rounded signal; 0 where values are as good as continuous."""
-    levels = np.unique(signal)
-    step = np.diff(levels)
-    step = step[step > 1e-9 * max(float(np.abs(levels).max()), 1e-12)]
-    if len(step) < 5 or len(levels) > 0.8 * len(signal):
-        return 0.0
-    smallest = float(np.percentile(step, 1))
-    ratio = step / smallest
-    near = ratio[ratio < 20]
-    multiples = np.mean(np.abs(near - np.round(near)) < 0.1) > 0.95 and ratio.min() > 0.9
-    even = smallest > 0.5 * np.median(step) and len(levels) < 0.3 * len(signal)
-    return smallest if len(near) >= 5 and (multiples or even) else 0.0
 
 
 def longest_run(true: NDArray[np.bool_]) -> tuple[int, int]:

@@ -4,36 +4,34 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from rich.table import Table
+import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+from rich.text import Text
 
+from cdia_pin.viewers.words import confusion_words, effect_words, number, percent, with_unit
+
+if TYPE_CHECKING:
     from cdia_pin.discovery import Discovery, Ranked
 
 SHOWN = 4  # candidates, unless all are asked for
 NAMED = 2  # parameters, and other explanations, of each
 
 
-def ranking_table(found: Discovery, most: int | None = SHOWN) -> Table:
+def ranking_table(found: Discovery, everything: bool = False) -> Table:
     """Return the candidates that explain most, each fitted beside the model as given.
 
     Args:
         found: The outcome of ``discover``.
-        most: How many; all if None.
+        everything: Whether all are shown, not only the first few.
     """
-    import numpy as np
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-    from rich.text import Text
-
-    from cdia_pin.viewers.words import confusion_words, effect_words, percent
-
     table = Table(box=SIMPLE_HEAD, pad_edge=False, caption_justify="left")
     table.add_column("by itself", overflow="fold")
     table.add_column("held-out error", justify="right", no_wrap=True)
     table.add_column("parameters", overflow="fold")
     table.add_column("could also be", overflow="fold")
     torque = np.maximum(found.torque_rms, 1e-12)
-    for r in found.ranking[:most]:
+    for r in found.ranking[: None if everything else SHOWN]:
         before, after = (percent(float(np.mean(e / torque))) for e in (r.heldout_before, r.heldout_after))
         others = [confusion_words(c) for c in r.confusions]
         more = [f"{len(others) - NAMED} more"] if len(others) > NAMED else []
@@ -52,8 +50,6 @@ def ranking_table(found: Discovery, most: int | None = SHOWN) -> Table:
 
 def _parameters(ranked: Ranked, found: Discovery) -> list[str]:
     """The parameters that differ from zero most clearly."""
-    from cdia_pin.viewers.words import number, with_unit
-
     term = ranked.term
     units = term.effect.units(found.model.robot)
     ends = term.ci95 or tuple((v, v) for v in term.theta)

@@ -1,0 +1,75 @@
+"""Outcomes of cases as JSON lines, so that an interrupted run goes on where it was, and pages need no run."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Generic, Protocol, TypeVar
+
+CHECKOUT = Path(__file__).resolve().parents[1]
+
+
+class Kept(Protocol):
+    """What can be kept: it has a name, and is a line."""
+
+    @property
+    def id(self) -> str:
+        """Name of the case."""
+
+    def to_json(self) -> str:
+        """Return the outcome as a line of JSON."""
+
+
+T = TypeVar("T", bound=Kept)
+
+
+class Store(Generic[T]):
+    """Outcomes in a file, one a line.
+
+    Args:
+        path: The file.
+        read_line: From a line to an outcome.
+    """
+
+    def __init__(self, path: Path, read_line: Callable[[str], T]) -> None:
+        self.path, self._read_line = path, read_line
+
+    def read(self) -> dict[str, T]:
+        """Return what is there, by the case's name; a line cut short by an interruption is left out."""
+        if not self.path.exists():
+            return {}
+        lines = self.path.read_text(encoding="utf-8").splitlines()
+        whole = [self._read_line(line) for line in lines if line.endswith("}")]
+        return {o.id: o for o in whole}
+
+    def add(self, outcome: T) -> None:
+        """Append an outcome."""
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        with self.path.open("a", encoding="utf-8") as file:
+            file.write(outcome.to_json() + "\n")
+
+    def forget(self) -> None:
+        """Delete what is there."""
+        self.path.unlink(missing_ok=True)
+
+
+def text_hash(files: Iterable[Path]) -> str:
+    """Return a hash of the names and the text of files of the checkout."""
+    digest = hashlib.sha256()
+    for file in sorted(files):
+        digest.update(file.relative_to(CHECKOUT).as_posix().encode() + file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def package_text(without: Iterable[str]) -> list[Path]:
+    """Return the files of the package, less those of some of its parts, and those of the plant."""
+    apart = {CHECKOUT / "cdia_pin" / part for part in without}
+    files = [f for f in (CHECKOUT / "cdia_pin").rglob("*.py") if not apart & set(f.parents)]
+    return [*files, *(CHECKOUT / "benchmarks" / "plant").rglob("*.py")]
+
+
+def tell(line: str) -> None:
+    """Print a line about progress."""
+    print(line, file=sys.stderr, flush=True)

@@ -1,0 +1,92 @@
+"""The option ``--condition``: which logs were recorded alike, cold or warm, loaded or not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cdia_pin.cli.failures import CommandError
+
+if TYPE_CHECKING:
+    from cdia_pin.logs import Log
+    from cdia_pin.robot import RobotModel
+
+Conditions = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--condition",
+        metavar="NAME=LOG,LOG",
+        show_default=False,
+        help="Logs recorded under one condition, such as warm=b.csv,c.csv; each log is its own if left out.",
+    ),
+]
+
+
+PerLog = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--per-log",
+        metavar="EFFECT[@JOINT]",
+        show_default=False,
+        help="Effect with parameters of its own in each log or condition, whatever the evidence; may be repeated.",
+    ),
+]
+
+
+def parse_per_log(
+    texts: Sequence[str] | None, logs: Sequence[Path], conditions: dict[Path, str], robot: RobotModel
+) -> tuple[str, ...]:
+    """Return the names or labels of effects that have parameters per log.
+
+    Raises:
+        CommandError: If there is only one log or condition, or the zero of an encoder is asked for.
+        EffectError: If an effect is not in the vocabulary.
+        RobotError: If a joint is not of the robot.
+    """
+    from cdia_pin.effects import EFFECTS, parse_effect
+    from cdia_pin.errors import EffectError, unknown_name
+
+    asked = tuple(part.strip() for text in texts or [] for part in text.split(",") if part.strip())
+    if asked and len({conditions.get(p, p) for p in logs}) < 2:
+        raise CommandError(f"--per-log {asked[0]} needs logs of at least two conditions")
+    for text in asked:
+        name = text.partition("@")[0]
+        if name not in EFFECTS:
+            raise EffectError(unknown_name("effect", name, EFFECTS))
+        if EFFECTS[name].shifts:
+            raise CommandError(f"--per-log {text}: the zero of an encoder has one value in a model")
+        if "@" in text:
+            parse_effect(text, robot)
+    return asked
+
+
+def parse_conditions(texts: Sequence[str] | None, logs: Sequence[Path]) -> dict[Path, str]:
+    """Return the condition of each log that has one, by its path.
+
+    Raises:
+        CommandError: If a text is not NAME=LOG, names a log that is not given, or a log has two conditions.
+    """
+    out: dict[Path, str] = {}
+    for text in texts or []:
+        name, equals, files = (part.strip() for part in text.partition("="))
+        named = [Path(f.strip()) for f in files.split(",") if f.strip()]
+        if not (name and equals and named):
+            raise CommandError(f"--condition {text}: write it as NAME=LOG,LOG")
+        for file in named:
+            path = next((p for p in logs if p.resolve() == file.resolve()), None)
+            if path is None:
+                raise CommandError(
+                    f"--condition {text}: {file} is not among the logs {', '.join(map(str, logs))}"
+                )
+            if out.setdefault(path, name) != name:
+                raise CommandError(f"{path} is given two conditions, {out[path]} and {name}")
+    return out
+
+
+def under(conditions: dict[Path, str], logs: Sequence[Log], paths: Sequence[Path]) -> list[Log]:
+    """Return logs with their conditions."""
+    return [replace(log, condition=conditions.get(path, "")) for log, path in zip(logs, paths, strict=True)]

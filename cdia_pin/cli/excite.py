@@ -1,0 +1,211 @@
+"""``cdia excite``: a safe motion that makes parameters, or two confusable effects, visible."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from cdia_pin.cli.console import progress, stdout, warn
+from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
+from cdia_pin.cli.options import OUTPUT, Gains, Json, Model, Robot
+from cdia_pin.cli.outputs import require_writable, write_all, write_json
+
+if TYPE_CHECKING:
+    from cdia_pin.effects import Effect
+    from cdia_pin.robot import RobotModel
+
+LIMITS = "Limits"
+QUESTION = "What it is for"
+
+
+def excite(
+    ctx: typer.Context,
+    *,
+    robot: Robot,
+    out: Annotated[
+        Path,
+        typer.Option("--out", "-o", metavar="CSV", show_default=False, help="Motion to write (.csv)."),
+    ],
+    between: Annotated[
+        tuple[str, str] | None,
+        typer.Option(
+            "--between",
+            metavar="A B",
+            show_default=False,
+            help="Two explanations to be told apart, EFFECT@JOINT each, or several with commas.",
+            rich_help_panel=QUESTION,
+        ),
+    ] = None,
+    effects: Annotated[
+        str | None,
+        typer.Option(
+            "--effects",
+            metavar="A,B",
+            show_default=False,
+            help="Effects whose parameters are to be seen, EFFECT@JOINT each; the model's, or friction and inertia "
+            "of all joints, if left out.",
+            rich_help_panel=QUESTION,
+        ),
+    ] = None,
+    model: Model = None,
+    after: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--after",
+            metavar="LOG",
+            show_default=False,
+            help="Log that there is already, to measure the gain against; may be repeated.",
+            rich_help_panel=QUESTION,
+        ),
+    ] = None,
+    gains: Gains = None,
+    duration: Annotated[float, typer.Option("--duration", metavar="S", help="Length \\[s].")] = 30.0,
+    rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Samples per second \\[Hz].")] = 250.0,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the search.")] = 0,
+    speed: Annotated[
+        float,
+        typer.Option("--speed", metavar="SHARE", help="Of the velocity limits.", rich_help_panel=LIMITS),
+    ] = 0.8,
+    acceleration: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--acceleration",
+            metavar="A|JOINT=A",
+            show_default=False,
+            help="Largest acceleration \\[rad/s², m/s²], of all joints or of one; may be repeated. "
+            "Full speed in half a second if left out: a URDF has no such limit.",
+            rich_help_panel=LIMITS,
+        ),
+    ] = None,
+    effort: Annotated[
+        float,
+        typer.Option("--effort", metavar="SHARE", help="Of the effort limits.", rich_help_panel=LIMITS),
+    ] = 0.8,
+    clearance: Annotated[
+        float,
+        typer.Option(
+            "--clearance", metavar="M", help="Between links, and to the floor \\[m].", rich_help_panel=LIMITS
+        ),
+    ] = 0.01,
+    floor: Annotated[
+        str,
+        typer.Option(
+            "--floor",
+            metavar="M",
+            help="Height of a floor above the base's origin \\[m]; base: where the base stands; none.",
+            rich_help_panel=LIMITS,
+        ),
+    ] = "base",
+    srdf: Annotated[
+        Path | None,
+        typer.Option(
+            "--srdf",
+            metavar="FILE",
+            show_default=False,
+            help="SRDF whose disabled pairs of links are not looked at; neighbours never are.",
+            rich_help_panel=LIMITS,
+        ),
+    ] = None,
+    ros: Annotated[
+        Path | None,
+        typer.Option(
+            "--ros",
+            metavar="FILE",
+            show_default=False,
+            help="Write it as trajectory_msgs/JointTrajectory too (.yaml).",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = None,
+    json: Json = None,
+) -> None:
+    """Design a motion, at rest at both ends, that makes parameters or two confusable effects visible in a log.
+
+    It keeps within the limits of position, speed, acceleration and effort, and touches neither itself nor the floor.
+    What else surrounds the arm is not known: look at the motion before you drive it.
+    """
+    if between and effects:
+        raise CommandError("--between and --effects ask two questions: give one of them")
+    require_writable(out, ros, json, inputs=after or [])
+    console = stdout(json)
+    known = load_inputs(robot, model)
+    with progress() as tell:
+        from cdia_pin import discovery
+
+        settings = discovery.ExcitationSettings(
+            duration=duration,
+            rate=rate,
+            seed=seed,
+            speed=speed,
+            effort=effort,
+            acceleration=accelerations(acceleration or [], known.robot),
+            clearance=clearance,
+            floor=floor_height(floor),
+            srdf=srdf,
+        )
+        pair = (named(between[0], known.robot), named(between[1], known.robot)) if between else None
+        wanted = named(effects, known.robot) if effects else None
+        logs, _ = read_logs(after or [], known.robot, Reading(gains), check=False, tell=tell)
+        motion = discovery.excite(
+            known,
+            between=pair,
+            effects=wanted,
+            after=logs,
+            settings=settings,
+            progress=tell,
+        )
+    from cdia_pin.viewers.text_excitation import gain_words, limits_table
+
+    for sentence in motion.warnings:
+        warn(sentence)
+    show_inputs(console, known, logs, notes=False)
+    console.print(limits_table(motion))
+    console.print(gain_words(motion), markup=False)
+    console.print()
+    write_all(
+        console,
+        (out, motion.to_csv),
+        (ros, motion.to_ros),
+        (json, lambda file: write_json(motion.to_dict() | {"command": ctx.obj}, file)),
+    )
+
+
+def named(text: str, robot: RobotModel) -> list[Effect]:
+    """Effects with commas between them; raises EffectError or RobotError."""
+    from cdia_pin.effects import parse_effect
+
+    return [parse_effect(part.strip(), robot) for part in text.split(",")]
+
+
+def accelerations(texts: list[str], robot: RobotModel) -> float | dict[str, float] | None:
+    """Largest accelerations, of all joints or by joint; None where none is given."""
+    whole, by_joint = None, {}
+    for text in texts:
+        joint, equals, number = text.rpartition("=")
+        try:
+            value = float(number)
+        except ValueError:
+            raise CommandError(f"--acceleration takes A or JOINT=A with a number A, given '{text}'") from None
+        if equals:
+            robot.joint_index(joint.strip())
+            by_joint[joint.strip()] = value
+        else:
+            whole = value
+    if whole is not None and by_joint:
+        return {joint: by_joint.get(joint, whole) for joint in robot.joints}
+    return by_joint or whole
+
+
+def floor_height(text: str) -> float | Literal["base"] | None:
+    """Height of the floor [m], ``base``, or None for none."""
+    word = text.strip().lower()
+    if word == "base":
+        return "base"
+    if word == "none":
+        return None
+    try:
+        return float(word)
+    except ValueError:
+        raise CommandError(f"--floor takes a height in m, base or none, given '{text}'") from None

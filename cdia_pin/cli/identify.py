@@ -1,0 +1,107 @@
+"""``cdia identify``: the inertial parameters of all links, friction and rotors, from logs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cdia_pin.cli.console import progress, stdout
+from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, require_unseen, show_inputs
+from cdia_pin.cli.options import (
+    OUTPUT,
+    Check,
+    Convert,
+    Cutoff,
+    Gains,
+    Holdout,
+    JointMap,
+    Json,
+    Logs,
+    Model,
+    Robot,
+    Save,
+    Topic,
+)
+from cdia_pin.cli.outputs import require_writable, write_all, write_json
+
+if TYPE_CHECKING:
+    from cdia_pin.discovery import Identification
+
+FITTING = "Fitting"
+
+
+def identify(
+    logs: Logs,
+    *,
+    robot: Robot,
+    model: Model = None,
+    holdout: Holdout = None,
+    save: Save = None,
+    urdf: Annotated[
+        Path | None,
+        typer.Option(
+            "--urdf",
+            "-u",
+            metavar="FILE",
+            show_default=False,
+            help="Write a corrected URDF: link inertias, joint damping and friction.",
+        ),
+    ] = None,
+    refine: Annotated[
+        bool,
+        typer.Option(
+            "--refine/--plain",
+            help="Let friction follow richer laws than Coulomb's and viscous friction where the log asks for it.",
+            rich_help_panel=FITTING,
+        ),
+    ] = True,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Show every base parameter.", rich_help_panel=OUTPUT)
+    ] = False,
+    cutoff: Cutoff = None,
+    gains: Gains = None,
+    joint_map: JointMap = None,
+    convert: Convert = None,
+    topic: Topic = None,
+    check: Check = True,
+    json: Json = None,
+) -> None:
+    """Identify the inertial parameters of all links, friction and rotors together.
+
+    Links stay bodies that can exist, and stay as the URDF has them where the motion does not tell.
+    """
+    unseen = holdout or []
+    require_writable(save, urdf, json, inputs=[*logs, *unseen])
+    require_unseen(unseen, logs)
+    console = stdout(json)
+    known = load_inputs(robot, model)
+    with progress() as tell:
+        from cdia_pin import discovery
+        from cdia_pin.logs.conditioning import Conditioning
+
+        settings = discovery.IdentificationSettings(conditioning=Conditioning(cutoff=cutoff), refine=refine)
+        reading = Reading(gains, joint_map, convert, topic)
+        given, _ = read_logs(logs, known.robot, reading, check=check, tell=tell)
+        held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
+        found = discovery.identify(known, given, holdout=held_out or None, settings=settings, progress=tell)
+    from cdia_pin.dynamics import save_model
+    from cdia_pin.viewers import identification_table
+
+    show_inputs(console, known, given, held_out)
+    console.print(identification_table(found, everything=everything))
+    write_all(
+        console,
+        (save, lambda file: save_model(found.model, file, record=found.record)),
+        (urdf, lambda file: _write_urdf(found, file)),
+        (json, lambda file: write_json(found.to_dict(), file)),
+    )
+
+
+def _write_urdf(found: Identification, file: str) -> Any:
+    from cdia_pin.dynamics.urdf_terms import UrdfValues
+    from cdia_pin.robot import write_corrected_urdf
+
+    values = UrdfValues.of(found.model.terms, found.model.robot)
+    return write_corrected_urdf(found.model.robot, file, **values.arguments)

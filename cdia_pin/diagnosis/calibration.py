@@ -1,0 +1,179 @@
+"""What healthy runs correct of a model: the torque's delay, and small errors of the masses; over whole runs at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.alignment import slope_of
+from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.nominal import Nominal
+from cdia_pin.diagnosis.residuals import SETTLE, pooled, residuals_of
+from cdia_pin.diagnosis.settings import MonitorSettings
+from cdia_pin.logs.log import Log
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+DELAYS = 0.010  # [s], the longest delay of a torque loop that is looked for
+WORTH = 0.98  # residual left, relative, below which a delay or a correction of masses is believed
+SURPRISING = 0.05  # [1], error of an inertial parameter that would surprise nobody
+REACH = 0.1  # [m], least scale of a link's size
+ROWS_PER_SECOND = 100  # of the regression of the masses
+PASSES = 3  # of its weights
+TURNS = 5  # between masses and delay
+
+
+def calibrated(
+    given: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings
+) -> tuple[Nominal, list[str]]:
+    """Return a model with its delay and, where that is wanted and worth it, its masses corrected.
+
+    Args:
+        given: The model.
+        runs: Of the healthy arm.
+        dt: Time between ticks [s].
+        bank: Of the monitor.
+        settings: Whether masses are corrected.
+
+    Returns:
+        The model, and what was corrected, one sentence each.
+    """
+    nominal, notes = given, []
+    # Masses and delay hide each other: a better guess of the one shows the other.
+    for _ in range(TURNS):
+        before = nominal.delay
+        if settings.calibrate:
+            nominal = _with_masses(replace(given, delay=before), runs, dt, bank, settings)
+        nominal = replace(nominal, delay=_delay(nominal, runs, dt, settings, given.delay))
+        if nominal.delay == before:
+            break
+    if nominal.delay != given.delay:
+        notes.append(f"torques act {1e3 * nominal.delay:.1f} ms after their signal")
+    if settings.calibrate:
+        plain = replace(given, delay=nominal.delay)
+        stated, after = (pooled(residuals_of(x, runs, dt, bank, settings)) for x in (plain, nominal))
+        share = float(np.mean(after / stated))
+        if share > WORTH:
+            nominal = plain
+        else:
+            notes.append(f"masses corrected by the healthy runs: {share:.0%} of the residual is left")
+    return nominal, notes
+
+
+@dataclass(frozen=True)
+class _Signals:
+    """A run at one instant per row: state, and torque with its own delay taken out; shape (K, n) each."""
+
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+
+
+def _signals(run: Log, nominal: Nominal, dt: float, delay: float) -> _Signals:
+    if run.velocity is None:
+        q, v = slope_of(run.position, dt)
+        half = (len(run.position) - len(q)) // 2
+        time = run.time[half : half + len(q)]
+    else:
+        q, v, time = run.position, run.velocity, run.time
+    tau = np.column_stack([np.interp(time - delay, run.time, column) for column in run.effort.T])
+    middle = 0.5 * (v[1:] + v[:-1])
+    return _Signals(0.5 * (q[1:] + q[:-1]) + nominal.offset, middle, np.diff(v, axis=0) / dt, tau[1:])
+
+
+def _filter(
+    x: Array, dt: float, settings: MonitorSettings, state: Array | None = None
+) -> tuple[Array, Array]:
+    """Apply the filter of the residual along time."""
+    from scipy.signal import lfilter
+
+    E = np.exp(-settings.bandwidth * dt)
+    zi = np.zeros((1, *x.shape[1:])) if state is None else state
+    return lfilter([1 - E], [1, -E], x, axis=0, zi=zi)
+
+
+def _delay(
+    nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSettings, stated: float
+) -> float:
+    """Return the delay that leaves least, in half ticks; the stated one where none is clearly better."""
+    run = max(runs, key=lambda r: r.duration)
+    run = run.slice(0, min(len(run.time), round(60.0 / dt)))
+    candidates = sorted({stated, *(0.5 * dt * i for i in range(int(2 * DELAYS / dt) + 1))})
+    first = candidates.index(stated)
+    settle = round(SETTLE / settings.bandwidth / dt)
+    left = []
+    x = _signals(run, nominal, dt, nominal.delay)
+    known = nominal.robot.inverse_dynamics(x.q, x.v, x.a)
+    ticks = np.arange(len(x.tau), dtype=float)
+    scale = x.tau.std(axis=0) + 1e-12
+    for delay in candidates:
+        late = ticks - (delay - nominal.delay) / dt
+        tau = np.column_stack([np.interp(late, ticks, column) for column in x.tau.T])
+        r, _ = _filter(known - tau, dt, settings)
+        left.append(float(np.mean((r[settle:].std(axis=0) / scale) ** 2)))
+    best = int(np.argmin(left))
+    return candidates[best] if left[best] < WORTH * left[first] else stated
+
+
+def _with_masses(
+    nominal: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings
+) -> Nominal:
+    """Return the model with inertial parameters nearer to what the runs say; as it is if a mass would vanish."""
+    robot = nominal.robot
+    residuals = residuals_of(nominal, runs, dt, bank, settings)
+    every = max(1, round(1 / ROWS_PER_SECOND / dt))
+    regressors, lacking = [], []
+    for run, r in zip(runs, residuals, strict=True):
+        y = _filtered_regressor(_signals(run, nominal, dt, nominal.delay), robot, dt, settings, every)
+        seldom = r[::-1][::every][::-1]  # both end at the last sample
+        count = min(len(seldom), len(y))
+        regressors.append(y[-count:])
+        lacking.append(seldom[-count:])
+    Y, r = np.concatenate(regressors), -np.concatenate(lacking)  # bodies too heavy make the residual positive
+    prior = 1.0 / _scales(robot) ** 2
+    sigma = r.std(axis=0) + 1e-12
+    delta = np.zeros(10 * robot.n)
+    independent = max(1.0, 0.1 / (every * dt))  # rows that count as one: 0.1 s of motion
+    for _ in range(PASSES):
+        weighted = Y / sigma[:, None]
+        gram = np.einsum("kji,kjm->im", weighted, weighted) / independent
+        right = np.einsum("kji,kj->i", weighted, r / sigma) / independent
+        unit = np.sqrt(1.0 / prior)
+        delta = unit * np.linalg.solve(gram * np.outer(unit, unit) + np.eye(len(unit)), unit * right)
+        sigma = (r - Y @ delta).std(axis=0) + 1e-12
+    pi = robot.inertial_parameters + delta.reshape(robot.n, 10)
+    if (pi[:, 0] <= 0).any():
+        return nominal
+    return replace(
+        nominal,
+        robot=robot.with_inertial_parameters(pi),
+        others=replace(nominal.others, robot=robot.with_inertial_parameters(pi)),
+    )
+
+
+def _filtered_regressor(
+    x: _Signals, robot: RobotModel, dt: float, settings: MonitorSettings, every: int
+) -> Array:
+    """Return rows of the filtered regressor, the last at the last sample, shape (K, n, 10 n)."""
+    state, out, begin = None, [], (len(x.q) - 1) % every
+    chunk = every * 100
+    for start in range(0, len(x.q), chunk):
+        part = np.s_[start : start + chunk]
+        y, state = _filter(robot.torque_regressor(x.q[part], x.v[part], x.a[part]), dt, settings, state)
+        out.append(y[begin::every])
+    return np.concatenate(out)
+
+
+def _scales(robot: RobotModel) -> Array:
+    """Return the size of error that would surprise nobody, for every inertial parameter, shape (10 n,)."""
+    rows = []
+    for p in robot.inertial_parameters:
+        mass = max(p[0], 1e-3)
+        reach = max(float(np.linalg.norm(p[1:4])) / mass, REACH)
+        rows.append([mass, *[mass * reach] * 3, *[mass * reach**2] * 6])
+    return SURPRISING * np.concatenate(rows)

@@ -1,0 +1,44 @@
+"""Why no motion tells two effects apart, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cdia_pin.discovery.excitation.information import Information
+from cdia_pin.discovery.excitation.sides import Side
+from cdia_pin.discovery.experiment import Experiment
+from cdia_pin.effects.inertia import Body
+from cdia_pin.robot.model import RobotModel
+
+WEIGHTLESS = 1e-9  # share of the largest joint's gravity torque below which gravity does not load a joint
+
+
+def why_alike(one: Side, two: Side, everything: Information, reference: Experiment) -> str:
+    """Return why two explanations that differ on no motion do not.
+
+    Args:
+        one: One explanation.
+        two: The other.
+        everything: What many motions over all of the limits tell.
+        reference: Those motions.
+    """
+    robot = reference.robot
+    for side in (one, two):
+        if not everything.gram[np.ix_(*[everything.columns(side.shapes[0])] * 2)].any():
+            return f"{side.label} has no torque on any motion of this arm{_upright(side, robot, reference)}"
+    bodies = [e for side in (one, two) for e in side.effects if isinstance(e, Body)]
+    if len(bodies) == 2 and bodies[0].carrier(robot) == bodies[1].carrier(robot):
+        return "both are a body on the same link: repeat a log with the tool taken off"
+    return f"whatever {one.label} does, {two.label} can do as well{_upright(one, robot, reference)}"
+
+
+def _upright(side: Side, robot: RobotModel, reference: Experiment) -> str:
+    """Return the remark that gravity does not load a joint, if that is so."""
+    q = np.vstack([s.state.q for s in reference.segments])
+    load = np.abs(robot.gravity(q)).max(axis=0)
+    upright = [
+        j for e in side.effects for j in e.scope if load[robot.joint_index(j)] <= WEIGHTLESS * load.max()
+    ]
+    if not upright:
+        return ""
+    return f" (gravity does not load {', '.join(dict.fromkeys(upright))}, whose axis is along it)"

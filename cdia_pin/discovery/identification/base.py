@@ -1,0 +1,119 @@
+r"""Base parameters: the combinations of inertial parameters that torques depend on, and what a log tells of them.
+
+A torque regressor has dependent columns: :math:`Y = Y_b [\,1 \; K\,]`, so that :math:`Y \pi = Y_b (\pi_b + K \pi_d)`
+[Gautier1991].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.robot.inertia import PARAMETER_NAMES, PARAMETER_UNITS
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+SAMPLES = 200  # random states that tell dependent columns
+INDEPENDENT = 1e-8  # least norm of a column beside those before it, over its own
+TOLD = 1.0 / 3.0  # share of the prior's deviation to which a log must narrow a parameter to have told it
+REACH = 1.0  # [rad or m], of joints without limits
+
+
+@dataclass(frozen=True)
+class BaseParameters:
+    """Base parameters of an arm, as identified; arrays have shape (n_b,).
+
+    Attributes:
+        names: The first standard parameter of each combination, such as ``elbow_joint.mx``.
+        units: Units.
+        grouped: How many other standard parameters are in each combination.
+        urdf: What the URDF says.
+        value: What was identified.
+        deviation: Standard deviation of that.
+        half_width: Half of its 95 % interval.
+        told: Whether this log tells it: the rest is held by the URDF.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    grouped: NDArray[np.intp]
+    urdf: Array
+    value: Array
+    deviation: Array
+    half_width: Array
+    told: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def moved(self) -> Array:
+        """Distance from the URDF in standard deviations [1]."""
+        return np.abs(self.value - self.urdf) / np.maximum(self.deviation, 1e-300)
+
+
+def base_parameters(
+    robot: RobotModel, change: Array, covariance: Array, prior_covariance: Array, quantile: float
+) -> BaseParameters:
+    """Reduce inertial parameters to those that torques depend on.
+
+    Args:
+        robot: The arm.
+        change: Difference of all links' parameters to the URDF, shape (10 n,).
+        covariance: Of that difference, shape (10 n, 10 n).
+        prior_covariance: What it was before the log, shape (10 n, 10 n).
+        quantile: Half of a 95 % interval over the standard deviation [1].
+    """
+    first, reduction = base_reduction(robot)
+    urdf = robot.inertial_parameters.ravel()
+    deviation, believed = (
+        np.sqrt(np.maximum(np.einsum("bi,ij,bj->b", reduction, c, reduction), 0.0))
+        for c in (covariance, prior_covariance)
+    )
+    return BaseParameters(
+        names=tuple(f"{robot.joints[k // 10]}.{PARAMETER_NAMES[k % 10]}" for k in first),
+        units=tuple(PARAMETER_UNITS[k % 10] for k in first),
+        grouped=np.count_nonzero(reduction, axis=1) - 1,
+        urdf=reduction @ urdf,
+        value=reduction @ (urdf + change),
+        deviation=deviation,
+        half_width=quantile * deviation,
+        told=deviation < TOLD * believed,
+    )
+
+
+@lru_cache(maxsize=16)
+def base_reduction(robot: RobotModel) -> tuple[tuple[int, ...], Array]:
+    """Return which standard parameters lead the base parameters, and how these are made of all of them.
+
+    Columns are taken from the base to the tool: what a link shares with one nearer to the base is added to that one's
+    parameters.
+
+    Args:
+        robot: The arm.
+
+    Returns:
+        Indices into the 10 n standard parameters, and the reduction L with π_base = L π, shape (n_b, 10 n).
+    """
+    rng = np.random.default_rng(0)
+    limits = robot.limits
+    free = ~(np.isfinite(limits.lower) & np.isfinite(limits.upper))
+    low, high = np.where(free, -REACH, limits.lower), np.where(free, REACH, limits.upper)
+    q = rng.uniform(low, high, (SAMPLES, robot.n))
+    v, a = rng.normal(size=(2, SAMPLES, robot.n))
+    Y = robot.torque_regressor(q, v, a).reshape(-1, 10 * robot.n)
+    norm = np.linalg.norm(Y, axis=0)
+    at = np.flatnonzero(norm > INDEPENDENT * norm.max()).astype(int)
+    R: Array = np.asarray(np.linalg.qr(Y[:, at] / norm[at], mode="r"))
+    lead = np.abs(np.diag(R)) > INDEPENDENT
+    b, d = (np.flatnonzero(x).astype(int) for x in (lead, ~lead))
+    K = np.linalg.solve(R[np.ix_(b, b)], R[np.ix_(b, d)])
+    reduction = np.zeros((len(b), 10 * robot.n))
+    reduction[np.arange(len(b)), at[b]] = 1.0
+    reduction[:, at[d]] = K * norm[at[d]] / norm[at[b], None]
+    reduction[np.abs(reduction) < 1e-9] = 0.0
+    return tuple(int(k) for k in at[b]), reduction

@@ -1,0 +1,132 @@
+"""What a fitted model and its residual look like: friction that drifts, friction with memory at reversals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.discovery.experiment import Experiment, Prediction
+from cdia_pin.discovery.finding import Finding
+from cdia_pin.discovery.fitting import Whitened
+from cdia_pin.discovery.memory import bent
+from cdia_pin.discovery.problem import Problem
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import CoulombFriction, Drift, Term
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+REACHES = np.geomspace(
+    0.005, 0.5, 16
+)  # of friction with memory, beside the joint's travel; the first is too short
+NEURONS = 9  # radial bases over a joint's speed
+WORTH = 0.1  # least share of what is left of a joint that memory must explain
+LEAST_LEVEL = 0.01  # of the joint's RMS torque
+
+
+def recognised(
+    problem: Problem, model: Dynamics, whitened: Whitened, left: Sequence[str]
+) -> tuple[Finding, ...]:
+    """Return what is recognised in a fitted model, and in what it leaves.
+
+    Args:
+        problem: The logs.
+        model: Fitted to them, with intervals.
+        whitened: Noise and blocks.
+        left: Joints on which structure is left.
+    """
+    return (*_drifts(model, left), *_memories(problem, model, whitened))
+
+
+def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
+    """Yield a sentence for each effect that drifts."""
+    for term in model.terms:
+        effect = term.effect
+        if not isinstance(effect, Drift):
+            continue
+        robot, joints = model.robot, effect.scope or model.robot.joints
+        first, last = (effect.of_part(term.theta, part) for part in effect.parts)
+        largest = int(np.argmax(np.abs(np.array(last) - np.array(first))))
+        parameter, unit = effect.effect.parameters[largest], effect.effect.units(robot)[largest]
+        fell = abs(last[largest]) < abs(first[largest])
+        meaning = ""
+        if effect.dissipative:
+            meaning = ", as in a drive that warms up" if fell else ", as in a drive that cools down"
+        if set(joints) & set(left):
+            meaning = "; structure is left there, so it may be something else that changes with time"
+        yield Finding(
+            "drift",
+            joints,
+            f"{effect.name.replace('_', ' ')} on {', '.join(joints)} drifts within the log: {parameter.name} from "
+            f"{first[largest]:.3g} to {last[largest]:.3g} {unit} (time constant {effect.time_constant:.2g} s){meaning}",
+            {
+                f"{parameter.name}_start": first[largest],
+                f"{parameter.name}_end": last[largest],
+                "time_constant": effect.time_constant,
+            },
+        )
+
+
+def _memories(problem: Problem, model: Dynamics, whitened: Whitened) -> Iterator[Finding]:
+    """Yield a sentence for each joint whose torque after a reversal follows the distance travelled."""
+    experiment = problem.experiment
+    prediction = experiment.predict(model)
+    for j, joint in enumerate(model.robot.joints):
+        if experiment.resting[j]:
+            continue
+        own = [_columns(problem, prediction, t, j) for t in model.terms if j in t.effect.acts_on(model.robot)]
+        # memory must be more than direction and speed
+        level = problem.columns.of(CoulombFriction(joint), prediction)[:, 0, :]
+        beside = whitened.joint(j, np.column_stack([*own, level, _of_speed(experiment, j)]))
+        y = whitened.joint(j, prediction.residual[:, j])
+        basis = _orthonormal(beside)
+        left = y - basis @ (basis.T @ y)
+        travel = max(float(np.ptp(s.motion.q[:, j])) for s in experiment.segments)
+        gains, levels = [], []
+        for reach in REACHES * travel:
+            z = whitened.joint(j, -bent(experiment, j, float(reach)))
+            new = z - basis @ (basis.T @ z)
+            size = float(new @ new)
+            level_of = float(new @ left) / size if size > 1e-6 * float(z @ z) else 0.0
+            gains.append(level_of**2 * size)
+            levels.append(level_of)
+        best = int(np.argmax(gains))
+        torque = float(np.sqrt(np.mean(experiment.measured[:, j] ** 2)))
+        enough = max(
+            WORTH * float(left @ left), 4 * np.log(max(len(y), 2)) + 2 * np.log(len(REACHES) * model.robot.n)
+        )
+        if best > 0 and gains[best] > enough and levels[best] > LEAST_LEVEL * torque:
+            yield _presliding(model.robot, joint, levels[best], float(REACHES[best] * travel))
+
+
+def _presliding(robot: RobotModel, joint: str, level: float, reach: float) -> Finding:
+    prismatic = bool(robot.is_prismatic[robot.joint_index(joint)])
+    x, effort = ("m", "N") if prismatic else ("rad", "N·m")
+    stiffness = level / reach
+    return Finding(
+        "memory",
+        (joint,),
+        f"friction on {joint} has memory at reversals: it looks like presliding, {level:.2g} {effort} built up over "
+        f"about {reach:.2g} {x} (stiffness ≈ {stiffness:.2g} {effort}/{x})",
+        {"level": level, "reach": reach, "stiffness": stiffness},
+    )
+
+
+def _columns(problem: Problem, prediction: Prediction, term: Term, j: int) -> Array:
+    x = problem.columns.of(term.effect, prediction, np.array(term.theta))
+    return x[:, term.effect.acts_on(problem.experiment.robot).index(j), :]
+
+
+def _of_speed(experiment: Experiment, j: int) -> Array:
+    """Return smooth functions of a joint's speed, filtered as torques are, shape (K, NEURONS)."""
+    fastest = max(float(np.percentile(np.abs(s.motion.v[:, j]), 99)) for s in experiment.segments)
+    centres, width = np.linspace(-fastest, fastest, NEURONS, retstep=True)
+    return experiment.compared(lambda m: np.exp(-(((m.v[:, [j]] - centres) / max(float(width), 1e-9)) ** 2)))
+
+
+def _orthonormal(columns: Array) -> Array:
+    scaled = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    left, values, _ = np.linalg.svd(scaled, full_matrices=False)
+    return left[:, values > 1e-5 * values[0]]

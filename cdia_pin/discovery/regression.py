@@ -1,0 +1,108 @@
+"""Linear regression of the torques of several joints that share parameters, each with a weak prior."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+WEAKEST = 1e-12  # precision of a prior that says nothing, for columns that are zero
+
+
+@dataclass(frozen=True)
+class Part:
+    """Columns of one set of parameters.
+
+    Attributes:
+        columns: By joint, shape (K, p) each.
+        scale: Size of each parameter that would surprise nobody, ``inf`` where unknown, shape (p,).
+    """
+
+    columns: dict[int, Array]
+    scale: Array
+
+
+@dataclass(frozen=True)
+class Regression:
+    """Rows of all joints, in units of their noise.
+
+    Attributes:
+        rows: Of each joint, its own columns and last its response, shape (K, m_j + 1).
+        at: Where each of them stands among all parameters, the response last, shape (m_j + 1,).
+        precision: Of the prior on each parameter, shape (P,).
+    """
+
+    rows: tuple[Array, ...]
+    at: tuple[Indices, ...]
+    precision: Array
+
+    @classmethod
+    def of(cls, parts: Sequence[Part], response: Array, scaled: Callable[[int, Array], Array]) -> Self:
+        """Stack columns.
+
+        Args:
+            parts: The parameters, one set after another.
+            response: Torque of each joint [N·m or N], shape (K, n).
+            scaled: Brings a joint's columns (K, …) into units of its noise.
+        """
+        ends = np.cumsum([len(p.scale) for p in parts], dtype=int)
+        size = int(ends[-1]) if len(parts) else 0
+        rows, at = [], []
+        for j in range(response.shape[1]):
+            own = [(p.columns[j], int(end)) for p, end in zip(parts, ends, strict=True) if j in p.columns]
+            rows.append(scaled(j, np.column_stack([*(x for x, _ in own), response[:, j]])))
+            at.append(
+                np.concatenate([*(np.arange(end - x.shape[1], end) for x, end in own), [size]]).astype(int)
+            )
+        scale = np.concatenate([np.zeros(0), *(p.scale for p in parts)])
+        return cls(tuple(rows), tuple(at), WEAKEST + 1.0 / scale**2)
+
+    @cached_property
+    def gram(self) -> Array:
+        """XᵀX of all joints with the response as last column, shape (P + 1, P + 1)."""
+        out = np.zeros((len(self.precision) + 1,) * 2)
+        for rows, at in zip(self.rows, self.at, strict=True):
+            out[np.ix_(at, at)] += rows.T @ rows
+        return out
+
+    def residual(self) -> tuple[Array, Array]:
+        """Return what the best parameters leave, in units of the noise (K, n), and how many each joint used (n,)."""
+        inverse = self._inverse(len(self.precision))
+        theta = np.append(-inverse @ self.gram[:-1, -1], 1.0)
+        left = np.column_stack([rows @ theta[at] for rows, at in zip(self.rows, self.at, strict=True)])
+        own = zip(self.rows, self.at, strict=True)
+        used = [np.sum((x[:, :-1].T @ x[:, :-1]) * inverse[np.ix_(at[:-1], at[:-1])]) for x, at in own]
+        return left, np.array(used, float)
+
+    def explained_by(self, first: int) -> Array:
+        """Return the first few parameters that explain each other column best, shape (first, P − first + 1)."""
+        return self._inverse(first) @ self.gram[:first, first:]
+
+    def beside(self, first: int) -> tuple[list[Array], Array]:
+        """Return the other columns without what the first few parameters explain of them.
+
+        Returns:
+            Rows of each joint, shape (K, P − first + 1), and what the prior adds to their XᵀX.
+        """
+        share = self.explained_by(first)
+        rest = []
+        for rows, at in zip(self.rows, self.at, strict=True):
+            early = at < first
+            out = -rows[:, early] @ share[at[early]]
+            out[:, at[~early] - first] += rows[:, ~early]
+            rest.append(out)
+        return rest, share.T @ (self.precision[:first, None] * share)
+
+    def _inverse(self, first: int) -> Array:
+        """Return the inverse of the normal equations of the first few parameters."""
+        matrix = self.gram[:first, :first] + np.diag(self.precision[:first])
+        unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        matrix = matrix * np.outer(unit, unit) + 1e-10 * np.eye(first)
+        return np.linalg.inv(matrix) * np.outer(unit, unit)

@@ -1,0 +1,63 @@
+"""Spans: what two effects have in common on any motion, whatever a log shows of them."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects import Effect, State
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+STATES = 300  # random states, far more than any effect has parameters
+SPEED, ACCELERATION = 1.0, 3.0  # [rad/s or m/s], [rad/s² or m/s²], their standard deviations
+REACH = np.pi  # [rad or m], where a joint has no limits
+NEGLIGIBLE = 1e-5  # singular value beside the largest, of columns of unit norm, that is rounding
+FAINT = 1e-2  # the same on a log: too faint to tell a parameter
+
+
+def rank(columns: Array, negligible: float = NEGLIGIBLE) -> int:
+    """Return how many directions columns (K, p) span, each scaled to unit norm."""
+    norm = np.linalg.norm(columns, axis=0)
+    seen = columns[:, norm > NEGLIGIBLE * norm.max(initial=0.0)]
+    return rank_of_gram(seen.T @ seen, negligible) if seen.shape[1] else 0
+
+
+def rank_of_gram(gram: Array, negligible: float = FAINT) -> int:
+    """Return the same from XᵀX, shape (p, p)."""
+    unit = np.sqrt(np.diag(gram))
+    seen = unit > 0
+    values = (
+        np.linalg.eigvalsh((gram / np.outer(unit, unit))[np.ix_(seen, seen)]) if seen.any() else np.zeros(1)
+    )
+    return int(np.sum(values > max(negligible**2 * values[-1], 1e-14)))
+
+
+def generic_rank(robot: RobotModel, *effects: Effect) -> int:
+    """Return how many directions effects span together on motions that show all there is."""
+    return rank(np.column_stack([_columns(robot, e) for e in effects]))
+
+
+def contains(robot: RobotModel, wide: Effect, narrow: Effect) -> bool:
+    """Tell whether one effect can do on every motion whatever another can."""
+    return generic_rank(robot, wide, narrow) == generic_rank(robot, wide)
+
+
+@lru_cache(maxsize=512)
+def _columns(robot: RobotModel, effect: Effect) -> Array:
+    """Return the torque per unit of each parameter at random states, all joints below each other, shape (K·n, p)."""
+    phi = effect.basis(_random_states(robot))
+    return phi.reshape(-1, phi.shape[2])
+
+
+@lru_cache(maxsize=8)
+def _random_states(robot: RobotModel) -> State:
+    rng = np.random.default_rng(0)
+    lower, upper = np.maximum(robot.limits.lower, -REACH), np.minimum(robot.limits.upper, REACH)
+    q = rng.uniform(lower, upper, (STATES, robot.n))
+    v, a = SPEED * rng.standard_normal(q.shape), ACCELERATION * rng.standard_normal(q.shape)
+    time = np.arange(STATES, dtype=float)
+    return State(robot, q, v, a, robot.inverse_dynamics(q, v, a), time)

@@ -1,0 +1,262 @@
+r"""Effects whose parameters vary: from log to log, or slowly within one.
+
+.. math:: f = \Phi(x) \sum_k w_k(x)\,\theta_k, \qquad \sum_k w_k = 1
+
+Each θₖ is a full set of the effect's parameters, with its units and bounds; where all of them are equal, the effect
+is the plain one.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects.effect import Effect, Parameter
+from cdia_pin.effects.state import State
+from cdia_pin.errors import EffectError, unknown_name
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+PROMISES = (
+    "name",
+    "equation",
+    "scope_fields",
+    "linear",
+    "dissipative",
+    "of_torque",
+    "of_acceleration",
+    "reads",
+    "rarity",
+)
+
+
+class Varying(Effect):
+    """An effect that has its parameters several times: a subclass says where which of them hold.
+
+    Subclasses are frozen dataclasses whose first field is the effect.
+    """
+
+    effect: Effect
+
+    kind: ClassVar[str]  # what the parameters vary with
+
+    def __post_init__(self) -> None:
+        if self.effect.shifts:
+            raise EffectError(f"{self.effect.label}: the zero of an encoder cannot vary with {self.kind}")
+        for promise in PROMISES:
+            object.__setattr__(self, promise, getattr(self.effect, promise))
+        named = [replace(p, name=f"{p.name}[{part}]") for part in self.parts for p in self.effect.parameters]
+        object.__setattr__(self, "parameters", tuple(named))
+
+    # ------------------------------------------------------------- what a subclass gives
+
+    @property
+    @abstractmethod
+    def parts(self) -> tuple[str, ...]:
+        """What each set of parameters is called."""
+
+    @abstractmethod
+    def weights(self, x: State) -> Array:
+        """Return wₖ at each sample, each row adding up to one, shape (N, number of parts)."""
+
+    @abstractmethod
+    def variation(self) -> dict[str, Any]:
+        """Return a JSON-ready description of how the parameters vary; `varied` reads it back."""
+
+    # ------------------------------------------------------------- physics
+
+    def of_part(self, theta: Sequence[float] | Array, part: str) -> tuple[float, ...]:
+        """Return the effect's parameters in one part, shape (p of the effect,)."""
+        return tuple(float(v) for v in self._split(np.asarray(theta))[self.parts.index(part)])
+
+    def basis(self, x: State) -> Array:
+        """Return Φ with each part's weight, shape (N, n, p)."""
+        return self._weighted(x, [self.effect.basis(x)] * len(self.parts))
+
+    def torque(self, x: State, theta: Array) -> Array:
+        """Return f [N·m or N] for parameters θ (p,), shape (N, n)."""
+        w = self.weights(x)
+        if self.effect.linear:
+            return np.einsum("nip,np->ni", self.effect.basis(x), w @ self._split(theta))
+        parts = [self.effect.torque(x, part) for part in self._split(theta)]
+        return np.einsum("nk,kni->ni", w, np.stack(parts))
+
+    def jacobian(self, x: State, theta: Array) -> Array:
+        """Return ∂f/∂θ, shape (N, n, p)."""
+        return self._weighted(x, [self.effect.jacobian(x, part) for part in self._split(theta)])
+
+    def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
+        """Return the effect's bounds, once for each part."""
+        lower, upper = self.effect.bounds(robot)
+        return np.tile(lower, len(self.parts)), np.tile(upper, len(self.parts))
+
+    def is_physical(self, theta: Array, robot: RobotModel) -> bool:
+        """Tell whether the parameters of every part can belong to a real arm."""
+        return all(self.effect.is_physical(part, robot) for part in self._split(theta))
+
+    def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
+        """Return the physical parameters next to an estimate, shape (p,)."""
+        return np.concatenate([self.effect.nearest_physical(p, robot) for p in self._split(theta)])
+
+    def prior_scale(self, robot: RobotModel) -> Array:
+        """Return the effect's scale, once for each part."""
+        return np.tile(self.effect.prior_scale(robot), len(self.parts))
+
+    def is_distinct(self, theta: Array) -> bool:
+        """Tell whether every part is more than a simpler effect."""
+        return all(self.effect.is_distinct(part) for part in self._split(theta))
+
+    # ------------------------------------------------------------- scope and names
+
+    @property
+    def scope(self) -> tuple[str, ...]:
+        """Joints named by the effect."""
+        return self.effect.scope
+
+    @property
+    def label(self) -> str:
+        """The effect's label and what its parameters vary with, ``coulomb_friction@elbow_joint[log]``."""
+        return f"{self.effect.label}[{self.kind}]"
+
+    def check(self, robot: RobotModel) -> None:
+        """Make sure that the robot can have the effect."""
+        self.effect.check(robot)
+
+    def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
+        """Return the indices of the joints whose torque the effect can change."""
+        return self.effect.acts_on(robot)
+
+    def units(self, robot: RobotModel) -> tuple[str, ...]:
+        """Return the unit of each parameter on this robot."""
+        return self.effect.units(robot) * len(self.parts)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return a JSON-ready description: the effect's own, and how its parameters vary."""
+        return {**self.effect.to_dict(), "varies": self.variation()}
+
+    def _split(self, theta: Array) -> Array:
+        return np.reshape(theta, (len(self.parts), self.effect.size))
+
+    def _weighted(self, x: State, phi: Sequence[Array]) -> Array:
+        w = self.weights(x)
+        return np.concatenate([w[:, k, None, None] * p for k, p in enumerate(phi)], axis=2)
+
+
+@dataclass(frozen=True)
+class PerLog(Varying):
+    """An effect with parameters of its own in each log, or in each condition that several logs share.
+
+    A motion that belongs to none of them has their mean.
+
+    Attributes:
+        effect: The effect.
+        logs: Names of the logs or conditions, see `State.log`.
+    """
+
+    effect: Effect
+    logs: tuple[str, ...]
+
+    kind: ClassVar[str] = "log"
+
+    def __post_init__(self) -> None:
+        if len(set(self.logs)) < max(len(self.logs), 2):
+            raise EffectError(
+                f"{self.effect.label}: parameters per log need logs of different names, given {self.logs}"
+            )
+        super().__post_init__()
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """The logs."""
+        return self.logs
+
+    def weights(self, x: State) -> Array:
+        """Return one in the log that the state is of, shape (N, number of logs)."""
+        row = np.array([float(name == x.log) for name in self.logs])
+        return np.tile(row if row.any() else np.full(len(row), 1.0 / len(row)), (len(x), 1))
+
+    def variation(self) -> dict[str, Any]:
+        """Return the logs."""
+        return {"with": self.kind, "logs": list(self.logs)}
+
+    @property
+    def shape_values(self) -> dict[str, float]:
+        """Values of the effect's shape parameters, alike in all logs."""
+        return self.effect.shape_values
+
+    def with_shape(self, **shape: float) -> Self:
+        """Return the effect with other shape parameters."""
+        return replace(self, effect=self.effect.with_shape(**shape))
+
+    def shape_grid(self, x: State) -> Sequence[Self]:
+        """Return the effect at the shapes worth trying on this motion."""
+        return [replace(self, effect=e) for e in self.effect.shape_grid(x)]
+
+
+@dataclass(frozen=True)
+class Drift(Varying):
+    r"""An effect that drifts within a log, as friction does while a drive warms up.
+
+    .. math:: \theta(t) = \theta_0 + (\theta_1 - \theta_0)\,\frac{1 - e^{-(t - t_0)/T}}{1 - e^{-(t_1 - t_0)/T}}
+
+    Attributes:
+        effect: The effect; its own shape is kept.
+        start: t₀ [s], where its first parameters hold; before, they hold too.
+        end: t₁ [s], where its second parameters hold.
+        time_constant: T [s]; much longer than the log, the drift is linear.
+    """
+
+    effect: Effect
+    start: float
+    end: float
+    time_constant: float
+
+    kind: ClassVar[str] = "time"
+    shape: ClassVar[tuple[Parameter, ...]] = (Parameter("time_constant", "s", lower=1e-3),)
+    parts: ClassVar[tuple[str, ...]] = ("start", "end")
+
+    def __post_init__(self) -> None:
+        if not (self.start < self.end and self.time_constant > 0):
+            raise EffectError(
+                f"{self.effect.label}: a drift needs start < end and a time constant above 0 s, "
+                f"given {self.start}, {self.end}, {self.time_constant}"
+            )
+        super().__post_init__()
+
+    def weights(self, x: State) -> Array:
+        """Return the shares of the first and of the second parameters, shape (N, 2)."""
+        since = np.maximum(x.time - self.start, 0.0) / self.time_constant
+        share = np.expm1(-since) / np.expm1(-(self.end - self.start) / self.time_constant)
+        return np.column_stack([1.0 - share, share])
+
+    def variation(self) -> dict[str, Any]:
+        """Return times and time constant [s]."""
+        return {"with": self.kind, "start": self.start, "end": self.end, "time_constant": self.time_constant}
+
+    def shape_grid(self, x: State) -> Sequence[Self]:
+        """Return time constants from a quarter of the log's length to twice its length: a drift is slow."""
+        length = self.end - self.start
+        return [self.with_shape(time_constant=float(t)) for t in length * np.geomspace(0.25, 2.0, 4)]
+
+
+def varied(effect: Effect, how: Mapping[str, Any]) -> Varying:
+    """Read back what `Varying.variation` wrote; raises EffectError with what is valid."""
+    given = dict(how)
+    kind = str(given.pop("with", ""))
+    kinds: dict[str, type[PerLog] | type[Drift]] = {PerLog.kind: PerLog, Drift.kind: Drift}
+    if kind not in kinds:
+        raise EffectError(unknown_name("variation", kind, kinds))
+    if "logs" in given:
+        given["logs"] = tuple(map(str, given["logs"]))
+    try:
+        return kinds[kind](effect, **given)
+    except TypeError as error:
+        raise EffectError(
+            f"{effect.label}: how it varies with {kind} is not written as it must be ({error})"
+        ) from None

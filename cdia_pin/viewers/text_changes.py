@@ -1,0 +1,156 @@
+"""What changed between logs, in the terminal: errors by log, changes with their sizes, what could hide."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.console import Group, RenderableType
+from rich.padding import Padding
+from rich.table import Table
+
+from cdia_pin.viewers.cells import add_row, clean, new_table
+from cdia_pin.viewers.words import (
+    confusion_words,
+    effect_name,
+    effect_words,
+    joint_units,
+    listed,
+    number,
+    parameter_name,
+    percent,
+    short_names,
+    with_interval,
+    with_unit,
+)
+
+if TYPE_CHECKING:
+    from cdia_pin.discovery import Change, Changes, Comparison
+
+NAMED = 3  # changes that the verdict names before it counts the others
+MANY = 4  # parameters; of an effect with more, only those whose interval leaves out zero are listed
+
+
+def errors_by_log(comparisons: Sequence[Comparison]) -> Table:
+    """Return the error of a model in each log, joint by joint, as a share of the measured torque.
+
+    Args:
+        comparisons: The outcome of ``compare`` for each log.
+    """
+    joints = comparisons[0].model.robot.joints
+    names = short_names(joints)
+    table = new_table(
+        "error, % of torque RMS", *(names[j].replace("_", "\n", 1) for j in joints), "mean", left=(0,)
+    )
+    for c in comparisons:
+        shares = [*c.relative_rms, float(np.mean(c.relative_rms))]
+        add_row(
+            table,
+            str(c.record["logs"][0]["source"]),
+            *(percent(s).rstrip("% \N{NO-BREAK SPACE}") for s in shares),
+        )
+    return table
+
+
+def changes_table(found: Changes) -> RenderableType:
+    """Return what changed, how sure that is, and what could have changed unseen.
+
+    Args:
+        found: The outcome of ``what_changed``.
+    """
+    said = clean(changes_sentence(found), "bold yellow" if found.changes else "bold green")
+    parts: list[RenderableType] = [Padding(said, (0, 1))]
+    if found.changes:
+        parts.append(_changes(found))
+        parts += [Padding(clean(s, "italic"), (0, 1)) for s in _doubts(found)]
+    parts.append(_bounds(found))
+    return Group(*parts)
+
+
+def changes_sentence(found: Changes) -> str:
+    """Return the verdict in one sentence."""
+    before, after = listed(found.before), listed(found.after)
+    if not found.changes:
+        return f"Nothing changed from {before} to {after} that these logs could show."
+    said = [f.sentence for f in found.findings]
+    told = [change_words(c, found) for c in found.changes]
+    few = listed(told) if len(told) <= NAMED else f"{', '.join(told[:NAMED])} and {len(told) - NAMED} more"
+    return f"From {before} to {after}: {'; '.join([*said, few])}."
+
+
+def change_words(change: Change, found: Changes) -> str:
+    """Return ``coulomb friction on elbow +2.10 ± 0.12 N·m (+40 %)``."""
+    names = short_names(found.model.robot.joints)
+    where = f" on {listed(names[j] for j in change.term.effect.scope)}" if change.term.effect.scope else ""
+    first = _differences(change, found)[:1]
+    grown = f" ({_signed(percent(abs(change.growth)), change.growth)})" if change.growth is not None else ""
+    return f"{effect_name(change.term.effect)}{where} {first[0][1] if first else ''}{grown}"
+
+
+def _changes(found: Changes) -> Table:
+    robot, names = found.model.robot, short_names(found.model.robot.joints)
+    table = new_table(
+        "changed", "joint", "difference ± 95 %", "of before", "largest torque", "evidence", left=(0, 1, 2)
+    )
+    for c in found.changes:
+        j = int(np.argmax(c.torque_rms))
+        unit = joint_units(robot, robot.joints[j])["load"]
+        add_row(
+            table,
+            effect_name(c.term.effect),
+            listed(names[s] for s in c.term.effect.scope) or "whole arm",
+            "\n".join(f"{name} {text}" for name, text in _differences(c, found)),
+            "" if c.growth is None else _signed(percent(abs(c.growth)), c.growth),
+            f"{with_unit(number(c.torque_rms[j], 2), unit)} ({names[robot.joints[j]]})",
+            number(c.evidence, 2),
+        )
+    table.caption = "torque: RMS in the logs after; evidence: log-likelihood lost without the change"
+    return table
+
+
+def _differences(change: Change, found: Changes) -> list[tuple[str, str]]:
+    """Return name and text of each difference that counts."""
+    term, robot = change.term, found.model.robot
+    intervals = term.ci95 or ((float("nan"),) * 2,) * len(term.theta)
+    rows = list(zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True))
+    if len(rows) > MANY:
+        rows = [r for r in rows if not r[3][0] <= 0 <= r[3][1]]
+    return [(parameter_name(p.name), _plus(with_interval(v, ci, unit), v)) for p, v, unit, ci in rows]
+
+
+def _plus(text: str, value: float) -> str:
+    return f"+{text}" if value > 0 else text
+
+
+def _signed(text: str, value: float) -> str:
+    return ("+" if value > 0 else "−") + text
+
+
+def _doubts(found: Changes) -> list[str]:
+    """Return which changes could be others, under each motion that would tell."""
+    by_motion: dict[str, list[str]] = {}
+    for c in found.changes:
+        for x in c.confusions:
+            by_motion.setdefault(x.motion, []).append(f"{effect_words(c.term.effect)} ↔ {confusion_words(x)}")
+    return [
+        f"Hard to tell apart: {', '.join(pairs)}. To tell, {motion}." for motion, pairs in by_motion.items()
+    ]
+
+
+def _bounds(found: Changes) -> RenderableType:
+    """Return the largest change of each joint that could be there without being seen."""
+    robot, names = found.model.robot, short_names(found.model.robot.joints)
+    said = []
+    for joint, bound in found.bounds.items():
+        unit = joint_units(robot, joint)["load"]
+        said.append(
+            f"{names[joint]} {with_unit(number(bound.torque, 2), unit)} ({effect_name(bound.term.effect)})"
+        )
+    other = "Another" if found.changes else "A"
+    return Padding(
+        clean(
+            f"{other} change of one effect that these logs do not show is at most (RMS): {', '.join(said)}."
+        ),
+        (0, 1),
+    )

@@ -1,0 +1,40 @@
+"""A spring or a heavier link? A small motion cannot tell; one is designed that can, within the arm's limits.
+
+Usage:
+    .venv/bin/python examples/04_tell_two_effects_apart.py
+"""
+
+import numpy as np
+
+from cdia_pin import Dynamics, discover, excite, exciting_trajectory, load_robot, simulate
+from cdia_pin.dynamics import Sensors
+from cdia_pin.effects import parse_term
+
+robot = load_robot("ur5")
+model = Dynamics(robot)
+spring = parse_term("joint_spring@shoulder_lift_joint: stiffness=10", robot)
+plant = Dynamics(robot, (spring,))
+sensors = Sensors(effort_share=0.01, position_quantum=1e-5)
+
+
+def explained(log):
+    """Print what the log says is missing, and what else it could be; return that."""
+    found = discover(model, log)
+    (step,) = found.steps
+    rivals = [effect for confusion in step.confusions for effect in confusion.effects]
+    print(f"{step.term.label}, or {' or '.join(e.label for e in rivals) or 'nothing else'}")
+    return rivals
+
+
+small = exciting_trajectory(robot, np.random.default_rng(1), duration=30.0, speed=0.03)
+log = simulate(plant, small, sensors=sensors, rng=np.random.default_rng(2))
+rivals = explained(log)
+
+motion = excite(model, between=(spring.effect, rivals[0]), after=log)
+print(
+    f"{motion.gain.before:.1f} standard deviations apart before, {motion.gain.after:.0f} on the motion designed"
+)
+for signal, peak in motion.peaks().items():
+    print(f"  {signal:12s}", np.round(peak, 2), "of", np.round(getattr(motion.limits, signal), 2))
+
+explained(simulate(plant, motion.trajectory, sensors=sensors, rng=np.random.default_rng(3)))
