@@ -58,6 +58,7 @@ def player(page, tmp_path, ur5):
 def test_joints_are_where_pinocchio_has_them(page, tmp_path, name):
     robot = load_robot(name)
     opened(page, tmp_path, ArmPage(Scene.of(robot)))
+    settled(page, "() => arm.frames", bool)  # drawing moves what is around the arm
     rng = np.random.default_rng(1)
     for _ in range(5):
         q = rng.uniform(-1.5, 1.5, robot.n)
