@@ -53,6 +53,7 @@ def serve(start: Request | None = None, *, port: int | None = None, show: bool =
         tailwind=False,
         show_welcome_message=False,
         reconnect_timeout=RECONNECT,
+        timeout_graceful_shutdown=1,  # [s]: an open tab does not keep it
     )
 
 
