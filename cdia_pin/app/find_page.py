@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -19,7 +20,7 @@ from cdia_pin.app.session import Session
 from cdia_pin.app.tiles import tiles
 from cdia_pin.discovery.search import Progress
 from cdia_pin.viewers.scene import Scene
-from cdia_pin.viewers.words import percent
+from cdia_pin.viewers.words import NO_BREAK, percent
 
 FILES: dict[str, tuple[Callable[[Session], bytes], str]] = {
     "model": (exports.model_file, "model.json"),
@@ -117,9 +118,8 @@ class FindPage:
         self._show("missing")
         done = await self._runner.run("Looking for what is missing", asked.search)
         self._searching = self._runner.job is not None
-        if done is not None and self.session is not None and self.session.present is asked.present:
-            # a preview that was made meanwhile stays
-            self.session = done if self.session is asked else self.session
+        if done is not None and self.session is asked:
+            self.session = done
             self._runner.say("The search has ended.")
         self._show("missing")
 
@@ -242,7 +242,8 @@ class FindPage:
             node("b", inputs.robot.name)
             node("span", f", {inputs.robot.n} joints · ")
             node("b", inputs.request.name or log.source)
-            node("span", f", {len(log.time):,} samples, {log.duration:.4g} s at {log.rate:.4g} Hz", "soft")
+            size = f", {len(log.time):,} samples, {log.duration:.4g} s at {log.rate:.4g} Hz"
+            node("span", re.sub(r"(?<=\d) (?=\w)", NO_BREAK, size), "soft")
         for sentence in inputs.robot.warnings:
             node("p", sentence, "soft")
         button("Change", self._open_form, mark="change", classes="quiet")

@@ -58,11 +58,11 @@ class Step:
     Args:
         number: Its place.
         title: Its heading.
-        mark: Its ``data-mark``.
+        mark: Its ``data-mark`` is ``step-`` and this.
     """
 
     def __init__(self, number: int, title: str, mark: str) -> None:
-        with node("section", classes="step", data_mark=mark, aria_label=title) as self.section:
+        with node("section", classes="step", data_mark=f"step-{mark}", aria_label=title) as self.section:
             with node("h2", tabindex="-1") as self.heading:
                 node("span", str(number), "number", aria_hidden="true")
                 node("span", title)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 from collections.abc import Callable
+from importlib import import_module
 
 from fastapi import Response
 from nicegui import app, ui
@@ -38,8 +40,7 @@ def serve(start: Request | None = None, *, port: int | None = None, show: bool =
     """
     chosen = free_port(port)
     build(start)
-    address = f"http://{HOST}:{chosen}"
-    app.on_startup(lambda: print(f"cdia app: {address}  (Ctrl-C ends it)", flush=True))
+    app.on_startup(lambda: asyncio.create_task(_announce(chosen)))
     ui.run(
         host=HOST,
         port=chosen,
@@ -52,7 +53,23 @@ def serve(start: Request | None = None, *, port: int | None = None, show: bool =
         tailwind=False,
         show_welcome_message=False,
         reconnect_timeout=RECONNECT,
+        timeout_graceful_shutdown=1,  # [s]: an open tab does not keep it
     )
+
+
+async def _announce(port: int) -> None:
+    """Say where the app is, once it answers, and make ready."""
+    while True:
+        try:
+            _, writer = await asyncio.open_connection(HOST, port)
+        except OSError:
+            await asyncio.sleep(0.02)
+            continue
+        writer.close()
+        print(f"cdia app: http://{HOST}:{port}  (Ctrl-C ends it)", flush=True)
+        for page in ("find_page", "live_page"):  # so that the first tab need not wait for it
+            await asyncio.to_thread(import_module, f"cdia_pin.app.{page}")
+        return
 
 
 def build(start: Request | None) -> None:

@@ -19,7 +19,7 @@ def view(
     log: Annotated[
         Path | None,
         typer.Argument(
-            metavar="[LOG]",
+            metavar="LOG",
             show_default=False,
             help="Log: .csv, .parquet, .npz, or a ROS 2 bag (.db3, .mcap).",
         ),

@@ -229,7 +229,7 @@ def test_what_is_drawn_is_thinned_and_of_both_models(explained, loaded):
     assert len(drawn["time"]) <= 1500
     assert [drawn["name"], drawn["variants"][0]["name"]] == [
         "as given",
-        "with payload and coulomb friction on elbow_joint",
+        "improved",
     ]
     assert "variants" not in timeline(loaded)
     signals = joint(explained, "elbow_joint")

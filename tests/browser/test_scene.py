@@ -30,7 +30,8 @@ def opened(page, tmp_path, shown):
 def motion(robot, faulty, frames=241, duration=8.0):
     """A motion with a fault at a joint from 3 s on, accommodated from 5 s on."""
     time = np.linspace(0.0, duration, frames)
-    position = 0.4 * np.sin(time[:, None] + np.arange(robot.n))
+    middle = np.resize([0.3, -1.15, 1.35, -0.6, 1.2, 0.0], robot.n)
+    position = middle + 0.3 * np.sin(time[:, None] + np.arange(robot.n))
     stage = np.zeros((frames, robot.n), int)
     stage[time >= 3, faulty] = NAMES.index("detected")
     stage[time >= 5, faulty] = NAMES.index("accommodated")
@@ -38,7 +39,7 @@ def motion(robot, faulty, frames=241, duration=8.0):
     torque = np.where(stage > 0, -4.2, 0.0)
     label = ((3.0, "a fault, which one is being decided"), (5.0, "coulomb friction: level 4.2 N·m"))
     track = Track("", stage, level, torque, label)
-    return Timeline(time, position, monitor_stages(), (track,), desired=position + 0.2)
+    return Timeline(time, position, monitor_stages(), (track,), desired=position + 0.12)
 
 
 @pytest.fixture(scope="module")
@@ -57,6 +58,7 @@ def player(page, tmp_path, ur5):
 def test_joints_are_where_pinocchio_has_them(page, tmp_path, name):
     robot = load_robot(name)
     opened(page, tmp_path, ArmPage(Scene.of(robot)))
+    settled(page, "() => arm.frames", bool)  # drawing moves what is around the arm
     rng = np.random.default_rng(1)
     for _ in range(5):
         q = rng.uniform(-1.5, 1.5, robot.n)
@@ -197,7 +199,7 @@ def test_dark_and_light(chromium, tmp_path, ur5, screenshots):
         page.goto(path.as_uri())
         page.evaluate("() => player.seek(4.0)")
         page.wait_for_timeout(2000)
-        page.screenshot(path=screenshots / f"arm_{theme}.png")
+        page.screenshot(path=screenshots / f"arm-{theme}.png")
         assert page.evaluate("() => arm.box.dataset.theme") == theme
         brightness[theme] = page.evaluate("() => getComputedStyle(arm.box).color")
         context.close()

@@ -124,6 +124,35 @@ def test_a_log_is_coloured_by_what_the_model_misses(page, command, tmp_path):
     assert page.seen.errors == []
 
 
+@pytest.mark.parametrize("healthy", ["--monitor", "--healthy"])
+def test_a_log_is_coloured_by_the_stages_of_a_monitor(page, command, tmp_path, healthy):
+    from cdia_pin import Dynamics, write_log
+    from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
+    from cdia_pin.effects import parse_term
+
+    settings = LoopSettings(rate=250.0, healthy_duration=10.0, seed=4)
+    loop = ClosedLoop(Dynamics(load_robot("double_pendulum")), settings)
+    fault = parse_term("viscous_friction@joint2: coefficient=0.2, after=8")
+    write_log(loop.run(loop.motion(0, 12.0), [fault]).log, tmp_path / "run.csv")
+    given = [healthy]
+    if healthy == "--healthy":
+        write_log(loop.run(loop.motion(9, 10.0)).log, tmp_path / "before.csv")
+        given.append(tmp_path / "before.csv")
+    running = command(
+        tmp_path / "run.csv", "--robot", "double_pendulum", "--no-check", "--bank", "viscous_friction", *given
+    )
+    page.goto(running.address)
+    settled(page, "() => Boolean(globalThis.player && !player.live)", bool)
+    begin = page.evaluate("() => player.begin")
+    assert begin < 0.1 if healthy == "--healthy" else begin > 4.0
+    page.evaluate("() => player.seek(7.9)")
+    assert page.evaluate("() => arm.state().joints.joint2.stage") in ("healthy", "suspect")
+    page.evaluate("() => player.seek(player.end)")
+    state = page.evaluate("() => arm.state()")
+    assert state["joints"]["joint2"]["stage"] in ("isolated", "accommodated")
+    assert "viscous friction" in state["label"]
+
+
 def test_thirty_updates_a_second_keep_up(page):
     robot = load_robot("scara")
     with LiveView(Scene.of(robot), stages=monitor_stages()) as view:

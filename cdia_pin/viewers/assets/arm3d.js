@@ -12,7 +12,7 @@ class Arm3D {
   constructor(element, scene, options = {}) {
     this.scene = scene;
     this.stages = options.stages || [];
-    this.torqueScale = 1; // [N·m or N] that an arc of full length means
+    this.torqueScale = null; // [N·m or N] that an arc of full length means, for each joint
     this.onSelect = null;
     this._theme = options.theme || null;
     this._zoom = options.zoom || "focus";
@@ -55,7 +55,7 @@ class Arm3D {
     this.viewer.set_dirty();
   }
 
-  // Point the camera so that all that the arm reaches in some positions fills the picture.
+  // Point the camera so that what the arm reaches in some positions fills the picture; of many, the rarest may not.
   frame(positions) {
     const points = [];
     for (const position of positions) {
@@ -64,6 +64,7 @@ class Arm3D {
       for (const { joint, mesh } of this._links) if (joint !== null) points.push(...corners(mesh));
     }
     this._move(this._arm, this._shown.position);
+    this._sweeps = positions.length > 1;
     this._framed = [...points, ...this._foot(points)];
     this.resetView();
   }
@@ -75,9 +76,9 @@ class Arm3D {
     const right = new THREE.Vector3(0, 0, 1).cross(away).normalize(), up = away.clone().cross(right);
     const tall = Math.tan((0.5 * camera.fov * Math.PI) / 180) * FILLED, wide = tall * camera.aspect;
     const seen = this._framed.map((p) => [p.dot(right), p.dot(up), p.dot(away)]);
-    const middle = (k) => 0.5 * (Math.max(...seen.map((p) => p[k])) + Math.min(...seen.map((p) => p[k])));
-    const at = [middle(0), middle(1), middle(2)];
-    const distance = Math.max(...seen.map((p) => p[2] - at[2] + Math.max(Math.abs(p[0] - at[0]) / wide, Math.abs(p[1] - at[1]) / tall)));
+    const [x, y, z] = [0, 1, 2].map((k) => span(seen.map((p) => p[k]), this._sweeps));
+    const distance = 0.3 * z.width + Math.max((0.5 * x.width) / wide, (0.5 * y.width) / tall);
+    const at = [x.middle, y.middle, z.middle];
     const target = right.multiplyScalar(at[0]).addScaledVector(up, at[1]).addScaledVector(away, at[2]);
     const turned = (v) => [v.x, v.z, -v.y]; // the camera's frame has y up
     camera.near = distance / 50;
@@ -239,13 +240,19 @@ class Arm3D {
     }
   }
 
+  // A joint's missing torque over the largest that it has.
+  _share(k) {
+    return this._shown.torque[k] / (this.torqueScale ? this.torqueScale[k] : Math.max(...this._shown.torque.map(Math.abs)));
+  }
+
   _mark() {
-    const { torque } = this._shown;
+    const { stage, level, torque } = this._shown;
     this._worst = null;
     if (torque) {
-      const share = torque.map((x) => Math.abs(x) / this.torqueScale);
-      const worst = share.indexOf(Math.max(...share));
-      if (share[worst] > 0.02) this._worst = worst;
+      // The gravest stage, then the highest level, then the largest torque.
+      const grave = torque.map((x, k) => 1e6 * (stage ? stage[k] : 0) + 1e2 * (level ? level[k] : 0) + this._share(k));
+      const missing = [...torque.keys()].filter((k) => Math.abs(this._share(k)) > 0.02);
+      if (missing.length) this._worst = missing.reduce((best, k) => (grave[k] > grave[best] ? k : best));
     }
     if (this._worst === null) {
       this._torque.hide();
@@ -253,7 +260,7 @@ class Arm3D {
       return;
     }
     const k = this._worst, joint = this.scene.joints[k];
-    this._torque.show(this._arm.get(joint.name), this._axes[k], joint.kind === "prismatic", torque[k] / this.torqueScale, this._ink);
+    this._torque.show(this._arm.get(joint.name), this._axes[k], joint.kind === "prismatic", this._share(k), this._ink);
     this._pin.hidden = false;
     const text = `${joint.short} ${torque[k] < 0 ? "−" : "+"}${Math.abs(torque[k]).toPrecision(3)} ${joint.unit}`;
     if (this._pin.textContent !== text) this._pin.textContent = text;
@@ -284,10 +291,15 @@ class Arm3D {
 
   _placePin() {
     if (this._pin.hidden) return;
-    const at = this._arm.get(this.scene.joints[this._worst].name).getWorldPosition(new THREE.Vector3()).project(this.viewer.camera);
-    const { clientWidth: w, clientHeight: h } = this._pane;
-    const x = Math.min(Math.max((0.5 + 0.5 * at.x) * w, 70), w - 70), y = Math.min(Math.max((0.5 - 0.5 * at.y) * h, 60), h - 20);
-    this._pin.style.transform = `translate(${Math.round(x)}px, ${Math.round(y)}px)`;
+    const { camera } = this.viewer, { clientWidth: w, clientHeight: h } = this._pane;
+    const at = this._arm.get(this.scene.joints[this._worst].name).getWorldPosition(new THREE.Vector3());
+    const away = at.distanceTo(camera.getWorldPosition(new THREE.Vector3()));
+    const beside = (this._torque.radius * h) / (2 * Math.tan((0.5 * camera.fov * Math.PI) / 180) * away); // [px]
+    at.project(camera);
+    const inside = (x, low, high) => Math.round(Math.min(Math.max(x, low), high));
+    const x = inside((0.5 + 0.5 * at.x) * w + 0.8 * beside, 8, w - this._pin.offsetWidth - 8);
+    const y = inside((0.5 - 0.5 * at.y) * h - 1.2 * beside - this._pin.offsetHeight, 48, h - 48);
+    this._pin.style.transform = `translate(${x}px, ${y}px)`;
   }
 
   // ---------------------------------------------------------------- the world around

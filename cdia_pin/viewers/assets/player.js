@@ -45,8 +45,10 @@ class Player {
     for (const [key, rows] of Object.entries(chunk)) {
       if (Array.isArray(rows) && TRACKS.includes(key)) (this._data[key] = this._data[key] || []).push(...rows);
     }
-    const largest = Math.max(this.arm.torqueScale === 1 ? 0 : this.arm.torqueScale, ...(chunk.torque || []).flat().map(Math.abs));
-    if (largest > 0) this.arm.torqueScale = largest;
+    for (const row of chunk.torque || []) {
+      this._largest = row.map((x, k) => Math.max(Math.abs(x), this._largest ? this._largest[k] : 1e-9));
+    }
+    this.arm.torqueScale = this._largest || null;
     this._seek.min = this.begin;
     this._seek.max = this.end;
     this._stripIsOld = true;

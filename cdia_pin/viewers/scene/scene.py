@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 SCHEMA = "cdia-scene/1"
 HOLE = 0.02  # [m], of an arm without a shape, below which it is not filled
-TRIANGLES = 60_000  # of the whole picture; a Panda then takes 0.9 MB
+TRIANGLES = 60_000  # of the whole picture; a Panda then takes 1.0 MB
 COARSE = 12_000  # of the picture where it moves and drawing is slow
 
 
