@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 FEW = 0.01  # levels per sample of a signal that moves by a few steps only
+MOST = 0.8  # levels per sample of a signal that hardly has a value twice
 
 
 def quantum(signal: Array) -> float:
@@ -25,5 +26,7 @@ def quantum(signal: Array) -> float:
     ratio = step / smallest
     near = ratio[ratio < 20]
     multiples = np.mean(np.abs(near - np.round(near)) < 0.1) > 0.95 and ratio.min() > 0.9
+    if len(levels) > MOST * len(signal):  # even motion has one step all the time, and need not be rounded
+        multiples = multiples and np.mean(near > 1.5) > FEW
     even = smallest > 0.5 * np.median(step) and len(levels) < 0.3 * len(signal)
     return smallest if len(near) >= 5 and (multiples or even) else 0.0
