@@ -167,20 +167,25 @@ class LivePage:
             with node("datalist", id="robots"):
                 for name, entry in catalogue().items():
                     node("option", entry.description, value=name)
-            ui.input("Robot").bind_value(form, "robot").props(
+            ui.input("Robot", value=str(form["robot"])).bind_value_to(form, "robot").props(
                 "outlined dense stack-label list=robots data-mark=robot"
             )
             if form["what"] == "replay":
-                ui.input("Log", placeholder="path of a log; its first part is taken as healthy").bind_value(
-                    form, "log"
-                ).props("outlined dense stack-label data-mark=log")
+                hint = "path of a log; its first part is taken as healthy"
+                ui.input("Log", value=str(form["log"]), placeholder=hint).bind_value_to(form, "log").props(
+                    "outlined dense stack-label data-mark=log"
+                )
             else:
                 ui.textarea(
-                    "Faults to switch, one a line", placeholder="the usual ones, sized to the arm"
-                ).bind_value(form, "faults").props(
+                    "Faults to switch, one a line",
+                    value=str(form["faults"]),
+                    placeholder="the usual ones, sized to the arm",
+                ).bind_value_to(form, "faults").props(
                     "outlined dense stack-label autogrow data-mark=fault-lines"
                 )
-                ui.checkbox("The monitor corrects the control").bind_value(form, "accommodate").props("dense")
+                ui.checkbox(
+                    "The monitor corrects the control", value=bool(form["accommodate"])
+                ).bind_value_to(form, "accommodate").props("dense")
             with node("div", classes="actions"):
                 button("Begin anew" if runs else "Begin", self.begin, mark="begin", classes="primary")
                 if runs and self._run is not None:

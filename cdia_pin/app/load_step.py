@@ -61,12 +61,14 @@ class LoadStep:
         with node("datalist", id="robots"):
             for name, entry in catalogue().items():
                 node("option", entry.description, value=name)
-        ui.input("Robot", placeholder="a name, or the path of a URDF").bind_value(form, "robot").props(
-            "outlined dense stack-label list=robots data-mark=robot"
-        )
+        ui.input("Robot", value=form.robot, placeholder="a name, or the path of a URDF").bind_value_to(
+            form, "robot"
+        ).props("outlined dense stack-label list=robots data-mark=robot")
         with node("div", classes="beside"):
-            path = ui.input("Log", placeholder="path of a log").bind_value(form, "log")
-            path.props("outlined dense stack-label data-mark=log")
+            self._path = ui.input("Log", value=form.log, placeholder="path of a log").bind_value_to(
+                form, "log"
+            )
+            self._path.props("outlined dense stack-label data-mark=log")
             upload = ui.upload(
                 auto_upload=True,
                 max_file_size=LARGEST * 10**6,
@@ -83,7 +85,7 @@ class LoadStep:
         with folded("Names, units, drive gains", mark="mapping", open_=not form.plain):
             with node("div", classes="units"):
                 for key, (name, known) in CHOICES.items():
-                    ui.select(known, label=name).bind_value(form.units, key).props(
+                    ui.select(known, label=name, value=form.units[key]).bind_value_to(form.units, key).props(
                         f"outlined dense options-dense data-mark=unit-{key}"
                     )
             if robot is not None:
@@ -138,7 +140,7 @@ class LoadStep:
         path = Path(self._folder.name) / Path(event.file.name).name
         await event.file.save(path)
         self.form.uploads[str(path)] = path.name
-        self.form.log = str(path)
+        self._path.value = str(path)
 
     def _too_large(self, name: str) -> None:
         self._refuse(f"{name} is larger than {LARGEST} MB: give its path instead.")
