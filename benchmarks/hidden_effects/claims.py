@@ -92,6 +92,16 @@ def _confused(o: Outcome) -> bool:
     return o.confused
 
 
+def _unexplained(o: Outcome) -> bool:
+    return o.verdict == "unexplained"
+
+
+def _seen_through(o: Outcome) -> bool:
+    effect, _, joint = o.hidden[0].partition("@")
+    drifts = effect == "warming_friction" and o.found == (f"coulomb_friction@{joint}[time]",)
+    return _unexplained(o) or drifts
+
+
 def of_suite(suite: str) -> Callable[[Outcome], bool]:
     """Return a test of outcomes."""
     return lambda o: o.suite == suite
@@ -162,17 +172,19 @@ PARTS = (
     ),
     Part(
         "Outside the vocabulary",
-        "Eight effects that no effect of the vocabulary describes. *Can be told*: on this log the best single effect "
-        "of the vocabulary misses them by λ ≥ 10²; a dead zone that the torque never crosses is an offset.",
+        "Effects that no effect of the vocabulary describes; friction that falls as it warms is one by its shape, and "
+        "may be called what it is, Coulomb friction that drifts. *Can be told*: on this log the best single effect of "
+        "the vocabulary misses them by λ ≥ 10²; a dead zone that the torque never crosses is an offset.",
         of_suite("outside"),
         (
             Claim(
-                "verdict `unexplained` where they can be told",
+                "verdict `unexplained`, or friction that drifts, where they can be told",
                 "≥ 95 %",
-                of_cases(lambda o: o.verdict == "unexplained", _told),
+                of_cases(_seen_through, _told),
                 at_least(0.95),
             ),
-            Claim("the same of all cases", "", of_cases(lambda o: o.verdict == "unexplained")),
+            Claim("the same of all cases", "", of_cases(_seen_through)),
+            Claim("verdict `unexplained`, of all", "", of_cases(_unexplained)),
         ),
     ),
 )
@@ -181,7 +193,7 @@ PARTS = (
 def fell_short(o: Outcome) -> list[str]:
     """Return in what a case fell short, in words."""
     if o.suite == "outside":
-        return ["not called unexplained"] * (o.told and o.verdict != "unexplained")
+        return ["not called unexplained"] * (o.told and not _seen_through(o))
     if o.suite == "clean":
         return ["named something"] * bool(o.found) + ["called unexplained"] * (o.verdict == "unexplained")
     if o.confused:
