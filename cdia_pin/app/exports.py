@@ -19,7 +19,7 @@ def model_file(session: Session) -> bytes:
     """Return the present model as `save_model` writes it."""
     fitted = session.present.fitted
     record = fitted.record if fitted else session.present.comparison.record
-    return _written("model.json", lambda path: save_model(session.present.model, path, record=record))
+    return written("model.json", lambda path: save_model(session.present.model, path, record=record))
 
 
 def urdf_file(session: Session) -> bytes:
@@ -42,7 +42,7 @@ def report_file(session: Session) -> bytes:
     """Return the report on the present model beside the model as given."""
     first, present, inputs = session.history.first, session.present, session.inputs
     improved = None if present is first else present.comparison
-    return _written(
+    return written(
         "report.html",
         lambda path: write_report(
             path,
@@ -60,7 +60,8 @@ def python_file(session: Session) -> bytes:
     return python_lines(session).encode()
 
 
-def _written(name: str, write: Callable[[Path], object]) -> bytes:
+def written(name: str, write: Callable[[Path], object]) -> bytes:
+    """Return what `write` writes to a path of this name."""
     with tempfile.TemporaryDirectory(prefix="cdia-") as folder:
         path = Path(folder) / name
         write(path)

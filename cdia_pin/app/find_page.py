@@ -13,6 +13,7 @@ from cdia_pin.app.elements import ArmElement, ChartsElement
 from cdia_pin.app.inputs import Request
 from cdia_pin.app.load_step import LoadStep
 from cdia_pin.app.missing_step import missing_step
+from cdia_pin.app.next_motion import Doubt, designed
 from cdia_pin.app.parts import Step, button, node
 from cdia_pin.app.result_steps import check_step, compare_step, export_step
 from cdia_pin.app.runner import Runner
@@ -167,6 +168,18 @@ class FindPage:
             with self._stage:
                 ui.download.content(content, name)
             self._runner.say(f"{name} is downloaded.")
+
+    async def design(self, doubt: Doubt) -> None:
+        """Design a motion that tells two effects apart, and download it."""
+        session = self.session
+        if session is None:
+            return
+        done = await self._runner.run("Designing a motion", lambda tell: designed(session, doubt, tell))
+        if done is not None:
+            content, gain = done
+            with self._stage:
+                ui.download.content(content, "motion.csv")
+            self._runner.say(f"motion.csv is downloaded: {gain}")
 
     # ------------------------------------------------------------- how it is shown
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from functools import partial
 from typing import Any, Protocol
 
+from cdia_pin.app.next_motion import Doubt, doubts
 from cdia_pin.app.parts import button, folded, node
 from cdia_pin.app.result_steps import fall, name_of
 from cdia_pin.app.session import Session
-from cdia_pin.app.suggestions import Suggestion, motions, suggestions
+from cdia_pin.app.suggestions import Suggestion, suggestions
 from cdia_pin.effects import EFFECTS
 from cdia_pin.viewers import verdict_sentences
 from cdia_pin.viewers.words import percent
@@ -37,6 +38,9 @@ class Actions(Protocol):
     def goto(self, at: int) -> Any:
         """Return to a model of the history."""
 
+    def design(self, doubt: Doubt) -> Any:
+        """Design a motion that tells two effects apart, and download it."""
+
 
 def missing_step(session: Session, do: Actions, searching: bool) -> None:
     """Show history, suggestions, an effect of one's own, and the next motion."""
@@ -52,7 +56,7 @@ def missing_step(session: Session, do: Actions, searching: bool) -> None:
     else:
         button("Look for what is missing", do.search, mark="search", classes="primary")
     _own(session, do)
-    _next_motion(session)
+    _next_motion(session, do)
 
 
 def _history(session: Session, do: Actions) -> None:
@@ -165,14 +169,21 @@ def _own(session: Session, do: Actions) -> None:
             button("Add", lambda: do.add(typed["text"].strip()), mark="own-add")
 
 
-def _next_motion(session: Session) -> None:
-    """Say what to record next; a motion that is designed for it would be offered here."""
-    rows = motions(session)
+def _next_motion(session: Session, do: Actions) -> None:
+    """Say what to record next, and offer to design it."""
+    rows = doubts(session)
     if not rows:
         return
     with node("div", classes="next-motion", data_mark="next-motion"):
         node("h3", "The next motion to record")
-        for pair, motion in rows:
+        for k, doubt in enumerate(rows):
             with node("p"):
-                node("span", f"To tell {pair}: ", "soft")
-                node("span", motion + ".")
+                node("span", f"To tell {doubt.pair}: ", "soft")
+                node("span", doubt.motion + ".")
+            if doubt.tellable:
+                button(
+                    "Design it (.csv)",
+                    partial(do.design, doubt),
+                    mark=f"design-{k}",
+                    label=f"Design a motion: {doubt.pair}",
+                )

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cdia_pin.app.session import Session
 from cdia_pin.discovery import Confusion, Discovery
 from cdia_pin.effects import Term
 from cdia_pin.viewers.report_discovery import parameters, shape_parameters
@@ -66,22 +65,6 @@ def suggestions(found: Discovery) -> list[Suggestion]:
         for r in found.ranking
         if r.term.label not in taken
     ]
-
-
-def motions(session: Session) -> list[tuple[str, str]]:
-    """Return which effects the log tells poorly from others, and the motion to record next for each.
-
-    Effects of the model come first, then those that a search would add.
-    """
-    discovery, found = session.history.discovery, session.found
-    steps = [*(discovery.steps if discovery else ()), *(found.steps if found else ())]
-    out: dict[str, str] = {}
-    for step in steps:
-        if step.term is not None and step.confusions:
-            others = listed(dict.fromkeys(confusion_words(c) for c in step.confusions))
-            pair = f"{effect_name(step.term.effect)} on {_where(step.term)} from {others}"
-            out[pair] = step.confusions[0].motion
-    return list(out.items())
 
 
 def _suggestion(

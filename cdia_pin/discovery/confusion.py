@@ -9,7 +9,7 @@ from cdia_pin.discovery.evidence import Evidence, Fit
 from cdia_pin.discovery.fitting import Whitened, gather, refit
 from cdia_pin.discovery.problem import Problem
 from cdia_pin.discovery.result import Confusion
-from cdia_pin.discovery.spans import contains, generic_rank, rank_of_gram
+from cdia_pin.discovery.spans import are_alike, contains, generic_rank, rank_of_gram
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
 from cdia_pin.robot.model import RobotModel
@@ -170,7 +170,7 @@ NEEDS = {
 
 def motion_between(one: Effect, other: Effect, robot: RobotModel) -> str:
     """Return in words a motion in which two effects differ."""
-    if contains(robot, one, other) and contains(robot, other, one):
+    if are_alike(robot, one, other):
         return (
             "no motion of this arm does: take off what may be the cause, such as the tool, and record again"
         )

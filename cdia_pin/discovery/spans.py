@@ -46,6 +46,11 @@ def contains(robot: RobotModel, wide: Effect, narrow: Effect) -> bool:
     return generic_rank(robot, wide, narrow) == generic_rank(robot, wide)
 
 
+def are_alike(robot: RobotModel, one: Effect, other: Effect) -> bool:
+    """Tell whether no motion of this arm can tell two effects apart."""
+    return contains(robot, one, other) and contains(robot, other, one)
+
+
 @lru_cache(maxsize=512)
 def _columns(robot: RobotModel, effect: Effect) -> Array:
     """Return the torque per unit of each parameter at random states, all joints below each other, shape (K·n, p)."""

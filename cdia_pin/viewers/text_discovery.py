@@ -17,6 +17,7 @@ from cdia_pin.viewers.words import (
     confusion_words,
     effect_name,
     effect_words,
+    few,
     listed,
     percent,
     profile_words,
@@ -113,7 +114,7 @@ def _confusions(found: Discovery) -> RenderableType:
     parts: list[RenderableType] = []
     for motion, pairs in by_motion.items():
         parts.append(clean(f"To tell them apart, {motion}:", "italic"))
-        lines = (clean(f"{one} ↔ {', '.join(others)}") for one, others in pairs.items())
+        lines = (clean(f"{one} ↔ {', '.join(few(others))}") for one, others in pairs.items())
         parts += [Padding(line, (0, 0, 0, 2)) for line in lines]
     return Padding(Group(*parts), (0, 1, 1, 1))
 

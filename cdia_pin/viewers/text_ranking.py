@@ -9,7 +9,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
-from cdia_pin.viewers.words import confusion_words, effect_words, number, percent, with_unit
+from cdia_pin.viewers.words import confusion_words, effect_words, few, number, percent, with_unit
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Discovery, Ranked
@@ -33,12 +33,13 @@ def ranking_table(found: Discovery, everything: bool = False) -> Table:
     torque = np.maximum(found.torque_rms, 1e-12)
     for r in found.ranking[: None if everything else SHOWN]:
         before, after = (percent(float(np.mean(e / torque))) for e in (r.heldout_before, r.heldout_after))
-        others = [confusion_words(c) for c in r.confusions]
-        more = [f"{len(others) - NAMED} more"] if len(others) > NAMED else []
         said = Text(effect_words(r.term.effect))
         if not r.plausible:
             said.append("\nheld at a bound: not plausible", style="yellow")
-        cells = ("\n".join(_parameters(r, found)), ", ".join(others[:NAMED] + more))
+        cells = (
+            "\n".join(_parameters(r, found)),
+            ", ".join(few((confusion_words(c) for c in r.confusions), NAMED)),
+        )
         table.add_row(said, f"{before} → {after}", *map(Text, cells))
     hidden = len(found.ranking) - table.row_count
     table.caption = (

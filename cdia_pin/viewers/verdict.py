@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cdia_pin.viewers.words import confusion_words, effect_words, listed, percent
+from cdia_pin.viewers.words import confusion_words, effect_words, few, listed, percent
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison, Discovery, Step
@@ -105,7 +105,7 @@ def _confusion_sentences(steps: Sequence[Step]) -> list[str]:
         ]
     step = doubtful[0]
     assert step.term is not None
-    others = listed(confusion_words(c) for c in step.confusions)
+    others = listed(few(confusion_words(c) for c in step.confusions))
     return [
         f"With this motion, {effect_words(step.term.effect)} is hard to tell from {others}; "
         f"to tell them apart: {step.confusions[0].motion}."

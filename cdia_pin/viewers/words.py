@@ -133,6 +133,12 @@ def profile_words(term: Term) -> str:
     return f"{kind} ({', '.join(said)})"
 
 
+def few(items: Iterable[str], most: int = 4) -> list[str]:
+    """Return the first names, and how many more there are."""
+    names = list(dict.fromkeys(items))
+    return names if len(names) <= most else [*names[:most], f"{len(names) - most} more"]
+
+
 def listed(items: Iterable[str]) -> str:
     """Return ``a``, ``a and b`` or ``a, b and c``."""
     names = list(items)

@@ -13,10 +13,11 @@ from cdia_pin import CdiaError, load_model, load_robot
 from cdia_pin.app.exports import model_file, python_file, report_file, urdf_file
 from cdia_pin.app.inputs import Request
 from cdia_pin.app.job import Cancelled, Job
+from cdia_pin.app.next_motion import designed, doubts
 from cdia_pin.app.picture import joint, timeline
 from cdia_pin.app.python_lines import python_lines
 from cdia_pin.app.session import Session
-from cdia_pin.app.suggestions import motions, suggestions
+from cdia_pin.app.suggestions import suggestions
 from cdia_pin.resources import logs_dir
 
 LOG = logs_dir() / "demo_ur5.csv"  # hidden: a payload, and Coulomb friction of the elbow
@@ -220,8 +221,16 @@ def test_suggestions_begin_with_what_the_search_would_add(searched):
 
 def test_confusions_become_motions_to_record(searched):
     tried = searched.add("asymmetric_friction@elbow_joint").search()
-    said = motions(tried)
-    assert any("friction" in pair and "move the joint" in motion for pair, motion in said)
+    said = doubts(tried)
+    assert any("friction" in d.pair and "move the joint" in d.motion for d in said)
+
+
+def test_a_doubt_becomes_a_motion(searched):
+    (doubt, *_) = [d for d in doubts(searched.add("torque_offset@elbow_joint").search()) if d.tellable]
+    content, gain = designed(searched, doubt, lambda sentence, share: None)
+    heads, *rows = content.decode().splitlines()
+    assert heads.startswith("time,position.shoulder_pan_joint") and len(rows) > 1000
+    assert "standard deviations" in gain
 
 
 def test_what_is_drawn_is_thinned_and_of_both_models(explained, loaded):

@@ -141,6 +141,9 @@ def test_from_a_log_to_what_is_missing(tab, screenshots, tmp_path):
     mark(tab, "verdict").wait_for()
     chosen = tab.locator(".suggestion:has(.chip.good)")
     assert [s.get_attribute("data-effect") for s in chosen.all()] == ["payload", COULOMB]
+    mark(tab, "tile-elbow_joint").click()
+    tab.evaluate("document.querySelector('[data-mark=arm]').player.seek(11.6)")
+    picture(tab, screenshots / "app-before.png")
 
     mark(tab, "preview-payload").click()
     mark(tab, "preview").wait_for()

@@ -1,0 +1,78 @@
+"""The next motion to record: which effects a log tells poorly from others, and a motion designed to tell them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from cdia_pin.app.exports import written
+from cdia_pin.app.session import Session
+from cdia_pin.discovery import Confusion, excite
+from cdia_pin.discovery.search import Progress
+from cdia_pin.discovery.spans import are_alike
+from cdia_pin.effects import Effect, Term
+from cdia_pin.robot import RobotModel
+from cdia_pin.viewers.words import confusion_words, effect_name, few, listed
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """An effect that the log tells poorly from another.
+
+    Attributes:
+        one: The effect that was found.
+        other: What else could explain the same, one effect or several together.
+        others: All that could, in words.
+        motion: What would tell the two apart, in words.
+        tellable: Whether any motion of this arm can.
+    """
+
+    one: Effect
+    other: tuple[Effect, ...]
+    others: str
+    motion: str
+    tellable: bool
+
+    @property
+    def pair(self) -> str:
+        """Both in words."""
+        return f"{effect_name(self.one)} on {listed(self.one.scope) or 'the whole arm'} from {self.others}"
+
+
+def doubts(session: Session) -> list[Doubt]:
+    """Return what a log tells poorly: effects of the model first, then those that a search would add."""
+    out = {term.label: (term, confusions) for term, confusions in _doubtful(session)}
+    return [_doubt(term, confusions, session.inputs.robot) for term, confusions in out.values()]
+
+
+def _doubt(term: Term, confusions: tuple[Confusion, ...], robot: RobotModel) -> Doubt:
+    told = [c for c in confusions if not are_alike(robot, term.effect, c.effects[0])]
+    first = (told or confusions)[0]
+    others = listed(few(confusion_words(c) for c in told or confusions))
+    return Doubt(term.effect, first.effects, others, first.motion, bool(told))
+
+
+def _doubtful(session: Session) -> Iterator[tuple[Term, tuple[Confusion, ...]]]:
+    for found in (session.history.discovery, session.found):
+        for step in found.steps if found else ():
+            if step.term is not None and step.confusions:
+                yield step.term, step.confusions
+
+
+def designed(session: Session, doubt: Doubt, tell: Progress) -> tuple[bytes, str]:
+    """Return a motion that tells the two apart, as the bytes of a CSV file, and what it gains in words.
+
+    Raises:
+        EffectError: If no motion of this arm does.
+        RobotError: If its limits leave no room for one.
+    """
+    motion = excite(
+        session.present.model, between=(doubt.one, doubt.other), after=session.inputs.log, progress=tell
+    )
+    gain = motion.gain
+    enough = "" if gain.enough else ", which may not be enough"
+    return (
+        written("motion.csv", motion.to_csv),
+        f"a log of this motion tells them by {gain.after:.3g} standard deviations, this one by "
+        f"{gain.before:.2g}{enough}. Look at it before the arm is driven: what surrounds the arm is not known.",
+    )
