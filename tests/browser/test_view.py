@@ -253,7 +253,7 @@ def test_control_c_ends_it(command):
     running = command(*SIMULATION)
     time.sleep(0.5)
     running.process.send_signal(signal.SIGINT)
-    assert running.process.wait(10) == 0
+    assert running.process.wait(60) == 0
     assert "Traceback" not in running.process.stderr.read()
 
 
