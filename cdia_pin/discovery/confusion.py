@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cdia_pin.discovery.evidence import Evidence, Fit
-from cdia_pin.discovery.fitting import Whitened, gather, refit
-from cdia_pin.discovery.problem import Problem
+from cdia_pin.discovery.refitting import NEARLY, Refit, is_exact, promising
 from cdia_pin.discovery.result import Confusion
 from cdia_pin.discovery.spans import are_alike, contains, generic_rank, rank_of_gram
-from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Effect, Term
+from cdia_pin.effects import Effect
 from cdia_pin.robot.model import RobotModel
 
 DOUBT = 30.0  # variances of the noise by which two explanations may differ and be hard to tell apart
-NEARLY = (
-    0.9  # share of what was explained that a rival must explain to be fitted as it is, not to first order
-)
-
-
-Refit = Callable[[Sequence[int], int], Fit]  # indices of a set and of one more, fitted at their own optimum
 
 
 @dataclass(frozen=True)
@@ -62,30 +54,29 @@ class Rivals:
 
     def _limit(self, found: Fit, replaced: Sequence[int]) -> float:
         """Return the largest cost of a rival; of one for two, which must be simpler, its price counts."""
-        # structure that is left makes all less sure
-        left = max(1.0, found.chi2 / max(self.evidence.samples, 1))
-        return (found.chi2 if len(replaced) == 1 else found.cost) + DOUBT * left
+        return (found.chi2 if len(replaced) == 1 else found.cost) + self._doubt(found)
+
+    def _doubt(self, found: Fit) -> float:
+        """Return by how much explanations may differ and be hard to tell apart: structure that is left adds to it."""
+        return DOUBT * max(1.0, found.chi2 / max(self.evidence.samples, 1))
 
     def _promising(self, rest: Sequence[int], found: Fit) -> Iterator[int]:
-        """Yield the candidates that explain beside the others nearly what was explained, of each the best shape."""
-        evidence = self.evidence
-        gains, lost = evidence.gains(rest), evidence.free_chi2(rest) - found.chi2
-        spare = self._limit(found, [0]) - found.chi2
-        taken = {evidence.effects[c].label for c in found.chosen}
-        for c in gains.argsort()[::-1]:
-            effect = evidence.effects[c]
-            share = 1.0 if self.refit is None or _is_exact(effect) else NEARLY
-            enough = share * lost - spare
-            if gains[c] >= enough and effect.label not in taken:
-                taken.add(effect.label)
-                yield int(c)
+        """Yield the candidates that explain beside the others nearly what was explained."""
+        lost = self.evidence.free_chi2(rest) - found.chi2
+        names = {self.evidence.effects[c].label for c in found.chosen}
+
+        def enough(effect: Effect) -> float:
+            share = 1.0 if self.refit is None or is_exact(effect) else NEARLY
+            return share * lost - self._doubt(found)
+
+        yield from (c for c in promising(self.evidence, rest, enough) if self.evidence.effects[c].label not in names)
 
     def _cost(self, rest: Sequence[int], other: int, found: Fit, replaced: Sequence[int]) -> float:
         """Return what a rival leaves; of one for two with the price of those parameters that it needs."""
         evidence, effect = self.evidence, self.evidence.effects[other]
         if len(replaced) == 1 and self._is_other_name(evidence.effects[replaced[0]], other):
             return float("inf")
-        if self.refit is not None and not _is_exact(effect):
+        if self.refit is not None and not is_exact(effect):
             fit = self.refit(rest, other)
         else:
             fit = evidence.fit([*rest, other], bodies=True)
@@ -115,26 +106,6 @@ class Rivals:
             for c in self.chosen
             if alone and c != one and evidence.effects[c].acts_on(evidence.robot) == joints
         ]
-
-
-def _is_exact(effect: Effect) -> bool:
-    return effect.linear and not effect.of_torque
-
-
-def refitting(problem: Problem, model: Dynamics, whitened: Whitened, evidence: Evidence) -> Refit:
-    """Return how a rival is fitted in the place of effects of a model, as exactly as the model itself."""
-
-    def refitted(rest: Sequence[int], other: int) -> Fit:
-        kept, effect = {evidence.effects[c] for c in rest}, evidence.effects[other]
-        terms = tuple(t for t in model.terms if t.effect in kept)
-        trial = Dynamics(model.robot, (*terms, Term(effect, (0.0,) * effect.size)))
-        experiment, columns = problem.experiment, problem.columns
-        trial, _ = refit(experiment, columns, trial, whitened)
-        effects = [t.effect for t in trial.terms]
-        beside = gather(experiment, columns, experiment.predict(trial), effects, whitened)
-        return beside.fit(range(len(effects)), bodies=True)
-
-    return refitted
 
 
 MOTIONS = {

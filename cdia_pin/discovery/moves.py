@@ -32,7 +32,7 @@ def improve(
         allowed: Tells which sets may be tried; the normal equations of some promise what they do not hold.
         most: Largest number of effects.
     """
-    now = evidence.fit(chosen)
+    now = evidence.fit(chosen, bodies=True)
     needless = [
         part for c in now.chosen if (part := _without(evidence, now, c)) is not None and allowed(part.chosen)
     ]
@@ -62,9 +62,11 @@ def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float)
     for bound, chosen in sorted((evidence.bound(c), c) for c in {tuple(sorted(c)) for c in sets}):
         if bound >= (best.cost if best else limit):
             break
-        fit = evidence.fit(chosen)
-        if fit.physical and fit.cost < (best.cost if best else limit):
-            best = fit
+        below = best.cost if best else limit
+        rough = evidence.fit(chosen)
+        if rough.physical and rough.cost < below:
+            fit = evidence.fit(chosen, bodies=True)
+            best = fit if fit.physical and fit.cost < below else best
     return best
 
 
@@ -74,7 +76,7 @@ def _without(evidence: Evidence, whole: Fit, lacking: int) -> Fit | None:
     needed = missed(evidence, lacking)
     if whole.physical and evidence.free_chi2(rest) - whole.chi2 >= needed:
         return None
-    part = evidence.fit(rest)
+    part = evidence.fit(rest, bodies=True)
     return None if whole.physical and part.physical and part.chi2 - whole.chi2 >= needed else part
 
 
@@ -133,7 +135,7 @@ def _exchanges(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[in
     local = [c for c in chosen if len(evidence.effects[c].acts_on(evidence.robot)) <= LOCAL]
     for c in chosen:
         rest = tuple(x for x in chosen if x != c)
-        lost = evidence.bound(rest) - evidence.fit(chosen).cost
+        lost = evidence.bound(rest) - evidence.fit(chosen, bodies=True).cost
         for other in ranked(evidence, rest, TRIED, spare=-min(lost, 0.0)):
             if other == c:
                 continue

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from cdia_pin.discovery.evidence import Evidence, Fit
 from cdia_pin.discovery.fitting import Whitened, refit
-from cdia_pin.discovery.moves import Names, improve, names
+from cdia_pin.discovery.moves import MARGIN, Names, improve, names
 from cdia_pin.discovery.problem import Problem
+from cdia_pin.discovery.refitting import NEARLY, Refit, is_exact, promising, refitting
 from cdia_pin.discovery.shapes import refine_shapes
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
@@ -45,6 +46,7 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
     """
     experiment, columns = problem.experiment, problem.columns
     model, _ = refit(experiment, columns, model, whitened)
+    model = refine_shapes(experiment, columns, model, whitened)  # beside the others, and in the noise known by now
     evidence = problem.beside(experiment.predict(model), whitened)
     now = evidence.fit(_indices(evidence, model), bodies=True)
     now_errors = problem.rms(model)
@@ -60,6 +62,7 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
             return tried not in failed and not _swaps(present, tried) & futile
 
         better = improve(evidence, now.chosen, allowed, most=problem.settings.most_effects)
+        better = better or _exchanged(evidence, now, allowed, refitting(problem, model, whitened, evidence))
         if better is None:
             break
         trial = _model_of(model, evidence, better.chosen, better.theta)
@@ -82,6 +85,22 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
             continue
         model, evidence, now, now_errors, rejected = trial, beside, fit, errors, 0
     return model
+
+
+def _exchanged(
+    evidence: Evidence, now: Fit, allowed: Callable[[tuple[int, ...]], bool], refit: Refit
+) -> Fit | None:
+    """Return a set in which a large effect that is not linear, seen only at its own optimum, replaces another."""
+    for one in now.chosen:
+        rest = tuple(c for c in now.chosen if c != one)
+        enough = NEARLY * (evidence.free_chi2(rest) - now.chi2)
+        for other in promising(evidence, rest, lambda effect, enough=enough: enough):
+            if is_exact(evidence.effects[other]) or other == one or not allowed((*rest, other)):
+                continue
+            fit = refit(rest, other)
+            if fit.physical and fit.cost < now.cost - MARGIN:
+                return fit
+    return None
 
 
 def _is_seen(problem: Problem, before: Array, after: Array) -> bool:

@@ -6,11 +6,12 @@ from collections.abc import Collection
 
 import numpy as np
 
-from cdia_pin.discovery.confusion import Rivals, refitting
+from cdia_pin.discovery.confusion import Rivals
 from cdia_pin.discovery.experiment import rms
 from cdia_pin.discovery.fitting import Whitened, refit, with_intervals
 from cdia_pin.discovery.heldout import held_out_rms
 from cdia_pin.discovery.problem import Problem
+from cdia_pin.discovery.refitting import refitting
 from cdia_pin.discovery.result import Confusion, Step
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term

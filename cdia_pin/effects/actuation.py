@@ -16,6 +16,9 @@ from cdia_pin.effects.state import JointState, State
 Array = NDArray[np.float64]
 
 HIGHEST_RIPPLE = 60.0  # [1/rad or 1/m], the fastest ripple that is searched for
+OF_A_GEAR = 6.0  # [1/rad or 1/m], what repeats that often is called a ripple before two periods of it are seen
+LEAST_PERIODS = 0.4  # [1], of a ripple over the range driven; less is a spring
+TURN = 2 * np.pi
 
 
 @dataclass(frozen=True)
@@ -94,9 +97,13 @@ class PositionRipple(JointEffect):
         return [np.sin(self.frequency * x.q), np.cos(self.frequency * x.q)]
 
     def shape_grid(self, x: State) -> Sequence[Self]:
-        """Return frequencies with two periods or more over the range driven, finely enough to miss none."""
+        """Return frequencies that can be a ripple on the range driven, finely enough to miss none.
+
+        Either two periods of it are seen, or it is as fast as what motors and gears make and four tenths of one are seen.
+        """
         travel = float(np.ptp(x.q[:, x.robot.joint_index(self.joint)]))
         if travel < 1e-3:
             return []
-        slowest, step = 4 * np.pi / travel, 0.7 * np.pi / travel  # two periods; a third of a resolution cell
+        slowest = min(2 * TURN / travel, max(LEAST_PERIODS * TURN / travel, OF_A_GEAR))
+        step = 0.35 * TURN / travel  # a third of a resolution cell
         return [self.with_shape(frequency=float(w)) for w in np.arange(slowest, HIGHEST_RIPPLE, step)]

@@ -1,0 +1,66 @@
+"""Explanations that are not linear, fitted at their own optimum: normal equations know them to first order only."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from cdia_pin.discovery.evidence import Evidence, Fit
+from cdia_pin.discovery.fitting import Whitened, gather, refit
+from cdia_pin.discovery.problem import Problem
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Effect, Term
+
+NEARLY = 0.9  # share of what an effect explains that another must explain to first order to be fitted as it is
+
+Refit = Callable[[Sequence[int], int], Fit]  # indices of a set and of one more, fitted at their own optimum
+
+
+def is_exact(effect: Effect) -> bool:
+    """Tell whether normal equations know an effect as it is, however large it is."""
+    return effect.linear and not effect.of_torque
+
+
+def refitting(problem: Problem, model: Dynamics, whitened: Whitened, evidence: Evidence) -> Refit:
+    """Return how another effect is fitted in the place of some of a model's, as exactly as the model itself.
+
+    Args:
+        problem: Logs and candidates.
+        model: A fitted model.
+        whitened: Noise and blocks.
+        evidence: Normal equations of its effects and all candidates, whose indices and prices the fits have.
+    """
+    experiment, columns = problem.experiment, problem.columns
+
+    def refitted(rest: Sequence[int], other: int) -> Fit:
+        index = {evidence.effects[c]: c for c in (*rest, other)}
+        effect = evidence.effects[other]
+        kept = tuple(t for t in model.terms if t.effect in index)
+        trial = Dynamics(model.robot, (*kept, Term(effect, (0.0,) * effect.size)))
+        trial, _ = refit(experiment, columns, trial, whitened)
+        effects = sorted((t.effect for t in trial.terms), key=index.__getitem__)
+        beside = gather(experiment, columns, experiment.predict(trial), effects, whitened)
+        fit = beside.fit(range(len(effects)), bodies=True)
+        chosen = tuple(index[e] for e in effects)
+        cost = fit.chi2 + float(evidence.price[list(chosen)].sum())
+        return Fit(chosen, fit.theta, fit.chi2, cost, fit.physical)
+
+    return refitted
+
+
+def promising(evidence: Evidence, rest: Sequence[int], enough: Callable[[Effect], float]) -> Iterator[int]:
+    """Yield the candidates that explain enough beside a set, to first order, the best first, of each its best shape.
+
+    Args:
+        evidence: Normal equations of all candidates.
+        rest: The set.
+        enough: By how much an effect must lower chi2 [1].
+    """
+    gains = evidence.gains(rest)
+    taken = {evidence.effects[c].label for c in rest}
+    for c in np.argsort(gains)[::-1]:
+        effect = evidence.effects[c]
+        if effect.label not in taken and gains[c] >= enough(effect):
+            taken.add(effect.label)
+            yield int(c)
