@@ -69,7 +69,9 @@ class Rivals:
             share = 1.0 if self.refit is None or is_exact(effect) else NEARLY
             return share * lost - self._doubt(found)
 
-        yield from (c for c in promising(self.evidence, rest, enough) if self.evidence.effects[c].label not in names)
+        yield from (
+            c for c in promising(self.evidence, rest, enough) if self.evidence.effects[c].label not in names
+        )
 
     def _cost(self, rest: Sequence[int], other: int, found: Fit, replaced: Sequence[int]) -> float:
         """Return what a rival leaves; of one for two with the price of those parameters that it needs."""

@@ -12,7 +12,9 @@ from cdia_pin.discovery.problem import Problem
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
 
-NEARLY = 0.9  # share of what an effect explains that another must explain to first order to be fitted as it is
+NEARLY = (
+    0.9  # share of what an effect explains that another must explain to first order to be fitted as it is
+)
 
 Refit = Callable[[Sequence[int], int], Fit]  # indices of a set and of one more, fitted at their own optimum
 

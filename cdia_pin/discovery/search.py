@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,60 +46,91 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
     """
     experiment, columns = problem.experiment, problem.columns
     model, _ = refit(experiment, columns, model, whitened)
-    model = refine_shapes(experiment, columns, model, whitened)  # beside the others, and in the noise known by now
-    evidence = problem.beside(experiment.predict(model), whitened)
-    now = evidence.fit(_indices(evidence, model), bodies=True)
-    now_errors = problem.rms(model)
+    # beside the others, and in the noise known by now
+    now = _fitted(problem, refine_shapes(experiment, columns, model, whitened), whitened)
     failed: set[Names] = set()
     rejected = 0
     for moves in range(MOST_MOVES):
         if rejected == MOST_REJECTED:
             break
-        present = names(evidence, now.chosen)
+        present = names(now.evidence, now.fit.chosen)
 
-        def allowed(chosen: tuple[int, ...], evidence: Evidence = evidence, present: Names = present) -> bool:
+        def allowed(
+            chosen: tuple[int, ...], evidence: Evidence = now.evidence, present: Names = present
+        ) -> bool:
             tried = names(evidence, chosen)
             return tried not in failed and not _swaps(present, tried) & futile
 
-        better = improve(evidence, now.chosen, allowed, most=problem.settings.most_effects)
-        better = better or _exchanged(evidence, now, allowed, refitting(problem, model, whitened, evidence))
+        better = improve(now.evidence, now.fit.chosen, allowed, most=problem.settings.most_effects)
+        better = better or _exchanged(now, allowed, refitting(problem, now.model, whitened, now.evidence))
         if better is None:
-            break
-        trial = _model_of(model, evidence, better.chosen, better.theta)
-        tell(_what_changed(model, trial), 1.0 - 0.9**moves)
-        failed.add(names(evidence, better.chosen))
+            slimmer = _slimmed(problem, now, whitened)
+            if slimmer is None:
+                break
+            now = slimmer
+            continue
+        trial = _model_of(now.model, now.evidence, better.chosen, better.theta)
+        tell(_what_changed(now.model, trial), 1.0 - 0.9**moves)
+        failed.add(names(now.evidence, better.chosen))
         trial, _ = refit(experiment, columns, trial, whitened, ROUGHLY)
-        trial = refine_shapes(experiment, columns, trial, whitened, known=_labels(model))
-        beside = problem.beside(experiment.predict(trial), whitened)
-        fit = beside.fit(_indices(beside, trial), bodies=True)
-        errors = problem.rms(trial)
-        grew = len(fit.theta) > len(now.theta)
+        trial = refine_shapes(experiment, columns, trial, whitened, known=_labels(now.model))
+        then = _fitted(problem, trial, whitened)
+        grew = len(then.fit.theta) > len(now.fit.theta)
         if (
-            not fit.physical
-            or (grew and not _is_seen(problem, now_errors, errors))
-            or fit.cost > now.cost + _sacrifice(evidence, now, better)
+            not then.fit.physical
+            or (grew and not _is_seen(problem, now.errors, then.errors))
+            or then.fit.cost > now.fit.cost + _sacrifice(now.evidence, now.fit, better)
         ):
             driven = {t.label for t in trial.terms if t.effect.of_torque}
             rejected += 1
             futile.update(s for s in _swaps(present, frozenset(_labels(trial))) if s[0] in driven)
             continue
-        model, evidence, now, now_errors, rejected = trial, beside, fit, errors, 0
-    return model
+        now, rejected = then, 0
+    return now.model
 
 
-def _exchanged(
-    evidence: Evidence, now: Fit, allowed: Callable[[tuple[int, ...]], bool], refit: Refit
-) -> Fit | None:
+@dataclass(frozen=True)
+class _Found:
+    """A model, the normal equations of its effects and all candidates around it, its fit in them and its errors."""
+
+    model: Dynamics
+    evidence: Evidence
+    fit: Fit
+    errors: Array
+
+
+def _fitted(problem: Problem, model: Dynamics, whitened: Whitened) -> _Found:
+    evidence = problem.beside(problem.experiment.predict(model), whitened)
+    fit = evidence.fit(_indices(evidence, model), bodies=True)
+    return _Found(model, evidence, fit, problem.rms(model))
+
+
+def _exchanged(now: _Found, allowed: Callable[[tuple[int, ...]], bool], refit: Refit) -> Fit | None:
     """Return a set in which a large effect that is not linear, seen only at its own optimum, replaces another."""
-    for one in now.chosen:
-        rest = tuple(c for c in now.chosen if c != one)
-        enough = NEARLY * (evidence.free_chi2(rest) - now.chi2)
+    evidence = now.evidence
+    for one in now.fit.chosen:
+        rest = tuple(c for c in now.fit.chosen if c != one)
+        enough = NEARLY * (evidence.free_chi2(rest) - now.fit.chi2)
         for other in promising(evidence, rest, lambda effect, enough=enough: enough):
             if is_exact(evidence.effects[other]) or other == one or not allowed((*rest, other)):
                 continue
             fit = refit(rest, other)
-            if fit.physical and fit.cost < now.cost - MARGIN:
+            if fit.physical and fit.cost < now.fit.cost - MARGIN:
                 return fit
+    return None
+
+
+def _slimmed(problem: Problem, now: _Found, whitened: Whitened) -> _Found | None:
+    """Return a model without an effect that stands for what the shape of another on its joint is wrong by."""
+    shaped = {j for t in now.model.terms if t.effect.shape for j in t.effect.scope}
+    for term in now.model.terms:
+        others = now.model.remove(term.label)
+        if not shaped & set(term.effect.scope) or not any(t.effect.shape for t in others.terms):
+            continue
+        trial, _ = refit(problem.experiment, problem.columns, others, whitened, ROUGHLY)
+        then = _fitted(problem, refine_shapes(problem.experiment, problem.columns, trial, whitened), whitened)
+        if then.fit.physical and then.fit.cost < now.fit.cost - MARGIN:
+            return then
     return None
 
 

@@ -16,7 +16,7 @@ from cdia_pin.effects.state import JointState, State
 Array = NDArray[np.float64]
 
 HIGHEST_RIPPLE = 60.0  # [1/rad or 1/m], the fastest ripple that is searched for
-OF_A_GEAR = 6.0  # [1/rad or 1/m], what repeats that often is called a ripple before two periods of it are seen
+OF_A_GEAR = 5.0  # [1/rad or 1/m], what repeats that often is called a ripple before two periods of it are seen
 LEAST_PERIODS = 0.4  # [1], of a ripple over the range driven; less is a spring
 TURN = 2 * np.pi
 
