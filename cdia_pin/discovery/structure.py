@@ -47,24 +47,29 @@ class Structure:
         return tuple(inner if left else outer for left, inner, outer in both)
 
 
-def smooth_columns(experiment: Experiment, prediction: Prediction, j: int) -> Array:
-    """Return smooth functions of joint j's motion and load, of time, and of the other joints, shape (K, m)."""
-    time, q, v, a = experiment.compared_motion()
-    load = np.concatenate(
-        [s.motion.sampled(t.actuator) for s, t in zip(experiment.segments, prediction.torques, strict=True)]
-    )
-    own = [_bases(signal[:, j], NEURONS) for signal in (q, v, load)]
+def slow_columns(experiment: Experiment, j: int) -> Array:
+    """Return smooth functions of joint j's position and speed, of time, and of the other joints, shape (K, m)."""
+    time, q, v, _ = experiment.compared_motion()
     speed = np.tanh(v[:, j] / max(np.percentile(np.abs(v[:, j]), 95) * 0.05, 1e-9))
     t = (time - time.mean()) / (np.ptp(time) or 1.0)
     others = [s[:, k] for k in range(experiment.robot.n) if k != j for s in (q, v)]
     scaled = [(s - s.mean()) / (s.std() or 1.0) for s in others]
     columns = [
-        *own,
-        np.column_stack([speed, speed * t, a[:, j], np.abs(a[:, j]), q[:, j] * v[:, j]]),
+        np.ones(len(t)),
+        *(_bases(signal[:, j], NEURONS) for signal in (q, v)),
+        np.column_stack([speed, speed * t, q[:, j] * v[:, j]]),
         *([np.column_stack(scaled), np.column_stack(scaled) ** 2] if scaled else []),
     ]
-    raw = np.column_stack([np.ones(len(t)), *columns])
-    return raw
+    return np.column_stack(columns)
+
+
+def smooth_columns(experiment: Experiment, prediction: Prediction, j: int) -> Array:
+    """Return the same and those of the acceleration and of the load, which knows it, shape (K, m)."""
+    a = experiment.compared_motion()[3][:, j]
+    load = np.concatenate(
+        [s.motion.sampled(t.actuator) for s, t in zip(experiment.segments, prediction.torques, strict=True)]
+    )
+    return np.column_stack([slow_columns(experiment, j), _bases(load[:, j], NEURONS), a, np.abs(a)])
 
 
 def look_for_structure(
@@ -91,17 +96,21 @@ def look_for_structure(
         smooth = smooth_columns(experiment, prediction, j)
         y, fitted = prediction.residual[:, j], _orthonormal(own[j], use)
         both = _orthonormal(np.column_stack([own[j], smooth]), use)
+        slow = _orthonormal(slow_columns(experiment, j), use)
+        for found, columns in ((inner, both), (outer, fitted)):
+            explained = _project(columns, y, use)
+            noise = _at_least(
+                experiment.resolution[j], y - explained, explained - _project(slow, explained, use), use
+            )
+            found.append(fit_noise(noise, use, nearness, experiment.lengths, columns.shape[1]))
         rest = y - _project(both, y, use)
-        inner.append(fit_noise(rest, use, nearness, experiment.lengths, both.shape[1]))
-        outer.append(
-            fit_noise(y - _project(fitted, y, use), use, nearness, experiment.lengths, fitted.shape[1])
-        )
         floor[j] = np.sqrt(np.sum(rest[use] ** 2) / max(int(use.sum()) - both.shape[1], 1))
         by_outer, by_inner = (partial(_white, noise=noise, use=use) for noise in (outer[j], inner[j]))
-        rss_own, rss_both = (_left_after(by_outer(x), by_outer(y)) for x in (fitted, both))
-        more = max(both.shape[1] - fitted.shape[1], 1)
+        white = by_outer(y)
+        rss, rss_both = float(white @ white), _left_after(by_outer(both), white)
+        more = max(both.shape[1], 1)
         spare = max(int((use & outer[j].kept).sum()) - both.shape[1], 1)
-        chance = float(fdtrc(more, spare, max((rss_own - rss_both) / more, 0.0) / (rss_both / spare)))
+        chance = float(fdtrc(more, spare, max((rss - rss_both) / more, 0.0) / (rss_both / spare)))
         improvement[j], plain = (
             _improvement(white(fitted), white(smooth), white(y), edges) for white in (by_outer, by_inner)
         )
@@ -110,14 +119,40 @@ def look_for_structure(
     return Structure(left, improvement, tuple(outer), tuple(inner), floor)
 
 
+def _at_least(resolution: float, left: Array, by_acceleration: Array, use: NDArray[np.bool_]) -> Array:
+    """Return what is left of a residual as noise, no less than that of the sensors.
+
+    Errors of the acceleration make torque, and are in all columns that know the acceleration, which explain them away.
+
+    Args:
+        resolution: RMS torque that the sensors' errors make [N·m or N].
+        left: What columns leave of a residual, shape (K,).
+        by_acceleration: What only those that know the acceleration explained, shape (K,).
+        use: Samples that count.
+    """
+    square, mixed, own = (
+        float(np.mean((x * y)[use])) if use.any() else 0.0
+        for x, y in ((by_acceleration,) * 2, (by_acceleration, left), (left, left))
+    )
+    lacking = resolution**2 - own
+    if lacking <= 0 or square == 0:
+        return left
+    # the share of it that, given back, lifts what is left to the resolution
+    share = (np.sqrt(mixed**2 + square * lacking) - mixed) / square
+    return left + min(share, 1.0) * by_acceleration
+
+
 def _white(signal: Array, noise: NoiseModel, use: NDArray[np.bool_]) -> Array:
     used = use.reshape(-1, *([1] * (signal.ndim - 1)))
     return np.where(used, noise.whiten(np.where(used, signal, 0.0)), 0.0)
 
 
 def _improvement(own: Array, smooth: Array, y: Array, edges: NDArray[np.intp]) -> float:
-    """Return the share by which smooth functions lower the held-out RMS."""
-    before = _held_out(own, np.zeros((len(y), 0)), y, edges, 0.0)
+    """Return the share by which smooth functions lower the held-out RMS.
+
+    Effects of several joints may fit each of them worse than if it had its own parameters: that is structure too.
+    """
+    before = max(_held_out(own, np.zeros((len(y), 0)), y, edges, 0.0), float(y @ y))
     after = min(_held_out(own, smooth, y, edges, ridge) for ridge in RIDGES)
     return 1.0 - float(np.sqrt(after / before)) if before > 0 else 0.0
 
