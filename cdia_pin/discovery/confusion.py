@@ -5,14 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from cdia_pin.discovery.evidence import Evidence, Fit
 from cdia_pin.discovery.refitting import NEARLY, Refit, is_exact, promising
 from cdia_pin.discovery.result import Confusion
-from cdia_pin.discovery.spans import are_alike, contains, generic_rank, rank_of_gram
-from cdia_pin.effects import Effect
+from cdia_pin.discovery.spans import are_alike, contains, generic_rank, torque_elsewhere
+from cdia_pin.effects import Drift, Effect
 from cdia_pin.robot.model import RobotModel
 
 DOUBT = 30.0  # variances of the noise by which two explanations may differ and be hard to tell apart
+UNSURE = (
+    0.2  # of the torque explained: what a rival may do elsewhere, by one standard deviation, to be determined
+)
+
+
+@dataclass(frozen=True)
+class _Rival:
+    """How much worse a candidate is than what may be in doubt, and its index."""
+
+    worse: float
+    index: int
 
 
 @dataclass(frozen=True)
@@ -33,24 +46,27 @@ class Rivals:
         """Return what explains as much in the place of one effect, or of it and another on its joint.
 
         A rival is measured by what it leaves, not by its price: that it is less simple makes it less likely, not
-        impossible. One that can do all that the effect can, on any motion, is another name for it if the log
-        determines its parameters.
+        impossible. One that can do all that the effect can, on any motion, is only another name for it if the log
+        determines the rest of it.
 
         Args:
             one: Index of one of the model's effects.
         """
         evidence = self.evidence
         found = evidence.fit(self.chosen, bodies=True)
-        rivals: dict[str, tuple[float, Effect]] = {}
+        rivals: dict[str, _Rival] = {}
         for replaced in ([one], *([one, c] for c in self._neighbours(one))):
             rest = [c for c in self.chosen if c not in replaced]
             for other in self._promising(rest, found):
-                effect = evidence.effects[other]
+                label = evidence.effects[other].label
                 worse = self._cost(rest, other, found, replaced) - self._limit(found, replaced)
-                if worse < min(0.0, rivals.get(effect.label, (0.0,))[0]):
-                    rivals[effect.label] = (worse, effect)
-        best = [e for _, e in sorted(rivals.values(), key=lambda r: r[0])]
-        return tuple(Confusion((e,), motion_between(evidence.effects[one], e, evidence.robot)) for e in best)
+                if worse < min(0.0, rivals[label].worse if label in rivals else 0.0):
+                    rivals[label] = _Rival(worse, other)
+        simple = evidence.freedom[one]
+        best = sorted(rivals.values(), key=lambda r: (evidence.freedom[r.index] > simple, r.worse))
+        effects = [evidence.effects[r.index] for r in best]
+        plain = [e for e in effects if not (isinstance(e, Drift) and e.effect in effects)]
+        return tuple(Confusion((e,), motion_between(evidence.effects[one], e, evidence.robot)) for e in plain)
 
     def _limit(self, found: Fit, replaced: Sequence[int]) -> float:
         """Return the largest cost of a rival; of one for two, which must be simpler, its price counts."""
@@ -76,27 +92,30 @@ class Rivals:
     def _cost(self, rest: Sequence[int], other: int, found: Fit, replaced: Sequence[int]) -> float:
         """Return what a rival leaves; of one for two with the price of those parameters that it needs."""
         evidence, effect = self.evidence, self.evidence.effects[other]
-        if len(replaced) == 1 and self._is_other_name(evidence.effects[replaced[0]], other):
+        if len(replaced) == 1 and self._is_other_name(found, replaced[0], rest, other):
             return float("inf")
         if self.refit is not None and not is_exact(effect):
             fit = self.refit(rest, other)
         else:
             fit = evidence.fit([*rest, other], bodies=True)
+        if len(replaced) == 1:  # what the log does not determine may be anything
+            return fit.chi2 if fit.possible else float("inf")
         if not fit.physical:
             return float("inf")
-        if len(replaced) == 1:
-            return fit.chi2
         idle = max(
             evidence.freedom[other] - evidence.told_from_zero(evidence.fit([*rest, other]), other), 0.0
         )
         return fit.cost - evidence.price_per_parameter * idle
 
-    def _is_other_name(self, mine: Effect, other: int) -> bool:
-        """Tell whether a rival is the effect itself with more parameters, all of which the log determines."""
-        robot, effect, span = self.evidence.robot, self.evidence.effects[other], self.evidence.spans[other]
-        directions = generic_rank(robot, effect)
-        wider = directions > generic_rank(robot, mine) and contains(robot, effect, mine)
-        return wider and rank_of_gram(self.evidence.total[span][:, span]) >= directions
+    def _is_other_name(self, found: Fit, one: int, rest: Sequence[int], other: int) -> bool:
+        """Tell whether a rival is an effect itself with more parameters, which could not do much else elsewhere."""
+        robot, mine, effect = self.evidence.robot, self.evidence.effects[one], self.evidence.effects[other]
+        if generic_rank(robot, effect) <= generic_rank(robot, mine) or not contains(robot, effect, mine):
+            return False
+        theta = found.theta[np.isin(self.evidence.columns(found.chosen), self.evidence.spans[one])]
+        explained = torque_elsewhere(robot, mine, np.outer(theta, theta))
+        undetermined = torque_elsewhere(robot, effect, self.evidence.covariance([*rest, other], other))
+        return bool(np.all(undetermined <= UNSURE * np.max(explained)))
 
     def _neighbours(self, one: int) -> list[int]:
         """Return the other found effects that act on just the same joint."""

@@ -40,13 +40,15 @@ class Fit:
         theta: Their parameters one after another, physical unless ``physical`` is false.
         chi2: Sum of squares left, in variances of the noise [1].
         cost: chi2 plus the price of the parameters [1].
-        physical: Whether physical parameters were found, none of which repeats the others.
+        possible: Whether the parameters are within their bounds.
+        physical: Whether they are, none repeats the others, and each effect is more than a simpler one.
     """
 
     chosen: tuple[int, ...]
     theta: Array
     chi2: float
     cost: float
+    possible: bool
     physical: bool
 
 
@@ -175,12 +177,9 @@ class Evidence:
             gram = self.total[np.ix_(columns, columns)] + np.diag(self.prior[columns])
             theta = consistent_parameters(gram, self.total[columns, -1], effects, self.robot)
         chi2 = self._chi2(self.total, columns, theta)
-        physical = (
-            self._in_bounds(chosen, theta)
-            and not self._is_redundant(columns)
-            and self._is_distinct(chosen, theta)
-        )
-        return Fit(chosen, theta, chi2, chi2 + price, physical)
+        possible = self._in_bounds(chosen, theta)
+        physical = possible and not self._is_redundant(columns) and self._is_distinct(chosen, theta)
+        return Fit(chosen, theta, chi2, chi2 + price, possible, physical)
 
     def _bounded(self, chosen: Sequence[int], columns: Indices, theta: Array) -> Array:
         """Return parameters within their bounds, those that would pass them held there."""
@@ -223,14 +222,18 @@ class Evidence:
 
     def told_from_zero(self, fit: Fit, one: int) -> int:
         """Return how many parameters of one effect of a fit are told from zero."""
-        columns = self.columns(fit.chosen)
+        deviation = np.sqrt(np.abs(np.diag(self.covariance(fit.chosen, one))))
+        own = np.isin(self.columns(fit.chosen), self.spans[one])
+        return int(np.sum(np.abs(fit.theta[own]) > 2 * deviation))
+
+    def covariance(self, chosen: Sequence[int], one: int) -> Array:
+        """Return the covariance of the parameters of one effect of a set, shape (p, p)."""
+        columns = self.columns(chosen)
         gram = self.total[np.ix_(columns, columns)] + np.diag(self.prior[columns])
-        unit = 1.0 / self.scale[columns]
-        deviation = unit * np.sqrt(
-            np.abs(np.diag(np.linalg.pinv(gram * np.outer(unit, unit), hermitian=True)))
-        )
+        unit = 1.0 / np.sqrt(np.diag(gram))
+        inverse = np.linalg.pinv(gram * np.outer(unit, unit), hermitian=True) * np.outer(unit, unit)
         own = np.isin(columns, self.spans[one])
-        return int(np.sum(np.abs(fit.theta[own]) > 2 * deviation[own]))
+        return inverse[np.ix_(own, own)]
 
     def held_out(self, chosen: Sequence[int]) -> float:
         """Return the sum of squares when each block is predicted from the others, in variances of the noise."""

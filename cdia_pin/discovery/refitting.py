@@ -46,7 +46,7 @@ def refitting(problem: Problem, model: Dynamics, whitened: Whitened, evidence: E
         fit = beside.fit(range(len(effects)), bodies=True)
         chosen = tuple(index[e] for e in effects)
         cost = fit.chi2 + float(evidence.price[list(chosen)].sum())
-        return Fit(chosen, fit.theta, fit.chi2, cost, fit.physical)
+        return Fit(chosen, fit.theta, fit.chi2, cost, fit.possible, fit.physical)
 
     return refitted
 

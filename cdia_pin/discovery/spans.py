@@ -16,24 +16,16 @@ STATES = 300  # random states, far more than any effect has parameters
 SPEED, ACCELERATION = 1.0, 3.0  # [rad/s or m/s], [rad/s² or m/s²], their standard deviations
 REACH = np.pi  # [rad or m], where a joint has no limits
 NEGLIGIBLE = 1e-5  # singular value beside the largest, of columns of unit norm, that is rounding
-FAINT = 1e-2  # the same on a log: too faint to tell a parameter
 
 
 def rank(columns: Array, negligible: float = NEGLIGIBLE) -> int:
     """Return how many directions columns (K, p) span, each scaled to unit norm."""
     norm = np.linalg.norm(columns, axis=0)
     seen = columns[:, norm > NEGLIGIBLE * norm.max(initial=0.0)]
-    return rank_of_gram(seen.T @ seen, negligible) if seen.shape[1] else 0
-
-
-def rank_of_gram(gram: Array, negligible: float = FAINT) -> int:
-    """Return the same from XᵀX, shape (p, p)."""
-    seen = np.diag(gram) > 0
-    if not seen.any():
-        return 0
-    unit = np.sqrt(np.diag(gram)[seen])
-    values = np.linalg.eigvalsh(gram[np.ix_(seen, seen)] / np.outer(unit, unit))
-    return int(np.sum(values > max(negligible**2 * values[-1], 1e-14)))
+    values = (
+        np.linalg.svd(seen / np.linalg.norm(seen, axis=0), compute_uv=False) if seen.shape[1] else np.zeros(0)
+    )
+    return int(np.sum(values > negligible * values.max(initial=0.0)))
 
 
 def generic_rank(robot: RobotModel, *effects: Effect) -> int:
@@ -49,6 +41,21 @@ def contains(robot: RobotModel, wide: Effect, narrow: Effect) -> bool:
 def are_alike(robot: RobotModel, one: Effect, other: Effect) -> bool:
     """Tell whether no motion of this arm can tell two effects apart."""
     return contains(robot, one, other) and contains(robot, other, one)
+
+
+def torque_elsewhere(robot: RobotModel, effect: Effect, covariance: Array) -> Array:
+    """Return the RMS torque of an effect whose parameters have a covariance, on motions that show all there is.
+
+    Args:
+        robot: The robot.
+        effect: The effect.
+        covariance: Of its parameters, or θθᵀ for parameters that are known, shape (p, p).
+
+    Returns:
+        Torque [N·m or N], shape (n,).
+    """
+    phi = _columns(robot, effect).reshape(STATES, robot.n, -1)
+    return np.sqrt(np.abs(np.einsum("knp,pq,knq->n", phi, covariance, phi)) / STATES)
 
 
 @lru_cache(maxsize=512)
