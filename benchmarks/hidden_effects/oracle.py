@@ -43,7 +43,7 @@ class Sight:
 
     Attributes:
         alone: λ of a model that lacks it [1].
-        rival: The best other explanation, among those with no more parameters that the motion tells about.
+        rival: The best other explanation, among the possible ones with no more parameters that the motion tells about.
         apart: λ of that explanation [1]; infinite if there is none.
     """
 
@@ -142,17 +142,21 @@ def _around(
 
 def _sight(evidence: Evidence, others: list[int], one: int) -> Sight:
     alone = evidence.free_chi2(others)
-    left = alone - evidence.gains(others)
     hidden = {_physics(evidence.effects[k], evidence.robot) for k in [*others, one]}
     rivals = [
         k
         for k, e in enumerate(evidence.effects)
         if _physics(e, evidence.robot) not in hidden and evidence.freedom[k] <= evidence.freedom[one]
     ]
-    best = min(rivals, key=lambda k: left[k], default=None)
-    if best is None:
-        return Sight(alone, "", np.inf)
-    return Sight(alone, evidence.effects[best].label, float(left[best]))
+    bound = alone - evidence.gains(others)
+    best, apart = "", np.inf
+    for k in sorted(rivals, key=lambda k: bound[k]):
+        if bound[k] >= apart:
+            break
+        fit = evidence.fit([*others, k], bodies=True)
+        if fit.possible and fit.chi2 < apart:  # friction that pushes is no explanation
+            best, apart = evidence.effects[k].label, fit.chi2
+    return Sight(alone, best, apart)
 
 
 def _physics(effect: Effect, robot: RobotModel) -> tuple[str, ...]:

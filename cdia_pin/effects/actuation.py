@@ -16,8 +16,9 @@ from cdia_pin.effects.state import JointState, State
 Array = NDArray[np.float64]
 
 HIGHEST_RIPPLE = 60.0  # [1/rad or 1/m], the fastest ripple that is searched for
-OF_A_GEAR = 5.0  # [1/rad or 1/m], what repeats that often is called a ripple before two periods of it are seen
-LEAST_PERIODS = 0.4  # [1], of a ripple over the range driven; less is a spring
+OF_A_GEAR = (
+    5.0  # [1/rad or 1/m], what repeats that often is called a ripple before two periods of it are seen
+)
 TURN = 2 * np.pi
 
 
@@ -99,11 +100,13 @@ class PositionRipple(JointEffect):
     def shape_grid(self, x: State) -> Sequence[Self]:
         """Return frequencies that can be a ripple on the range driven, finely enough to miss none.
 
-        Either two periods of it are seen, or it is as fast as what motors and gears make and four tenths of one are seen.
+        Either two periods of it are seen, or it is as fast as what motors and gears make.
         """
         travel = float(np.ptp(x.q[:, x.robot.joint_index(self.joint)]))
         if travel < 1e-3:
             return []
-        slowest = min(2 * TURN / travel, max(LEAST_PERIODS * TURN / travel, OF_A_GEAR))
-        step = 0.35 * TURN / travel  # a third of a resolution cell
+        slowest, step = (
+            min(2 * TURN / travel, OF_A_GEAR),
+            0.35 * TURN / travel,
+        )  # a third of a resolution cell
         return [self.with_shape(frequency=float(w)) for w in np.arange(slowest, HIGHEST_RIPPLE, step)]
