@@ -11,9 +11,9 @@ Outcomes are kept in .cache/discovery, so that a run that was interrupted goes o
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
+from benchmarks.command import stated
 from benchmarks.hidden_effects.cases import ARMS, SAMPLE, SUITES, planned
 from benchmarks.hidden_effects.claims import fell_short
 from benchmarks.hidden_effects.contest import Score, entries, run_entry
@@ -53,7 +53,7 @@ def main() -> None:
     estimates = run_all(draws[few], run_repeat, store_of("repeats", Estimate.from_json), jobs, lambda e: e.id)
     scores = run_all(contest[few], run_entry, store_of("contest", Score.from_json), jobs, lambda s: s.id)
     whole = [len(outcomes), len(estimates), len(scores)] == [len(planned()), len(repeats()), len(entries())]
-    command = "python -m benchmarks.hidden_effects " + " ".join(sys.argv[1:])
+    command = stated(given, options, ("arms", "kinds", "limit", "sample"))
     text = page(outcomes, estimates, scores, command, whole)
     out = options.out or (PAGE if whole else None)
     if out is None:

@@ -11,9 +11,9 @@ Outcomes are kept in .cache/online, so that a run that was interrupted goes on w
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
+from benchmarks.command import stated
 from benchmarks.online.plan import SUITES
 from benchmarks.online.running import run_all
 from benchmarks.online.scenarios import ARMS
@@ -46,7 +46,7 @@ def main() -> None:
     if "cost" in options.suites:
         tell("cost: a minute or two")
         cost = measure()
-    text = page(outcomes, cost, "python -m benchmarks.online " + " ".join(sys.argv[1:]), options.quick)
+    text = page(outcomes, cost, stated(given, options, ("arms", "suites", "quick")), options.quick)
     out = options.out or (PAGE if whole else None)
     if out is None:
         print(text)

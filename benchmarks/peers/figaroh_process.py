@@ -47,8 +47,10 @@ def figaroh(bench: Bench, python: str) -> list[Column]:
         )
         try:
             done, seconds = run([python, str(SCRIPT), str(given), str(answer)], LONGEST)
-        except (OSError, subprocess.TimeoutExpired) as error:
-            raise AbsentError(str(error)) from None
+        except OSError as error:  # of its own words the page has no use: they are about a path
+            raise AbsentError(f"its interpreter does not start ({error.strerror})") from None
+        except subprocess.TimeoutExpired:
+            raise AbsentError(f"it took longer than {LONGEST:g} s") from None
         if done.returncode:
             raise AbsentError((done.stderr or "no reason given").strip().splitlines()[-1])
         told = dict(np.load(answer))

@@ -58,7 +58,7 @@ def test_answers_that_differ_are_not_trusted():
 
 
 def test_figaroh_says_why_it_is_absent(bench):
-    with pytest.raises(AbsentError):
+    with pytest.raises(AbsentError, match=r"^its interpreter does not start \(No such file or directory\)$"):
         figaroh(bench, "/no/such/python")
 
 
