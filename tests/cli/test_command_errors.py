@@ -145,7 +145,7 @@ def test_an_interrupt_is_not_a_crash(cdia, log, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("cdia_pin.discovery.compare", interrupted)
+    monkeypatch.setattr("cdia_pin.discovery.compare_in", interrupted)
     outcome = cdia("compare", log, *ROBOT)
     assert outcome.code == 130
     assert "Traceback" not in outcome.err
