@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cdia_pin.cli.conditions import Conditions, parse_conditions, under
+from cdia_pin.cli.conditions import Conditions, parse_conditions
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.options import (
@@ -67,9 +67,8 @@ def compare(
         from cdia_pin import discovery
         from cdia_pin.logs.conditioning import Conditioning
 
-        reading = Reading(gains, joint_map, convert, topic)
-        read, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
-        given = under(conditions, read, logs)
+        reading = Reading(gains, joint_map, convert, topic, conditions)
+        given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         tell("comparing", 0.1)
         settings = discovery.DiscoverySettings(conditioning=Conditioning(cutoff=cutoff))
         found, by_log = _compared(known, given, settings.conditioning)
