@@ -13,7 +13,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from benchmarks.command import stated
 from benchmarks.hidden_effects.cases import ARMS, SAMPLE, SUITES, planned
 from benchmarks.hidden_effects.claims import fell_short
 from benchmarks.hidden_effects.contest import Score, entries, run_entry
@@ -22,7 +21,8 @@ from benchmarks.hidden_effects.page import page
 from benchmarks.hidden_effects.precision import Estimate, repeats, run_repeat
 from benchmarks.hidden_effects.running import run_all, store_of
 from benchmarks.hidden_effects.trial import run_case
-from benchmarks.outcomes import CHECKOUT, tell
+from benchmarks.outcomes import CHECKOUT
+from benchmarks.publishing import publish, stated
 
 REPEATED, CONTEST = "repeated", "contest"  # kinds that are not suites of cases
 KINDS = [*SUITES, REPEATED, CONTEST]
@@ -55,12 +55,7 @@ def main() -> None:
     whole = [len(outcomes), len(estimates), len(scores)] == [len(planned()), len(repeats()), len(entries())]
     command = stated(given, options, ("arms", "kinds", "limit", "sample"))
     text = page(outcomes, estimates, scores, command, whole)
-    out = options.out or (PAGE if whole else None)
-    if out is None:
-        print(text)
-    else:
-        out.write_text(text, encoding="utf-8")
-        tell(f"wrote {out}")
+    publish(text, options.out or (PAGE if whole else None))
 
 
 def _word(o: Outcome) -> str:

@@ -13,11 +13,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from benchmarks.command import stated
 from benchmarks.online.plan import SUITES
 from benchmarks.online.running import run_all
 from benchmarks.online.scenarios import ARMS
 from benchmarks.outcomes import CHECKOUT, tell
+from benchmarks.publishing import publish, stated
 
 PAGE = CHECKOUT / "docs" / "results-online.md"
 
@@ -47,12 +47,7 @@ def main() -> None:
         tell("cost: a minute or two")
         cost = measure()
     text = page(outcomes, cost, stated(given, options, ("arms", "suites", "quick")), options.quick)
-    out = options.out or (PAGE if whole else None)
-    if out is None:
-        print(text)
-    else:
-        out.write_text(text, encoding="utf-8")
-        tell(f"wrote {out}")
+    publish(text, options.out or (PAGE if whole else None))
 
 
 if __name__ == "__main__":

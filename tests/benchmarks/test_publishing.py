@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.command import stated
+from benchmarks.publishing import stated
 
 PAGES = sorted(Path(__file__).parents[2].glob("docs/results*.md"))
 

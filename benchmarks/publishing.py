@@ -1,10 +1,13 @@
-"""The command that a page is made by, as the page states it."""
+"""A page of results: the command that it is made by, and the file that it goes to."""
 
 from __future__ import annotations
 
 import argparse
 import shlex
 from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.outcomes import tell
 
 
 def stated(parser: argparse.ArgumentParser, options: argparse.Namespace, deciding: Sequence[str]) -> str:
@@ -24,3 +27,12 @@ def stated(parser: argparse.ArgumentParser, options: argparse.Namespace, decidin
         if given is not True:
             words += (shlex.quote(str(word)) for word in (given if isinstance(given, list) else [given]))
     return " ".join(words)
+
+
+def publish(text: str, path: Path | None) -> None:
+    """Write a page, or print it where there is no file for it."""
+    if path is None:
+        print(text)
+        return
+    path.write_text(text, encoding="utf-8")
+    tell(f"wrote {path}")
