@@ -18,6 +18,7 @@ from benchmarks.measured_logs.measuring import CUTOFFS, measure
 from benchmarks.measured_logs.page import page, skipped
 from benchmarks.measured_logs.trust import causes
 from benchmarks.outcomes import CHECKOUT, tell
+from benchmarks.peers.figaroh_process import PYTHON
 from benchmarks.publishing import publish
 
 
@@ -27,7 +28,11 @@ def main() -> None:
         prog="python -m benchmarks.measured_logs", description=__doc__.splitlines()[0]
     )
     folder.add_option(given)
-    given.add_argument("--figaroh", default=sys.executable, help="interpreter of an environment with figaroh")
+    given.add_argument(
+        "--figaroh",
+        default=PYTHON or sys.executable,
+        help="interpreter of an environment with figaroh (or $CDIA_FIGAROH_PYTHON)",
+    )
     given.add_argument(
         "--out", type=Path, default=CHECKOUT / "docs" / "results-measured.md", help="page to write"
     )
