@@ -3,7 +3,7 @@
 Hidden effects, where the truth is known, are measured by `python -m benchmarks.hidden_effects`.
 
 Usage:
-    python -m benchmarks                    # a minute or two
+    python -m benchmarks                    # two or three minutes
     python -m benchmarks --data FOLDER      # measured logs in a folder of one's own
 """
 
