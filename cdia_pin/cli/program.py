@@ -163,7 +163,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
     except UsageError as error:
         return _fail(_usage(error))
-    except CdiaError as error:
+    except (CdiaError, MemoryError) as error:
         return _fail(one_line(error))
     except BrokenPipeError:
         close_stdout()
