@@ -23,6 +23,7 @@ import numpy as np
 
 from benchmarks.markdown import processor, table
 from benchmarks.outcomes import CHECKOUT, tell
+from benchmarks.publishing import publish
 from cdia_pin import Dynamics, Log, compare, discover, exciting_trajectory, load_robot, write_log
 from cdia_pin.effects import parse_term
 from cdia_pin.viewers import write_report
@@ -46,8 +47,7 @@ def main() -> None:
         logs = {arm: minute(arm, Path(folder)) for arm in FRICTION}
         rows = [*of_app(browser, logs["ur5"]), *of_report(browser, logs["panda"]), *of_view(browser)]
         browser.close()
-    PAGE.write_text(page(rows), encoding="utf-8")
-    tell(f"wrote {PAGE}")
+    publish(page(rows), PAGE)
 
 
 def minute(arm: str, folder: Path) -> Path:

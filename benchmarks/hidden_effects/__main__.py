@@ -11,7 +11,6 @@ Outcomes are kept in .cache/discovery, so that a run that was interrupted goes o
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from benchmarks.hidden_effects.cases import ARMS, SAMPLE, SUITES, planned
@@ -22,7 +21,8 @@ from benchmarks.hidden_effects.page import page
 from benchmarks.hidden_effects.precision import Estimate, repeats, run_repeat
 from benchmarks.hidden_effects.running import run_all, store_of
 from benchmarks.hidden_effects.trial import run_case
-from benchmarks.outcomes import CHECKOUT, tell
+from benchmarks.outcomes import CHECKOUT
+from benchmarks.publishing import publish, stated
 
 REPEATED, CONTEST = "repeated", "contest"  # kinds that are not suites of cases
 KINDS = [*SUITES, REPEATED, CONTEST]
@@ -53,14 +53,9 @@ def main() -> None:
     estimates = run_all(draws[few], run_repeat, store_of("repeats", Estimate.from_json), jobs, lambda e: e.id)
     scores = run_all(contest[few], run_entry, store_of("contest", Score.from_json), jobs, lambda s: s.id)
     whole = [len(outcomes), len(estimates), len(scores)] == [len(planned()), len(repeats()), len(entries())]
-    command = "python -m benchmarks.hidden_effects " + " ".join(sys.argv[1:])
+    command = stated(given, options, ("arms", "kinds", "limit", "sample"))
     text = page(outcomes, estimates, scores, command, whole)
-    out = options.out or (PAGE if whole else None)
-    if out is None:
-        print(text)
-    else:
-        out.write_text(text, encoding="utf-8")
-        tell(f"wrote {out}")
+    publish(text, options.out or (PAGE if whole else None))
 
 
 def _word(o: Outcome) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 
 import cdia_pin
-from benchmarks.claims import Claim
+from benchmarks.claim_tables import MUST_SHOW, by_part, targets
 from benchmarks.hidden_effects.case import DURATION, SHORT
 from benchmarks.hidden_effects.cases import ARMS, LARGE, SMALL
 from benchmarks.hidden_effects.claims import PARTS, fell_short
@@ -17,7 +17,7 @@ from benchmarks.hidden_effects.further import contest_part, precision_part, prom
 from benchmarks.hidden_effects.outcome import Outcome
 from benchmarks.hidden_effects.precision import Estimate, precisions
 from benchmarks.hidden_effects.trial import HELD_OUT
-from benchmarks.markdown import Row, details, processor, table
+from benchmarks.markdown import details, processor, table
 
 
 def page(
@@ -30,19 +30,12 @@ def page(
     """Return the results as Markdown."""
     arms = sorted(dict.fromkeys(o.arm for o in outcomes), key=ARMS.index)
     precise = list(precisions(estimates))
-    rows = [*_must_show(outcomes), *promised(precise)]
+    rows = [*targets(PARTS, outcomes), *promised(precise)]
     parts = [
         _head(outcomes, estimates, command, whole),
         "## Must show",
-        table(("claim", "target", "measured", "n", "met"), rows),
-    ]
-    for part in PARTS:
-        chosen = [o for o in outcomes if part.chosen(o)]
-        if chosen:
-            rows = (_row(claim, chosen, arms) for claim in part.claims)
-            heads = ("", "target", "all arms", "n", "met", *arms)
-            parts += [f"## {part.title}", part.about, table(heads, rows)]
-    parts += [
+        table(MUST_SHOW, rows),
+        *by_part(PARTS, outcomes, arms, lambda o: o.arm),
         *precision_part(precise),
         *contest_part(scores),
         "## Where it falls short",
@@ -73,21 +66,6 @@ def _head(outcomes: Sequence[Outcome], estimates: Sequence[Estimate], command: s
 
 def _shares(sizes: Sequence[float]) -> str:
     return " or ".join(f"{s:.0%}" for s in sizes)
-
-
-def _must_show(outcomes: Sequence[Outcome]) -> Iterator[Row]:
-    for part in PARTS:
-        chosen = [o for o in outcomes if part.chosen(o)]
-        for claim in part.claims if chosen else ():
-            if claim.target:
-                f = claim.measure(chosen)
-                yield (f"{part.title}: {claim.text}", claim.target, f.text, f.n, claim.says(f.value))
-
-
-def _row(claim: Claim, chosen: Sequence[Outcome], arms: Sequence[str]) -> Row:
-    f = claim.measure(chosen)
-    each = (claim.measure([o for o in chosen if o.arm == arm]).text for arm in arms)
-    return (claim.text, claim.target or "–", f.text, f.n, claim.says(f.value), *each)
 
 
 def _failures(outcomes: Sequence[Outcome]) -> Iterator[str]:

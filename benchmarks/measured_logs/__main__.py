@@ -9,18 +9,17 @@ Usage:
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from pathlib import Path
 
+from benchmarks.measured_logs import folder
 from benchmarks.measured_logs.cases import cases
 from benchmarks.measured_logs.measuring import CUTOFFS, measure
 from benchmarks.measured_logs.page import page, skipped
 from benchmarks.measured_logs.trust import causes
-
-CHECKOUT = Path(__file__).resolve().parents[2]
-BESIDE = CHECKOUT.parent / "shared" / "data"
-VARIABLE = "CDIA_MEASURED_LOGS"
+from benchmarks.outcomes import CHECKOUT, tell
+from benchmarks.peers.figaroh_process import PYTHON
+from benchmarks.publishing import publish
 
 
 def main() -> None:
@@ -28,29 +27,27 @@ def main() -> None:
     given = argparse.ArgumentParser(
         prog="python -m benchmarks.measured_logs", description=__doc__.splitlines()[0]
     )
-    default = Path(os.environ.get(VARIABLE, BESIDE))
-    given.add_argument("--data", type=Path, default=default, help=f"folder of measured logs (or ${VARIABLE})")
-    given.add_argument("--figaroh", default=sys.executable, help="interpreter of an environment with figaroh")
+    folder.add_option(given)
+    given.add_argument(
+        "--figaroh",
+        default=PYTHON or sys.executable,
+        help="interpreter of an environment with figaroh (or $CDIA_FIGAROH_PYTHON)",
+    )
     given.add_argument(
         "--out", type=Path, default=CHECKOUT / "docs" / "results-measured.md", help="page to write"
     )
     options = given.parse_args()
-    if not (options.data / "ur10").is_dir():
-        options.out.write_text(skipped(VARIABLE), encoding="utf-8")
-        _tell("measured logs: not there, skipped")
+    if not folder.are_there(options.data):
+        tell("measured logs: not there, skipped")
+        publish(skipped(), options.out)
         return
     measured, lacking = [], {}
     for case in cases(options.data):
         for cutoff in CUTOFFS:
-            measured.append(measure(case, cutoff, options.figaroh, _tell))
+            measured.append(measure(case, cutoff, options.figaroh, tell))
             if cutoff == CUTOFFS[0]:
                 lacking[case.name] = causes(measured[-1].bench)
-    options.out.write_text(page(measured, lacking), encoding="utf-8")
-    _tell(f"wrote {options.out.name}")
-
-
-def _tell(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
+    publish(page(measured, lacking), options.out)
 
 
 if __name__ == "__main__":

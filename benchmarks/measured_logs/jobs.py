@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.measured_logs.process import cdia
 from cdia_pin.discovery import compare
 from cdia_pin.discovery.result import VERDICTS
 from cdia_pin.dynamics import Dynamics, load_model
@@ -77,7 +75,7 @@ class Outcome:
         found: JSON of the result; empty if the command failed.
         errors: On the log's own blocks, or on each of the logs held out.
         has_model: Whether a model was written that loads again.
-        seconds: Wall time of the whole process [s].
+        seconds: Processor time of the whole process [s].
         failure: What the command said if it failed.
     """
 
@@ -108,11 +106,10 @@ def run(job: Job, data: Path, out: Path) -> Outcome:
     options = ["--robot", _robot(job, data), "--save", str(model), "--json", str(result)]
     options += ["--gains", str(data / job.gains)] if job.gains else []
     options += ["--holdout", str(data / job.holdout)] if job.holdout else []
-    began = perf_counter()
-    done = _cdia("discover", str(data / job.log), *options)
-    seconds = perf_counter() - began
+    done, seconds = cdia("discover", str(data / job.log), *options)
     if done.returncode or not (result.exists() and model.exists()):
-        return Outcome(job, {}, (), False, seconds, (done.stderr or "no result").strip().splitlines()[-1])
+        said = (done.stderr or "no result").strip().splitlines()[-1]
+        return Outcome(job, {}, (), False, seconds, said.replace(f"{data}/", ""))
     found = json.loads(result.read_text(encoding="utf-8"))
     improved = load_model(model, load_robot(_robot(job, data)))
     errors = _of_logs(job, data, improved) if job.holdout else (_of_blocks(job, found),)
@@ -124,9 +121,8 @@ def compare_formats(data: Path, out: Path) -> float:
     shares = []
     for name in ("exciting.csv", "exciting.db3"):
         result = out / f"{name}.json"
-        _cdia(
-            "compare", str(data / "ur10" / name), "--robot", "ur10", "--json", str(result)
-        ).check_returncode()
+        done, _ = cdia("compare", str(data / "ur10" / name), "--robot", "ur10", "--json", str(result))
+        done.check_returncode()
         relative = json.loads(result.read_text(encoding="utf-8"))["relative_rms"]
         shares.append(np.array([relative[j] for j in sorted(relative)]))
     return float(np.max(np.abs(shares[1] / shares[0] - 1.0)))
@@ -149,12 +145,6 @@ def _of_logs(job: Job, data: Path, improved: Dynamics) -> tuple[Errors, ...]:
         before, after = (compare(model, log).relative_rms for model in (Dynamics(robot), improved))
         out.append(Errors(name, robot.joints, before, after))
     return tuple(out)
-
-
-def _cdia(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "cdia_pin", *arguments], capture_output=True, text=True, check=False
-    )
 
 
 def _robot(job: Job, data: Path) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ from pathlib import Path
 from benchmarks.measured_logs.cases import Case
 from benchmarks.measured_logs.errors import Bench, Column
 from benchmarks.measured_logs.least_squares import least_squares
-from benchmarks.measured_logs.process import run
+from benchmarks.measured_logs.process import cdia
 from benchmarks.peers.figaroh_process import AbsentError, figaroh
 from cdia_pin import DiscoverySettings, Dynamics, discover, load_model, write_log
 
@@ -80,17 +79,14 @@ def _identify(bench: Bench, kind: str, *options: str) -> Column:
     with tempfile.TemporaryDirectory() as folder:
         log, model = Path(folder) / "fitted.csv", Path(folder) / "model.json"
         write_log(case.fitted, log)
-        command = [
-            sys.executable,
-            "-m",
-            "cdia_pin",
-            "identify",
+        given = [
             str(log),
             "--robot",
             case.described,
             "--no-check",
+            "--cutoff",
+            str(bench.conditioning.cutoff),
         ]
-        command += ["--cutoff", str(bench.conditioning.cutoff), "--save", str(model), *options]
-        done, seconds = run(command)
+        done, seconds = cdia("identify", *given, "--save", str(model), *options)
         done.check_returncode()
         return bench.column(", ".join(filter(None, (IDENTIFY, kind))), load_model(model, case.robot), seconds)

@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 import cdia_pin
 from benchmarks.markdown import Row, details, processor, table
 from benchmarks.measured_logs.errors import Column
+from benchmarks.measured_logs.folder import ABSENT
 from benchmarks.measured_logs.measuring import CUTOFFS, IDENTIFY, Measured
 from benchmarks.measured_logs.trust import AGREED, NOTABLE, Cause, sentences
 from cdia_pin.viewers.words import short_names
 
 Array = NDArray[np.float64]
 
+TITLE = "# Measured logs, joint by joint"
 TARGET = 2 / 3  # of the joints
 LEAST_SQUARES = "full least squares"
 FIGAROH = "figaroh"
@@ -41,12 +43,9 @@ def page(measured: Sequence[Measured], causes: dict[str, list[Cause]]) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def skipped(variable: str) -> str:
+def skipped() -> str:
     """Return the page where the logs are absent."""
-    return (
-        "# Measured logs, joint by joint\n\n**Skipped: the measured logs are absent.** They have licences of their "
-        f"own and do not ship; give their folder with `--data` or in `{variable}`.\n"
-    )
+    return f"{TITLE}\n\n{ABSENT}\n"
 
 
 HOW = (
@@ -75,7 +74,7 @@ def _head() -> str:
         "of all figures, differ between machines."
     )
     how = HOW.format(close=CUTOFFS[0], coarse=CUTOFFS[1], identify=IDENTIFY)
-    return f"# Measured logs, joint by joint\n\n{made}\n\n{how}"
+    return f"{TITLE}\n\n{made}\n\n{how}"
 
 
 def _counts(measured: Sequence[Measured]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import resource
 import subprocess
+import sys
 from collections.abc import Sequence
 
 ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "MKL")}
@@ -27,6 +28,11 @@ def run(
         command, capture_output=True, text=True, check=False, timeout=timeout, env=os.environ | ONE_THREAD
     )
     return done, _spent() - before
+
+
+def cdia(*arguments: str) -> tuple[subprocess.CompletedProcess[str], float]:
+    """Run ``cdia`` as a user would; returns as `run` does."""
+    return run([sys.executable, "-m", "cdia_pin", *arguments])
 
 
 def _spent() -> float:

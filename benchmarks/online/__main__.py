@@ -11,13 +11,13 @@ Outcomes are kept in .cache/online, so that a run that was interrupted goes on w
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from benchmarks.online.plan import SUITES
 from benchmarks.online.running import run_all
 from benchmarks.online.scenarios import ARMS
 from benchmarks.outcomes import CHECKOUT, tell
+from benchmarks.publishing import publish, stated
 
 PAGE = CHECKOUT / "docs" / "results-online.md"
 
@@ -46,13 +46,8 @@ def main() -> None:
     if "cost" in options.suites:
         tell("cost: a minute or two")
         cost = measure()
-    text = page(outcomes, cost, "python -m benchmarks.online " + " ".join(sys.argv[1:]), options.quick)
-    out = options.out or (PAGE if whole else None)
-    if out is None:
-        print(text)
-    else:
-        out.write_text(text, encoding="utf-8")
-        tell(f"wrote {out}")
+    text = page(outcomes, cost, stated(given, options, ("arms", "suites", "quick")), options.quick)
+    publish(text, options.out or (PAGE if whole else None))
 
 
 if __name__ == "__main__":

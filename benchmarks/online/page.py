@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 import platform
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 
 import cdia_pin
-from benchmarks.claims import Claim
+from benchmarks.claim_tables import MUST_SHOW, by_part, targets
 from benchmarks.markdown import Row, details, processor, table
 from benchmarks.online.claims import PARTS, fell_short
 from benchmarks.online.cost import ARM, Cost
@@ -23,13 +23,9 @@ DEAREST = 6.0  # tick over floor [1]
 def page(outcomes: Sequence[Outcome], cost: Cost | None, command: str, quick: bool) -> str:
     """Return the results as Markdown."""
     arms = list(dict.fromkeys(o.robot for o in outcomes))
-    parts = [_head(command, quick, outcomes), "## Must show", _must_show(outcomes, cost)]
-    for part in PARTS:
-        chosen = [o for o in outcomes if part.chosen(o)]
-        if chosen:
-            rows = (_row(claim, chosen, arms) for claim in part.claims)
-            heads = ("", "target", "all arms", "n", "met", *arms)
-            parts += [f"## {part.title}", part.about, table(heads, rows)]
+    rows = [*targets(PARTS, outcomes), *(_ticks(cost) if cost is not None else ())]
+    parts = [_head(command, quick, outcomes), "## Must show", table(MUST_SHOW, rows)]
+    parts += by_part(PARTS, outcomes, arms, lambda o: o.robot)
     if cost is not None:
         parts += _cost_part(cost)
     parts += ["## Where it falls short", *_failures(outcomes)]
@@ -59,35 +55,10 @@ def _head(command: str, quick: bool, outcomes: Sequence[Outcome]) -> str:
 # ---------------------------------------------------------------- figures
 
 
-def _must_show(outcomes: Sequence[Outcome], cost: Cost | None) -> str:
-    rows = []
-    for part in PARTS:
-        chosen = [o for o in outcomes if part.chosen(o)]
-        for claim in part.claims if chosen else ():
-            if claim.target:
-                figure = claim.measure(chosen)
-                rows.append(
-                    (
-                        f"{part.title}: {claim.text}",
-                        claim.target,
-                        figure.text,
-                        figure.n,
-                        claim.says(figure.value),
-                    )
-                )
-    if cost is not None:
-        for t in cost.ticks:
-            text = f"Cost of a tick, {t.state}, {t.effects} known effects, over that of the rigid body"
-            rows.append(
-                (text, f"≤ {DEAREST:g}", f"{t.ratio:.1f}", "", "yes" if t.ratio <= DEAREST else "**NOT met**")
-            )
-    return table(("claim", "target", "measured", "n", "met"), rows)
-
-
-def _row(claim: Claim, chosen: Sequence[Outcome], arms: Iterable[str]) -> Row:
-    figure = claim.measure(chosen)
-    each = (claim.measure([o for o in chosen if o.robot == arm]).text for arm in arms)
-    return (claim.text, claim.target or "–", figure.text, figure.n, claim.says(figure.value), *each)
+def _ticks(cost: Cost) -> Iterator[Row]:
+    for t in cost.ticks:
+        text = f"Cost of a tick, {t.state}, {t.effects} known effects, over that of the rigid body"
+        yield (text, f"≤ {DEAREST:g}", f"{t.ratio:.1f}", "", "yes" if t.ratio <= DEAREST else "**NOT met**")
 
 
 def _cost_part(cost: Cost) -> Iterator[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cdia_pin.cli.conditions import Conditions, PerLog, parse_conditions, parse_per_log, under
+from cdia_pin.cli.conditions import Conditions, PerLog, parse_conditions, parse_per_log
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
@@ -84,12 +84,9 @@ def add(
             conditioning=Conditioning(cutoff=cutoff),
             per_log=parse_per_log(per_log, logs, conditions, known.robot),
         )
-        reading = Reading(gains, joint_map, convert, topic)
-        read, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
-        given = under(conditions, read, logs)
-        held_out = under(
-            conditions, read_logs(unseen, known.robot, reading, check=check, tell=tell)[0], unseen
-        )
+        reading = Reading(gains, joint_map, convert, topic, conditions)
+        given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
+        held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
         found = discovery.add_effect(
             known, added, given, holdout=held_out or None, settings=settings, progress=tell
         )

@@ -14,7 +14,7 @@ from cdia_pin.cli.options import Model
 def app(
     log: Annotated[
         Path | None,
-        typer.Argument(metavar="[LOG]", show_default=False, help="Log to load at once; needs --robot."),
+        typer.Argument(metavar="LOG", show_default=False, help="Log to load at once; needs --robot."),
     ] = None,
     *,
     robot: Annotated[

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cdia_pin.cli.conditions import Conditions, parse_conditions, under
+from cdia_pin.cli.conditions import Conditions, parse_conditions
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.options import (
@@ -23,6 +24,12 @@ from cdia_pin.cli.options import (
     Topic,
 )
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
+
+if TYPE_CHECKING:
+    from cdia_pin.discovery import Comparison
+    from cdia_pin.dynamics import Dynamics
+    from cdia_pin.logs import Log
+    from cdia_pin.logs.conditioning import Conditioning
 
 
 def compare(
@@ -60,25 +67,23 @@ def compare(
         from cdia_pin import discovery
         from cdia_pin.logs.conditioning import Conditioning
 
-        reading = Reading(gains, joint_map, convert, topic)
-        read, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
-        given = under(conditions, read, logs)
+        reading = Reading(gains, joint_map, convert, topic, conditions)
+        given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         tell("comparing", 0.1)
         settings = discovery.DiscoverySettings(conditioning=Conditioning(cutoff=cutoff))
-        found = discovery.compare(known, given, conditioning=settings.conditioning)
-        by_log = [discovery.compare(known, log, conditioning=settings.conditioning) for log in given]
+        found, by_log = _compared(known, given, settings.conditioning)
         changed = discovery.changes_between(known, given, settings, tell) if changes else ()
     from cdia_pin.viewers import changes_table, comparison_table, errors_by_log, where_it_fails, write_report
 
     show_inputs(console, known, given)
-    if len(by_log) > 1:
+    if by_log:
         console.print(errors_by_log(by_log))
     console.print(comparison_table(found))
     console.print(where_it_fails(found))
     for each in changed:
         console.print(changes_table(each))
     document = found.to_dict()
-    if len(by_log) > 1:
+    if by_log:
         document["by_log"] = [c.to_dict() for c in by_log]
         document["changes"] = [c.to_dict() for c in changed]
     write_all(
@@ -86,3 +91,18 @@ def compare(
         (json, lambda f: write_json(document, f)),
         (report, lambda f: write_report(f, found, checks=checks, command=ctx.obj)),
     )
+
+
+def _compared(
+    known: Dynamics, logs: Sequence[Log], conditioning: Conditioning
+) -> tuple[Comparison, list[Comparison]]:
+    """Compare a model with all logs together and, where there are several, with each; filter each log once."""
+    from cdia_pin.discovery import compare_in
+    from cdia_pin.discovery.experiment import Experiment
+    from cdia_pin.logs.conditioning import condition
+
+    robot = known.robot
+    motions = [condition(log, robot, conditioning) for log in logs]
+    together = compare_in(Experiment.of(robot, motions), known)
+    each = [compare_in(Experiment.of(robot, [m]), known) for m in motions] if len(motions) > 1 else []
+    return together, each

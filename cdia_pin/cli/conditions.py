@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,7 +11,6 @@ import typer
 from cdia_pin.cli.failures import CommandError
 
 if TYPE_CHECKING:
-    from cdia_pin.logs import Log
     from cdia_pin.robot import RobotModel
 
 Conditions = Annotated[
@@ -85,8 +83,3 @@ def parse_conditions(texts: Sequence[str] | None, logs: Sequence[Path]) -> dict[
             if out.setdefault(path, name) != name:
                 raise CommandError(f"{path} is given two conditions, {out[path]} and {name}")
     return out
-
-
-def under(conditions: dict[Path, str], logs: Sequence[Log], paths: Sequence[Path]) -> list[Log]:
-    """Return logs with their conditions."""
-    return [replace(log, condition=conditions.get(path, "")) for log, path in zip(logs, paths, strict=True)]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cdia_pin.cli.conditions import Conditions, PerLog, parse_conditions, parse_per_log, under
+from cdia_pin.cli.conditions import Conditions, PerLog, parse_conditions, parse_per_log
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
@@ -99,12 +99,9 @@ def discover(
             extra=own_effects(extra or [], known.robot),
             per_log=parse_per_log(per_log, logs, conditions, known.robot),
         )
-        reading = Reading(gains, joint_map, convert, topic)
-        read, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
-        given = under(conditions, read, logs)
-        held_out = under(
-            conditions, read_logs(unseen, known.robot, reading, check=check, tell=tell)[0], unseen
-        )
+        reading = Reading(gains, joint_map, convert, topic, conditions)
+        given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
+        held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
         found = discovery.discover(known, given, holdout=held_out or None, settings=settings, progress=tell)
     from cdia_pin.viewers import discovery_table
     from cdia_pin.viewers.text_ranking import ranking_table

@@ -24,7 +24,7 @@ EXAMPLE_ROBOT = "scara"  # ships; has turning and sliding joints, whose units di
 
 def effects(
     name: Annotated[
-        str | None, typer.Argument(metavar="[EFFECT]", show_default=False, help="One of them.")
+        str | None, typer.Argument(metavar="EFFECT", show_default=False, help="One of them.")
     ] = None,
     json: Json = None,
 ) -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,20 +27,23 @@ class Reading:
         joint_map: Texts ``name=joint``.
         convert: Texts ``key=value``.
         topic: Topic of a bag.
+        conditions: Under which condition logs were recorded, by path.
     """
 
     gains: Path | None = None
     joint_map: Sequence[str] | None = None
     convert: Sequence[str] | None = None
     topic: str | None = None
+    conditions: Mapping[Path, str] = field(default_factory=dict)
 
     def read(self, path: Path, robot: RobotModel) -> Log:
         """Read one log."""
         from cdia_pin.logs import read_log
 
-        return read_log(
+        log = read_log(
             path, robot, gains=self.gains, joint_map=self.joint_map, convert=self.convert, topic=self.topic
         )
+        return replace(log, condition=self.conditions.get(path, ""))
 
 
 def load_inputs(robot: str, model: Path | None) -> Dynamics:

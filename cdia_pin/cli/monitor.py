@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -10,7 +9,7 @@ import typer
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.monitor_options import Bank, Engine, Threshold, thresholds
+from cdia_pin.cli.monitor_options import MONITOR, Bank, Engine, Healthy, Threshold, thresholds
 from cdia_pin.cli.options import (
     Check,
     Convert,
@@ -38,16 +37,7 @@ def monitor(
     *,
     robot: Robot,
     model: Model = None,
-    healthy: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "--healthy",
-            metavar="LOG",
-            show_default=False,
-            help="Run of the healthy arm, to learn thresholds from; may be repeated. The first part of LOG if "
-            "left out.",
-        ),
-    ] = None,
+    healthy: Healthy = None,
     healthy_until: Annotated[
         float | None,
         typer.Option(
@@ -55,6 +45,7 @@ def monitor(
             metavar="S",
             show_default=False,
             help="Length of the first part of LOG that is healthy \\[s]; 30 %, 5 to 20 s, if left out.",
+            rich_help_panel=MONITOR,
         ),
     ] = None,
     threshold: Threshold = None,
@@ -63,7 +54,9 @@ def monitor(
     velocity: Annotated[
         bool,
         typer.Option(
-            "--velocity/--no-velocity", help="Use recorded velocities, or differentiate positions instead."
+            "--velocity/--no-velocity",
+            help="Use recorded velocities, or differentiate positions instead.",
+            rich_help_panel=MONITOR,
         ),
     ] = True,
     save: Save = None,
@@ -77,7 +70,7 @@ def monitor(
 ) -> None:
     """Watch a log as a monitor would have live: detect, isolate and accommodate faults, note when they are gone.
 
-    Thresholds are learned from healthy runs at the rate of LOG.
+    Thresholds are learned from healthy runs at the rate of LOG; from the first part of LOG if there are none.
     """
     given = [log, *(healthy or [])]
     require_writable(save, json, report, inputs=[*given, *([model] if model else [])])

@@ -1,7 +1,8 @@
-"""Options of a monitor, shared by ``monitor`` and ``simulate``."""
+"""Options of a monitor, shared by ``monitor``, ``simulate`` and ``view``."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -10,6 +11,16 @@ from cdia_pin.cli.failures import CommandError
 
 MONITOR = "Monitor"
 
+Healthy = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--healthy",
+        metavar="LOG",
+        show_default=False,
+        help="Run of the healthy arm, to learn thresholds from; may be repeated.",
+        rich_help_panel=MONITOR,
+    ),
+]
 Bank = Annotated[
     list[str] | None,
     typer.Option(

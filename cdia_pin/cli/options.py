@@ -18,12 +18,11 @@ Logs = Annotated[
         help="Logs: .csv, .parquet, .npz, or ROS 2 bags (.db3, .mcap).",
     ),
 ]
-OneLog = Annotated[
-    Path,
-    typer.Argument(
-        metavar="LOG", show_default=False, help="Log: .csv, .parquet, .npz, or a ROS 2 bag (.db3, .mcap)."
-    ),
-]
+LOG = typer.Argument(
+    metavar="LOG", show_default=False, help="Log: .csv, .parquet, .npz, or a ROS 2 bag (.db3, .mcap)."
+)
+OneLog = Annotated[Path, LOG]
+AtMostOneLog = Annotated[Path | None, LOG]
 Robot = Annotated[
     str,
     typer.Option(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import shlex
 import sys
@@ -76,11 +77,23 @@ def cdia(
         typer.echo(ctx.get_help())
 
 
+def unwrapped(text: str) -> str:
+    """Return a docstring with a line for each paragraph, for a terminal to wrap at its own width."""
+    return "\n\n".join(" ".join(paragraph.split()) for paragraph in inspect.cleandoc(text).split("\n\n"))
+
+
 JOB, MODELS, KNOWN = "The job", "Models and logs", "What there is"
 for command, panel, example in (
     (demo, JOB, ["cdia demo"]),
     (check, JOB, ["cdia check run.csv --robot ur5"]),
-    (compare, JOB, ["cdia compare run.csv --robot ur5 --model model.json --report before.html"]),
+    (
+        compare,
+        JOB,
+        [
+            "cdia compare run.csv --robot ur5 --model model.json --report before.html",
+            "cdia compare monday.csv friday.csv --robot ur5",
+        ],
+    ),
     (discover, JOB, ["cdia discover run.csv --robot ur5 --save model.json --report found.html"]),
     (add, JOB, ["cdia add coulomb_friction@elbow_joint run.csv --robot ur5 --save model.json"]),
     (
@@ -124,7 +137,9 @@ for command, panel, example in (
     (robots, KNOWN, ["cdia robots", "cdia robots ur5"]),
     (effects, KNOWN, ["cdia effects", "cdia effects coulomb_friction"]),
 ):
-    app.command(rich_help_panel=panel, epilog=examples(*example))(command)
+    app.command(help=unwrapped(command.__doc__ or ""), rich_help_panel=panel, epilog=examples(*example))(
+        command
+    )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -148,7 +163,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
     except UsageError as error:
         return _fail(_usage(error))
-    except CdiaError as error:
+    except (CdiaError, MemoryError) as error:
         return _fail(one_line(error))
     except BrokenPipeError:
         close_stdout()

@@ -21,7 +21,7 @@ SCHEMA = "cdia-robots/1"
 def robots(
     name: Annotated[
         str | None,
-        typer.Argument(metavar="[R]", show_default=False, help="One of them, or the path of a URDF file."),
+        typer.Argument(metavar="R", show_default=False, help="One of them, or the path of a URDF file."),
     ] = None,
     json: Json = None,
 ) -> None:

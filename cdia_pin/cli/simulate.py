@@ -14,6 +14,7 @@ from cdia_pin.cli.inputs import load_inputs, show_inputs
 from cdia_pin.cli.monitor_options import MONITOR, Bank, Engine
 from cdia_pin.cli.options import Json, Report, Robot
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.simulation_options import SIMULATION, Duration, Fault, Seed
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -36,16 +37,8 @@ def simulate(
             "--out", "-o", metavar="LOG", show_default=False, help="Log to write: .csv, .parquet or .npz."
         ),
     ],
-    fault: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--fault",
-            metavar="FAULT",
-            show_default=False,
-            help="What the arm has and its URDF does not, 'EFFECT@JOINT: NAME=VALUE, …'; may be repeated.",
-        ),
-    ] = None,
-    duration: Annotated[float, typer.Option("--duration", metavar="S", help="Length \\[s].")] = 20.0,
+    fault: Fault = None,
+    duration: Duration = 20.0,
     rate: Annotated[
         float | None,
         typer.Option(
@@ -54,6 +47,7 @@ def simulate(
             show_default=False,
             help=f"Samples of the log per second \\[Hz]; {RATE:g}, or {CONTROL_RATE:g}, that of the control, "
             "with a monitor.",
+            rich_help_panel=SIMULATION,
         ),
     ] = None,
     noise: Annotated[
@@ -62,9 +56,10 @@ def simulate(
             "--noise",
             metavar="SHARE",
             help=f"Noise of the torques over their RMS, with encoder steps of {QUANTUM:g} rad; 0: no flaw.",
+            rich_help_panel=SIMULATION,
         ),
     ] = 0.01,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the motion and the noise.")] = 0,
+    seed: Seed = 0,
     accommodate: Annotated[
         bool | None,
         typer.Option(

@@ -2,41 +2,25 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading
-from cdia_pin.cli.monitor_options import MONITOR, Bank
-from cdia_pin.cli.options import Check, Convert, Gains, JointMap, Model, Robot, Topic
+from cdia_pin.cli.monitor_options import MONITOR, Bank, Healthy
+from cdia_pin.cli.options import AtMostOneLog, Check, Convert, Gains, JointMap, Model, Robot, Topic
+from cdia_pin.cli.simulation_options import SIMULATION, Duration, Fault, Seed
 
-SIMULATION, PAGE = "Simulation", "Page"
+PAGE = "Page"
 
 
 def view(
-    log: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="LOG",
-            show_default=False,
-            help="Log: .csv, .parquet, .npz, or a ROS 2 bag (.db3, .mcap).",
-        ),
-    ] = None,
+    log: AtMostOneLog = None,
     *,
     robot: Robot,
     model: Model = None,
-    healthy: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "--healthy",
-            metavar="LOG",
-            show_default=False,
-            help="Run of the healthy arm, to learn thresholds from; may be repeated. Shows the stages of a monitor.",
-            rich_help_panel=MONITOR,
-        ),
-    ] = None,
+    healthy: Healthy = None,
     monitored: Annotated[
         bool,
         typer.Option(
@@ -53,16 +37,7 @@ def view(
             "--simulate", help="Show a simulated closed loop instead of a log.", rich_help_panel=SIMULATION
         ),
     ] = False,
-    fault: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--fault",
-            metavar="FAULT",
-            show_default=False,
-            help="What the arm has and its URDF does not, 'EFFECT@JOINT: NAME=VALUE, …'; may be repeated.",
-            rich_help_panel=SIMULATION,
-        ),
-    ] = None,
+    fault: Fault = None,
     accommodate: Annotated[
         bool,
         typer.Option(
@@ -71,19 +46,14 @@ def view(
             rich_help_panel=SIMULATION,
         ),
     ] = True,
-    duration: Annotated[
-        float, typer.Option("--duration", metavar="S", help="Length \\[s].", rich_help_panel=SIMULATION)
-    ] = 30.0,
+    duration: Duration = 30.0,
     rate: Annotated[
         float,
         typer.Option(
             "--rate", metavar="HZ", help="Ticks of the control per second \\[Hz].", rich_help_panel=SIMULATION
         ),
     ] = 1000.0,
-    seed: Annotated[
-        int,
-        typer.Option("--seed", metavar="N", help="Of the motion and the noise.", rich_help_panel=SIMULATION),
-    ] = 0,
+    seed: Seed = 0,
     speed: Annotated[
         float,
         typer.Option(

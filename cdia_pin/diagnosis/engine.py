@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.isolation import Decision
 from cdia_pin.diagnosis.status import Event, Status
 from cdia_pin.effects import Term
 from cdia_pin.errors import ModelError
@@ -54,6 +55,11 @@ class Engine(Protocol):
     @property
     def faults(self) -> tuple[Term, ...]:
         """Faults now believed in."""
+        ...
+
+    @property
+    def decisions(self) -> tuple[Decision | None, ...]:
+        """The last decision on each joint, None before its first; empty of an engine that takes no such decisions."""
         ...
 
     def reset(self) -> None:

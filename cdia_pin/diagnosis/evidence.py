@@ -28,12 +28,16 @@ class Evidence:
         observer: Collects the normal equations.
         isolator: Decides between effects.
         healthy: What a healthy joint is like.
+
+    Attributes:
+        last: The last decision; None before the first.
     """
 
     def __init__(self, j: int, observer: Observer, isolator: Isolator, healthy: Healthy) -> None:
         self.j, self.observer, self.isolator = j, observer, isolator
         self.level = float(healthy.level[j])
         self.independent = float(healthy.memory[j]) / observer.dt  # ticks
+        self.last: Decision | None = None
         self.rely_on_nothing()
 
     @property
@@ -72,6 +76,11 @@ class Evidence:
         self._prior = np.zeros(self.isolator.bank.width)
         self._centre = np.zeros(self.isolator.bank.width)
 
+    def reset(self) -> None:
+        """Return to the start."""
+        self.last = None
+        self.end()
+
     def end(self) -> None:
         """Collect no more."""
         self.rely_on_nothing()
@@ -79,7 +88,7 @@ class Evidence:
 
     def decide(self, required: int = 0) -> Decision:
         """Decide between combinations of effects that hold the required ones, one bit each."""
-        return self.isolator.decide(
+        self.last = self.isolator.decide(
             self.j,
             self.gram,
             max(self.weight, 1.0),
@@ -89,6 +98,7 @@ class Evidence:
             prior=self._prior,
             centre=self._centre,
         )
+        return self.last
 
     def belief(self, decision: Decision, verdict: Verdict) -> Belief:
         """Return a decision for effects as a belief, with intervals."""

@@ -52,6 +52,11 @@ class Guarded:
         """Faults now believed in."""
         return self.engine.faults
 
+    @property
+    def decisions(self) -> tuple[()]:
+        """None of this kind: hypotheses of the thesis die one by one."""
+        return ()
+
     def reset(self) -> None:
         """Return to the start, keeping what healthy runs taught."""
         self.engine.reset()

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from cdia_pin.diagnosis.isolation import Decision, Isolator
 from cdia_pin.diagnosis.monitor import Monitor
 from cdia_pin.diagnosis.status import Stage, Status
 from cdia_pin.effects import Term
@@ -47,48 +45,31 @@ class Belief:
     faults: tuple[Term, ...]
 
 
-class _Overheard:
-    """An isolator whose last decision on each joint can be read."""
-
-    def __init__(self, isolator: Isolator, decisions: dict[int, Decision]) -> None:
-        self._isolator, self._decisions = isolator, decisions
-
-    def decide(self, j: int, *args: Any, **more: Any) -> Decision:
-        decision = self._isolator.decide(j, *args, **more)
-        self._decisions[j] = decision
-        return decision
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._isolator, name)
-
-
 class Journal:
     """Keeps looks and beliefs, wherever they change.
 
     Args:
-        monitor: Whose thoughts are kept; of an engine without isolators there are no looks.
+        monitor: Whose thoughts are kept; of an engine that takes no decisions there are no looks.
     """
 
     def __init__(self, monitor: Monitor) -> None:
         self.looks: list[Look] = []
         self.beliefs: list[Belief] = []
         self._joints, self._names = monitor.model.robot.joints, monitor.bank.names
-        self._decisions: dict[int, Decision] = {}  # taken since the last tick
+        self._engine, self._seen = monitor.engine, monitor.engine.decisions
         self._live: dict[int, Look] = {}  # of the joints that are decided upon
         self._faults: tuple[Term, ...] = ()
         self._next = -np.inf
-        for watch in getattr(monitor.engine, "watches", ()):
-            asked = watch.evidence.isolator
-            inner = getattr(asked, "_isolator", asked)  # an earlier journal hears no more
-            watch.evidence.isolator = _Overheard(inner, self._decisions)
 
     def __call__(self, status: Status) -> None:
         """Take note of a tick."""
-        for j, decision in self._decisions.items():
+        seen, self._seen = self._seen, self._engine.decisions
+        for j, decision in enumerate(self._seen):
+            if decision is None or decision is seen[j]:
+                continue
             leading = None if decision.mask is None else self._effects(decision.mask)
             rivals = tuple(self._effects(mask) for mask, _ in decision.rivals)
             self._note(j, Look(status.time, self._joints[j], leading, rivals))
-        self._decisions.clear()
         for j in [j for j in self._live if status.stages[j] not in DECIDED_UPON]:
             self._note(j, Look(status.time, self._joints[j], ()))
             del self._live[j]

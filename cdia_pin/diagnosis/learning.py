@@ -65,7 +65,7 @@ def learn(nominal: Nominal, runs: Sequence[Log], bank: Bank, settings: MonitorSe
         settings: Bandwidth, margins, and whether masses are corrected.
 
     Raises:
-        LogError: If the runs are too short, belong to other joints, or differ in rate.
+        LogError: If the runs are too short, at rest, belong to other joints, or differ in rate.
     """
     dt = _check(nominal, runs)
     notes = []
@@ -134,6 +134,8 @@ def _check(nominal: Nominal, runs: Sequence[Log]) -> float:
         raise LogError(
             f"healthy runs of {total:.2g} s are too short to learn from; give {SHORTEST:g} s or more"
         )
+    if not any(np.ptp(run.position, axis=0).any() for run in runs):
+        raise LogError(f"{runs[0].source}: nothing moves in the healthy runs; there is nothing to learn from")
     rates = [r.rate for r in runs]
     if max(rates) > 1.2 * min(rates):
         raise LogError(f"healthy runs must share one rate, given {min(rates):.0f} to {max(rates):.0f} Hz")

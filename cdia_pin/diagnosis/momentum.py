@@ -11,7 +11,7 @@ from cdia_pin.diagnosis.alignment import Alignment
 from cdia_pin.diagnosis.approximation import unknown_of
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.codes import ABSENT, ALARM, BAD
-from cdia_pin.diagnosis.isolation import Isolator
+from cdia_pin.diagnosis.isolation import Decision, Isolator
 from cdia_pin.diagnosis.learning import Healthy, assumed, learn
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.observer import Observer
@@ -138,6 +138,11 @@ class MomentumEngine:
     def faults(self) -> tuple[Term, ...]:
         """Faults now believed in."""
         return tuple(term for watch in self.watches for term in watch.faults)
+
+    @property
+    def decisions(self) -> tuple[Decision | None, ...]:
+        """The last decision on each joint, None before its first."""
+        return tuple([watch.evidence.last for watch in self.watches])
 
     @property
     def notes(self) -> tuple[str, ...]:

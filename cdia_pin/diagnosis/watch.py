@@ -58,7 +58,7 @@ class JointWatch:
     def reset(self) -> None:
         """Return to healthy, believing nothing."""
         self.beliefs = Beliefs(self.j, self.observer, self.bank, self.unknown)
-        self.evidence.end()
+        self.evidence.reset()
         self.stage = Stage.HEALTHY
         self.since = self.last_alarm = -np.inf
         self._votes = Votes(self.settings.votes)

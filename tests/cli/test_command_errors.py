@@ -145,10 +145,18 @@ def test_an_interrupt_is_not_a_crash(cdia, log, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("cdia_pin.discovery.compare", interrupted)
+    monkeypatch.setattr("cdia_pin.discovery.compare_in", interrupted)
     outcome = cdia("compare", log, *ROBOT)
     assert outcome.code == 130
     assert "Traceback" not in outcome.err
+
+
+def test_what_memory_cannot_hold_is_one_line(cdia, log, monkeypatch):
+    def too_large(*_, **__):
+        raise MemoryError("Unable to allocate 3.64 TiB")
+
+    monkeypatch.setattr("cdia_pin.discovery.compare_in", too_large)
+    assert "Unable to allocate" in cdia("compare", log, *ROBOT).error
 
 
 def test_a_suspicious_log_is_warned_of_in_one_line(cdia, log, tmp_path):

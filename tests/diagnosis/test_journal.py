@@ -5,6 +5,7 @@ import pytest
 
 from cdia_pin import Dynamics, Monitor, exciting_trajectory, load_robot, simulate
 from cdia_pin.diagnosis import replay
+from cdia_pin.diagnosis.journal import Journal
 from cdia_pin.dynamics.sensors import Sensors
 from cdia_pin.effects import parse_term
 
@@ -59,7 +60,25 @@ def test_beliefs_grow_surer(watched):
     assert widths[-1] < widths[0]
 
 
-def test_of_an_engine_without_isolators_there_are_no_looks(watched):
+def test_two_journals_hear_the_same(watched):
+    monitor, log, run = watched
+    first, second = Journal(monitor), Journal(monitor)
+    monitor.replay(log, lambda status: (first(status), second(status)))
+    assert first.looks == second.looks == list(run.looks)
+
+
+def test_a_journal_that_begins_late_notes_nothing_old(watched):
+    monitor, log, _ = watched
+    monitor.replay(log)
+    assert any(monitor.engine.decisions)
+    late = Journal(monitor)
+    late(monitor.update(float(log.time[-1]) + 0.004, log.position[-1], log.velocity[-1], log.effort[-1]))
+    assert late.looks == []
+    monitor.reset()
+    assert not any(monitor.engine.decisions)
+
+
+def test_of_an_engine_that_takes_no_decisions_there_are_no_looks(watched):
     _, log, _ = watched
     monitor = Monitor(Dynamics(load_robot("scara")), healthy=[measured(1)], engine="thesis")
     assert replay(monitor, log).looks == ()

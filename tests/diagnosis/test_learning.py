@@ -117,6 +117,14 @@ def test_runs_that_are_too_short_are_refused(first: Log) -> None:
         learn(NOMINAL, [first.slice(0, 1500)], BANK, MonitorSettings())
 
 
+def test_an_arm_at_rest_teaches_nothing(first: Log) -> None:
+    rest = replace(
+        first, **{k: np.tile(getattr(first, k)[:1], (len(first.time), 1)) for k in ("position", "effort")}
+    )
+    with pytest.raises(LogError, match="nothing moves"):
+        learn(NOMINAL, [replace(rest, velocity=None)], BANK, MonitorSettings())
+
+
 def test_several_short_runs_are_enough_together(first: Log) -> None:
     parts = [first.slice(k, k + 1500) for k in (0, 1500, 3000)]
     assert np.isfinite(learn(NOMINAL, parts, BANK, MonitorSettings(calibrate=False)).bound).all()

@@ -1,0 +1,29 @@
+"""Where the measured logs are: beside the checkout, or where an option or a variable says."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+from benchmarks.outcomes import CHECKOUT
+
+BESIDE = CHECKOUT.parent / "shared" / "data"
+VARIABLE = "CDIA_MEASURED_LOGS"
+ABSENT = (
+    "**Skipped: the measured logs are absent.** They have licences of their own and do not ship; give their folder "
+    f"with `--data` or in `{VARIABLE}`."
+)
+
+
+def add_option(parser: argparse.ArgumentParser) -> None:
+    """Let a command take the folder as ``--data``."""
+    default = Path(os.environ.get(VARIABLE, BESIDE))
+    parser.add_argument(
+        "--data", type=Path, default=default, help=f"folder of measured logs (or ${VARIABLE})"
+    )
+
+
+def are_there(data: Path) -> bool:
+    """Return whether a folder holds them."""
+    return (data / "ur10").is_dir()

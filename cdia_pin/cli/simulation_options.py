@@ -1,0 +1,27 @@
+"""Options of a simulated arm, shared by ``simulate`` and ``view``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+SIMULATION = "Simulation"
+
+Fault = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--fault",
+        metavar="FAULT",
+        show_default=False,
+        help="What the arm has and its URDF does not, 'EFFECT@JOINT: NAME=VALUE, …'; may be repeated.",
+        rich_help_panel=SIMULATION,
+    ),
+]
+Duration = Annotated[
+    float, typer.Option("--duration", metavar="S", help="Length \\[s].", rich_help_panel=SIMULATION)
+]
+Seed = Annotated[
+    int,
+    typer.Option("--seed", metavar="N", help="Of the motion and the noise.", rich_help_panel=SIMULATION),
+]
