@@ -59,7 +59,7 @@ class Nominal:
             if always and isinstance(effect, LinkInertia | Payload):
                 pi[effect.carrier(robot)] += effect.in_joint_frame(theta, robot)
             elif always and isinstance(effect, BaseTilt):
-                g = g + effect.gravity_change(g, theta)
+                g = g + effect.gravity_change(robot, theta)
             elif always and isinstance(effect, EncoderOffset):
                 offset += effect.shift(robot, theta)
             elif isinstance(effect, EffortDelay):

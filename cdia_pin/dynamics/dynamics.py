@@ -85,9 +85,12 @@ class Dynamics:
     # ------------------------------------------------------------- torques
 
     def true_state(self, x: State) -> State:
-        """Return the state at the positions where the arm is, given those that its encoders read."""
+        """Return the state where the arm is, under the gravity there is, given what its encoders read."""
         shifting = [t for t in self.terms if t.effect.shifts]
-        return x.with_position(x.q + sum(t.shift(x) for t in shifting)) if shifting else x
+        tilting = [t for t in self.terms if t.effect.tilts]
+        if shifting:
+            x = x.with_position(x.q + sum(t.shift(x) for t in shifting))
+        return x.with_gravity_change(sum(t.gravity_change(x) for t in tilting)) if tilting else x
 
     def missing_torque(self, x: State) -> Array:
         """Return f = Σ β Φ θ for a state with its actuator torque [N·m or N], shape (N, n)."""

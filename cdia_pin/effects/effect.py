@@ -63,6 +63,7 @@ class Effect(ABC):
     of_acceleration: ClassVar[bool] = False  # Φ depends on q̈, and is affine in it
     reads: ClassVar[bool] = False  # distorts the torque reading after all else, not the motion
     shifts: ClassVar[bool] = False  # distorts the position reading: the arm is at q + `shift`
+    tilts: ClassVar[bool] = False  # turns gravity by `gravity_change`, for all bodies on the arm as well
     rarity: ClassVar[float] = 0.0  # how much sooner another explanation of equal merit is believed [1]
 
     def __post_init__(self) -> None:
@@ -90,6 +91,10 @@ class Effect(ABC):
     def shift(self, robot: RobotModel, theta: Array) -> Array:
         """Return by how much the arm is further than its encoders read [rad or m], shape (n,)."""
         return np.zeros(robot.n)
+
+    def gravity_change(self, robot: RobotModel, theta: Array) -> Array:
+        """Return by how much gravity differs from the robot's [m/s²], shape (3,)."""
+        return np.zeros(3)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return the smallest and largest physical parameters for this robot, each shape (p,)."""

@@ -24,17 +24,19 @@ class BaseTilt(NonlinearEffect):
 
     ``tilt_x`` and ``tilt_y`` are the parts of gravity added across it: along the x and y axes of a base whose
     gravity is along z, else along the two base axes most across gravity, in their order. What they take from
-    the main axis follows from gravity's constant size, so f is not linear.
+    the main axis follows from gravity's constant size, so f is not linear. The effect's own `torque` is that of
+    the robot; bodies that a model adds to it feel the tilt too.
     """
 
     name: ClassVar[str] = "base_tilt"
     equation: ClassVar[str] = "−K(q) Δg,  |g + Δg| = |g|"
     parameters = (Parameter("tilt_x", "m/s²"), Parameter("tilt_y", "m/s²"))
     steps: ClassVar[tuple[float, ...]] = (1e-5, 1e-5)
+    tilts: ClassVar[bool] = True
 
     def torque(self, x: State, theta: Array) -> Array:
         """Return f [N·m or N] for the tilt θ = (tilt_x, tilt_y) [m/s²], shape (N, n)."""
-        return -x.gravity_regressor @ self.gravity_change(x.robot.gravity_vector, theta)
+        return -x.gravity_regressor @ self.gravity_change(x.robot, theta)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return bounds within which gravity keeps its size [m/s²]."""
@@ -53,9 +55,9 @@ class BaseTilt(NonlinearEffect):
         _, most = self.bounds(robot)
         return np.asarray(theta) * (most[0] * (1 - 1e-12) / np.hypot(*theta))
 
-    @staticmethod
-    def gravity_change(gravity: Array, theta: Array) -> Array:
+    def gravity_change(self, robot: RobotModel, theta: Array) -> Array:
         """Return Δg [m/s²] of the tilt, shape (3,)."""
+        gravity = robot.gravity_vector
         size = float(np.linalg.norm(gravity))
         if size == 0.0:
             return np.zeros(3)  # where there is no gravity, a tilt changes nothing
@@ -104,5 +106,5 @@ class ViscousMedium(Effect):
     def basis(self, x: State) -> Array:
         """Return the columns of drag and displaced mass, shape (N, n, 2)."""
         drag = -np.einsum("kij,kj->ki", x.drag_matrix, x.v)
-        buoyancy = x.gravity_regressor @ x.robot.gravity_vector / x.robot.total_mass
+        buoyancy = np.einsum("kig,kg->ki", x.gravity_regressor, x.gravity) / x.robot.total_mass
         return np.stack([drag, buoyancy], axis=-1)

@@ -50,6 +50,8 @@ class State:
         time: Time of each sample [s], shape (N,).
         sign_width: Speed below which sgn(v) is smoothed [rad/s or m/s], shape (n,).
         log: Log or condition that the motion belongs to, for effects whose parameters differ between logs.
+        gravity_change: By how much gravity differs from the robot's, for bodies that are no part of it [m/s²], shape
+            (N, 3); None where it does not.
     """
 
     robot: RobotModel
@@ -60,6 +62,7 @@ class State:
     time: Array
     sign_width: Array = field(default_factory=lambda: np.array(DEFAULT_SIGN_WIDTH))
     log: str = ""
+    gravity_change: Array | None = None
 
     @classmethod
     def of(
@@ -102,7 +105,14 @@ class State:
 
     def with_effort(self, effort: Array) -> State:
         """Return the same motion under other actuator torques, keeping what was computed for it."""
-        twin = replace(self, effort=effort)
+        return self._twin(effort=effort)
+
+    def with_gravity_change(self, change: Array) -> State:
+        """Return the same motion under another gravity for what is no part of the robot [m/s²], shape (N, 3)."""
+        return self._twin(gravity_change=change)
+
+    def _twin(self, **changes: Array) -> State:
+        twin = replace(self, **changes)  # type: ignore[arg-type]
         twin.__dict__.update({k: v for k, v in self.__dict__.items() if k not in self.__dataclass_fields__})
         return twin
 
@@ -120,15 +130,31 @@ class State:
         """M q̈ + nle of the robot as described [N·m or N], shape (N, n)."""
         return self.robot.inverse_dynamics(self.q, self.v, self.a)
 
-    @cached_property
+    @property
     def torque_regressor(self) -> Array:
-        """Y with M q̈ + nle = Y π, shape (N, n, 10 n)."""
+        """Y with M q̈ + nle = Y π for bodies on the arm, under the gravity that they feel, shape (N, n, 10 n)."""
+        if self.gravity_change is None:
+            return self._regressor
+        return self._regressor + np.einsum("kijg,kg->kij", self._regressor_per_gravity, self.gravity_change)
+
+    @cached_property
+    def _regressor(self) -> Array:
         return self.robot.torque_regressor(self.q, self.v, self.a)
+
+    @cached_property
+    def _regressor_per_gravity(self) -> Array:
+        return self.robot.weight_regressor(self.q)
 
     @cached_property
     def gravity_regressor(self) -> Array:
         """K with G = K g, shape (N, n, 3)."""
         return self.robot.gravity_regressor(self.q)
+
+    @property
+    def gravity(self) -> Array:
+        """Gravity that bodies on the arm feel [m/s²], shape (N, 3)."""
+        change = np.zeros((len(self), 3)) if self.gravity_change is None else self.gravity_change
+        return self.robot.gravity_vector + change
 
     @cached_property
     def tool_jacobian(self) -> Array:

@@ -80,6 +80,10 @@ class Term:
         """Return by how much the arm is further than its encoders read [rad or m], shape (N, n)."""
         return self.profile(x)[:, None] * self.effect.shift(x.robot, np.array(self.theta))
 
+    def gravity_change(self, x: State) -> Array:
+        """Return by how much gravity differs from the robot's [m/s²], shape (N, 3)."""
+        return self.profile(x)[:, None] * self.effect.gravity_change(x.robot, np.array(self.theta))
+
     def jacobian(self, x: State) -> Array:
         """Return β ∂f/∂θ, shape (N, n, p)."""
         return self.profile(x)[:, None, None] * self.effect.jacobian(x, np.array(self.theta))

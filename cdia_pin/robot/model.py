@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Self
 
@@ -260,6 +260,22 @@ class RobotModel:
             v,
             a,
         )
+
+    def weight_regressor(self, q: ArrayLike) -> Array:
+        """∂Y/∂g of the torque regressor, for the gravity vector g in the base frame.
+
+        Returns:
+            Shape (n, 10 n, 3) or (N, n, 10 n, 3).
+        """
+        still = np.zeros(self.n)
+        columns = []
+        for axis in np.eye(3):
+            model = self._with_gravity(axis)
+            weigh = partial(pin.computeJointTorqueRegressor, model, model.createData())
+            columns.append(
+                self._each((self.n, 10 * self.n), lambda c, weigh=weigh: weigh(c, still, still), q)
+            )
+        return np.stack(columns, axis=-1)
 
     def tool_jacobian(self, q: ArrayLike) -> Array:
         """Jacobian of the tool, linear then angular, base axes, shape (6, n) or (N, 6, n)."""

@@ -163,9 +163,30 @@ def test_gravity_that_tilts_keeps_its_size_whichever_way_it_points():
     for gravity in ([0, 0, -9.81], [0, 0, 9.81], [9.81, 0, 0], [3.0, -8.0, 4.0]):
         arm = load_robot("ur5", gravity=gravity)
         term = parse_term("base_tilt: tilt_x=1, tilt_y=-2")
-        change = term.effect.gravity_change(arm.gravity_vector, np.array(term.theta))
+        change = term.effect.gravity_change(arm, np.array(term.theta))
         assert np.linalg.norm(arm.gravity_vector + change) == pytest.approx(np.linalg.norm(gravity))
         assert term.effect.is_physical(np.array(term.theta), arm)
     weightless = load_robot("ur5", gravity=0.0)
     x = State.of(weightless, np.ones((1, 6)), np.ones((1, 6)))
     np.testing.assert_array_equal(term.torque(x), 0.0)
+
+
+def test_bodies_that_are_added_feel_a_tilt_too(arm):
+    """Heavier links and a tilt as terms are the arm with those links, mounted on the slope."""
+    body = "link_inertia@elbow_joint: mass=2, first_moment_x=0.4, inertia_zz=0.3"
+    tilt, body, medium = (
+        parse_term(t) for t in ("base_tilt: tilt_x=3, tilt_y=-2", body, "viscous_medium: displaced_mass=2")
+    )
+    q, v, a = np.random.default_rng(0).standard_normal((3, 20, arm.n))
+    pi = arm.inertial_parameters.copy()
+    pi[arm.joint_index("elbow_joint")] += body.theta
+    slope = arm.gravity_vector + tilt.effect.gravity_change(arm, np.array(tilt.theta))
+    built = arm.with_inertial_parameters(pi).with_gravity(slope)
+    added = Dynamics(arm, (tilt, body)).inverse_dynamics(q, v, a)
+    np.testing.assert_allclose(added, built.inverse_dynamics(q, v, a), atol=1e-9)
+    for k in range(3):
+        back = Dynamics(arm, (tilt, body)).forward_dynamics(q[k], v[k], added[k])
+        np.testing.assert_allclose(back, a[k], atol=1e-8)
+    lifted = Dynamics(arm, (medium, tilt)).inverse_dynamics(q, v, a)
+    alone = Dynamics(arm.with_gravity(slope), (medium,)).inverse_dynamics(q, v, a)
+    np.testing.assert_allclose(lifted, alone, atol=1e-9)

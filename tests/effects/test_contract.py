@@ -227,6 +227,12 @@ def test_it_shifts_the_encoders_exactly_if_it_says_so(name, effect):
     assert effect.shifts == bool(effect.shift(robot, drawn(effect, robot)).any())
 
 
+@each()
+def test_it_tilts_gravity_exactly_if_it_says_so(name, effect):
+    robot = robot_of(name)
+    assert effect.tilts == bool(effect.gravity_change(robot, drawn(effect, robot)).any())
+
+
 @pytest.mark.parametrize("kind", KINDS, ids=lambda k: k.name)
 def test_its_flags_say_no_more_than_is_true_on_some_joint(kind):
     x = state_of("ur5")
