@@ -34,6 +34,7 @@ LEAST_RIGID_SHARE = (
 )
 SLOW = (CoulombFriction, ViscousFriction, TorqueOffset)  # what may drift within a log
 SCREENED = 2  # shapes that pass the screening
+SAME_GRAVITY = 0.03  # [m/s²], by which gravity may differ and columns of bodies are kept
 
 
 def enumerate_candidates(
@@ -117,6 +118,7 @@ class Columns:
     def __init__(self, experiment: Experiment) -> None:
         self.experiment = experiment
         self._fixed: dict[Effect, Array] = {}
+        self._weighed: tuple[Array, dict[Effect, Array]] = (np.zeros(3), {})
         self._families: dict[Effect, tuple[NoiseModel, list[Effect], Array, Array]] = {}
 
     def of(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
@@ -136,12 +138,18 @@ class Columns:
 
     def fixed(self, effect: Effect, prediction: Prediction) -> Array:
         """Return the columns of an effect of the motion alone, as in a model without gains."""
-        if effect not in self._fixed:
+        known = self._fixed
+        if effect.weighs:
+            change = prediction.model.gravity_change
+            if np.linalg.norm(change - self._weighed[0]) > SAME_GRAVITY:
+                self._weighed = (change, {})
+            known = self._weighed[1]
+        if effect not in known:
             bare = replace(
                 prediction, torques=tuple(replace(t, gain=np.ones_like(t.gain)) for t in prediction.torques)
             )
-            self._fixed[effect] = self.experiment.columns(effect, bare)
-        return self._fixed[effect]
+            known[effect] = self.experiment.columns(effect, bare)
+        return known[effect]
 
     def family(self, family: list[Effect], prediction: Prediction, noise: NoiseModel) -> tuple[Array, Array]:
         """Return a family's whitened columns (C, p, K) of its joint and their inverse Gram matrices (C, p, p)."""

@@ -165,6 +165,9 @@ class Experiment:
         rows = []
         for segment, torques in zip(self.segments, prediction.torques, strict=True):
             x = segment.state
+            if effect.weighs and prediction.model.gravity_change.any():
+                x.weight_regressor  # noqa: B018 - computed once for all tilts
+                x = prediction.model.under_gravity(x)
             if effect.of_torque:
                 x = x.with_effort(torques.actuator)
             phi = effect.basis(x) if theta is None or effect.linear else effect.jacobian(x, theta)

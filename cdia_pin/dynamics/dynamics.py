@@ -87,9 +87,11 @@ class Dynamics:
     def true_state(self, x: State) -> State:
         """Return the state where the arm is, under the gravity there is, given what its encoders read."""
         shifting = [t for t in self.terms if t.effect.shifts]
+        return self.under_gravity(x.with_position(x.q + sum(t.shift(x) for t in shifting)) if shifting else x)
+
+    def under_gravity(self, x: State) -> State:
+        """Return the state under the gravity that bodies on the arm feel."""
         tilting = [t for t in self.terms if t.effect.tilts]
-        if shifting:
-            x = x.with_position(x.q + sum(t.shift(x) for t in shifting))
         return x.with_gravity_change(sum(t.gravity_change(x) for t in tilting)) if tilting else x
 
     def missing_torque(self, x: State) -> Array:
@@ -189,6 +191,12 @@ class Dynamics:
             f = _sum(inertial, replace(x, q=q, v=v, a=a, effort=effort, time=time))
             M = M - (f[1:] - f[0]).T
         return M
+
+    @cached_property
+    def gravity_change(self) -> Array:
+        """By how much terms that are present turn gravity [m/s²], shape (3,)."""
+        changes = (t.effect.gravity_change(self.robot, np.array(t.theta)) for t in self.terms)
+        return sum(changes, np.zeros(3))
 
     @cached_property
     def on_motion(self) -> tuple[Term, ...]:

@@ -61,6 +61,7 @@ class Effect(ABC):
     dissipative: ClassVar[bool] = False  # friction: never adds power within its bounds
     of_torque: ClassVar[bool] = False  # Φ depends on the actuator torque, in proportion to it for either sign
     of_acceleration: ClassVar[bool] = False  # Φ depends on q̈, and is affine in it
+    weighs: ClassVar[bool] = False  # Φ depends on gravity
     reads: ClassVar[bool] = False  # distorts the torque reading after all else, not the motion
     shifts: ClassVar[bool] = False  # distorts the position reading: the arm is at q + `shift`
     tilts: ClassVar[bool] = False  # turns gravity by `gravity_change`, for all bodies on the arm as well

@@ -101,6 +101,7 @@ class ViscousMedium(Effect):
 
     name: ClassVar[str] = "viscous_medium"
     equation: ClassVar[str] = "−d Σ wₗ JₗᵀJₗ q̇ + (m_d/m) G"
+    weighs: ClassVar[bool] = True
     parameters = (Parameter("drag", "N·s/m", lower=0.0), Parameter("displaced_mass", "kg", lower=0.0))
 
     def basis(self, x: State) -> Array:

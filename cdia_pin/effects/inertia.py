@@ -35,6 +35,7 @@ class Body(Effect):
 
     parameters = BODY
     of_acceleration: ClassVar[bool] = True
+    weighs: ClassVar[bool] = True
 
     @abstractmethod
     def carrier(self, robot: RobotModel) -> int:

@@ -135,14 +135,15 @@ class State:
         """Y with M q̈ + nle = Y π for bodies on the arm, under the gravity that they feel, shape (N, n, 10 n)."""
         if self.gravity_change is None:
             return self._regressor
-        return self._regressor + np.einsum("kijg,kg->kij", self._regressor_per_gravity, self.gravity_change)
+        return self._regressor + np.einsum("kijg,kg->kij", self.weight_regressor, self.gravity_change)
 
     @cached_property
     def _regressor(self) -> Array:
         return self.robot.torque_regressor(self.q, self.v, self.a)
 
     @cached_property
-    def _regressor_per_gravity(self) -> Array:
+    def weight_regressor(self) -> Array:
+        """∂Y/∂g, shape (N, n, 10 n, 3)."""
         return self.robot.weight_regressor(self.q)
 
     @cached_property
