@@ -12,7 +12,7 @@ from cdia_pin.discovery.evidence import Evidence, Fit
 from cdia_pin.discovery.fitting import Whitened, refit
 from cdia_pin.discovery.moves import MARGIN, Names, improve, names
 from cdia_pin.discovery.problem import Problem
-from cdia_pin.discovery.refitting import NEARLY, Refit, is_exact, promising, refitting
+from cdia_pin.discovery.refitting import Refit, is_exact, promising, refitting
 from cdia_pin.discovery.shapes import refine_shapes
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
@@ -23,6 +23,7 @@ Swaps = set[tuple[str, str]]
 
 ROUGHLY = 2  # iterations of a refit while searching
 VISIBLE = 0.04  # share by which an additional effect must lower the RMS of some joint, as a user sees it
+LIKELY = 0.5  # share of what an effect explains that another must, to first order, to be tried as it is
 MOST_MOVES = 120
 MOST_REJECTED = 6  # moves in a row that did not hold what they promised
 
@@ -110,7 +111,7 @@ def _exchanged(now: _Found, allowed: Callable[[tuple[int, ...]], bool], refit: R
     evidence = now.evidence
     for one in now.fit.chosen:
         rest = tuple(c for c in now.fit.chosen if c != one)
-        enough = NEARLY * (evidence.free_chi2(rest) - now.fit.chi2)
+        enough = LIKELY * (evidence.free_chi2(rest) - now.fit.chi2)
         for other in promising(evidence, rest, lambda effect, enough=enough: enough):
             if is_exact(evidence.effects[other]) or other == one or not allowed((*rest, other)):
                 continue
