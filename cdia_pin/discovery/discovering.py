@@ -81,6 +81,7 @@ def discover_in(
     tell = progress or _silent
     model = with_parameters_per_log(model, problem.experiment.logs, problem.settings.per_log)
     tell("looking at the noise", 0.05)
+    problem = problem.without_rest_of(t.effect for t in model.terms)
     whitened = problem.first_noise(model)
     found, futile = model, Swaps()
     for k in range(PASSES):
@@ -88,6 +89,7 @@ def discover_in(
         lap = lambda sentence, share, k=k: tell(sentence, 0.1 + 0.7 * (k + share) / PASSES)  # noqa: E731
         problem = problem.with_drift(found)
         found = search(problem, found, whitened, futile, lap)
+        problem = problem.without_rest_of(t.effect for t in found.terms)
         whitened = problem.whitened(problem.structure(found))
         if k > 0 and {t.label for t in found.terms} == before:
             break
@@ -145,6 +147,7 @@ def add_effect_in(
     tell = progress or _silent
     tell("looking at the noise", 0.1)
     (effect,) = per_log([effect], problem.experiment, problem.settings.per_log)
+    problem = problem.without_rest_of([effect, *(t.effect for t in model.terms)])
     whitened = problem.first_noise(model)
     tell(f"fitting {effect.label}", 0.3)
     base = model.remove(effect.label) if effect.label in {t.label for t in model.terms} else model

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -96,9 +96,8 @@ class Experiment:
                     f"{motion.record['source']}: only {len(measured)} independent samples are left after filtering at "
                     f"{motion.cutoff:g} Hz; record for longer"
                 )
-            near_rest = np.abs(motion.v) < NEAR_REST * width
             segments.append(Segment(motion, state, measured))
-            distance = motion.sampled(_time_from_rest(motion, near_rest)) * motion.cutoff
+            distance = _distance_from_rest(motion, motion.v, width)
             nearness.append(np.digitize(distance, DISTANCES))
             moving.append(distance > DISTANCES[0])
         all_moving = np.vstack(moving)
@@ -110,6 +109,26 @@ class Experiment:
             np.vstack(nearness),
             all_moving.mean(axis=0) < 1 - RESTING,
         )
+
+    def without_rest_of(self, effects: Iterable[Effect]) -> Experiment:
+        """Return the experiment without the samples at which what some effects rub may stick.
+
+        Friction between two joints rubs at the sum of their speeds, which it can hold at rest while both joints move.
+
+        Args:
+            effects: Those of a model; the joints' own rest is left out in any case.
+        """
+        shared = [list(e.acts_on(self.robot)) for e in effects if e.dissipative and len(e.scope) == 2]
+        moving, nearness = self.moving.copy(), self.nearness.copy()
+        for joints in shared:
+            width = np.hypot(*self.segments[0].state.sign_width[joints])
+            motions = [s.motion for s in self.segments]
+            distance = np.concatenate(
+                [_distance_from_rest(m, m.v[:, joints].sum(axis=1, keepdims=True), width) for m in motions]
+            )
+            moving[:, joints] &= distance > DISTANCES[0]
+            nearness[:, joints] = np.minimum(nearness[:, joints], np.digitize(distance, DISTANCES))
+        return replace(self, moving=moving, nearness=nearness) if shared else self
 
     @property
     def informative(self) -> NDArray[np.bool_]:
@@ -223,15 +242,25 @@ def _sign_width(motion: Motion) -> Array:
     )
 
 
-def _time_from_rest(motion: Motion, near_rest: NDArray[np.bool_]) -> Array:
-    """Time to each joint's nearest rest or reversal, before or after [s], shape (N, n)."""
-    out = np.full(motion.v.shape, np.inf)
-    for j in range(motion.v.shape[1]):
-        turns = np.append(motion.v[1:, j] * motion.v[:-1, j] < 0, False)
+def _distance_from_rest(motion: Motion, v: Array, width: Array | float) -> Array:
+    """Time from each compared sample to the nearest rest or reversal of some speeds, before or after.
+
+    Args:
+        motion: The conditioned log.
+        v: Speeds [rad/s or m/s], shape (N, m).
+        width: Over which their sgn is smoothed, scalar or shape (m,).
+
+    Returns:
+        In periods of the cut-off [1], shape (K, m).
+    """
+    near_rest = np.abs(v) < NEAR_REST * width
+    time, out = motion.sampled(motion.time), np.full((len(motion.kept), v.shape[1]), np.inf)
+    for j in range(v.shape[1]):
+        turns = np.append(v[1:, j] * v[:-1, j] < 0, False)
         at = motion.time[near_rest[:, j] | turns]
         if len(at):
-            k = np.searchsorted(at, motion.time)
-            before = motion.time - at[np.maximum(k - 1, 0)]
-            after = at[np.minimum(k, len(at) - 1)] - motion.time
+            k = np.searchsorted(at, time)
+            before = time - at[np.maximum(k - 1, 0)]
+            after = at[np.minimum(k, len(at) - 1)] - time
             out[:, j] = np.minimum(np.abs(before), np.abs(after))
-    return out
+    return out * motion.cutoff

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cdia_pin.discovery.candidates import Columns
 from cdia_pin.discovery.evidence import Evidence
 from cdia_pin.discovery.experiment import Experiment, Prediction
+from cdia_pin.discovery.slopes import slopes
 from cdia_pin.discovery.whitening import NoiseModel
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
@@ -116,7 +117,7 @@ def refit(
         iterations: Most of them.
 
     Returns:
-        The model at the optimum, and the normal equations of its terms there.
+        The model at the optimum, and the normal equations there: of its terms, then of the slopes of their shapes.
     """
     effects = [t.effect for t in model.terms]
     exact = all(e.linear and not e.of_torque for e in effects)
@@ -128,8 +129,9 @@ def refit(
         moved = np.abs(fit.theta - before) * evidence.scale  # in standard deviations of a lone parameter
         if not len(moved) or moved.max() < CONVERGED:
             break
-    if effects and not exact:
-        evidence = gather(experiment, columns, experiment.predict(model), effects, whitened)
+    of_shapes = list(slopes(model))
+    if of_shapes or (effects and not exact):
+        evidence = gather(experiment, columns, experiment.predict(model), [*effects, *of_shapes], whitened)
     return model, evidence
 
 
@@ -147,11 +149,13 @@ def with_intervals(model: Dynamics, evidence: Evidence) -> Dynamics:
     """Return a model whose terms carry 95 % intervals.
 
     They are those of the whitened fit, unless the scores of contiguous blocks scatter more than its noise allows: then
-    that scatter counts, with the few degrees of freedom that it has [Liang1986].
+    that scatter counts, with the few degrees of freedom that it has [Liang1986]. A shape that was searched for takes
+    its share as a parameter does, through its slope: without it a ripple whose frequency is not known has intervals
+    four times too narrow.
 
     Args:
         model: A model at its optimum.
-        evidence: Normal equations of just its terms there.
+        evidence: Normal equations there, of its terms and after them of what else was fitted, such as shapes.
     """
     from scipy.special import ndtri, stdtrit
 
@@ -161,7 +165,7 @@ def with_intervals(model: Dynamics, evidence: Evidence) -> Dynamics:
     gram = evidence.total[:-1, :-1] + np.diag(evidence.prior)
     unit = 1.0 / np.sqrt(np.diag(gram))
     inverse = np.linalg.pinv(gram * np.outer(unit, unit), rcond=1e-12, hermitian=True) * np.outer(unit, unit)
-    scores = evidence.blocks[:, :-1, -1] - evidence.blocks[:, :-1, :-1] @ theta
+    scores = evidence.blocks[:, :-1, -1] - evidence.blocks[:, :-1, : len(theta)] @ theta
     freedom = len(scores) - 1
     between = np.diag(inverse @ (scores.T @ scores) @ inverse) * len(scores) / freedom
     within = np.diag(inverse)

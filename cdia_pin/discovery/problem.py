@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -81,6 +81,15 @@ class Problem:
         known = {f[0].label for f in self.families}
         more = drifting([t.effect for t in model.terms], self.experiment)
         return replace(self, families=(*self.families, *(f for f in more if f[0].label not in known)))
+
+    def without_rest_of(self, effects: Iterable[Effect]) -> Problem:
+        """Return the problem without the samples at which what some effects rub may stick."""
+        known = list(effects)
+        experiment = self.experiment.without_rest_of(known)
+        if experiment is self.experiment:
+            return self
+        held_out = self.held_out and self.held_out.without_rest_of(known)
+        return replace(self, experiment=experiment, held_out=held_out, columns=Columns(experiment))
 
     def first_noise(self, model: Dynamics) -> Whitened:
         """Estimate the noise before anything is known: what all simple effects together leave."""

@@ -153,6 +153,27 @@ def test_samples_near_a_reversal_say_nothing_of_friction(pendulum, experiment):
     assert (experiment.nearness[turns] == 0).all()
 
 
+def test_friction_between_two_joints_may_stick_while_both_of_them_move(pendulum):
+    """The joints' sum of positions is a clipped sine: it rests for a third of the time, and neither joint does."""
+    t, q, _v, _a = motion(2, seed=8)
+    q[:, 1] = np.clip(0.5 * np.sin(2.0 * t), -0.4, 0.4) - q[:, 0]
+    log = replace(make(pendulum, seed=8).log, position=q)
+    plain = Experiment.of(pendulum, [condition(log, pendulum, CUTOFF)])
+    beside = plain.without_rest_of([effect_of("coupled_friction", pendulum)])
+    stuck = np.abs(np.cos(plain.compared_motion()[0] * 2.0)) < 0.4
+    used = plain.informative[stuck]
+    assert used.mean() > 0.7
+    assert not beside.informative[stuck].any()
+    assert (beside.nearness[stuck] == 0).all()
+    assert beside.informative.mean() > 0.4
+    np.testing.assert_array_equal(beside.resting, plain.resting)
+
+
+def test_friction_of_single_joints_rests_where_they_do(pendulum, experiment):
+    known = [effect_of(name, pendulum) for name in ("coulomb_friction", "payload", "joint_spring")]
+    assert experiment.without_rest_of(known) is experiment
+
+
 def test_sgn_is_smoothed_no_narrower_than_the_speeds_noise(pendulum, clean):
     widths = []
     for noise in (0.0, 1e-3):

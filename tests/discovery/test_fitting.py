@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, load_robot
+from cdia_pin.discovery import add_effect
 from cdia_pin.discovery.candidates import Columns
 from cdia_pin.discovery.evidence import Evidence
 from cdia_pin.discovery.experiment import Experiment, rms
 from cdia_pin.discovery.fitting import Whitened, gather, refit, with_intervals, with_parameters
 from cdia_pin.discovery.heldout import held_out_rms
+from cdia_pin.discovery.slopes import slopes
 from cdia_pin.discovery.whitening import NoiseModel
 from cdia_pin.effects import (
     ActuatorGain,
@@ -19,12 +21,14 @@ from cdia_pin.effects import (
     EffortDelay,
     EncoderOffset,
     PositionRipple,
+    State,
+    StribeckFriction,
     Term,
     TorqueOffset,
     ViscousFriction,
     parse_effect,
 )
-from tests.discovery.made import autoregressive, conditioned, make
+from tests.discovery.made import autoregressive, conditioned, make, motion
 
 COULOMB, VISCOUS, OFFSET = (
     parse_effect(f"{name}@joint1") for name in ("coulomb_friction", "viscous_friction", "torque_offset")
@@ -290,3 +294,46 @@ def test_viscous_friction_is_told_from_none(pendulum):
     one, none = (with_intervals(model, evidence).find(f"viscous_friction@joint{k}").ci95[0] for k in (1, 2))
     assert one[0] > 0.02
     assert none[0] <= 0.0 <= none[1] + 1e-3
+
+
+# ---------------------------------------------------------------- shapes that were searched for
+
+STRIBECK, RIPPLE = StribeckFriction("joint1"), PositionRipple("joint1")
+
+
+def stribeck(q, v, a):
+    """Dry friction that falls from 0.2 to 0.1 N·m at a Stribeck speed of 0.33 rad/s."""
+    level = 0.1 + 0.1 * np.exp(-3 * np.abs(v[:, 0]))
+    return np.column_stack([-level * np.sign(v[:, 0]), np.zeros(len(v))])
+
+
+def test_intervals_know_that_a_shape_was_searched_for(pendulum):
+    """With the decay taken for known, errors are one and a half times what the intervals say."""
+    errors = []
+    for k in range(20):
+        noise = 0.05 * np.random.default_rng(k).standard_normal((2000, 2))
+        found = add_effect(Dynamics(pendulum), STRIBECK, make(pendulum, stribeck, seed=3, noise=noise).log)
+        low, high = np.array(found.steps[-1].term.ci95).T
+        errors.append((np.array(found.steps[-1].term.theta) - 0.1) / ((high - low) / 2 / 1.96))
+    spread = np.std(errors, axis=0)
+    assert (spread > 0.7).all()
+    assert (spread < 1.3).all()
+
+
+@pytest.mark.parametrize(
+    ("frequency", "off"), [(9.0, 1e-6), (RIPPLE.shape[0].upper, 0.1)], ids=["inside", "bound"]
+)
+def test_the_slope_of_a_shape_is_its_derivative(frequency, off, pendulum):
+    """∂/∂w (a sin wq + b cos wq) = q (a cos wq − b sin wq); at a bound of w only one side can be looked at."""
+    _t, q, v, a = motion(2, seed=5)
+    effect = RIPPLE.with_shape(frequency=frequency)
+    (slope,) = slopes(model_with(pendulum, effect, theta=[(0.05, 0.08)]))
+    angle = frequency * q[:, 0]
+    expected = q[:, 0] * (0.05 * np.cos(angle) - 0.08 * np.sin(angle))
+    basis = slope.basis(State.of(pendulum, q, v, a))
+    np.testing.assert_allclose(basis[:, 0, 0], expected, atol=off * np.abs(expected).max())
+    assert not basis[:, 1].any()
+
+
+def test_effects_without_a_shape_have_no_slopes(pendulum):
+    assert not list(slopes(model_with(pendulum, COULOMB, VISCOUS)))
