@@ -15,7 +15,7 @@ from cdia_pin.discovery.problem import Problem
 from cdia_pin.discovery.refitting import Refit, is_exact, promising, refitting
 from cdia_pin.discovery.shapes import refine_shapes
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Term
+from cdia_pin.effects import Effect, Term
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
@@ -112,8 +112,12 @@ def _exchanged(now: _Found, allowed: Callable[[tuple[int, ...]], bool], refit: R
     for one in now.fit.chosen:
         rest = tuple(c for c in now.fit.chosen if c != one)
         enough = LIKELY * (evidence.free_chi2(rest) - now.fit.chi2)
-        for other in promising(evidence, rest, lambda effect, enough=enough: enough):
-            if is_exact(evidence.effects[other]) or other == one or not allowed((*rest, other)):
+
+        def if_not_linear(effect: Effect, enough: float = enough) -> float:
+            return np.inf if is_exact(effect) else enough
+
+        for other in promising(evidence, rest, if_not_linear):
+            if other == one or not allowed((*rest, other)):
                 continue
             fit = refit(rest, other)
             if fit.physical and fit.cost < now.fit.cost - MARGIN:

@@ -87,7 +87,8 @@ def look_for_structure(
 
     n = experiment.robot.n
     left, improvement, floor = np.zeros(n, bool), np.zeros(n), np.zeros(n)
-    outer, inner = [], []
+    outer: list[NoiseModel] = []
+    inner: list[NoiseModel] = []
     smallest = np.maximum(
         experiment.resolution, SMALLEST_TORQUE * rms(experiment.measured, experiment.informative)
     )

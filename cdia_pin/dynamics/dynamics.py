@@ -91,8 +91,8 @@ class Dynamics:
 
     def under_gravity(self, x: State) -> State:
         """Return the state under the gravity that bodies on the arm feel."""
-        tilting = [t for t in self.terms if t.effect.tilts]
-        return x.with_gravity_change(sum(t.gravity_change(x) for t in tilting)) if tilting else x
+        changes = [t.gravity_change(x) for t in self.terms if t.effect.tilts]
+        return x.with_gravity_change(np.sum(changes, axis=0)) if changes else x
 
     def missing_torque(self, x: State) -> Array:
         """Return f = Σ β Φ θ for a state with its actuator torque [N·m or N], shape (N, n)."""
