@@ -14,6 +14,7 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
+LARGEST = 1e8  # standard deviations of a lone parameter that the solver is given
 INSIDE = 1e-7  # share of the link's pseudo-inertia by which a body stays clear of the impossible
 
 
@@ -35,6 +36,9 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
     from scipy import sparse
 
     unit = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    size = max(
+        np.abs(unit * right).max() / LARGEST, 1.0
+    )  # where there is no noise, the solver's numbers would be huge
     lower, upper = (np.concatenate(b) for b in zip(*(e.bounds(robot) for e in effects), strict=True))
     rows, offsets, cones = [], [], []
     eye = np.eye(len(right))
@@ -60,12 +64,12 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
     problem = sparse.csc_matrix(np.triu(gram * np.outer(unit, unit)))
     constraints = sparse.csc_matrix(np.vstack(rows) * unit)
     solver = clarabel.DefaultSolver(
-        problem, -unit * right, constraints, np.concatenate(offsets), cones, settings
+        problem, -unit * right / size, constraints, np.concatenate(offsets) / size, cones, settings
     )
     solution = solver.solve()
     if str(solution.status) not in {"Solved", "AlmostSolved"}:
         return np.zeros(len(right))
-    return np.clip(unit * np.array(solution.x), lower, upper)
+    return np.clip(unit * size * np.array(solution.x), lower, upper)
 
 
 def _triangle(matrix: Array) -> Array:

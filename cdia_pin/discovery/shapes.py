@@ -35,10 +35,8 @@ def refine_shapes(
         grid = [
             e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))
         ]
-        best, spread = (
-            term,
-            min(_cell(term.effect.shape_values[name], grid), term.effect.shape_values[name]) / 2,
-        )
+        start = term.effect.shape_values[name]
+        best, spread = term, min(_cell(start, grid), start) / 2
         for _ in range(ROUNDS):
             value = best.effect.shape_values[name]
             tries = [best.effect.with_shape(**{name: value + d}) for d in (-spread, 0.0, spread)]

@@ -105,8 +105,6 @@ class PositionRipple(JointEffect):
         travel = float(np.ptp(x.q[:, x.robot.joint_index(self.joint)]))
         if travel < 1e-3:
             return []
-        slowest, step = (
-            min(2 * TURN / travel, OF_A_GEAR),
-            0.35 * TURN / travel,
-        )  # a third of a resolution cell
+        slowest = max(min(2 * TURN / travel, OF_A_GEAR), self.shape[0].lower)
+        step = 0.35 * TURN / travel  # a third of a resolution cell
         return [self.with_shape(frequency=float(w)) for w in np.arange(slowest, HIGHEST_RIPPLE, step)]
