@@ -27,6 +27,7 @@ from cdia_pin.cli.excite import excite
 from cdia_pin.cli.export import export
 from cdia_pin.cli.failures import CommandError, one_line
 from cdia_pin.cli.identify import identify
+from cdia_pin.cli.interrupts import insistent
 from cdia_pin.cli.monitor import monitor
 from cdia_pin.cli.options import examples
 from cdia_pin.cli.robots import robots
@@ -157,9 +158,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
     try:
-        code = typer.main.get_command(app).main(
-            given, prog_name="cdia", standalone_mode=False, obj=shlex.join(["cdia", *given])
-        )
+        with insistent():
+            code = typer.main.get_command(app).main(
+                given, prog_name="cdia", standalone_mode=False, obj=shlex.join(["cdia", *given])
+            )
         sys.stdout.flush()
     except UsageError as error:
         return _fail(_usage(error))

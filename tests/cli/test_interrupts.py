@@ -1,0 +1,47 @@
+"""Ctrl-C ends a command, also where the interrupt itself gets lost."""
+
+import signal
+import subprocess
+import sys
+import time
+
+SWALLOWED = """
+import signal, sys, time
+from cdia_pin.cli.interrupts import insistent
+
+class Deaf:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)  # an exception in a destructor is ignored
+
+try:
+    with insistent():
+        Deaf()
+        print("went on", flush=True)
+        try:
+            time.sleep(1)
+            for _ in range(300):
+                time.sleep(0.1)
+        finally:
+            begin = time.monotonic()
+            while time.monotonic() < begin + 1.2:  # longer than it takes to be interrupted again
+                time.sleep(0.05)
+            print("cleaned up", flush=True)
+except KeyboardInterrupt:
+    time.sleep(0.8)
+    print("interrupted", flush=True)
+"""
+
+
+def test_an_interrupt_that_got_lost_comes_again_and_lets_clean_up():
+    done = subprocess.run([sys.executable, "-c", SWALLOWED], capture_output=True, text=True, timeout=60)
+    assert done.stdout.split("\n") == ["went on", "cleaned up", "interrupted", ""], done.stderr
+
+
+def test_a_command_that_is_interrupted_says_so():
+    command = [sys.executable, "-m", "cdia_pin", "view", "--simulate", "--robot", "ur5", "--no-open"]
+    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert "http" in running.stdout.readline()
+    time.sleep(0.1)
+    running.send_signal(signal.SIGINT)
+    assert running.wait(60) == 0
+    assert "Traceback" not in running.stderr.read()
