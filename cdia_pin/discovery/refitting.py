@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from cdia_pin.discovery.evidence import Evidence, Fit
-from cdia_pin.discovery.fitting import Whitened, gather, refit
+from cdia_pin.discovery.fitting import MOST_ITERATIONS, Whitened, gather, refit
 from cdia_pin.discovery.problem import Problem
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
@@ -24,7 +24,13 @@ def is_exact(effect: Effect) -> bool:
     return effect.linear and not effect.of_torque
 
 
-def refitting(problem: Problem, model: Dynamics, whitened: Whitened, evidence: Evidence) -> Refit:
+def refitting(
+    problem: Problem,
+    model: Dynamics,
+    whitened: Whitened,
+    evidence: Evidence,
+    iterations: int = MOST_ITERATIONS,
+) -> Refit:
     """Return how another effect is fitted in the place of some of a model's, as exactly as the model itself.
 
     Args:
@@ -32,6 +38,7 @@ def refitting(problem: Problem, model: Dynamics, whitened: Whitened, evidence: E
         model: A fitted model.
         whitened: Noise and blocks.
         evidence: Normal equations of its effects and all candidates, whose indices and prices the fits have.
+        iterations: Most of a refit.
     """
     experiment, columns = problem.experiment, problem.columns
 
@@ -40,7 +47,7 @@ def refitting(problem: Problem, model: Dynamics, whitened: Whitened, evidence: E
         effect = evidence.effects[other]
         kept = tuple(t for t in model.terms if t.effect in index)
         trial = Dynamics(model.robot, (*kept, Term(effect, (0.0,) * effect.size)))
-        trial, _ = refit(experiment, columns, trial, whitened)
+        trial, _ = refit(experiment, columns, trial, whitened, iterations)
         effects = sorted((t.effect for t in trial.terms), key=index.__getitem__)
         beside = gather(experiment, columns, experiment.predict(trial), effects, whitened)
         fit = beside.fit(range(len(effects)), bodies=True)

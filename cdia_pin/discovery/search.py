@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,10 +12,10 @@ from cdia_pin.discovery.evidence import Evidence, Fit
 from cdia_pin.discovery.fitting import Whitened, refit
 from cdia_pin.discovery.moves import MARGIN, Names, improve, names
 from cdia_pin.discovery.problem import Problem
-from cdia_pin.discovery.refitting import Refit, is_exact, promising, refitting
+from cdia_pin.discovery.refitting import is_exact, promising, refitting
 from cdia_pin.discovery.shapes import refine_shapes
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Effect, Term
+from cdia_pin.effects import Term
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
@@ -24,6 +24,8 @@ Swaps = set[tuple[str, str]]
 ROUGHLY = 2  # iterations of a refit while searching
 VISIBLE = 0.04  # share by which an additional effect must lower the RMS of some joint, as a user sees it
 LIKELY = 0.5  # share of what an effect explains that another must, to first order, to be tried as it is
+MOST_REFITS = 8  # exchanges that are tried so from one model, those best to first order
+NEARBY = 5  # iterations of such a trial
 MOST_MOVES = 120
 MOST_REJECTED = 6  # moves in a row that did not hold what they promised
 
@@ -49,6 +51,7 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
     model, _ = refit(experiment, columns, model, whitened)
     # beside the others, and in the noise known by now
     now = _fitted(problem, refine_shapes(experiment, columns, model, whitened), whitened)
+    exchanges = _exchanges(problem, now, whitened)
     failed: set[Names] = set()
     rejected = 0
     for moves in range(MOST_MOVES):
@@ -63,12 +66,12 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
             return tried not in failed and not _swaps(present, tried) & futile
 
         better = improve(now.evidence, now.fit.chosen, allowed, most=problem.settings.most_effects)
-        better = better or _exchanged(now, allowed, refitting(problem, now.model, whitened, now.evidence))
+        better = better or next((fit for fit in exchanges if allowed(fit.chosen)), None)
         if better is None:
             slimmer = _slimmed(problem, now, whitened)
             if slimmer is None:
                 break
-            now = slimmer
+            now, exchanges = slimmer, _exchanges(problem, slimmer, whitened)
             continue
         trial = _model_of(now.model, now.evidence, better.chosen, better.theta)
         tell(_what_changed(now.model, trial), 1.0 - 0.9**moves)
@@ -86,7 +89,7 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
             rejected += 1
             futile.update(s for s in _swaps(present, frozenset(_labels(trial))) if s[0] in driven)
             continue
-        now, rejected = then, 0
+        now, exchanges, rejected = then, _exchanges(problem, then, whitened), 0
     return now.model
 
 
@@ -106,23 +109,25 @@ def _fitted(problem: Problem, model: Dynamics, whitened: Whitened) -> _Found:
     return _Found(model, evidence, fit, problem.rms(model))
 
 
-def _exchanged(now: _Found, allowed: Callable[[tuple[int, ...]], bool], refit: Refit) -> Fit | None:
-    """Return a set in which a large effect that is not linear, seen only at its own optimum, replaces another."""
+def _exchanges(problem: Problem, now: _Found, whitened: Whitened) -> Iterator[Fit]:
+    """Yield better sets in which a large effect that is not linear, seen only at its own optimum, replaces another."""
     evidence = now.evidence
+    pairs: list[tuple[float, tuple[int, ...], int]] = []
     for one in now.fit.chosen:
         rest = tuple(c for c in now.fit.chosen if c != one)
-        enough = LIKELY * (evidence.free_chi2(rest) - now.fit.chi2)
-
-        def if_not_linear(effect: Effect, enough: float = enough) -> float:
-            return np.inf if is_exact(effect) else enough
-
-        for other in promising(evidence, rest, if_not_linear):
-            if other == one or not allowed((*rest, other)):
-                continue
-            fit = refit(rest, other)
-            if fit.physical and fit.cost < now.fit.cost - MARGIN:
-                return fit
-    return None
+        left = evidence.free_chi2(rest)
+        enough = LIKELY * (left - now.fit.chi2)
+        gains = evidence.gains(rest)
+        pairs += [
+            (left - gains[other] + evidence.price[other] - evidence.price[one], rest, other)
+            for other in promising(evidence, rest, lambda e, enough=enough: np.inf if is_exact(e) else enough)  # type: ignore[misc]
+            if other != one
+        ]
+    refit = refitting(problem, now.model, whitened, evidence, NEARBY)
+    for _, rest, other in sorted(pairs)[:MOST_REFITS]:
+        fit = refit(rest, other)
+        if fit.physical and fit.cost < now.fit.cost - MARGIN:
+            yield fit
 
 
 def _slimmed(problem: Problem, now: _Found, whitened: Whitened) -> _Found | None:
