@@ -45,6 +45,6 @@ def _design(experiment: Experiment) -> Array:
     own = np.zeros((len(x), n, 4 * n))
     for k, signal in enumerate((x.sign, x.v, np.ones_like(x.v), x.a)):
         own[:, range(n), range(k, 4 * n, 4)] = signal
-    regressor = np.concatenate([x.torque_regressor, own], axis=2)
+    regressor = np.concatenate([experiment.robot.torque_regressor(x.q, x.v, x.a), own], axis=2)
     flat = segment.motion.compared(regressor.reshape(len(x), -1))
     return flat.reshape(len(flat), n, -1)

@@ -25,12 +25,12 @@ SLOW = 0.05  # of a joint's usual speed, within which smooth functions may chang
 
 
 def common_effects(experiment: Experiment, prediction: Prediction, columns: Columns) -> list[Part]:
-    """Return the vocabulary, each effect in its first shape, as large as the joint's own torque."""
+    """Return the vocabulary, each effect in a few of its shapes, as large as the joint's own torque."""
     robot = experiment.robot
     families = enumerate_candidates(experiment, prediction, DiscoverySettings())
     bodies = [LinkInertia(j) for j in robot.joints]
     present = {t.effect: np.array(t.theta) for t in prediction.model.terms}
-    effects: list[Effect] = list(dict.fromkeys([*present, *(f[0] for f in families), *bodies]))
+    effects: list[Effect] = list(dict.fromkeys([*present, *(e for f in families for e in _few(f)), *bodies]))
     torque = np.maximum(rms(experiment.measured, experiment.informative), 1e-9)
     out = []
     for effect in effects:
@@ -39,6 +39,11 @@ def common_effects(experiment: Experiment, prediction: Prediction, columns: Colu
         scale = np.minimum(effect.prior_scale(robot), 1.0 / np.maximum(of_unit.max(axis=0), 1e-12))
         out.append(Part({j: x[:, i, :] for i, j in enumerate(joints)}, scale))
     return out
+
+
+def _few(family: list[Effect]) -> list[Effect]:
+    """Return the first, the middle and the last of an effect's shapes."""
+    return list(dict.fromkeys(family[k] for k in (0, len(family) // 2, -1)))
 
 
 def smooth_functions(experiment: Experiment, prediction: Prediction, size: Array) -> list[Part]:

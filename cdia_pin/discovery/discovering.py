@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import cdia_pin
 from cdia_pin.discovery.candidates import per_log
@@ -57,8 +56,7 @@ def discover(
     settings, given = settings or DiscoverySettings(), _listed(logs)
     # what differs between the logs is told first, beside all that they may have in common
     changes = changes_between(model, given, settings, lambda sentence, share: tell(sentence, 0.05 * share))
-    settings = replace(settings, per_log=(*settings.per_log, *effects_that_differ(changes)))
-    problem = Problem.of(model, given, _listed(holdout), settings)
+    problem = Problem.of(model, given, _listed(holdout), settings).with_parts(effects_that_differ(changes))
     findings = tuple(f for c in changes for f in c.findings)
     return discover_in(problem, model, tell, findings=findings)
 
@@ -79,7 +77,8 @@ def discover_in(
         findings: What is known of the logs besides, to be handed on.
     """
     tell = progress or _silent
-    model = with_parameters_per_log(model, problem.experiment.logs, problem.settings.per_log)
+    apart = (*problem.settings.per_log, *problem.differing)
+    model = with_parameters_per_log(model, problem.experiment.logs, apart)
     tell("looking at the noise", 0.05)
     problem = problem.without_rest_of(t.effect for t in model.terms)
     whitened = problem.first_noise(model)
@@ -200,7 +199,7 @@ def _concluded(
             "blocks": problem.settings.blocks,
             "effects": list(problem.settings.effects) if problem.settings.effects else "all",
             "extra": [e.to_dict() for e in problem.settings.extra],
-            "per_log": list(problem.settings.per_log),
+            "per_log": [*problem.settings.per_log, *problem.differing],
             "most_effects": problem.settings.most_effects,
         },
         findings=(*findings, *recognised(problem, final, problem.whitened(structure), left)),

@@ -28,7 +28,7 @@ DISTANCES = (
     4.0,
 )  # classes of distance from rest, in periods of the cut-off; the first is left out
 POSTURES = 200  # at which the inertia is asked for
-RESTING = 0.5  # a joint near rest for longer than this share of the log is taken as resting
+RESTING = 0.75  # a joint near rest for longer than this share of each log is taken as resting
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class Experiment:
             np.vstack([s.measured for s in segments]),
             all_moving,
             np.vstack(nearness),
-            all_moving.mean(axis=0) < 1 - RESTING,
+            np.max([m.mean(axis=0) for m in moving], axis=0) < 1 - RESTING,
         )
 
     def without_rest_of(self, effects: Iterable[Effect]) -> Experiment:
@@ -185,7 +185,7 @@ class Experiment:
         for segment, torques in zip(self.segments, prediction.torques, strict=True):
             x = segment.state
             if effect.weighs and prediction.model.gravity_change.any():
-                x.weight_regressor  # noqa: B018 - computed once for all tilts
+                x.body_weights  # noqa: B018 - computed once for all tilts
                 x = prediction.model.under_gravity(x)
             if effect.of_torque:
                 x = x.with_effort(torques.actuator)
@@ -211,9 +211,15 @@ class Experiment:
         return time, q, v, a
 
     def along(self, prediction: Prediction) -> State:
-        """Return the first segment's state under the model's torque, for shapes to be chosen on."""
-        first = max(range(len(self.segments)), key=lambda i: len(self.segments[i].state))
-        return replace(self.segments[first].state, effort=prediction.torques[first].actuator)
+        """Return the states of all segments, one after another, under the model's torque, to choose shapes on."""
+        first, *others = (s.state for s in self.segments)
+        effort = np.vstack([t.actuator for t in prediction.torques])
+        if not others:
+            return replace(first, effort=effort)
+        q, v, a, time = (
+            np.concatenate([getattr(x, name) for x in (first, *others)]) for name in ("q", "v", "a", "time")
+        )
+        return replace(first, q=q, v=v, a=a, effort=effort, time=time)
 
 
 def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:

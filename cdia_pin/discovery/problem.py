@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.discovery.candidates import Columns, drifting, enumerate_candidates, screen
+from cdia_pin.discovery.candidates import Columns, drifting, enumerate_candidates, per_log, screen
 from cdia_pin.discovery.evidence import Evidence, needed_gain
 from cdia_pin.discovery.experiment import Experiment, Prediction, rms
 from cdia_pin.discovery.fitting import Whitened, gather
@@ -38,6 +38,7 @@ class Problem:
         columns: Columns of effects, kept for reuse.
         families: Candidates, each effect and scope with its shapes.
         settings: The settings.
+        differing: Labels of effects that may have parameters of their own in each log, since something changed.
     """
 
     experiment: Experiment
@@ -45,6 +46,7 @@ class Problem:
     columns: Columns
     families: tuple[list[Effect], ...]
     settings: DiscoverySettings
+    differing: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -81,6 +83,12 @@ class Problem:
         known = {f[0].label for f in self.families}
         more = drifting([t.effect for t in model.terms], self.experiment)
         return replace(self, families=(*self.families, *(f for f in more if f[0].label not in known)))
+
+    def with_parts(self, labels: Iterable[str]) -> Problem:
+        """Return the problem in which some effects may have parameters of their own in each log, or common ones."""
+        labels = tuple(labels)
+        apart = [per_log(f, self.experiment, labels) for f in self.families if f[0].label in labels]
+        return replace(self, families=(*self.families, *apart), differing=labels)
 
     def without_rest_of(self, effects: Iterable[Effect]) -> Problem:
         """Return the problem without the samples at which what some effects rub may stick."""

@@ -132,11 +132,16 @@ def _exchanges(problem: Problem, now: _Found, whitened: Whitened) -> Iterator[Fi
 
 def _slimmed(problem: Problem, now: _Found, whitened: Whitened) -> _Found | None:
     """Return a model without an effect that stands for what the shape of another on its joint is wrong by."""
-    shaped = {j for t in now.model.terms if t.effect.shape for j in t.effect.scope}
-    for term in now.model.terms:
-        others = now.model.remove(term.label)
-        if not shaped & set(term.effect.scope) or not any(t.effect.shape for t in others.terms):
+    evidence = now.evidence
+    lost = {
+        evidence.effects[c]: evidence.free_chi2([x for x in now.fit.chosen if x != c]) - now.fit.chi2
+        for c in now.fit.chosen
+    }
+    shaped = [e for e in lost if e.shape]
+    for effect, worth in lost.items():
+        if not any(set(effect.scope) & set(e.scope) and worth < lost[e] for e in shaped):
             continue
+        others = now.model.remove(effect.label)
         trial, _ = refit(problem.experiment, problem.columns, others, whitened, ROUGHLY)
         then = _fitted(problem, refine_shapes(problem.experiment, problem.columns, trial, whitened), whitened)
         if then.fit.physical and then.fit.cost < now.fit.cost - MARGIN:

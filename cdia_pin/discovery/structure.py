@@ -54,11 +54,12 @@ def slow_columns(experiment: Experiment, j: int) -> Array:
     t = (time - time.mean()) / (np.ptp(time) or 1.0)
     others = [s[:, k] for k in range(experiment.robot.n) if k != j for s in (q, v)]
     scaled = [(s - s.mean()) / (s.std() or 1.0) for s in others]
+    rubbing = [speed * s for s in scaled[::2]]  # friction that depends on the posture
     columns = [
         np.ones(len(t)),
         *(_bases(signal[:, j], NEURONS) for signal in (q, v)),
         np.column_stack([speed, speed * t, q[:, j] * v[:, j]]),
-        *([np.column_stack(scaled), np.column_stack(scaled) ** 2] if scaled else []),
+        *([np.column_stack([*scaled, *(s**2 for s in scaled), *rubbing])] if scaled else []),
     ]
     return np.column_stack(columns)
 

@@ -89,8 +89,7 @@ class Body(Effect):
         return np.array([mass] + [mass * SURPRISING_REACH] * 3 + [mass * SURPRISING_REACH**2] * 6)
 
     def _regressor(self, x: State) -> Array:
-        j = self.carrier(x.robot)
-        return x.torque_regressor[:, :, 10 * j : 10 * j + 10]
+        return x.body_regressor(self.carrier(x.robot))
 
 
 @dataclass(frozen=True)

@@ -130,21 +130,25 @@ class State:
         """M q̈ + nle of the robot as described [N·m or N], shape (N, n)."""
         return self.robot.inverse_dynamics(self.q, self.v, self.a)
 
-    @property
-    def torque_regressor(self) -> Array:
-        """Y with M q̈ + nle = Y π for bodies on the arm, under the gravity that they feel, shape (N, n, 10 n)."""
+    def body_regressor(self, joint: int) -> Array:
+        """Y with M q̈ + nle = Y π for a body on a joint's link, under the gravity that it feels, shape (N, n, 10)."""
+        first = 10 * joint
+        found = self._regressor[:, :, first : first + 10]
         if self.gravity_change is None:
-            return self._regressor
-        return self._regressor + np.einsum("kijg,kg->kij", self.weight_regressor, self.gravity_change)
+            return found
+        found = found.copy()
+        found[:, :, :4] += (self.body_weights[joint] @ self.gravity_change[:, None, :, None])[..., 0]
+        return found
 
     @cached_property
     def _regressor(self) -> Array:
         return self.robot.torque_regressor(self.q, self.v, self.a)
 
     @cached_property
-    def weight_regressor(self) -> Array:
-        """∂Y/∂g, shape (N, n, 10 n, 3)."""
-        return self.robot.weight_regressor(self.q)
+    def body_weights(self) -> list[Array]:
+        """∂Y/∂g of each link's mass and first moments, which alone have a weight, shapes (N, n, 4, 3)."""
+        by_gravity = self.robot.weight_regressor(self.q)
+        return [by_gravity[:, :, 10 * j : 10 * j + 4].copy() for j in range(self.robot.n)]
 
     @cached_property
     def gravity_regressor(self) -> Array:

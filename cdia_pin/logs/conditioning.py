@@ -31,6 +31,7 @@ FLAT = 10.0  # times the spectrum's floor: power below that is noise
 AMPLIFIED = 2.0  # computed over measured torque: a band where it is larger holds no motion
 SHORTEST = 3.0  # [s], less cannot be conditioned
 MOTION_OVERSAMPLING = 8.0  # rate of the motion over the cut-off: nonlinear effects make harmonics
+DROWNED = 2.0  # times the power of its noise: an acceleration with less is none
 KERNEL = 5.0  # periods of the cut-off after which the filter's response is below 10⁻⁵
 TORQUE_OVERSAMPLING = 2.2  # rate of the compared torques over the cut-off: just above Nyquist
 
@@ -171,6 +172,14 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
     a = differentiate(v, rate)
     effort = zero_phase(even.effort, cutoff, rate)
     speed_noise = _speed_noise(even.position, q, rate, cutoff)
+    acceleration_noise = np.maximum(
+        # white noise of a position, filtered: that of its acceleration from that of its speed
+        speed_noise * 2 * np.pi * cutoff * np.sqrt(3 / 5),
+        _rounding(even.position, rate, cutoff),
+    )
+    # a joint that hardly accelerates would have the noise of its acceleration explained by bodies
+    drowned = np.mean(a**2, axis=0) < DROWNED * acceleration_noise**2
+    a[:, drowned] = 0.0
     every = max(1, int(rate / (MOTION_OVERSAMPLING * cutoff)))
     kept = np.s_[::every]
     again = max(1, int(rate / every / (TORQUE_OVERSAMPLING * cutoff)))
@@ -185,11 +194,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         cutoff=cutoff,
         decimation=again,
         speed_noise=speed_noise,
-        acceleration_noise=np.maximum(
-            # white noise of a position, filtered: that of its acceleration from that of its speed
-            speed_noise * 2 * np.pi * cutoff * np.sqrt(3 / 5),
-            _rounding(even.position, rate, cutoff),
-        ),
+        acceleration_noise=acceleration_noise,
         effort_step=np.array([quantum(of_joint) for of_joint in log.effort.T]),
         record={
             **asdict(settings),
@@ -201,6 +206,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             "motion_rate": rate / every,
             "compared_rate": rate / every / again,
             "velocity": "derived from position",
+            "acceleration_drowned": [j for j, lost in zip(log.joints, drowned, strict=True) if lost],
             "notes": list(even.notes),
         },
     )
