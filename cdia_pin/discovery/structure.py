@@ -16,8 +16,10 @@ Array = NDArray[np.float64]
 
 NEURONS = 7  # radial bases over position, speed and load
 LEAST_IMPROVEMENT = 0.03  # share by which held-out RMS must fall for structure to be worth a word
-PLAIN_IMPROVEMENT = 0.25  # the same where slow structure was not whitened away as noise
-SMALLEST_TORQUE = 0.005  # of a joint's RMS torque: a structure below that is no flaw of a model
+SURE_IMPROVEMENT = 0.12  # the same where slow structure was not whitened away as noise
+PLAIN_IMPROVEMENT = 0.25  # the same without proof that it is not noise
+SMALLEST_TORQUE = 0.001  # of a joint's RMS torque: a structure below that is no flaw of a model
+FINEST_TORQUE = 1e-7  # of a joint's RMS torque: noise below that is what computers round
 RIDGES = (1e-3, 1e-2, 1e-1)  # how firmly smooth functions are held back, beside columns of unit norm
 ALARM = 1e-4  # probability of calling noise structure, per joint
 
@@ -54,12 +56,11 @@ def slow_columns(experiment: Experiment, j: int) -> Array:
     t = (time - time.mean()) / (np.ptp(time) or 1.0)
     others = [s[:, k] for k in range(experiment.robot.n) if k != j for s in (q, v)]
     scaled = [(s - s.mean()) / (s.std() or 1.0) for s in others]
-    rubbing = [speed * s for s in scaled[::2]]  # friction that depends on the posture
     columns = [
         np.ones(len(t)),
         *(_bases(signal[:, j], NEURONS) for signal in (q, v)),
         np.column_stack([speed, speed * t, q[:, j] * v[:, j]]),
-        *([np.column_stack([*scaled, *(s**2 for s in scaled), *rubbing])] if scaled else []),
+        *([np.column_stack([*scaled, *(s**2 for s in scaled)])] if scaled else []),
     ]
     return np.column_stack(columns)
 
@@ -90,9 +91,8 @@ def look_for_structure(
     left, improvement, floor = np.zeros(n, bool), np.zeros(n), np.zeros(n)
     outer: list[NoiseModel] = []
     inner: list[NoiseModel] = []
-    smallest = np.maximum(
-        experiment.resolution, SMALLEST_TORQUE * rms(experiment.measured, experiment.informative)
-    )
+    torque = rms(experiment.measured, experiment.informative)
+    smallest = np.maximum(experiment.resolution, SMALLEST_TORQUE * torque)
     for j in range(n):
         use, nearness = experiment.informative[:, j], experiment.nearness[:, j]
         smooth = smooth_columns(experiment, prediction, j)
@@ -104,7 +104,8 @@ def look_for_structure(
             noise = _at_least(
                 experiment.resolution[j], y - explained, explained - _project(slow, explained, use), use
             )
-            found.append(fit_noise(noise, use, nearness, experiment.lengths, columns.shape[1]))
+            least = FINEST_TORQUE * torque[j]
+            found.append(fit_noise(noise, use, nearness, experiment.lengths, columns.shape[1], least))
         rest = y - _project(both, y, use)
         floor[j] = np.sqrt(np.sum(rest[use] ** 2) / max(int(use.sum()) - both.shape[1], 1))
         by_outer, by_inner = (partial(_white, noise=noise, use=use) for noise in (outer[j], inner[j]))
@@ -116,7 +117,8 @@ def look_for_structure(
         improvement[j], plain = (
             _improvement(white(fitted), white(smooth), white(y), edges) for white in (by_outer, by_inner)
         )
-        shown = (chance < ALARM and improvement[j] > LEAST_IMPROVEMENT) or plain > PLAIN_IMPROVEMENT
+        sure = chance < ALARM and (improvement[j] > LEAST_IMPROVEMENT or plain > SURE_IMPROVEMENT)
+        shown = sure or plain > PLAIN_IMPROVEMENT
         left[j] = shown and np.sqrt(max(np.mean(y[use] ** 2) - floor[j] ** 2, 0.0)) > smallest[j]
     return Structure(left, improvement, tuple(outer), tuple(inner), floor)
 

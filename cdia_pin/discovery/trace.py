@@ -26,7 +26,7 @@ def trace(
     """Refit a found model with intervals, and say what each of its effects does to the error.
 
     An effect that makes the blocks of time which it was not fitted to worse is left out: such a log moves too little to
-    tell what it is.
+    tell what it is. So is one whose only parameter has an interval with zero in it.
 
     Args:
         problem: Logs and candidates.
@@ -51,6 +51,10 @@ def trace(
             models.append((term.label, trial))
     final, evidence = refit(experiment, columns, model, whitened)
     final = with_intervals(final, evidence)
+    in_doubt = [t.label for t in final.terms if t.label not in {*known, *forced} and _may_be_zero(t)]
+    if in_doubt:
+        sure = Dynamics(found.robot, tuple(t for t in found.terms if t.label not in in_doubt))
+        return trace(problem, base, sure, whitened, forced)
     beside = problem.beside(experiment.predict(final), whitened)
     index = {e.label: i for i, e in enumerate(beside.effects) if e in {t.effect for t in final.terms}}
     rivals = Rivals(beside, list(index.values()), refitting(problem, final, whitened, beside))
@@ -59,6 +63,11 @@ def trace(
         shown = final if k == len(models) - 1 else partial
         steps.append(step_of(problem, final.find(label), shown, whitened, rivals.of(index[label])))
     return final, tuple(steps)
+
+
+def _may_be_zero(term: Term) -> bool:
+    """Tell whether a term of one parameter may be none: blocks of time do not agree on it."""
+    return term.effect.size == 1 and term.ci95 is not None and term.ci95[0][0] <= 0.0 <= term.ci95[0][1]
 
 
 def _ordered(problem: Problem, base: Dynamics, found: Dynamics, whitened: Whitened) -> list[Term]:

@@ -49,6 +49,7 @@ def fit_noise(
     nearness: NDArray[np.intp],
     lengths: list[int],
     parameters: float,
+    least: float = 0.0,
 ) -> NoiseModel:
     """Fit autoregressive noise by Yule and Walker, over informative samples only.
 
@@ -61,6 +62,7 @@ def fit_noise(
         nearness: Class of distance to the joint's last or next reversal, shape (K,).
         lengths: Samples of each segment, adding up to K.
         parameters: Degrees of freedom that the fit used up.
+        least: Least standard deviation of an innovation [N·m or N].
 
     Returns:
         The noise, its size corrected for those degrees of freedom.
@@ -91,4 +93,4 @@ def fit_noise(
         own = float(np.sum(innovations[here] ** 2))
         sigma[nearness == k] = (own + BORROWED * power) / (here.sum() + BORROWED)
     freedom = max(usable.sum() - parameters, 0.2 * usable.sum(), 1.0) / max(usable.sum(), 1)
-    return NoiseModel(coefficients, np.maximum(np.sqrt(sigma / freedom), 1e-12), tuple(lengths))
+    return NoiseModel(coefficients, np.maximum(np.sqrt(sigma / freedom), max(least, 1e-12)), tuple(lengths))

@@ -168,7 +168,7 @@ def test_the_page_says_what_is_met_and_which_cases_fell_short() -> None:
 # ---------------------------------------------------------------- the sample
 
 SAMPLE = [c for c in planned(every=60) if c.suite != "alike"]
-NOT_YET = {  # a joint that carries next to nothing, read in coarse steps: taken for one with a weak motor
+NOT_YET = {  # steps of an encoder beat with the samples on even motion: called a structure
     "z1/clean/nothing/quantised/one way/9",
 }
 
