@@ -38,10 +38,13 @@ def app(
     """
     from cdia_pin.app.inputs import Request
     from cdia_pin.app.server import serve
+    from cdia_pin.cli.inputs import load_inputs
 
     if (log is None) != (robot is None):
         raise CommandError("a log needs its robot, and a robot its log: cdia app LOG --robot R")
     if log is not None and not log.exists():
         raise CommandError(f"there is no log {log}")
+    if robot is not None:
+        load_inputs(robot, model)  # what is wrong with either is said here, not in the browser
     start = Request(robot, log.resolve(), model and model.resolve()) if log is not None and robot else None
     serve(start, port=port, show=open_)

@@ -15,7 +15,7 @@ from cdia_pin.discovery.problem import Problem
 from cdia_pin.discovery.refitting import is_exact, promising, refitting
 from cdia_pin.discovery.shapes import refine_shapes
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Term
+from cdia_pin.effects import Effect, Term
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
@@ -115,14 +115,16 @@ def _exchanges(problem: Problem, now: _Found, whitened: Whitened) -> Iterator[Fi
     pairs: list[tuple[float, tuple[int, ...], int]] = []
     for one in now.fit.chosen:
         rest = tuple(c for c in now.fit.chosen if c != one)
-        left = evidence.free_chi2(rest)
+        left, gains = evidence.free_chi2(rest), evidence.gains(rest)
         enough = LIKELY * (left - now.fit.chi2)
-        gains = evidence.gains(rest)
-        pairs += [
-            (left - gains[other] + evidence.price[other] - evidence.price[one], rest, other)
-            for other in promising(evidence, rest, lambda e, enough=enough: np.inf if is_exact(e) else enough)  # type: ignore[misc]
-            if other != one
-        ]
+
+        def if_not_linear(effect: Effect, enough: float = enough) -> float:
+            return np.inf if is_exact(effect) else enough
+
+        for other in promising(evidence, rest, if_not_linear):
+            if other != one:
+                cost = left - gains[other] + evidence.price[other] - evidence.price[one]
+                pairs.append((float(cost), rest, other))
     refit = refitting(problem, now.model, whitened, evidence, NEARBY)
     for _, rest, other in sorted(pairs)[:MOST_REFITS]:
         fit = refit(rest, other)

@@ -32,6 +32,7 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 
 FASTEST = 1e3  # [rad/s or m/s], beyond which a simulation has diverged
+HIGHEST_RATE = 1e5  # [Hz] of a log
 WATCHED = 50  # steps between looks at that
 AHEAD = 1000  # steps of the motion asked for that are computed at once
 WIDE = 0.05  # [1], smoothing of sgn over largest speed that a log makes a note of
@@ -115,8 +116,8 @@ def simulate(
     if sensors.noisy and rng is None:
         raise ModelError("noise needs a source: give rng=np.random.default_rng(seed)")
     stiffness = Stiffness.of(plant, trajectory)
-    if not rate > 0:
-        raise ModelError(f"a log needs a rate above 0 Hz, given {rate}")
+    if not 0 < rate <= HIGHEST_RATE:
+        raise ModelError(f"a log needs a rate above 0 and up to {HIGHEST_RATE:g} Hz, given {rate:g}")
     every = int(np.ceil(1.0 / rate / stiffness.step(step) - 1e-9))
     step = 1.0 / rate / every
     run = run_plant(plant, trajectory, controller, stiffness, duration=duration, step=step, progress=progress)

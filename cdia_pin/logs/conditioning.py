@@ -162,7 +162,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         )
     even = uniform(log)
     rate = (len(even.time) - 1) / even.duration
-    cutoff = settings.cutoff or choose_cutoff(even, robot)
+    cutoff = choose_cutoff(even, robot) if settings.cutoff is None else settings.cutoff
     if not 0 < cutoff < 0.4 * rate:
         raise LogError(
             f"{log.source}: a cut-off of {cutoff:g} Hz does not fit a log of {rate:.4g} Hz (at most 0.4 of it)"

@@ -331,6 +331,7 @@ def test_a_step_too_large_for_the_friction_is_refused(arm):
     ("wrong", "message"),
     [
         ({"rate": 0.0}, "rate"),
+        ({"rate": 1e12}, "rate"),
         ({"duration": 0.0}, "duration"),
         ({"duration": -1.0}, "duration"),
         ({"step": 0.0}, "step"),

@@ -1,0 +1,38 @@
+"""Conditioning: accelerations that are noise, cut-offs that are none."""
+
+import numpy as np
+import pytest
+
+from cdia_pin import load_robot
+from cdia_pin.errors import LogError
+from cdia_pin.logs import Log
+from cdia_pin.logs.conditioning import Conditioning, condition
+
+NOISE = 2e-5  # [rad]
+
+
+@pytest.fixture(scope="module")
+def log():
+    """Two joints that swing, four that creep, whose encoders hiss."""
+    arm = load_robot("ur5")
+    t = np.arange(0, 20, 0.004)
+    swings = np.where(np.arange(arm.n) < 2, 0.5, 0.001)
+    q = swings * np.sin(2 * np.pi * 0.3 * t)[:, None] + NOISE * np.random.default_rng(1).standard_normal(
+        (len(t), 6)
+    )
+    return arm, Log(arm.joints, t, q, effort=np.cos(t)[:, None] * np.ones(6))
+
+
+def test_an_acceleration_that_is_noise_is_taken_as_zero(log):
+    arm, run = log
+    motion = condition(run, arm, Conditioning(cutoff=20.0))
+    assert motion.record["acceleration_drowned"] == list(arm.joints[2:])
+    assert not motion.a[:, 2:].any()
+    assert motion.a[:, :2].std() == pytest.approx(0.5 * (2 * np.pi * 0.3) ** 2 / np.sqrt(2), rel=0.05)
+    assert (motion.acceleration_noise[2:] > 0).all()  # what is not known of them
+
+
+def test_a_cutoff_of_zero_is_no_cutoff(log):
+    arm, run = log
+    with pytest.raises(LogError, match="cut-off of 0 Hz"):
+        condition(run, arm, Conditioning(cutoff=0.0))
