@@ -14,34 +14,53 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-AGAIN = 0.5  # [s] after which an interrupt that nothing came of is repeated
+AGAIN = 0.5  # [s] between repetitions of an interrupt that nothing came of
 
 
 @contextmanager
 def insistent() -> Iterator[None]:
-    """Repeat an interrupt until the code inside is left or is cleaning up after it."""
-    in_main = threading.current_thread() is threading.main_thread()  # which alone is interrupted
+    """Repeat an interrupt until the code inside is left or is cleaning up after it.
+
+    A second Ctrl-C of the user ends a clean-up as well.
+    """
+    main = threading.main_thread()
+    in_main = threading.current_thread() is main  # which alone is interrupted
     if not in_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return
     left = threading.Event()
-    asked = False  # no lock: a handler may come while the program holds it
+    asked = repeated = False  # no lock: a handler may come while the program holds it
 
     def repeat() -> None:
+        nonlocal repeated
         while not left.wait(AGAIN):
             if asked:
-                interrupt_main()
+                repeated = True
+                if main.ident is not None and hasattr(signal, "pthread_kill"):
+                    signal.pthread_kill(main.ident, signal.SIGINT)  # wakes a call that blocks
+                else:
+                    interrupt_main()
 
     def interrupted(number: int, frame: FrameType | None) -> None:
-        nonlocal asked
-        asked = True
-        if not isinstance(sys.exc_info()[1], KeyboardInterrupt):
+        nonlocal asked, repeated
+        asked, by_us, repeated = True, repeated, False
+        if not by_us or not (left.is_set() or _is_cleaning_up()):
             raise KeyboardInterrupt
 
     signal.signal(signal.SIGINT, interrupted)
-    threading.Thread(target=repeat, name="cdia-interrupt", daemon=True).start()
+    repeating = threading.Thread(target=repeat, name="cdia-interrupt", daemon=True)
+    repeating.start()
     try:
         yield
     finally:
         left.set()
+        repeating.join()
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _is_cleaning_up() -> bool:
+    """Tell whether an interrupt, or what somebody made of it, is being handled."""
+    error = sys.exc_info()[1]
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__context__
+    return error is not None

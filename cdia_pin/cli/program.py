@@ -163,6 +163,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 given, prog_name="cdia", standalone_mode=False, obj=shlex.join(["cdia", *given])
             )
         sys.stdout.flush()
+        if code == INTERRUPTED:  # what typer makes of it
+            raise KeyboardInterrupt
     except UsageError as error:
         return _fail(_usage(error))
     except (CdiaError, MemoryError) as error:

@@ -11,7 +11,7 @@ from cdia_pin.discovery.evidence import Evidence, Fit
 from cdia_pin.discovery.refitting import NEARLY, Refit, is_exact, promising
 from cdia_pin.discovery.result import Confusion
 from cdia_pin.discovery.spans import are_alike, contains, generic_rank, torque_elsewhere
-from cdia_pin.effects import Drift, Effect
+from cdia_pin.effects import Effect, Varying
 from cdia_pin.robot.model import RobotModel
 
 DOUBT = 30.0  # variances of the noise by which two explanations may differ and be hard to tell apart
@@ -65,7 +65,8 @@ class Rivals:
         simple = evidence.freedom[one]
         best = sorted(rivals.values(), key=lambda r: (evidence.freedom[r.index] > simple, r.worse))
         effects = [evidence.effects[r.index] for r in best]
-        plain = [e for e in effects if not (isinstance(e, Drift) and e.effect in effects)]
+        known = [evidence.effects[one], *effects]
+        plain = [e for e in effects if not (isinstance(e, Varying) and e.effect in known)]
         return tuple(Confusion((e,), motion_between(evidence.effects[one], e, evidence.robot)) for e in plain)
 
     def _limit(self, found: Fit, replaced: Sequence[int]) -> float:

@@ -38,7 +38,7 @@ def discover(
 
     Args:
         model: What is known: a bare robot, or one with terms, which are fitted again together with what is found.
-        logs: One log or several of the same arm. Effects that differ between their conditions get parameters of
+        logs: One log or several of the same arm. Effects that differ between their conditions may have parameters of
             their own in each; all others are common.
         holdout: Logs that are only predicted; without, each block of time is predicted from the others.
         settings: What to search for and how.

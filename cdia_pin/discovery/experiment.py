@@ -65,7 +65,7 @@ class Experiment:
         measured: Measured torques, compared samples of all segments [N·m or N], shape (K, n).
         moving: Whether a sample tells about friction: its joint clearly moves, shape (K, n).
         nearness: Class of distance in time from each joint's rest, 0 at rest and largest far away, shape (K, n).
-        resting: Whether a joint hardly moves in any of the logs, shape (n,).
+        resting: Whether a joint is near rest for most of every log, shape (n,).
     """
 
     robot: RobotModel

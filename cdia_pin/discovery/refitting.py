@@ -31,7 +31,7 @@ def refitting(
     evidence: Evidence,
     iterations: int = MOST_ITERATIONS,
 ) -> Refit:
-    """Return how another effect is fitted in the place of some of a model's, as exactly as the model itself.
+    """Return how another effect is fitted in the place of some of a model's, beside all the rest of it.
 
     Args:
         problem: Logs and candidates.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from cdia_pin.effects import Effect, Term
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 Swaps = set[tuple[str, str]]
+Allowed = Callable[[tuple[int, ...]], bool]
 
 ROUGHLY = 2  # iterations of a refit while searching
 VISIBLE = 0.04  # share by which an additional effect must lower the RMS of some joint, as a user sees it
@@ -51,27 +53,31 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
     model, _ = refit(experiment, columns, model, whitened)
     # beside the others, and in the noise known by now
     now = _fitted(problem, refine_shapes(experiment, columns, model, whitened), whitened)
-    exchanges = _exchanges(problem, now, whitened)
     failed: set[Names] = set()
     rejected = 0
+
+    def beyond(now: _Found) -> tuple[Allowed, Iterator[Fit]]:
+        """Return which sets may be tried from a model, and exchanges that normal equations do not show."""
+        present = names(now.evidence, now.fit.chosen)
+
+        def allowed(chosen: tuple[int, ...]) -> bool:
+            tried = names(now.evidence, chosen)
+            return tried not in failed and not _swaps(present, tried) & futile
+
+        return allowed, _exchanges(problem, now, whitened, allowed)
+
+    allowed, exchanges = beyond(now)
     for moves in range(MOST_MOVES):
         if rejected == MOST_REJECTED:
             break
-        present = names(now.evidence, now.fit.chosen)
-
-        def allowed(
-            chosen: tuple[int, ...], evidence: Evidence = now.evidence, present: Names = present
-        ) -> bool:
-            tried = names(evidence, chosen)
-            return tried not in failed and not _swaps(present, tried) & futile
-
         better = improve(now.evidence, now.fit.chosen, allowed, most=problem.settings.most_effects)
-        better = better or next((fit for fit in exchanges if allowed(fit.chosen)), None)
+        better = better or next(exchanges, None)
         if better is None:
             slimmer = _slimmed(problem, now, whitened)
             if slimmer is None:
                 break
-            now, exchanges = slimmer, _exchanges(problem, slimmer, whitened)
+            now = slimmer
+            allowed, exchanges = beyond(now)
             continue
         trial = _model_of(now.model, now.evidence, better.chosen, better.theta)
         tell(_what_changed(now.model, trial), 1.0 - 0.9**moves)
@@ -87,9 +93,11 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
         ):
             driven = {t.label for t in trial.terms if t.effect.of_torque}
             rejected += 1
+            present = names(now.evidence, now.fit.chosen)
             futile.update(s for s in _swaps(present, frozenset(_labels(trial))) if s[0] in driven)
             continue
-        now, exchanges, rejected = then, _exchanges(problem, then, whitened), 0
+        now, rejected = then, 0
+        allowed, exchanges = beyond(now)
     return now.model
 
 
@@ -109,7 +117,7 @@ def _fitted(problem: Problem, model: Dynamics, whitened: Whitened) -> _Found:
     return _Found(model, evidence, fit, problem.rms(model))
 
 
-def _exchanges(problem: Problem, now: _Found, whitened: Whitened) -> Iterator[Fit]:
+def _exchanges(problem: Problem, now: _Found, whitened: Whitened, allowed: Allowed) -> Iterator[Fit]:
     """Yield better sets in which a large effect that is not linear, seen only at its own optimum, replaces another."""
     evidence = now.evidence
     pairs: list[tuple[float, tuple[int, ...], int]] = []
@@ -125,9 +133,10 @@ def _exchanges(problem: Problem, now: _Found, whitened: Whitened) -> Iterator[Fi
             if other != one:
                 cost = left - gains[other] + evidence.price[other] - evidence.price[one]
                 pairs.append((float(cost), rest, other))
-    refit = refitting(problem, now.model, whitened, evidence, NEARBY)
-    for _, rest, other in sorted(pairs)[:MOST_REFITS]:
-        fit = refit(rest, other)
+    at_optimum = refitting(problem, now.model, whitened, evidence, NEARBY)
+    tried = ((rest, other) for _, rest, other in sorted(pairs) if allowed((*rest, other)))
+    for rest, other in islice(tried, MOST_REFITS):
+        fit = at_optimum(rest, other)
         if fit.physical and fit.cost < now.fit.cost - MARGIN:
             yield fit
 

@@ -51,10 +51,10 @@ def trace(
             models.append((term.label, trial))
     final, evidence = refit(experiment, columns, model, whitened)
     final = with_intervals(final, evidence)
-    in_doubt = [t.label for t in final.terms if t.label not in {*known, *forced} and _may_be_zero(t)]
+    in_doubt = [t for t in final.terms if t.label not in {*known, *forced} and _may_be_zero(t)]
     if in_doubt:
-        sure = Dynamics(found.robot, tuple(t for t in found.terms if t.label not in in_doubt))
-        return trace(problem, base, sure, whitened, forced)
+        least = min(in_doubt, key=_certainty)
+        return trace(problem, base, found.remove(least.label), whitened, forced)
     beside = problem.beside(experiment.predict(final), whitened)
     index = {e.label: i for i, e in enumerate(beside.effects) if e in {t.effect for t in final.terms}}
     rivals = Rivals(beside, list(index.values()), refitting(problem, final, whitened, beside))
@@ -66,8 +66,15 @@ def trace(
 
 
 def _may_be_zero(term: Term) -> bool:
-    """Tell whether a term of one parameter may be none: blocks of time do not agree on it."""
-    return term.effect.size == 1 and term.ci95 is not None and term.ci95[0][0] <= 0.0 <= term.ci95[0][1]
+    """Tell whether a term of one parameter has an interval with zero in it."""
+    return term.effect.size == 1 and _certainty(term) <= 1.0
+
+
+def _certainty(term: Term) -> float:
+    """Return a term's first parameter over the half width of its interval [1]."""
+    assert term.ci95 is not None
+    low, high = term.ci95[0]
+    return abs(low + high) / max(high - low, 1e-300)
 
 
 def _ordered(problem: Problem, base: Dynamics, found: Dynamics, whitened: Whitened) -> list[Term]:

@@ -31,7 +31,8 @@ FLAT = 10.0  # times the spectrum's floor: power below that is noise
 AMPLIFIED = 2.0  # computed over measured torque: a band where it is larger holds no motion
 SHORTEST = 3.0  # [s], less cannot be conditioned
 MOTION_OVERSAMPLING = 8.0  # rate of the motion over the cut-off: nonlinear effects make harmonics
-DROWNED = 2.0  # times the power of its noise: an acceleration with less is none
+DROWNED = 3.0  # times the power of its noise: an acceleration that has less at its busiest is none
+STRETCH = 1.0  # [s], over which that is asked
 KERNEL = 5.0  # periods of the cut-off after which the filter's response is below 10⁻⁵
 TORQUE_OVERSAMPLING = 2.2  # rate of the compared torques over the cut-off: just above Nyquist
 
@@ -58,13 +59,13 @@ class Motion:
         time: Time [s], uniform, shape (N,).
         q: Positions [rad or m], shape (N, n).
         v: Velocities [rad/s or m/s], shape (N, n).
-        a: Accelerations [rad/s² or m/s²], shape (N, n).
+        a: Accelerations [rad/s² or m/s²], zero where a joint's are no more than noise, shape (N, n).
         effort: Torques, filtered once as the positions were [N·m or N], shape (N, n).
         rate: Samples per second of all of these [Hz].
         cutoff: Cut-off of the filter [Hz].
         decimation: Every how many samples a compared torque is kept.
         speed_noise: Standard deviation of the noise in v [rad/s or m/s], shape (n,).
-        acceleration_noise: Standard deviation of the noise in a [rad/s² or m/s²], shape (n,).
+        acceleration_noise: Standard deviation of what a does not know [rad/s² or m/s²], shape (n,).
         effort_step: Step between the levels of rounded torques [N·m or N], 0 where they are not, shape (n,).
         record: What was done, for files and reports.
     """
@@ -178,7 +179,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         _rounding(even.position, rate, cutoff),
     )
     # a joint that hardly accelerates would have the noise of its acceleration explained by bodies
-    drowned = np.mean(a**2, axis=0) < DROWNED * acceleration_noise**2
+    drowned = _busiest(a, rate) < DROWNED * acceleration_noise**2
     a[:, drowned] = 0.0
     every = max(1, int(rate / (MOTION_OVERSAMPLING * cutoff)))
     kept = np.s_[::every]
@@ -210,6 +211,12 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             "notes": list(even.notes),
         },
     )
+
+
+def _busiest(a: Array, rate: float) -> Array:
+    """Return the power of each acceleration over the stretch of time where it is largest, shape (n,)."""
+    count = max(1, int(len(a) / (STRETCH * rate)))
+    return np.max([np.mean(part**2, axis=0) for part in np.array_split(a, count)], axis=0)
 
 
 def choose_cutoff(even: Log, robot: RobotModel) -> float:

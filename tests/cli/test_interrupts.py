@@ -38,11 +38,20 @@ def test_an_interrupt_that_got_lost_comes_again_and_lets_clean_up():
     assert done.stdout.split("\n") == ["went on", "cleaned up", "interrupted", ""], done.stderr
 
 
-def test_a_command_that_is_interrupted_says_so():
+def test_a_command_that_is_interrupted_says_so(tmp_path):
+    arguments = ["simulate", "--robot", "ur5", "--duration", "1000", "--out", str(tmp_path / "run.csv")]
+    command = [sys.executable, "-m", "cdia_pin", *arguments]
+    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(3.0)
+    running.send_signal(signal.SIGINT)
+    assert running.wait(60) == 130
+    assert running.stderr.read().splitlines()[-1] == "cdia: error: interrupted"
+
+
+def test_a_view_that_is_interrupted_ends_in_peace():
     command = [sys.executable, "-m", "cdia_pin", "view", "--simulate", "--robot", "ur5", "--no-open"]
     running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert "http" in running.stdout.readline()
-    time.sleep(0.1)
     running.send_signal(signal.SIGINT)
     assert running.wait(60) == 0
     assert "Traceback" not in running.stderr.read()
