@@ -62,12 +62,17 @@ class Rivals:
                 worse = self._cost(rest, other, found, replaced) - self._limit(found, replaced)
                 if worse < min(0.0, rivals[label].worse if label in rivals else 0.0):
                     rivals[label] = _Rival(worse, other)
-        simple = evidence.freedom[one]
-        best = sorted(rivals.values(), key=lambda r: (evidence.freedom[r.index] > simple, r.worse))
+        best = sorted(rivals.values(), key=lambda r: self._rank(one, r))
         effects = [evidence.effects[r.index] for r in best]
         known = [evidence.effects[one], *effects]
         plain = [e for e in effects if not (isinstance(e, Varying) and e.effect in known)]
         return tuple(Confusion((e,), motion_between(evidence.effects[one], e, evidence.robot)) for e in plain)
+
+    def _rank(self, one: int, rival: _Rival) -> tuple[bool, bool, float]:
+        """Return by what rivals are sorted: first those that some motion tells, then the simple, then the close."""
+        evidence, other = self.evidence, rival.index
+        same = are_alike(evidence.robot, evidence.effects[one], evidence.effects[other])
+        return same, bool(evidence.freedom[other] > evidence.freedom[one]), rival.worse
 
     def _limit(self, found: Fit, replaced: Sequence[int]) -> float:
         """Return the largest cost of a rival; of one for two, which must be simpler, its price counts."""

@@ -23,7 +23,7 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-SMALLEST_TORQUE = 0.015  # of a joint's RMS torque: an effect below that changes nothing a user would notice
+SMALLEST_TORQUE = 0.01  # of a joint's RMS torque: an effect below that changes nothing a user would notice
 GENERIC_SIZE = 10  # larger effects do not take part in the first estimate of the noise
 GENERIC_SHAPES = 20  # nor do those with more shapes
 
