@@ -5,7 +5,6 @@ import re
 import signal
 import socket
 import subprocess
-import sys
 import time
 import urllib.error
 import urllib.request
@@ -16,6 +15,7 @@ import pytest
 from cdia_pin import CdiaError, load_robot
 from cdia_pin.viewers.live import LiveView
 from cdia_pin.viewers.scene import Scene, monitor_stages
+from tests.processes import python
 
 FAULT = "viscous_friction@joint2: coefficient=0.3, after=2"
 SIMULATION = (
@@ -38,7 +38,7 @@ class Command:
 
     def __init__(self, *arguments):
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "cdia_pin", "view", *map(str, arguments), "--no-open"],
+            python("-m", "cdia_pin", "view", *map(str, arguments), "--no-open"),
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
         for line in self.process.stdout:

@@ -2,8 +2,9 @@
 
 import signal
 import subprocess
-import sys
 import time
+
+from tests.processes import python
 
 SWALLOWED = """
 import signal, sys, time
@@ -32,25 +33,27 @@ except KeyboardInterrupt:
 """
 
 
+def started(*arguments):
+    command = python("-m", "cdia_pin", *arguments)
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
 def test_an_interrupt_that_got_lost_comes_again_and_lets_clean_up():
-    command = [sys.executable, "-c", SWALLOWED]
-    done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(python("-c", SWALLOWED), check=False, capture_output=True, text=True, timeout=60)
     assert done.stdout.split("\n") == ["went on", "cleaned up", "interrupted", ""], done.stderr
 
 
 def test_a_command_that_is_interrupted_says_so(tmp_path):
     arguments = ["simulate", "--robot", "ur5", "--duration", "1000", "--out", str(tmp_path / "run.csv")]
-    command = [sys.executable, "-m", "cdia_pin", *arguments]
-    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(3.0)
+    running = started(*arguments)
+    time.sleep(8.0)  # until it simulates
     running.send_signal(signal.SIGINT)
     assert running.wait(60) == 130
     assert running.stderr.read().splitlines()[-1] == "cdia: error: interrupted"
 
 
 def test_a_view_that_is_interrupted_ends_in_peace():
-    command = [sys.executable, "-m", "cdia_pin", "view", "--simulate", "--robot", "ur5", "--no-open"]
-    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    running = started("view", "--simulate", "--robot", "ur5", "--no-open")
     assert "http" in running.stdout.readline()
     running.send_signal(signal.SIGINT)
     assert running.wait(60) == 0
