@@ -42,9 +42,10 @@ def app(
 
     if (log is None) != (robot is None):
         raise CommandError("a log needs its robot, and a robot its log: cdia app LOG --robot R")
-    if log is not None and not log.exists():
-        raise CommandError(f"there is no log {log}")
-    if robot is not None:
+    start = None
+    if log is not None and robot is not None:
+        if not log.exists():
+            raise CommandError(f"there is no log {log}")
         load_inputs(robot, model)  # what is wrong with either is said here, not in the browser
-    start = Request(robot, log.resolve(), model and model.resolve()) if log is not None and robot else None
+        start = Request(robot, log.resolve(), model and model.resolve())
     serve(start, port=port, show=open_)

@@ -163,7 +163,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 given, prog_name="cdia", standalone_mode=False, obj=shlex.join(["cdia", *given])
             )
         sys.stdout.flush()
-        if code == INTERRUPTED:  # what typer makes of it
+        if code == INTERRUPTED:  # what typer makes of Ctrl-C
             raise KeyboardInterrupt
     except UsageError as error:
         return _fail(_usage(error))

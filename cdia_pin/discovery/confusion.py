@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cdia_pin.discovery.evidence import Evidence, Fit
-from cdia_pin.discovery.refitting import NEARLY, Refit, is_exact, promising
+from cdia_pin.discovery.fitting import is_exact
+from cdia_pin.discovery.refitting import NEARLY, Refit, promising
 from cdia_pin.discovery.result import Confusion
 from cdia_pin.discovery.spans import are_alike, contains, generic_rank, torque_elsewhere
 from cdia_pin.effects import Effect, Varying
@@ -91,9 +92,8 @@ class Rivals:
             share = 1.0 if self.refit is None or is_exact(effect) else NEARLY
             return share * lost - self._doubt(found)
 
-        yield from (
-            c for c in promising(self.evidence, rest, enough) if self.evidence.effects[c].label not in names
-        )
+        found_again = promising(self.evidence, rest, enough)
+        yield from (c for c, _ in found_again if self.evidence.effects[c].label not in names)
 
     def _cost(self, rest: Sequence[int], other: int, found: Fit, replaced: Sequence[int]) -> float:
         """Return what a rival leaves; of one for two with the price of those parameters that it needs."""

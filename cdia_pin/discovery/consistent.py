@@ -36,9 +36,8 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
     from scipy import sparse
 
     unit = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    size = max(
-        np.abs(unit * right).max() / LARGEST, 1.0
-    )  # where there is no noise, the solver's numbers would be huge
+    # where there is no noise, the solver's numbers would be huge
+    size = max(np.abs(unit * right).max() / LARGEST, 1.0)
     lower, upper = (np.concatenate(b) for b in zip(*(e.bounds(robot) for e in effects), strict=True))
     rows, offsets, cones = [], [], []
     eye = np.eye(len(right))

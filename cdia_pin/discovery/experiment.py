@@ -185,8 +185,7 @@ class Experiment:
         for segment, torques in zip(self.segments, prediction.torques, strict=True):
             x = segment.state
             if effect.weighs and prediction.model.gravity_change.any():
-                x.body_weights  # noqa: B018 - computed once for all tilts
-                x = prediction.model.under_gravity(x)
+                x = prediction.model.under_gravity(x.for_bodies())
             if effect.of_torque:
                 x = x.with_effort(torques.actuator)
             phi = effect.basis(x) if theta is None or effect.linear else effect.jacobian(x, theta)

@@ -100,6 +100,11 @@ def gather(
     return Evidence(experiment.robot, list(effects), blocks, whitened.samples)
 
 
+def is_exact(effect: Effect) -> bool:
+    """Tell whether normal equations know an effect as it is, however large it is."""
+    return effect.linear and not effect.of_torque
+
+
 def refit(
     experiment: Experiment,
     columns: Columns,
@@ -120,7 +125,7 @@ def refit(
         The model at the optimum, and the normal equations there: of its terms, then of the slopes of their shapes.
     """
     effects = [t.effect for t in model.terms]
-    exact = all(e.linear and not e.of_torque for e in effects)
+    exact = all(map(is_exact, effects))
     for _ in range(1 if exact else iterations):
         evidence = gather(experiment, columns, experiment.predict(model), effects, whitened)
         before = np.concatenate([t.theta for t in model.terms]) if model.terms else np.zeros(0)

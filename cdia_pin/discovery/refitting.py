@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from cdia_pin.discovery.evidence import Evidence, Fit
-from cdia_pin.discovery.fitting import MOST_ITERATIONS, Whitened, gather, refit
+from cdia_pin.discovery.fitting import MOST_ITERATIONS, Whitened, refit
 from cdia_pin.discovery.problem import Problem
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
@@ -17,11 +17,6 @@ NEARLY = (
 )
 
 Refit = Callable[[Sequence[int], int], Fit]  # indices of a set and of one more, fitted at their own optimum
-
-
-def is_exact(effect: Effect) -> bool:
-    """Tell whether normal equations know an effect as it is, however large it is."""
-    return effect.linear and not effect.of_torque
 
 
 def refitting(
@@ -43,23 +38,24 @@ def refitting(
     experiment, columns = problem.experiment, problem.columns
 
     def refitted(rest: Sequence[int], other: int) -> Fit:
-        index = {evidence.effects[c]: c for c in (*rest, other)}
-        effect = evidence.effects[other]
-        kept = tuple(t for t in model.terms if t.effect in index)
-        trial = Dynamics(model.robot, (*kept, Term(effect, (0.0,) * effect.size)))
-        trial, _ = refit(experiment, columns, trial, whitened, iterations)
-        effects = sorted((t.effect for t in trial.terms), key=index.__getitem__)
-        beside = gather(experiment, columns, experiment.predict(trial), effects, whitened)
-        fit = beside.fit(range(len(effects)), bodies=True)
-        chosen = tuple(index[e] for e in effects)
+        chosen = tuple(sorted((*rest, other)))
+        present = {t.effect: t for t in model.terms}
+        effects = [evidence.effects[c] for c in chosen]
+        terms = tuple(present[e] if e in present else Term(e, (0.0,) * e.size) for e in effects)
+        _, at_optimum = refit(experiment, columns, Dynamics(model.robot, terms), whitened, iterations)
+        fit = at_optimum.fit(range(len(effects)), bodies=True)
         cost = fit.chi2 + float(evidence.price[list(chosen)].sum())
         return Fit(chosen, fit.theta, fit.chi2, cost, fit.possible, fit.physical)
 
     return refitted
 
 
-def promising(evidence: Evidence, rest: Sequence[int], enough: Callable[[Effect], float]) -> Iterator[int]:
+def promising(
+    evidence: Evidence, rest: Sequence[int], enough: Callable[[Effect], float]
+) -> Iterator[tuple[int, float]]:
     """Yield the candidates that explain enough beside a set, to first order, the best first, of each its best shape.
+
+    Each comes with what it would lower chi2 by [1].
 
     Args:
         evidence: Normal equations of all candidates.
@@ -72,4 +68,4 @@ def promising(evidence: Evidence, rest: Sequence[int], enough: Callable[[Effect]
         effect = evidence.effects[c]
         if effect.label not in taken and gains[c] >= enough(effect):
             taken.add(effect.label)
-            yield int(c)
+            yield int(c), float(gains[c])

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.discovery.evidence import Evidence, Fit
-from cdia_pin.discovery.fitting import Whitened, refit
+from cdia_pin.discovery.fitting import Whitened, is_exact, refit
 from cdia_pin.discovery.moves import MARGIN, Names, improve, names
 from cdia_pin.discovery.problem import Problem
-from cdia_pin.discovery.refitting import is_exact, promising, refitting
+from cdia_pin.discovery.refitting import promising, refitting
 from cdia_pin.discovery.shapes import refine_shapes
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
@@ -123,15 +123,15 @@ def _exchanges(problem: Problem, now: _Found, whitened: Whitened, allowed: Allow
     pairs: list[tuple[float, tuple[int, ...], int]] = []
     for one in now.fit.chosen:
         rest = tuple(c for c in now.fit.chosen if c != one)
-        left, gains = evidence.free_chi2(rest), evidence.gains(rest)
+        left = evidence.free_chi2(rest)
         enough = LIKELY * (left - now.fit.chi2)
 
         def if_not_linear(effect: Effect, enough: float = enough) -> float:
             return np.inf if is_exact(effect) else enough
 
-        for other in promising(evidence, rest, if_not_linear):
+        for other, gain in promising(evidence, rest, if_not_linear):
             if other != one:
-                cost = left - gains[other] + evidence.price[other] - evidence.price[one]
+                cost = left - gain + evidence.price[other] - evidence.price[one]
                 pairs.append((float(cost), rest, other))
     at_optimum = refitting(problem, now.model, whitened, evidence, NEARBY)
     tried = ((rest, other) for _, rest, other in sorted(pairs) if allowed((*rest, other)))

@@ -28,6 +28,7 @@ def rank(columns: Array, negligible: float = NEGLIGIBLE) -> int:
     return int(np.sum(values > negligible * values.max(initial=0.0)))
 
 
+@lru_cache(maxsize=512)
 def generic_rank(robot: RobotModel, *effects: Effect) -> int:
     """Return how many directions effects span together on motions that show all there is."""
     return rank(np.column_stack([_columns(robot, e) for e in effects]))

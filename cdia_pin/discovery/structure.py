@@ -18,7 +18,7 @@ NEURONS = 7  # radial bases over position, speed and load
 LEAST_IMPROVEMENT = 0.03  # share by which held-out RMS must fall for structure to be worth a word
 SURE_IMPROVEMENT = 0.12  # the same where slow structure was not whitened away as noise
 PLAIN_IMPROVEMENT = 0.25  # the same without proof that it is not noise
-SMALLEST_TORQUE = 0.001  # of a joint's RMS torque: a structure below that is no flaw of a model
+SMALLEST_STRUCTURE = 0.001  # of a joint's RMS torque: a structure below that is no flaw of a model
 FINEST_TORQUE = 1e-7  # of a joint's RMS torque: noise below that is what computers round
 RIDGES = (1e-3, 1e-2, 1e-1)  # how firmly smooth functions are held back, beside columns of unit norm
 ALARM = 1e-4  # probability of calling noise structure, per joint
@@ -92,7 +92,7 @@ def look_for_structure(
     outer: list[NoiseModel] = []
     inner: list[NoiseModel] = []
     torque = rms(experiment.measured, experiment.informative)
-    smallest = np.maximum(experiment.resolution, SMALLEST_TORQUE * torque)
+    smallest = np.maximum(experiment.resolution, SMALLEST_STRUCTURE * torque)
     for j in range(n):
         use, nearness = experiment.informative[:, j], experiment.nearness[:, j]
         smooth = smooth_columns(experiment, prediction, j)

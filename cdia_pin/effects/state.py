@@ -107,6 +107,11 @@ class State:
         """Return the same motion under other actuator torques, keeping what was computed for it."""
         return self._twin(effort=effort)
 
+    def for_bodies(self) -> State:
+        """Return the state with what bodies need computed, for its twins under another gravity to share."""
+        _ = self._regressor, self.body_weights
+        return self
+
     def with_gravity_change(self, change: Array) -> State:
         """Return the same motion under another gravity for what is no part of the robot [m/s²], shape (N, 3)."""
         return self._twin(gravity_change=change)

@@ -11,7 +11,7 @@ from cdia_pin.discovery.candidates import Columns
 from cdia_pin.discovery.consistent import consistent_parameters
 from cdia_pin.discovery.evidence import Evidence
 from cdia_pin.discovery.experiment import Experiment, rms
-from cdia_pin.discovery.fitting import Whitened, gather, with_parameters
+from cdia_pin.discovery.fitting import Whitened, gather, is_exact, with_parameters
 from cdia_pin.discovery.identification.prior import precision
 from cdia_pin.discovery.identification.terms import is_moving
 from cdia_pin.discovery.whitening import NoiseModel
@@ -90,7 +90,7 @@ class Fitter:
 
     def _fit(self, model: Dynamics, strength: float, whitened: Whitened) -> Estimate:
         effects = [t.effect for t in model.terms]
-        exact = all(e.linear and not e.of_torque for e in effects)
+        exact = all(map(is_exact, effects))
         before = np.concatenate([t.theta for t in model.terms])
         for _ in range(MOST_ITERATIONS):
             evidence = gather(
