@@ -47,6 +47,13 @@ def insistent() -> Iterator[None]:
         if not by_us or not (left.is_set() or _is_cleaning_up()):
             raise KeyboardInterrupt
 
+    unraisable = sys.unraisablehook
+
+    def say_what_was_swallowed(lost: sys.UnraisableHookArgs) -> None:
+        if not isinstance(lost.exc_value, KeyboardInterrupt):  # which comes again
+            unraisable(lost)
+
+    sys.unraisablehook = say_what_was_swallowed
     signal.signal(signal.SIGINT, interrupted)
     repeating = threading.Thread(target=repeat, name="cdia-interrupt", daemon=True)
     repeating.start()
@@ -56,6 +63,10 @@ def insistent() -> Iterator[None]:
         left.set()
         repeating.join()
         signal.signal(signal.SIGINT, signal.default_int_handler)
+        sys.unraisablehook = unraisable
+        # An interrupt inside a string that is executed, as compilers have them, is remembered until the next such
+        # string: Python would end by it whatever the exit code.
+        exec("pass")
 
 
 def _is_cleaning_up() -> bool:

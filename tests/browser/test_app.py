@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
-import socket
 import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,24 +17,19 @@ import pytest
 from cdia_pin import Dynamics, Log, exciting_trajectory, load_model, load_robot, write_log
 from cdia_pin.effects import parse_term
 from cdia_pin.resources import logs_dir
+from tests.processes import python
 
 DEMO = logs_dir() / "demo_ur5.csv"  # hidden: a payload, and Coulomb friction of the elbow
 COULOMB = "coulomb_friction@elbow_joint"
-PATIENCE = 180_000  # [ms], on a machine that does much else; what must be quick is asserted by itself
-FIRST_PAINT, ADD = 3.0, 2.0  # [s]
-TRIES = 4  # of what must be quick
+PATIENCE = 180_000  # [ms], on a machine that does much else
 
 
 class Served:
     """The app in a process of its own."""
 
     def __init__(self, *arguments: str) -> None:
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            port = free.getsockname()[1]
-        self.address = f"http://127.0.0.1:{port}"
-        self.said: list[str] = []
-        command = [sys.executable, "-m", "cdia_pin", "app", "--no-open", "--port", str(port), *arguments]
+        self.address, self.said = "", []
+        command = python("-m", "cdia_pin", "app", "--no-open", "--port", "0", *arguments)
         # NiceGUI serves its own tests otherwise.
         environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST")} | {"NO_COLOR": "1"}
         self.process = subprocess.Popen(
@@ -46,22 +40,20 @@ class Served:
         def listen() -> None:
             for line in self.process.stdout or ():
                 self.said.append(line)
-                if self.address in line:
+                if found := re.search(r"http://127\.0\.0\.1:\d+", line):
+                    self.address = found[0]
                     ready.set()
             ready.set()  # it has ended
 
         threading.Thread(target=listen, daemon=True).start()
-        assert ready.wait(120) and self.process.poll() is None, f"the app did not begin: {''.join(self.said)}"
-
-    def busy(self) -> float:
-        """Time for which it has computed [s]."""
-        fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        if not (ready.wait(PATIENCE / 1e3) and self.address):
+            self.process.kill()
+            raise AssertionError(f"the app did not begin: {''.join(self.said)}")
 
     def interrupt(self) -> int:
         """Press Ctrl-C; return the exit code."""
         self.process.send_signal(signal.SIGINT)
-        return self.process.wait(30)
+        return self.process.wait(60)
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +105,7 @@ def tile(page: Any, joint: str) -> tuple[float, float]:
 
 def arm(page: Any) -> dict[str, Any]:
     """What the picture shows."""
-    page.wait_for_function("document.querySelector('[data-mark=arm]')?.arm")
+    page.wait_for_function("document.querySelector('[data-mark=arm]')?.player")
     return page.evaluate("document.querySelector('[data-mark=arm]').arm.state()")
 
 
@@ -295,8 +287,15 @@ def test_a_bad_file_says_why_and_keeps_what_was_loaded(tab, tmp_path):
 
 
 def test_a_search_can_be_cancelled(tab):
+    # as soon as it is offered: the search may be over before a mouse gets there
+    tab.evaluate(
+        """() => new MutationObserver((_, watcher) => {
+             const bar = document.querySelector('[data-mark=running][data-busy=yes]');
+             if (!bar || !bar.textContent.startsWith("Looking for")) return;
+             watcher.disconnect(); bar.querySelector('[data-mark=cancel]').click();
+           }).observe(document.body, { childList: true, subtree: true, attributes: true, characterData: true })"""
+    )
     load_demo(tab)
-    mark(tab, "cancel").click()
     mark(tab, "search").wait_for()
     assert "Nothing has changed" in mark(tab, "said").inner_text()
     assert mark(tab, "verdict").count() == 0
@@ -336,20 +335,7 @@ def test_two_tabs_do_not_disturb_each_other(tab, chromium, app):
     other.context.close()
 
 
-# ------------------------------------------------------------------ what must be quick
-
-
-def test_the_first_paint(page, app):
-    took = []
-    for _ in range(TRIES):
-        page.goto(app.address)
-        page.wait_for_selector("[data-mark=load]")
-        took.append(
-            page.evaluate("performance.getEntriesByName('first-contentful-paint')[0].startTime") / 1e3
-        )
-        if took[-1] < FIRST_PAINT:
-            break
-    assert min(took) < FIRST_PAINT, took
+# ------------------------------------------------------------------ a log of usual length
 
 
 @pytest.fixture(scope="module")
@@ -365,35 +351,15 @@ def minute(tmp_path_factory) -> Path:
     )
 
 
-def test_a_click_on_add_answers_soon_on_a_minute(page, minute):
+def test_what_is_missing_is_added_to_a_minute(page, minute):
+    """How soon it is there is measured by ``python -m benchmarks.pages``."""
     served = Served(str(minute), "--robot", "ur5")
     try:
         page.set_default_timeout(PATIENCE)
         page.goto(served.address)
         mark(page, "verdict").wait_for()
-        # Where others keep the machine busy, what the app itself computes stands for what it would take alone.
-        crowded = os.getloadavg()[0] > (os.cpu_count() or 1)
-        took = []
-        for _ in range(TRIES):
-            before = served.busy()
-            page.evaluate(
-                """(mark) => { window.took = null; const begin = performance.now();
-                   new MutationObserver((_, watcher) => {
-                     if (!document.querySelector('[data-mark="version-1"][aria-pressed="true"]')) return;
-                     window.took = performance.now() - begin; watcher.disconnect();
-                   }).observe(document.body, { childList: true, subtree: true, attributes: true });
-                   document.querySelector(`[data-mark="${mark}"]`).click(); }""",
-                f"add-{COULOMB}",
-            )
-            page.wait_for_function("window.took !== null")
-            computed = served.busy() - before
-            took.append(computed if crowded else page.evaluate("window.took") / 1e3)
-            if took[-1] < ADD:
-                break
-            mark(page, "undo").click()
-            page.locator('[data-mark="version-0"][aria-pressed="true"]').wait_for()
-            mark(page, "running").wait_for(state="hidden")
-        assert min(took) < ADD, took
+        mark(page, f"add-{COULOMB}").click()
+        page.locator('[data-mark="version-1"][aria-pressed="true"]').wait_for()
         assert error(page) < 0.05
     finally:
         served.interrupt()

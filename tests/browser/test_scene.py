@@ -115,6 +115,7 @@ def test_label_arc_and_ghost(player):
 
 
 def test_play_pause_and_seek_with_the_mouse(player):
+    player.evaluate("() => { player.speed = 0.25; }")  # long enough to be stopped on a slow machine
     player.click("button[aria-label=Play]")
     moved = settled(player, "() => player.time", lambda t: t > 0.2)
     player.click("button[aria-label=Pause]")
@@ -145,6 +146,7 @@ def test_at_the_end_it_stops_and_begins_again(player):
     player.evaluate("() => { player.seek(7.8); player.speed = 5; player.play(); }")
     settled(player, "() => player.playing", lambda playing: not playing)
     assert player.evaluate("() => player.time") == pytest.approx(8.0)
+    player.evaluate("() => { player.speed = 0.25; }")
     player.click("button[aria-label=Play]")
     assert settled(player, "() => player.time", lambda t: 0 < t < 7)
 

@@ -32,6 +32,17 @@ except KeyboardInterrupt:
     print("interrupted", flush=True)
 """
 
+IN_TEXT = """
+import signal, sys
+from cdia_pin.cli.interrupts import insistent
+
+try:
+    with insistent():
+        exec("signal.raise_signal(signal.SIGINT)")
+except KeyboardInterrupt:
+    sys.exit(3)
+"""
+
 
 def started(*arguments):
     command = python("-m", "cdia_pin", *arguments)
@@ -41,6 +52,14 @@ def started(*arguments):
 def test_an_interrupt_that_got_lost_comes_again_and_lets_clean_up():
     done = subprocess.run(python("-c", SWALLOWED), check=False, capture_output=True, text=True, timeout=60)
     assert done.stdout.split("\n") == ["went on", "cleaned up", "interrupted", ""], done.stderr
+    assert done.stderr == ""
+
+
+def test_an_interrupt_inside_executed_text_does_not_decide_the_exit_code(tmp_path):
+    (tmp_path / "in_text.py").write_text(IN_TEXT)
+    command = python("-m", "in_text")
+    done = subprocess.run(command, cwd=tmp_path, check=False, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (3, "")
 
 
 def test_a_command_that_is_interrupted_says_so(tmp_path):

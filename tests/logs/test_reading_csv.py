@@ -280,7 +280,10 @@ def test_missing_files_unknown_suffixes_and_wrong_keywords_are_errors_of_ours(ur
         read_log(path, ur5, joint_map={"elbow_joint": "wrist_1_joint", "wrist_1_joint": "wrist_1_joint"})
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+UNHURRIED = (HealthCheck.function_scoped_fixture, HealthCheck.too_slow)  # machines that do much else
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=UNHURRIED)
 @given(st.binary(max_size=300), st.sampled_from([".csv", ".parquet", ".npz", ".tsv"]))
 def test_no_bytes_at_all_escape_as_a_foreign_error(ur5, tmp_path, content, suffix):
     path = tmp_path / f"x{suffix}"
@@ -289,7 +292,7 @@ def test_no_bytes_at_all_escape_as_a_foreign_error(ur5, tmp_path, content, suffi
         read_log(path, ur5)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, deadline=None, suppress_health_check=UNHURRIED)
 @given(st.integers(0, 5000), st.binary(min_size=1, max_size=8))
 def test_damage_anywhere_in_a_csv_gives_a_log_or_an_error_of_ours(ur5, tmp_path, where, junk):
     data = bytearray(text_of(ur5.joints).encode())
@@ -310,6 +313,6 @@ def test_a_long_csv_is_read_fast(ur5, tmp_path):
         Log(ur5.joints, np.arange(20_000) * 1e-3, samples[0], samples[1], samples[2]), tmp_path / "x.csv"
     )
     read_log(path, ur5)  # the first call imports pyarrow
-    start = clock.perf_counter()
+    start = clock.process_time()
     read_log(path, ur5)
-    assert clock.perf_counter() - start < 0.5
+    assert clock.process_time() - start < 0.5

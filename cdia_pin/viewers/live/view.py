@@ -17,7 +17,8 @@ from cdia_pin.viewers.live.server import Stream, application
 from cdia_pin.viewers.scene import Scene, SceneStage, Timeline
 
 HOST = "127.0.0.1"
-PATIENCE = 2.0  # [s] for the server to begin and to end
+PATIENCE = 30.0  # [s] for the server to begin, which a busy machine may need; one that cannot says so at once
+LAST = 2.0  # [s] for it to end
 
 
 class LiveView:
@@ -111,7 +112,7 @@ class LiveView:
     def close(self) -> None:
         """Stop serving; a second time does nothing."""
         self._server.should_exit = True
-        self._thread.join(PATIENCE)
+        self._thread.join(LAST)
         self._socket.close()
 
     def __enter__(self) -> Self:
