@@ -16,10 +16,9 @@ class Deaf:
 
 try:
     with insistent():
-        Deaf()
-        print("went on", flush=True)
         try:
-            time.sleep(1)
+            Deaf()
+            print("went on", flush=True)
             for _ in range(300):
                 time.sleep(0.1)
         finally:

@@ -207,7 +207,7 @@ def test_a_browser_draws_it(page, tmp_path):
     (tmp_path / "watch.html").write_text(page, encoding="utf-8")
     command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=3000",
                "--dump-dom", f"file://{tmp_path}/watch.html"]  # fmt: skip
-    out = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False).stdout
+    out = subprocess.run(command, capture_output=True, text=True, timeout=180, check=False).stdout
     assert out.count('class="strip"') == 4
     assert out.count('class="uplot') >= 3
     assert "ran away" in out
