@@ -10,7 +10,7 @@ from cdia_pin.discovery import Confusion, Discovery
 from cdia_pin.effects import Term
 from cdia_pin.viewers.report_discovery import parameters, shape_parameters
 from cdia_pin.viewers.verdict import mean_share
-from cdia_pin.viewers.words import confusion_words, effect_name, listed
+from cdia_pin.viewers.words import confusion_words, effect_name, joints_words
 
 TELLING = 3  # parameters that are shown of an effect
 
@@ -95,4 +95,4 @@ def _suggestion(
 
 
 def _where(term: Term) -> str:
-    return listed(term.effect.scope) or "the whole arm"
+    return joints_words(term.effect.scope) or "the whole arm"

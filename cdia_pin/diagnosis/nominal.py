@@ -13,8 +13,6 @@ from cdia_pin.effects import (
     EffortDelay,
     EncoderOffset,
     JointEffect,
-    LinkInertia,
-    Payload,
     State,
     Term,
 )
@@ -56,8 +54,9 @@ class Nominal:
         for term in model.terms:
             effect, theta = term.effect, np.array(term.theta)
             always = term.profile.kind == "always"
-            if always and isinstance(effect, LinkInertia | Payload):
-                pi[effect.carrier(robot)] += effect.in_joint_frame(theta, robot)
+            if always and effect.bodies:
+                for body, part in zip(effect.bodies, theta.reshape(-1, 10), strict=True):
+                    pi[body.carrier(robot)] += body.in_joint_frame(part, robot)
             elif always and isinstance(effect, BaseTilt):
                 g = g + effect.gravity_change(robot, theta)
             elif always and isinstance(effect, EncoderOffset):

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.effects import Effect
-from cdia_pin.effects.inertia import Body
 from cdia_pin.robot.inertia import pseudo_inertia
 from cdia_pin.robot.model import RobotModel
 
@@ -49,11 +48,11 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
             cones.append(clarabel.NonnegativeConeT(int(finite.sum())))
     at = 0
     for effect in effects:
-        if isinstance(effect, Body):
+        for i, body in enumerate(effect.bodies):
             block = np.zeros((10, len(right)))
-            start = _triangle(pseudo_inertia(effect.total(np.zeros(10), robot)))
+            start = _triangle(pseudo_inertia(body.total(np.zeros(10), robot)))
             for k, one in enumerate(np.eye(10)):
-                block[:, at + k] = _triangle(pseudo_inertia(effect.in_joint_frame(one, robot)))
+                block[:, at + 10 * i + k] = _triangle(pseudo_inertia(body.in_joint_frame(one, robot)))
             rows.append(-block)
             offsets.append(start - INSIDE * _triangle(np.eye(4)) * max(abs(start).max(), 1e-6))
             cones.append(clarabel.PSDTriangleConeT(4))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import cdia_pin
 from cdia_pin.discovery.candidates import per_log
 from cdia_pin.discovery.conditions import changes_between, effects_that_differ, with_parameters_per_log
+from cdia_pin.discovery.every_link import has_every_link, with_every_link
 from cdia_pin.discovery.experiment import rms
 from cdia_pin.discovery.finding import Finding
 from cdia_pin.discovery.fitting import Whitened, refit
@@ -82,19 +83,37 @@ def discover_in(
     tell("looking at the noise", 0.05)
     problem = problem.without_rest_of(t.effect for t in model.terms)
     whitened = problem.first_noise(model)
-    found, futile = model, Swaps()
+    problem, found, whitened = _searched(problem, model, whitened, _part(tell, 0.1, 0.6))
+    richer = with_every_link(problem, found, whitened)
+    if richer is not None:
+        again = _searched(problem, richer, whitened, _part(tell, 0.6, 0.8))
+        if has_every_link(again[1]):
+            problem, found, whitened = again
+    tell("asking what each effect explains", 0.85)
+    ranking = rank(problem, model, whitened)
+    return _concluded(problem, model, found, whitened, ranking, tell, findings=findings)
+
+
+def _searched(
+    problem: Problem, found: Dynamics, whitened: Whitened, tell: Progress
+) -> tuple[Problem, Dynamics, Whitened]:
+    """Search from a model, again and again with the noise that the search before left."""
+    futile = Swaps()
     for k in range(PASSES):
         before = {t.label for t in found.terms}
-        lap = lambda sentence, share, k=k: tell(sentence, 0.1 + 0.7 * (k + share) / PASSES)  # noqa: E731
+        lap = _part(tell, k / PASSES, (k + 1) / PASSES)
         problem = problem.with_drift(found)
         found = search(problem, found, whitened, futile, lap)
         problem = problem.without_rest_of(t.effect for t in found.terms)
         whitened = problem.whitened(problem.structure(found))
         if k > 0 and {t.label for t in found.terms} == before:
             break
-    tell("asking what each effect explains", 0.85)
-    ranking = rank(problem, model, whitened)
-    return _concluded(problem, model, found, whitened, ranking, tell, findings=findings)
+    return problem, found, whitened
+
+
+def _part(tell: Progress, start: float, end: float) -> Progress:
+    """Return how to tell of a part of the work."""
+    return lambda sentence, share: tell(sentence, start + (end - start) * share)
 
 
 def add_effect(

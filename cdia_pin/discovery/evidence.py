@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from cdia_pin.discovery.consistent import consistent_parameters
 from cdia_pin.effects import Effect
-from cdia_pin.effects.inertia import Body
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -132,8 +131,9 @@ class Evidence:
         """What each candidate must explain beside the others of its set, significant and worth a name [1]."""
         if self.needed is None:
             return np.maximum(self.price, WORTH * self.samples / self.robot.n)
-        of_joints = np.array([np.median(self.needed[list(e.acts_on(self.robot))]) for e in self.effects])
-        return np.maximum(self.price, of_joints)
+        of_joints = [np.median(self.needed[list(e.acts_on(self.robot))]) for e in self.effects]
+        slight = [e.slight for e in self.effects]
+        return np.maximum(self.price, np.where(slight, 0.0, of_joints))
 
     # ------------------------------------------------------------- one set
 
@@ -211,7 +211,7 @@ class Evidence:
         at = 0
         for c in chosen:
             effect = self.effects[c]
-            if isinstance(effect, Body) and not effect.is_physical(theta[at : at + effect.size], self.robot):
+            if effect.bodies and not effect.is_physical(theta[at : at + effect.size], self.robot):
                 return False
             at += effect.size
         return True

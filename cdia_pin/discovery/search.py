@@ -52,16 +52,19 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
     experiment, columns = problem.experiment, problem.columns
     model, _ = refit(experiment, columns, model, whitened)
     # beside the others, and in the noise known by now
-    now = _fitted(problem, refine_shapes(experiment, columns, model, whitened), whitened)
+    now = fitted(problem, refine_shapes(experiment, columns, model, whitened), whitened)
     failed: set[Names] = set()
     rejected = 0
 
-    def beyond(now: _Found) -> tuple[Allowed, Iterator[Fit]]:
+    def beyond(now: Found) -> tuple[Allowed, Iterator[Fit]]:
         """Return which sets may be tried from a model, and exchanges that normal equations do not show."""
-        present = names(now.evidence, now.fit.chosen)
+        present, before = names(now.evidence, now.fit.chosen), set(now.fit.chosen)
+        slight = {c for c in before if now.evidence.effects[c].slight}
 
         def allowed(chosen: tuple[int, ...]) -> bool:
-            tried = names(now.evidence, chosen)
+            tried, after = names(now.evidence, chosen), set(chosen)
+            if not (slight <= after or after < before):  # it stands for many, which no other does
+                return False
             return tried not in failed and not _swaps(present, tried) & futile
 
         return allowed, _exchanges(problem, now, whitened, allowed)
@@ -84,7 +87,7 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
         failed.add(names(now.evidence, better.chosen))
         trial, _ = refit(experiment, columns, trial, whitened, ROUGHLY)
         trial = refine_shapes(experiment, columns, trial, whitened, known=_labels(now.model))
-        then = _fitted(problem, trial, whitened)
+        then = fitted(problem, trial, whitened)
         grew = len(then.fit.theta) > len(now.fit.theta)
         if (
             not then.fit.physical
@@ -102,7 +105,7 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
 
 
 @dataclass(frozen=True)
-class _Found:
+class Found:
     """A model, the normal equations of its effects and all candidates around it, its fit in them and its errors."""
 
     model: Dynamics
@@ -111,13 +114,14 @@ class _Found:
     errors: Array
 
 
-def _fitted(problem: Problem, model: Dynamics, whitened: Whitened) -> _Found:
+def fitted(problem: Problem, model: Dynamics, whitened: Whitened) -> Found:
+    """Return a model, which is at its optimum, with the normal equations of all candidates around it."""
     evidence = problem.beside(problem.experiment.predict(model), whitened)
     fit = evidence.fit(_indices(evidence, model), bodies=True)
-    return _Found(model, evidence, fit, problem.rms(model))
+    return Found(model, evidence, fit, problem.rms(model))
 
 
-def _exchanges(problem: Problem, now: _Found, whitened: Whitened, allowed: Allowed) -> Iterator[Fit]:
+def _exchanges(problem: Problem, now: Found, whitened: Whitened, allowed: Allowed) -> Iterator[Fit]:
     """Yield better sets in which a large effect that is not linear, seen only at its own optimum, replaces another."""
     evidence = now.evidence
     pairs: list[tuple[float, tuple[int, ...], int]] = []
@@ -141,7 +145,7 @@ def _exchanges(problem: Problem, now: _Found, whitened: Whitened, allowed: Allow
             yield fit
 
 
-def _slimmed(problem: Problem, now: _Found, whitened: Whitened) -> _Found | None:
+def _slimmed(problem: Problem, now: Found, whitened: Whitened) -> Found | None:
     """Return a model without an effect that stands for what the shape of another on its joint is wrong by."""
     evidence = now.evidence
     lost = {
@@ -154,7 +158,7 @@ def _slimmed(problem: Problem, now: _Found, whitened: Whitened) -> _Found | None
             continue
         others = now.model.remove(effect.label)
         trial, _ = refit(problem.experiment, problem.columns, others, whitened, ROUGHLY)
-        then = _fitted(problem, refine_shapes(problem.experiment, problem.columns, trial, whitened), whitened)
+        then = fitted(problem, refine_shapes(problem.experiment, problem.columns, trial, whitened), whitened)
         if then.fit.physical and then.fit.cost < now.fit.cost - MARGIN:
             return then
     return None

@@ -9,7 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects import ALWAYS, CoulombFriction, LinkInertia, Payload, Term, ViscousFriction
+from cdia_pin.effects import (
+    ALWAYS,
+    CoulombFriction,
+    LinkInertia,
+    LinkInertias,
+    Payload,
+    Term,
+    ViscousFriction,
+)
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -66,8 +74,11 @@ class UrdfValues:
                 self.damping[joint] = float(theta[0])
             case CoulombFriction(joint=joint):
                 self.friction[joint] = float(theta[0])
-            case LinkInertia(joint=joint) as body:
-                self.inertial[joint] = body.total(theta, robot)
+            case LinkInertia() | LinkInertias() as effect:
+                for body, part in zip(effect.bodies, theta.reshape(-1, 10), strict=True):
+                    joint = body.scope[0]
+                    known = self.inertial.get(joint, robot.inertial_parameters[robot.joint_index(joint)])
+                    self.inertial[joint] = known + body.in_joint_frame(part, robot)
             case Payload():
                 self.payload = theta
             case _:

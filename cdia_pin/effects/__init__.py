@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cdia_pin.effects import arithmetic
@@ -19,7 +19,7 @@ from cdia_pin.effects.friction import (
     StribeckFriction,
     ViscousFriction,
 )
-from cdia_pin.effects.inertia import LinkInertia, Payload
+from cdia_pin.effects.inertia import LinkInertia, LinkInertias, Payload
 from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.nonlinear_effect import NonlinearEffect
 from cdia_pin.effects.profile import (
@@ -68,6 +68,9 @@ EFFECTS: dict[str, type[Effect]] = {
         Expression,
     )
 }
+OF_SEVERAL: dict[str, type[Effect]] = {
+    LinkInertias.name: LinkInertias
+}  # under the same name, on several joints
 
 
 def register(effect: type[Effect]) -> type[Effect]:
@@ -95,7 +98,7 @@ def parse_effect(text: str, robot: RobotModel | None = None) -> Effect:
     name, at, joints = (part.strip() for part in text.partition("@"))
     scope = [j.strip() for j in joints.split("+")] if at else []
     if name in EFFECTS:
-        effect = EFFECTS[name].from_scope(scope, {})
+        effect = _kind(name, scope).from_scope(scope, {})
     elif not name or (name.isidentifier() and name not in (*arithmetic.SIGNALS, *arithmetic.CONSTANTS)):
         raise EffectError(unknown_name("effect", name, EFFECTS))
     else:
@@ -103,6 +106,10 @@ def parse_effect(text: str, robot: RobotModel | None = None) -> Effect:
     if robot is not None:
         effect.check(robot)
     return effect
+
+
+def _kind(name: str, scope: Sequence[str]) -> type[Effect]:
+    return OF_SEVERAL[name] if len(scope) > 1 and name in OF_SEVERAL else EFFECTS[name]
 
 
 def effect_from_dict(given: Mapping[str, Any]) -> Effect:
@@ -113,14 +120,14 @@ def effect_from_dict(given: Mapping[str, Any]) -> Effect:
     joints, shape = given.get("joints", []), given.get("shape", {})
     if not isinstance(joints, list | tuple) or not isinstance(shape, Mapping):
         raise EffectError(f"{name}: joints must be a list and shape an object, given {joints!r}, {shape!r}")
-    effect = EFFECTS[name].from_scope(joints, shape)
+    effect = _kind(name, joints).from_scope(joints, shape)
     return varied(effect, given["varies"]) if "varies" in given else effect
 
 
 __all__ = [
     "ALWAYS", "EFFECTS", "ActuatorGain", "Always", "AsymmetricFriction", "BaseTilt", "Between",
     "CoulombFriction", "CoupledFriction", "Drift", "Effect", "EffortDelay", "EncoderOffset", "Expression", "Incipient",
-    "Intermittent", "JointEffect", "JointSpring", "JointState", "LinkInertia", "LoadFriction",
+    "Intermittent", "JointEffect", "JointSpring", "JointState", "LinkInertia", "LinkInertias", "LoadFriction",
     "NonlinearEffect", "Parameter", "Payload", "PerLog", "PositionRipple", "Profile", "QuadraticFriction", "Region",
     "RotorInertia", "State", "StribeckFriction", "Term", "ToolWrench", "TorqueOffset", "Unknown",
     "Varying", "ViscousFriction", "ViscousMedium", "after", "effect_from_dict", "from_expression", "parse_effect",

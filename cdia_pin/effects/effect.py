@@ -14,7 +14,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from numbers import Real
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from numpy.typing import NDArray
 from cdia_pin.effects.state import State
 from cdia_pin.errors import EffectError, unknown_name
 from cdia_pin.robot.model import RobotModel
+
+if TYPE_CHECKING:
+    from cdia_pin.effects.inertia import Body
 
 Array = NDArray[np.float64]
 INF = float("inf")
@@ -65,6 +68,7 @@ class Effect(ABC):
     reads: ClassVar[bool] = False  # distorts the torque reading after all else, not the motion
     shifts: ClassVar[bool] = False  # distorts the position reading: the arm is at q + `shift`
     tilts: ClassVar[bool] = False  # turns gravity by `gravity_change`, for all bodies on the arm as well
+    slight: ClassVar[bool] = False  # many small errors as one: it needs no large torque to be worth a name
     rarity: ClassVar[float] = 0.0  # how much sooner another explanation of equal merit is believed [1]
 
     def __post_init__(self) -> None:
@@ -123,6 +127,11 @@ class Effect(ABC):
     def is_distinct(self, theta: Array) -> bool:
         """Tell whether the parameters make it more than a simpler effect with another name."""
         return True
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """Rigid bodies whose parameters, one after another, are those of the effect; none for most."""
+        return ()
 
     # ------------------------------------------------------------- scope and names
 

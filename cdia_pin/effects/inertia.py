@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.effects.effect import Effect, Parameter
 from cdia_pin.effects.state import State
+from cdia_pin.errors import EffectError
 from cdia_pin.robot.inertia import from_pseudo_inertia, is_physical, pseudo_inertia, transform_parameters
 from cdia_pin.robot.model import RobotModel
 
@@ -28,6 +29,11 @@ BODY = (
 SURPRISING_MASS = 5.0  # [kg], least scale of a body's prior
 SURPRISING_REACH = 0.3  # [m], distance of its centre of mass, likewise
 ROUNDING = 1e-5  # [1], smallest second moment of a possible body, relative to their sum
+SLIGHT = 0.3  # share by which a link may differ where all of them do
+USUAL = 0.05  # share by which links usually differ: what a motion does not tell is held to that
+MOST_HALVINGS = 20  # of a change that leaves a link impossible, before it is dropped
+LEAST_MASS = 0.02  # of the arm's mass: what a URDF gives to a link may be a placeholder
+LEAST_RADIUS = 0.03  # [m], radius of gyration of a link, likewise
 
 
 class Body(Effect):
@@ -36,6 +42,11 @@ class Body(Effect):
     parameters = BODY
     of_acceleration: ClassVar[bool] = True
     weighs: ClassVar[bool] = True
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The body itself."""
+        return (self,)
 
     @abstractmethod
     def carrier(self, robot: RobotModel) -> int:
@@ -96,7 +107,8 @@ class Body(Effect):
 class LinkInertia(Body):
     """The inertial parameters of the link moved by a joint differ from the URDF, f = −Y δπ [Wensing2018].
 
-    The parameters are differences to the URDF, about the joint's frame.
+    The parameters are differences to the URDF, about the joint's frame. Several links that all differ slightly are one
+    effect, written with their joints: link_inertia@JOINT+JOINT.
 
     Attributes:
         joint: Name of the joint that moves the link.
@@ -123,6 +135,94 @@ class LinkInertia(Body):
     def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
         """Yield every joint that moves a link."""
         yield from ((j,) for j in robot.joints)
+
+
+@dataclass(frozen=True)
+class LinkInertias(Effect):
+    """The inertial parameters of several links differ slightly from the URDF, f = −Σ Yⱼ δπⱼ [Wensing2018].
+
+    The parameters are those of `LinkInertia`, of one link after another. No link differs by more than a share of its
+    mass and reach: what is larger is one wrong link, or a payload.
+
+    Attributes:
+        links: Names of the joints that move the links, two at least.
+    """
+
+    links: tuple[str, ...]
+
+    name: ClassVar[str] = "link_inertia"
+    equation: ClassVar[str] = "−Σ Yⱼ δπⱼ"
+    of_acceleration: ClassVar[bool] = True
+    weighs: ClassVar[bool] = True
+    slight: ClassVar[bool] = True
+    rarity: ClassVar[float] = LinkInertia.rarity
+
+    def __post_init__(self) -> None:
+        if len(set(self.links)) < max(len(self.links), 2):
+            raise EffectError(
+                f"{self.label}: several links have different joints, given {', '.join(self.links)}"
+            )
+        named = (replace(p, name=f"{p.name}[{joint}]") for joint in self.links for p in BODY)
+        object.__setattr__(self, "parameters", tuple(named))
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """Each link by itself."""
+        return tuple(map(LinkInertia, self.links))
+
+    @property
+    def scope(self) -> tuple[str, ...]:
+        """Joints that move the links."""
+        return self.links
+
+    def basis(self, x: State) -> Array:
+        """Return −Y of a unit body on each link, shape (N, n, p)."""
+        return np.concatenate([body.basis(x) for body in self.bodies], axis=2)
+
+    def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
+        """Return bounds within which each link is nearly as the URDF has it."""
+        most = SLIGHT * self._sizes(robot)
+        return -most, most
+
+    def prior_scale(self, robot: RobotModel) -> Array:
+        """Return by how much links usually differ."""
+        return USUAL * self._sizes(robot)
+
+    def is_physical(self, theta: Array, robot: RobotModel) -> bool:
+        """Tell whether every link is a possible body."""
+        parts = zip(self.bodies, np.reshape(theta, (-1, len(BODY))), strict=True)
+        return super().is_physical(theta, robot) and all(b.is_physical(part, robot) for b, part in parts)
+
+    def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
+        """Return an estimate within the bounds, each change halved until its link is possible, shape (p,)."""
+        near = np.clip(theta, *self.bounds(robot)).reshape(-1, len(BODY))
+        for body, part in zip(self.bodies, near, strict=True):
+            halvings = 0
+            while not body.is_physical(part, robot):
+                halvings += 1
+                part[:] = 0.5 * part if halvings < MOST_HALVINGS else 0.0
+        return near.ravel()
+
+    def _sizes(self, robot: RobotModel) -> Array:
+        """Return mass, moments and inertias of each link, as large as they can be, shape (p,)."""
+        out = []
+        for joint in self.links:
+            pseudo = pseudo_inertia(robot.inertial_parameters[robot.joint_index(joint)])
+            mass = max(pseudo[3, 3], LEAST_MASS * robot.total_mass)
+            reach = np.sqrt(max(np.trace(pseudo[:3, :3]) / mass, LEAST_RADIUS**2))
+            out.append(mass * np.array([1.0] + [reach] * 3 + [reach**2] * 6))
+        return np.concatenate(out)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return a JSON-ready description."""
+        return {"effect": self.name, "joints": list(self.links)}
+
+    @classmethod
+    def from_scope(cls, scope: Sequence[str], shape: Mapping[str, Any]) -> Self:
+        """Build the effect from joint names; it has no shape."""
+        if shape:
+            raise EffectError(f"{cls.name}: has no shape, given {', '.join(shape)}")
+        return cls(tuple(scope))
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from cdia_pin.viewers.words import (
     effect_name,
     effect_words,
     few,
-    listed,
+    joints_words,
     percent,
     profile_words,
     short_names,
@@ -75,7 +75,8 @@ def _added(step: Step, names: dict[str, str]) -> str:
     if step.term is None:
         return "model as given"
     effect = step.term.effect
-    return ", ".join([f"+ {effect_name(effect)}", *(names[j] for j in effect.scope)])
+    where = joints_words([names[j] for j in effect.scope])
+    return ", ".join([f"+ {effect_name(effect)}", *filter(None, [where])])
 
 
 def _effects(found: Discovery) -> Table:
@@ -85,7 +86,7 @@ def _effects(found: Discovery) -> Table:
         assert term is not None  # only the first step of a trace is without
         numbers = (*_told(step, found), *shape_parameters(term, found.model.robot))
         name = clean(effect_name(term.effect), "bold")
-        name.append_text(clean(f"\n{listed(term.effect.scope) or 'whole arm'}", "not bold"))
+        name.append_text(clean(f"\n{joints_words(term.effect.scope) or 'whole arm'}", "not bold"))
         rows = [f"{p['name']} {p['text']}" for p in numbers]
         if profile_words(term):
             rows.append(f"present: {profile_words(term)}")

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 VARYING = {"log": "per log", "time": "(drifting)"}
+MOST_JOINTS = 2  # that are named; of more, only their number is said
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
@@ -109,7 +110,12 @@ def effect_name(effect: Effect) -> str:
 
 def effect_words(effect: Effect) -> str:
     """Return ``coulomb friction on elbow_joint``, or ``payload`` for an effect of the whole arm."""
-    return effect_name(effect) + (f" on {listed(effect.scope)}" if effect.scope else "")
+    return effect_name(effect) + (f" on {joints_words(effect.scope)}" if effect.scope else "")
+
+
+def joints_words(joints: Sequence[str]) -> str:
+    """Return the names of one joint or two, or how many there are."""
+    return listed(joints) if len(joints) <= MOST_JOINTS else f"{len(joints)} joints"
 
 
 def parameter_name(name: str) -> str:

@@ -20,6 +20,7 @@ from cdia_pin.effects import (
     Expression,
     JointEffect,
     JointState,
+    LinkInertias,
     Parameter,
     Region,
     State,
@@ -91,7 +92,8 @@ def examples() -> tuple[tuple[str, Effect], ...]:
                 if sort not in seen:
                     seen.add(sort)
                     out.append((name, kind.from_scope(scope, {})))
-    return (*out, *(("ur5", Expression("elbow_joint", text)) for text in USER_EXPRESSIONS))
+    several = ((name, LinkInertias(robot_of(name).joints)) for name in ROBOTS)
+    return (*out, *several, *(("ur5", Expression("elbow_joint", text)) for text in USER_EXPRESSIONS))
 
 
 def each(chosen: Callable[[Effect], object] = lambda _: True) -> pytest.MarkDecorator:

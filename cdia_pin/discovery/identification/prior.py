@@ -17,14 +17,12 @@ from cdia_pin.discovery.evidence import Evidence
 from cdia_pin.discovery.experiment import Experiment, rms
 from cdia_pin.discovery.fitting import Whitened
 from cdia_pin.effects import RotorInertia
-from cdia_pin.effects.inertia import Body
+from cdia_pin.effects.inertia import LEAST_MASS, LEAST_RADIUS, Body
 from cdia_pin.robot.inertia import pseudo_inertia
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-LEAST_MASS = 0.02  # of the arm's mass: what a URDF gives to a link may be a placeholder
-LEAST_RADIUS = 0.03  # [m], radius of gyration of a link, likewise
 LARGEST_SHARE = (
     1.0  # torque that a joint's own effect may have without surprise, over the joint's RMS torque [1]
 )

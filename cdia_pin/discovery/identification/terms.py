@@ -18,6 +18,7 @@ from cdia_pin.effects import (
     Expression,
     JointSpring,
     LinkInertia,
+    LinkInertias,
     LoadFriction,
     Payload,
     RotorInertia,
@@ -68,7 +69,7 @@ def full_model(model: Dynamics, experiment: Experiment) -> Dynamics:
         model: What is known.
         experiment: The conditioned logs.
     """
-    robot = model.robot
+    robot, model = model.robot, _one_by_one(model)
     has_payload = any(isinstance(t.effect, Payload) for t in model.terms)
     wanted: list[Effect] = [
         LinkInertia(j) for j in robot.joints if not (has_payload and j == robot.tool_joint)
@@ -80,6 +81,19 @@ def full_model(model: Dynamics, experiment: Experiment) -> Dynamics:
     present = {t.label for t in model.terms}
     missing = [e for e in wanted if not present & {e.label, *_spanning(e)}]
     return model.add(*(Term(e, (0.0,) * e.size) for e in missing))
+
+
+def _one_by_one(model: Dynamics) -> Dynamics:
+    """Return a model in which links that differ together are terms of their own."""
+    several = [t for t in model.terms if isinstance(t.effect, LinkInertias)]
+    for term in several:
+        model = model.remove(term.label)
+        for link, theta in zip(term.effect.bodies, np.reshape(term.theta, (-1, 10)), strict=True):
+            given = next((t for t in model.terms if t.effect == link), None)
+            model = model.remove(link.label) if given else model
+            total = theta + (np.array(given.theta) if given else 0.0)
+            model = model.add(Term(link, tuple(total), term.profile))
+    return model
 
 
 def is_moving(experiment: Experiment) -> NDArray[np.bool_]:

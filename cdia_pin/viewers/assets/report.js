@@ -64,15 +64,23 @@ function verdict() {
 
 // ---------------------------------------------------------------- effects
 
+const MANY = 12; // parameters of one effect; of more, those not told from zero are folded away
+
+function parameters(e) {
+  const listed = (rows) => h("div", { class: "parameters" }, rows.map((p) => [
+    h("span", { class: "soft" }, p.name), h("span", { class: p.telling === false ? "faint" : "" }, p.text), h("span", {}, Charts.interval(p.interval, p.name + " " + p.text))]));
+  const all = [...e.parameters, ...e.shape], silent = all.length > MANY ? all.filter((p) => p.telling === false) : [];
+  return [listed(all.filter((p) => !silent.includes(p))),
+    silent.length ? h("details", {}, h("summary", {}, silent.length + " more, not told from 0"), listed(silent)) : null];
+}
+
 function effects() {
   if (!FOUND || !FOUND.effects.length) return null;
   const rows = FOUND.effects.map((e) => [
     right("td", String(e.number), "soft"),
-    h("td", {}, h("b", {}, e.name), h("div", { class: "soft" }, e.joints.length ? "on " + e.joints.join(" and ") : "on the whole arm"),
+    h("td", {}, h("b", {}, e.name), h("div", { class: "soft" }, "on " + e.where),
       h("div", { class: "equation" }, "f = " + e.equation)),
-    h("td", {}, h("div", { class: "parameters" },
-      [...e.parameters, ...e.shape].map((p) => [
-        h("span", { class: "soft" }, p.name), h("span", { class: p.telling === false ? "faint" : "" }, p.text), h("span", {}, Charts.interval(p.interval, p.name + " " + p.text))])),
+    h("td", {}, parameters(e),
       e.profile ? h("div", { class: "soft" }, "present: " + e.profile) : null),
     h("td", {}, e.error.joint, h("div", {}, h("span", { class: "b" }, percent(e.error.before)), " → ", h("span", { class: "a" }, percent(e.error.after)))),
     h("td", {}, e.confusions.length ? byMotion(e.confusions) : h("span", { class: "soft" }, "nothing else tried comes near")),
