@@ -85,4 +85,11 @@ def _failures(outcomes: Sequence[Outcome]) -> Iterator[str]:
 
 
 def _labels(labels: Sequence[str]) -> str:
-    return ", ".join(f"`{x}`" for x in labels) or "–"
+    return ", ".join(f"`{_short(x)}`" for x in labels) or "–"
+
+
+def _short(label: str) -> str:
+    """Return a label; of one with many joints, how many there are."""
+    name, _, joints = label.partition("@")
+    count = joints.count("+") + 1
+    return label if count <= 2 else f"{name}@{count} joints"
