@@ -19,6 +19,7 @@ from cdia_pin.discovery.structure import SMALLEST_STRUCTURE
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import LinkInertia, LinkInertias, Term
 
+CLEAR_OF_BLUR = 3.0  # times what noise of the positions makes: at one posture, its size is known no better
 LEAST_FALL = 0.04  # share by which the sum of squares of blocks that were not fitted to must fall
 
 
@@ -69,7 +70,8 @@ def _is_better(problem: Problem, now: Dynamics, then: Dynamics, whitened: Whiten
     """Tell whether a model costs less than another, by no more than blocks say that were not fitted to."""
     before, after = (fitted(problem, model, whitened) for model in (now, then))
     cheaper = before.fit.cost - after.fit.cost
-    torque = rms(problem.experiment.measured, problem.experiment.informative)
+    experiment = problem.experiment
     fallen = np.sqrt(np.maximum(before.errors**2 - after.errors**2, 0.0))
-    matters = bool((fallen > SMALLEST_STRUCTURE * torque).any())
+    torque = rms(experiment.measured, experiment.informative)
+    matters = bool((fallen > np.maximum(SMALLEST_STRUCTURE * torque, CLEAR_OF_BLUR * experiment.blur)).any())
     return after.fit.physical and cheaper > MARGIN and matters and gain > HOLDS * cheaper

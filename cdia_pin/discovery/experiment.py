@@ -147,13 +147,20 @@ class Experiment:
         Noise of the positions makes torque through the accelerations, and it is white only where a joint moves
         over many steps of its encoder; a torque that changes by less than its own step is recorded as structure too.
         """
-        power, total = np.zeros(self.robot.n), 0
+        return np.sqrt(self.blur**2 + self._mean([s.motion.effort_step**2 / 12 for s in self.segments]))
+
+    @cached_property
+    def blur(self) -> Array:
+        """Torque that noise of the positions makes through the accelerations [N·m or N], shape (n,)."""
+        power = []
         for motion in (s.motion for s in self.segments):
             inertia = self.robot.mass_matrix(motion.q[:: max(1, len(motion.q) // POSTURES)])
-            of_positions = np.mean(inertia**2 @ motion.acceleration_noise**2, axis=0)
-            power += len(motion.kept) * (of_positions + motion.effort_step**2 / 12)
-            total += len(motion.kept)
-        return np.sqrt(power / total)
+            power.append(np.mean(inertia**2 @ motion.acceleration_noise**2, axis=0))
+        return np.sqrt(self._mean(power))
+
+    def _mean(self, values: Sequence[Array]) -> Array:
+        """Return the mean over all logs of what each log has, by its compared samples."""
+        return np.average(values, axis=0, weights=[len(s.motion.kept) for s in self.segments])
 
     @property
     def lengths(self) -> list[int]:
