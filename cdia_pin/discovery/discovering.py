@@ -87,8 +87,20 @@ def discover_in(
     richer = with_every_link(problem, found, whitened)
     if richer is not None:
         again = _searched(problem, richer, whitened, _part(tell, 0.6, 0.8))
-        if has_every_link(again[1]):
-            problem, found, whitened = again
+        answer = _answer(model, *again, tell, findings)
+        if has_every_link(answer.model):
+            return answer
+    return _answer(model, problem, found, whitened, tell, findings)
+
+
+def _answer(
+    model: Dynamics,
+    problem: Problem,
+    found: Dynamics,
+    whitened: Whitened,
+    tell: Progress,
+    findings: tuple[Finding, ...],
+) -> Discovery:
     tell("asking what each effect explains", 0.85)
     ranking = rank(problem, model, whitened)
     return _concluded(problem, model, found, whitened, ranking, tell, findings=findings)

@@ -251,7 +251,7 @@ class Evidence:
         if len(at):
             right = gram[at, -1] - gram[np.ix_(at, columns[~free])] @ start[~free]
             matrix = gram[np.ix_(at, at)] + np.diag(self.prior[at])
-            unit = 1.0 / self.scale[at]
+            unit = 1.0 / np.sqrt(np.diag(matrix))
             theta[free] = unit * np.linalg.solve(matrix * np.outer(unit, unit), unit * right)
         return theta
 
@@ -279,7 +279,7 @@ class Evidence:
         at = self.columns(chosen)
         if len(at):
             matrix = rest[np.ix_(at, at)] + np.diag(self.prior[at])
-            unit = 1.0 / self.scale[at]
+            unit = 1.0 / np.sqrt(np.diag(matrix))
             solved = unit[:, None] * np.linalg.solve(
                 matrix * np.outer(unit, unit), unit[:, None] * rest[at, :]
             )
