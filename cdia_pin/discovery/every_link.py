@@ -19,7 +19,9 @@ from cdia_pin.discovery.structure import SMALLEST_STRUCTURE
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import LinkInertia, LinkInertias, Term
 
-CLEAR_OF_BLUR = 3.0  # times what noise of the positions makes: at one posture, its size is known no better
+CLEAR_OF_BLUR = (
+    5.0  # times what noise of the positions makes: at one posture, its size is known to a factor of three
+)
 LEAST_FALL = 0.04  # share by which the sum of squares of blocks that were not fitted to must fall
 
 
