@@ -22,7 +22,10 @@ from cdia_pin.effects import LinkInertia, LinkInertias, Term
 CLEAR_OF_BLUR = (
     5.0  # times what noise of the positions makes: at one posture, its size is known to a factor of three
 )
-LEAST_FALL = 0.04  # share by which the sum of squares of blocks that were not fitted to must fall
+LARGEST = (
+    0.5  # RMS of the parameters over those that links usually have: noise of the accelerations asks for more
+)
+LEAST_FALL = 0.08  # share by which the sum of squares of blocks that were not fitted to must fall
 
 
 def with_every_link(problem: Problem, found: Dynamics, whitened: Whitened) -> Dynamics | None:
@@ -48,7 +51,11 @@ def with_every_link(problem: Problem, found: Dynamics, whitened: Whitened) -> Dy
         trial = bare.add(Term(links, (0.0,) * links.size))
         trial, after = refit(experiment, columns, trial, whitened)
         gain = unseen - after.held_out(range(len(trial.terms)))
-        if gain > LEAST_FALL * unseen and _is_better(problem, found, trial, whitened, gain):
+        if (
+            gain > LEAST_FALL * unseen
+            and _is_slight(trial)
+            and _is_better(problem, found, trial, whitened, gain)
+        ):
             return trial
     return None
 
@@ -66,6 +73,13 @@ def _without_bodies(model: Dynamics) -> Iterator[Dynamics]:
         model.terms,
     )
     yield from (Dynamics(model.robot, terms) for terms in dict.fromkeys(chosen))
+
+
+def _is_slight(model: Dynamics) -> bool:
+    """Tell whether the links of a model differ by no more than is usual."""
+    term = next(t for t in model.terms if isinstance(t.effect, LinkInertias))
+    usual = term.effect.prior_scale(model.robot)
+    return bool(np.sqrt(np.mean((np.array(term.theta) / usual) ** 2)) <= LARGEST)
 
 
 def _is_better(problem: Problem, now: Dynamics, then: Dynamics, whitened: Whitened, gain: float) -> bool:

@@ -177,7 +177,12 @@ class LinkInertias(Effect):
 
     def basis(self, x: State) -> Array:
         """Return −Y of a unit body on each link, shape (N, n, p)."""
-        return np.concatenate([body.basis(x) for body in self.bodies], axis=2)
+        return -np.concatenate([x.body_regressor(j) for j in map(x.robot.joint_index, self.links)], axis=2)
+
+    def torque(self, x: State, theta: Array) -> Array:
+        """Return f = −Σ Yⱼ δπⱼ [N·m or N], shape (N, n)."""
+        parts = zip(self.bodies, np.reshape(theta, (-1, len(BODY))), strict=True)
+        return np.sum([body.torque(x, part) for body, part in parts], axis=0)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return bounds within which each link is nearly as the URDF has it."""
