@@ -12,7 +12,7 @@ from cdia_pin.discovery.search import Progress
 from cdia_pin.discovery.spans import are_alike
 from cdia_pin.effects import Effect, Term
 from cdia_pin.robot import RobotModel
-from cdia_pin.viewers.words import confusion_words, effect_name, few, joints_words, listed
+from cdia_pin.viewers.words import confusion_words, effect_name, few, listed, where_words
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,7 @@ class Doubt:
     @property
     def pair(self) -> str:
         """Both in words."""
-        return (
-            f"{effect_name(self.one)} on {joints_words(self.one.scope) or 'the whole arm'} from {self.others}"
-        )
+        return f"{effect_name(self.one)} on {where_words(self.one)} from {self.others}"
 
 
 def doubts(session: Session) -> list[Doubt]:

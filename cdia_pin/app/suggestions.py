@@ -10,7 +10,7 @@ from cdia_pin.discovery import Confusion, Discovery
 from cdia_pin.effects import Term
 from cdia_pin.viewers.report_discovery import parameters, shape_parameters
 from cdia_pin.viewers.verdict import mean_share
-from cdia_pin.viewers.words import confusion_words, effect_name, joints_words
+from cdia_pin.viewers.words import confusion_words, effect_name, where_words
 
 TELLING = 3  # parameters that are shown of an effect
 
@@ -83,7 +83,7 @@ def _suggestion(
     return Suggestion(
         text=term.label,
         name=effect_name(term.effect),
-        where=_where(term),
+        where=where_words(term.effect),
         numbers=tuple(f"{r['name']} {r['text']}" for r in shown),
         more=max(len(rows) + len(term.effect.shape) - len(shown), 0),
         before=mean_share(before, found),
@@ -92,7 +92,3 @@ def _suggestion(
         plausible=plausible,
         confusions=tuple((confusion_words(c), c.motion) for c in confusions),
     )
-
-
-def _where(term: Term) -> str:
-    return joints_words(term.effect.scope) or "the whole arm"

@@ -55,7 +55,7 @@ class Nominal:
             effect, theta = term.effect, np.array(term.theta)
             always = term.profile.kind == "always"
             if always and effect.bodies:
-                for body, part in zip(effect.bodies, theta.reshape(-1, 10), strict=True):
+                for body, part in effect.by_body(theta):
                     pi[body.carrier(robot)] += body.in_joint_frame(part, robot)
             elif always and isinstance(effect, BaseTilt):
                 g = g + effect.gravity_change(robot, theta)

@@ -75,7 +75,7 @@ class UrdfValues:
             case CoulombFriction(joint=joint):
                 self.friction[joint] = float(theta[0])
             case LinkInertia() | LinkInertias() as effect:
-                for body, part in zip(effect.bodies, theta.reshape(-1, 10), strict=True):
+                for body, part in effect.by_body(theta):
                     joint = body.scope[0]
                     known = self.inertial.get(joint, robot.inertial_parameters[robot.joint_index(joint)])
                     self.inertial[joint] = known + body.in_joint_frame(part, robot)

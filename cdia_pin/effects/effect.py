@@ -133,6 +133,11 @@ class Effect(ABC):
         """Rigid bodies whose parameters, one after another, are those of the effect; none for most."""
         return ()
 
+    def by_body(self, theta: Array) -> Iterator[tuple[Body, Array]]:
+        """Yield each rigid body with its own of the parameters θ (p,), shape (10,), a view of them."""
+        if self.bodies:
+            yield from zip(self.bodies, theta.reshape(len(self.bodies), -1), strict=True)
+
     # ------------------------------------------------------------- scope and names
 
     @property

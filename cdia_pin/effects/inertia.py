@@ -181,8 +181,7 @@ class LinkInertias(Effect):
 
     def torque(self, x: State, theta: Array) -> Array:
         """Return f = −Σ Yⱼ δπⱼ [N·m or N], shape (N, n)."""
-        parts = zip(self.bodies, np.reshape(theta, (-1, len(BODY))), strict=True)
-        return np.sum([body.torque(x, part) for body, part in parts], axis=0)
+        return np.sum([body.torque(x, part) for body, part in self.by_body(theta)], axis=0)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return bounds within which each link is nearly as the URDF has it."""
@@ -195,18 +194,18 @@ class LinkInertias(Effect):
 
     def is_physical(self, theta: Array, robot: RobotModel) -> bool:
         """Tell whether every link is a possible body."""
-        parts = zip(self.bodies, np.reshape(theta, (-1, len(BODY))), strict=True)
-        return super().is_physical(theta, robot) and all(b.is_physical(part, robot) for b, part in parts)
+        possible = (body.is_physical(part, robot) for body, part in self.by_body(theta))
+        return super().is_physical(theta, robot) and all(possible)
 
     def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
         """Return an estimate within the bounds, each change halved until its link is possible, shape (p,)."""
-        near = np.clip(theta, *self.bounds(robot)).reshape(-1, len(BODY))
-        for body, part in zip(self.bodies, near, strict=True):
+        near = np.clip(theta, *self.bounds(robot))
+        for body, part in self.by_body(near):
             halvings = 0
             while not body.is_physical(part, robot):
                 halvings += 1
                 part[:] = 0.5 * part if halvings < MOST_HALVINGS else 0.0
-        return near.ravel()
+        return near
 
     def _sizes(self, robot: RobotModel) -> Array:
         """Return mass, moments and inertias of each link, as large as they can be, shape (p,)."""

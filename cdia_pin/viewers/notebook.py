@@ -23,11 +23,11 @@ from cdia_pin.viewers.words import (
     confusion_words,
     effect_name,
     joint_units,
-    joints_words,
     listed,
     number,
     percent,
     region_words,
+    where_words,
     with_unit,
 )
 
@@ -123,7 +123,7 @@ def _discovery(result: Discovery) -> Iterable[str]:
             f"{p['name']} {p['text']}" for p in (*parameters(term, robot), *shape_parameters(term, robot))
         ]
         doubts = [confusion_words(c) for c in step.confusions]
-        where = f"on {joints_words(term.effect.scope)}" if term.effect.scope else "on the whole arm"
+        where = f"on {where_words(term.effect)}"
         named = Markup(f"<b>{_text(effect_name(term.effect))}</b><br>{_text(where)}")
         rows.append((named, f"f = {term.effect.equation}", _lines(sizes), listed(doubts) or "–"))
     if rows:

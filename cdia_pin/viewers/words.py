@@ -118,6 +118,11 @@ def joints_words(joints: Sequence[str]) -> str:
     return listed(joints) if len(joints) <= MOST_JOINTS else f"{len(joints)} joints"
 
 
+def where_words(effect: Effect) -> str:
+    """Return the joints of an effect, or that it is one of the whole arm."""
+    return joints_words(effect.scope) or "the whole arm"
+
+
 def parameter_name(name: str) -> str:
     """Return ``coefficient positive`` for the parameter of that name; the log that it belongs to stays as it is."""
     word, bracket, log = name.partition("[")

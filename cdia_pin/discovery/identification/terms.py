@@ -88,7 +88,7 @@ def _one_by_one(model: Dynamics) -> Dynamics:
     several = [t for t in model.terms if isinstance(t.effect, LinkInertias)]
     for term in several:
         model = model.remove(term.label)
-        for link, theta in zip(term.effect.bodies, np.reshape(term.theta, (-1, 10)), strict=True):
+        for link, theta in term.effect.by_body(np.array(term.theta)):
             given = next((t for t in model.terms if t.effect == link), None)
             model = model.remove(link.label) if given else model
             total = theta + (np.array(given.theta) if given else 0.0)
