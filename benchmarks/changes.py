@@ -17,7 +17,7 @@ import numpy as np
 
 from benchmarks.plant import Fault, Fourier, Motion, MujocoPlant, PointToPoint
 from benchmarks.plant.sizes import Sizer
-from cdia_pin.discovery import Changes, what_changed
+from cdia_pin.changes import Changes, what_changed
 from cdia_pin.dynamics import Dynamics
 
 DURATION = 36.0  # [s]

@@ -9,34 +9,24 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from cdia_pin.display import show_with
-
-__version__ = "0.1.0"
+from cdia_pin.version import __version__
 
 if TYPE_CHECKING:
     from cdia_pin import effects
+    from cdia_pin.changes import Changes, what_changed
     from cdia_pin.diagnosis import Monitor, MonitorSettings
-    from cdia_pin.discovery import (
-        Changes,
-        Comparison,
-        Discovery,
-        DiscoverySettings,
-        Identification,
-        IdentificationSettings,
-        add_effect,
-        compare,
-        discover,
-        identify,
-        what_changed,
-    )
-    from cdia_pin.discovery.excitation import Excitation, ExcitationSettings, excite
+    from cdia_pin.discovery import Comparison, Discovery, add_effect, compare, discover
     from cdia_pin.dynamics import Dynamics, load_model, save_model
     from cdia_pin.dynamics.simulate import simulate
     from cdia_pin.dynamics.trajectories import exciting_trajectory
     from cdia_pin.effects import Effect, Term
     from cdia_pin.errors import CdiaError
+    from cdia_pin.excitation import Excitation, ExcitationSettings, excite
+    from cdia_pin.identification import Identification, IdentificationSettings, identify
     from cdia_pin.logs import Log, check_log, read_log, write_log
     from cdia_pin.logs.conditioning import Conditioning
     from cdia_pin.robot import RobotModel, load_robot, write_corrected_urdf
+    from cdia_pin.selection import DiscoverySettings
     from cdia_pin.viewers.arm_page import view
 
 # Public name → where it lives.
@@ -61,17 +51,17 @@ _HOME = {
     "add_effect": "discovery",
     "compare": "discovery",
     "discover": "discovery",
-    "what_changed": "discovery",
-    "Changes": "discovery",
+    "what_changed": "changes",
+    "Changes": "changes",
     "Comparison": "discovery",
     "Discovery": "discovery",
-    "DiscoverySettings": "discovery",
-    "excite": "discovery",
-    "Excitation": "discovery",
-    "ExcitationSettings": "discovery",
-    "identify": "discovery",
-    "Identification": "discovery",
-    "IdentificationSettings": "discovery",
+    "DiscoverySettings": "selection",
+    "excite": "excitation",
+    "Excitation": "excitation",
+    "ExcitationSettings": "excitation",
+    "identify": "identification",
+    "Identification": "identification",
+    "IdentificationSettings": "identification",
     "CdiaError": "errors",
     "view": "viewers.arm_page",
 }

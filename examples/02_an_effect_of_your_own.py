@@ -10,9 +10,9 @@ Usage:
 import numpy as np
 
 from cdia_pin import Dynamics, discover, effects, load_robot
-from cdia_pin.discovery import DiscoverySettings
 from cdia_pin.dynamics import Sensors, exciting_trajectory, simulate
 from cdia_pin.effects import Term
+from cdia_pin.selection import DiscoverySettings
 
 robot = load_robot("ur5")
 brake = Term.of(effects.from_expression("-dq**3 * cos(q)", joint="elbow_joint"), coefficient=12.0)

@@ -14,14 +14,20 @@ ORDER = (
     "effects",
     "logs",
     "dynamics",
-    "diagnosis",
+    "regression",
+    "selection",
+    "identifiability",
+    "identification",
+    "excitation",
+    "changes",
     "discovery",
+    "diagnosis",
     "campaigns",
     "viewers",
     "app",
     "cli",
 )
-COMMON = ("errors", "resources", "display")  # below everything: they import nothing but each other
+COMMON = ("version", "errors", "progress", "resources", "display")  # below everything
 DOORS = ("__init__", "__main__")  # lead into the package from outside
 
 MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] != "_data")

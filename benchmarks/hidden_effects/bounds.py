@@ -8,11 +8,11 @@ from scipy.signal import fftconvolve
 
 from benchmarks.plant.noise import Noise
 from benchmarks.plant.run import Run
-from cdia_pin.discovery.experiment import Experiment
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, State, Term
 from cdia_pin.logs.conditioning import Motion, condition
 from cdia_pin.logs.derivatives import zero_phase
+from cdia_pin.regression.experiment import Experiment
 
 Array = NDArray[np.float64]
 

@@ -17,20 +17,20 @@ from numpy.typing import NDArray
 from benchmarks.hidden_effects.truth import label_of
 from benchmarks.plant.faults import Fault
 from benchmarks.plant.run import Run
-from cdia_pin.discovery.candidates import screen
 from cdia_pin.discovery.comparison import compare
-from cdia_pin.discovery.evidence import Evidence
-from cdia_pin.discovery.experiment import Experiment, Prediction
-from cdia_pin.discovery.fitting import Whitened, gather
-from cdia_pin.discovery.problem import Problem
-from cdia_pin.discovery.settings import DiscoverySettings
-from cdia_pin.discovery.whitening import fit_noise
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect
 from cdia_pin.effects.inertia import Body
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import Conditioning, condition
+from cdia_pin.regression.experiment import Experiment, Prediction
+from cdia_pin.regression.fitting import Whitened, gather
+from cdia_pin.regression.noise import fit_noise
 from cdia_pin.robot import RobotModel
+from cdia_pin.selection.candidates import screen
+from cdia_pin.selection.discovery_settings import DiscoverySettings
+from cdia_pin.selection.evidence import Evidence
+from cdia_pin.selection.problem import Problem
 
 Array = NDArray[np.float64]
 

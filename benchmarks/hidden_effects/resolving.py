@@ -8,9 +8,9 @@ from benchmarks.plant.motion import Given
 from benchmarks.plant.plant import MujocoPlant
 from benchmarks.plant.scenarios import HOLDOUT, Scenario
 from cdia_pin.discovery import Discovery, discover
-from cdia_pin.discovery.excitation import excite
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.errors import EffectError
+from cdia_pin.excitation import excite
 from cdia_pin.logs import Log
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.measured_logs.cases import Case
-from cdia_pin.discovery.experiment import Experiment, rms
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.conditioning import Conditioning, condition
+from cdia_pin.regression.experiment import Experiment, rms
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchmarks.measured_logs.process import cdia
 from cdia_pin.discovery import compare
-from cdia_pin.discovery.result import VERDICTS
+from cdia_pin.discovery.discovery_result import VERDICTS
 from cdia_pin.dynamics import Dynamics, load_model
 from cdia_pin.logs import read_log
 from cdia_pin.robot import load_robot

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.measured_logs.errors import Bench, Column
-from cdia_pin.discovery.experiment import Experiment, rms
+from cdia_pin.regression.experiment import Experiment, rms
 
 Array = NDArray[np.float64]
 

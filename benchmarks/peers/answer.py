@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.discovery.experiment import Experiment, rms
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
+from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.robot import RobotModel
 
 Array = NDArray[np.float64]

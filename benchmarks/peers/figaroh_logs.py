@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from benchmarks.peers.answer import Answer
 from benchmarks.peers.figaroh_process import PYTHON, ask
-from cdia_pin.discovery.experiment import Experiment
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
+from cdia_pin.regression.experiment import Experiment
 from cdia_pin.robot import RobotModel
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchmarks.measured_logs.errors import Bench, Column
 from benchmarks.measured_logs.process import run
-from cdia_pin.discovery.experiment import NEAR_REST, Segment
+from cdia_pin.regression.experiment import NEAR_REST, Segment
 from cdia_pin.robot import RobotModel
 
 Array = NDArray[np.float64]

@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from benchmarks.peers.answer import Answer
 from benchmarks.plant.plant import MujocoPlant
 from benchmarks.plant.urdf import read_arm
-from cdia_pin.discovery.experiment import Experiment, rms
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
+from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.robot import RobotModel
 
 Array = NDArray[np.float64]

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from pysindy import STLSQ
 
 from benchmarks.peers.answer import Answer
-from cdia_pin.discovery.experiment import Experiment
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
+from cdia_pin.regression.experiment import Experiment
 from cdia_pin.robot import RobotModel
 
 Array = NDArray[np.float64]

@@ -19,7 +19,7 @@ from cdia_pin.app.result_steps import check_step, compare_step, export_step
 from cdia_pin.app.runner import Runner
 from cdia_pin.app.session import Session
 from cdia_pin.app.tiles import tiles
-from cdia_pin.discovery.search import Progress
+from cdia_pin.progress import Progress
 from cdia_pin.viewers.scene import Scene
 from cdia_pin.viewers.words import NO_BREAK, percent
 

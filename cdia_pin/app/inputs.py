@@ -7,11 +7,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from cdia_pin.discovery.search import Progress
 from cdia_pin.dynamics import Dynamics, load_model
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, LogCheck, check_log, read_log
 from cdia_pin.logs.conversion import Conversion
+from cdia_pin.progress import Progress
 from cdia_pin.robot import RobotModel, load_robot
 
 

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from cdia_pin.discovery.search import Progress
+from cdia_pin.progress import Progress
 
 T = TypeVar("T")
 

@@ -14,8 +14,8 @@ from cdia_pin.app.live_sources import Source, replayed, simulated
 from cdia_pin.app.parts import Step, button, node
 from cdia_pin.app.runner import Runner
 from cdia_pin.diagnosis import Event
-from cdia_pin.discovery.search import Progress
 from cdia_pin.effects import Term
+from cdia_pin.progress import Progress
 from cdia_pin.robot import catalogue
 from cdia_pin.viewers.event_words import event_rows, fault_words
 from cdia_pin.viewers.scene import Scene, monitor_stages

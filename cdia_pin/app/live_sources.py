@@ -13,12 +13,12 @@ from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
 from cdia_pin.campaigns.monitored_control import Tick
 from cdia_pin.diagnosis import Monitor, MonitorSettings
 from cdia_pin.diagnosis.healthy_part import parted
-from cdia_pin.discovery.search import Progress
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.dynamics.trajectories import Repeated
 from cdia_pin.effects import Term, parse_term
 from cdia_pin.errors import EffectError
 from cdia_pin.logs import Log, read_log
+from cdia_pin.progress import Progress
 from cdia_pin.robot import RobotModel, load_robot
 
 Array = NDArray[np.float64]

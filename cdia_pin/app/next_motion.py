@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 from cdia_pin.app.exports import written
 from cdia_pin.app.session import Session
-from cdia_pin.discovery import Confusion, excite
-from cdia_pin.discovery.search import Progress
-from cdia_pin.discovery.spans import are_alike
 from cdia_pin.effects import Effect, Term
+from cdia_pin.excitation import excite
+from cdia_pin.identifiability import Confusion
+from cdia_pin.identifiability.structural_rank import are_alike
+from cdia_pin.progress import Progress
 from cdia_pin.robot import RobotModel
 from cdia_pin.viewers.words import confusion_words, effect_name, few, listed, where_words
 

@@ -8,8 +8,8 @@ from typing import TypeVar
 
 from cdia_pin.app.job import Cancelled, Job
 from cdia_pin.app.parts import button, node
-from cdia_pin.discovery.search import Progress
 from cdia_pin.errors import CdiaError
+from cdia_pin.progress import Progress
 
 T = TypeVar("T")
 

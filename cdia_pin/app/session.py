@@ -6,17 +6,11 @@ from dataclasses import dataclass, replace
 
 from cdia_pin.app.history import History, Version
 from cdia_pin.app.inputs import Inputs, Request
-from cdia_pin.discovery import (
-    Discovery,
-    DiscoverySettings,
-    Problem,
-    add_effect_in,
-    compare_in,
-    discover_in,
-)
-from cdia_pin.discovery.search import Progress
+from cdia_pin.discovery import Discovery, add_effect_in, compare_in, discover_in
 from cdia_pin.effects import parse_effect
 from cdia_pin.errors import CdiaError
+from cdia_pin.progress import Progress
+from cdia_pin.selection import DiscoverySettings, Problem
 
 
 def silent(sentence: str, share: float) -> None:

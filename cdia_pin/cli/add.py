@@ -78,9 +78,10 @@ def add(
         from cdia_pin import discovery
         from cdia_pin.effects import parse_effect
         from cdia_pin.logs.conditioning import Conditioning
+        from cdia_pin.selection import DiscoverySettings
 
         added = parse_effect(effect, known.robot)
-        settings = discovery.DiscoverySettings(
+        settings = DiscoverySettings(
             conditioning=Conditioning(cutoff=cutoff),
             per_log=parse_per_log(per_log, logs, conditions, known.robot),
         )

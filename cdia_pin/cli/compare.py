@@ -64,15 +64,16 @@ def compare(
     console = stdout(json)
     known = load_inputs(robot, model)
     with progress() as tell:
-        from cdia_pin import discovery
+        from cdia_pin.changes import changes_between
         from cdia_pin.logs.conditioning import Conditioning
+        from cdia_pin.selection import DiscoverySettings
 
         reading = Reading(gains, joint_map, convert, topic, conditions)
         given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         tell("comparing", 0.1)
-        settings = discovery.DiscoverySettings(conditioning=Conditioning(cutoff=cutoff))
+        settings = DiscoverySettings(conditioning=Conditioning(cutoff=cutoff))
         found, by_log = _compared(known, given, settings.conditioning)
-        changed = discovery.changes_between(known, given, settings, tell) if changes else ()
+        changed = changes_between(known, given, settings, tell) if changes else ()
     from cdia_pin.viewers import changes_table, comparison_table, errors_by_log, where_it_fails, write_report
 
     show_inputs(console, known, given)
@@ -98,8 +99,8 @@ def _compared(
 ) -> tuple[Comparison, list[Comparison]]:
     """Compare a model with all logs together and, where there are several, with each; filter each log once."""
     from cdia_pin.discovery import compare_in
-    from cdia_pin.discovery.experiment import Experiment
     from cdia_pin.logs.conditioning import condition
+    from cdia_pin.regression.experiment import Experiment
 
     robot = known.robot
     motions = [condition(log, robot, conditioning) for log in logs]

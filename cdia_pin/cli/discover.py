@@ -91,9 +91,10 @@ def discover(
     with progress() as tell:
         from cdia_pin import discovery
         from cdia_pin.logs.conditioning import Conditioning
+        from cdia_pin.selection import DiscoverySettings
 
         conditioning = Conditioning(cutoff=cutoff)
-        settings = discovery.DiscoverySettings(
+        settings = DiscoverySettings(
             conditioning=conditioning,
             effects=named_effects(effects),
             extra=own_effects(extra or [], known.robot),

@@ -132,9 +132,9 @@ def excite(
     console = stdout(json)
     known = load_inputs(robot, model)
     with progress() as tell:
-        from cdia_pin import discovery
+        from cdia_pin import excitation
 
-        settings = discovery.ExcitationSettings(
+        settings = excitation.ExcitationSettings(
             duration=duration,
             rate=rate,
             seed=seed,
@@ -148,7 +148,7 @@ def excite(
         pair = (named(between[0], known.robot), named(between[1], known.robot)) if between else None
         wanted = named(effects, known.robot) if effects else None
         logs, _ = read_logs(after or [], known.robot, Reading(gains), check=False, tell=tell)
-        motion = discovery.excite(
+        motion = excitation.excite(
             known,
             between=pair,
             effects=wanted,

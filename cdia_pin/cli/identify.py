@@ -27,7 +27,7 @@ from cdia_pin.cli.options import (
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 
 if TYPE_CHECKING:
-    from cdia_pin.discovery import Identification
+    from cdia_pin.identification import Identification
 
 FITTING = "Fitting"
 
@@ -78,14 +78,18 @@ def identify(
     console = stdout(json)
     known = load_inputs(robot, model)
     with progress() as tell:
-        from cdia_pin import discovery
+        from cdia_pin import identification
         from cdia_pin.logs.conditioning import Conditioning
 
-        settings = discovery.IdentificationSettings(conditioning=Conditioning(cutoff=cutoff), refine=refine)
+        settings = identification.IdentificationSettings(
+            conditioning=Conditioning(cutoff=cutoff), refine=refine
+        )
         reading = Reading(gains, joint_map, convert, topic)
         given, _ = read_logs(logs, known.robot, reading, check=check, tell=tell)
         held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
-        found = discovery.identify(known, given, holdout=held_out or None, settings=settings, progress=tell)
+        found = identification.identify(
+            known, given, holdout=held_out or None, settings=settings, progress=tell
+        )
     from cdia_pin.dynamics import save_model
     from cdia_pin.viewers import identification_table
 

@@ -13,7 +13,6 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-import cdia_pin
 from cdia_pin.cli.add import add
 from cdia_pin.cli.app import app as app_command
 from cdia_pin.cli.check import check
@@ -35,6 +34,7 @@ from cdia_pin.cli.simulate import simulate
 from cdia_pin.cli.study import study
 from cdia_pin.cli.view import view
 from cdia_pin.errors import CdiaError, unknown_name
+from cdia_pin.version import __version__
 
 BAD_INPUT, INTERRUPTED = 2, 130  # exit codes
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -73,7 +73,7 @@ def cdia(
 ) -> None:
     """Find which physical effect a robot arm's model is missing, add it, watch the error fall."""
     if version:
-        typer.echo(f"cdia-pin {cdia_pin.__version__}")
+        typer.echo(f"cdia-pin {__version__}")
     elif ctx.invoked_subcommand is None:
         typer.echo(ctx.get_help())
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-import cdia_pin
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs, show_inputs
@@ -15,6 +14,7 @@ from cdia_pin.cli.monitor_options import MONITOR, Bank, Engine
 from cdia_pin.cli.options import Json, Report, Robot
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 from cdia_pin.cli.simulation_options import SIMULATION, Duration, Fault, Seed
+from cdia_pin.version import __version__
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -139,7 +139,7 @@ def simulate(
         "tracking_rms": tracking,
         "plant": [t.to_dict(plant.robot) for t in plant.terms],
         "record": {
-            "version": cdia_pin.__version__,
+            "version": __version__,
             "duration": duration,
             "rate": rate,
             "noise": noise,

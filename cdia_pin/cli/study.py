@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-import cdia_pin
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 from cdia_pin.errors import unknown_name
+from cdia_pin.version import __version__
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -201,7 +201,7 @@ def _directory(asked: Request) -> Path:
 
 
 def _record() -> dict[str, str]:
-    return {"version": cdia_pin.__version__}
+    return {"version": __version__}
 
 
 STUDIES: dict[str, Callable[[Console, Request], None]] = {

@@ -13,8 +13,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import ModuleType
 
-import cdia_pin
 from cdia_pin.effects import JointEffect, Unknown
+from cdia_pin.version import __version__
 
 
 def load(source: str, effects: Sequence[JointEffect]) -> ModuleType:
@@ -54,7 +54,7 @@ def _fingerprint(source: str, effects: Sequence[JointEffect]) -> str:
     """Return a hash that changes with all the text that is compiled, of which numba sees only a part."""
     from cdia_pin.diagnosis import codes, kernels
 
-    digest = hashlib.sha256(f"{cdia_pin.__version__}\n{source}".encode())
+    digest = hashlib.sha256(f"{__version__}\n{source}".encode())
     linecache.checkcache()
     modules = {type(e).__module__ for e in effects} | {Unknown.__module__, codes.__name__, kernels.__name__}
     for name in sorted(modules):

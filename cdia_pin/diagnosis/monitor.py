@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import cdia_pin
 from cdia_pin.diagnosis.bank import DEFAULT_BANK, Bank
 from cdia_pin.diagnosis.engines import ENGINES, Knowledge
 from cdia_pin.diagnosis.settings import MonitorSettings
@@ -18,6 +17,7 @@ from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import JointEffect, Term
 from cdia_pin.errors import LogError, ModelError, unknown_name
 from cdia_pin.logs.log import Log
+from cdia_pin.version import __version__
 
 if TYPE_CHECKING:
     from cdia_pin.diagnosis.thesis import ThesisSettings
@@ -80,7 +80,7 @@ class Monitor:
         known = Knowledge(tuple(healthy), threshold, rate, position_only)
         self.engine, used = ENGINES[engine](model, self.bank, settings, known)
         self.record: dict[str, Any] = {
-            "version": cdia_pin.__version__,
+            "version": __version__,
             "engine": engine,
             "bank": list(self.bank.names),
             "settings": _plain(asdict(used)),

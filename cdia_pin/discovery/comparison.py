@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import cdia_pin
-from cdia_pin.discovery.experiment import Experiment, rms
 from cdia_pin.display import Displayed
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.log import Log
+from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.version import __version__
 
 Array = NDArray[np.float64]
 
@@ -191,7 +191,7 @@ def compare_in(experiment: Experiment, model: Dynamics) -> Comparison:
         measured=experiment.measured,
         predicted=experiment.measured + residual,
         informative=use,
-        record={"version": cdia_pin.__version__, "logs": [s.motion.record for s in experiment.segments]},
+        record={"version": __version__, "logs": [s.motion.record for s in experiment.segments]},
     )
 
 

@@ -6,16 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cdia_pin.discovery.confusion import Rivals
-from cdia_pin.discovery.evidence import Evidence
-from cdia_pin.discovery.fitting import Whitened, refit, with_intervals
-from cdia_pin.discovery.moves import ranked
-from cdia_pin.discovery.problem import Problem
-from cdia_pin.discovery.result import Ranked
-from cdia_pin.discovery.search import VISIBLE
+from cdia_pin.discovery.discovery_result import Ranked
 from cdia_pin.discovery.trace import step_of
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
+from cdia_pin.identifiability.alternatives import Rivals
+from cdia_pin.regression.fitting import Whitened, refit, with_intervals
+from cdia_pin.selection.evidence import Evidence
+from cdia_pin.selection.moves import ranked
+from cdia_pin.selection.problem import Problem
+from cdia_pin.selection.search import VISIBLE
 
 OVERALL = 3  # candidates of any scope that are fitted, beside the best of each joint
 LOOKED_AT = 40  # candidates from which these are taken

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.discovery.experiment import Experiment, Prediction
-from cdia_pin.discovery.finding import Finding
-from cdia_pin.discovery.fitting import Whitened
-from cdia_pin.discovery.memory import bent
-from cdia_pin.discovery.problem import Problem
+from cdia_pin.changes.finding import Finding
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, Drift, Term
+from cdia_pin.regression.experiment import Experiment, Prediction
+from cdia_pin.regression.fitting import Whitened
+from cdia_pin.regression.friction_memory import bent
 from cdia_pin.robot.model import RobotModel
+from cdia_pin.selection.problem import Problem
 
 Array = NDArray[np.float64]
 

@@ -6,15 +6,16 @@ from collections.abc import Collection
 
 import numpy as np
 
-from cdia_pin.discovery.confusion import Rivals
-from cdia_pin.discovery.experiment import rms
-from cdia_pin.discovery.fitting import Whitened, refit, with_intervals
-from cdia_pin.discovery.heldout import held_out_rms
-from cdia_pin.discovery.problem import Problem
-from cdia_pin.discovery.refitting import refitting
-from cdia_pin.discovery.result import Confusion, Step
+from cdia_pin.discovery.discovery_result import Step
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
+from cdia_pin.identifiability.alternatives import Rivals
+from cdia_pin.identifiability.confusion import Confusion
+from cdia_pin.regression.cross_validation import held_out_rms
+from cdia_pin.regression.experiment import rms
+from cdia_pin.regression.fitting import Whitened, refit, with_intervals
+from cdia_pin.selection.problem import Problem
+from cdia_pin.selection.refits import refitting
 
 WORSE = 0.005  # share by which an effect may raise the held-out error, mean over the joints
 ITERATIONS = 2  # of the refits between the first and the last

@@ -6,12 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
-import cdia_pin
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.errors import CdiaError, ModelError
 from cdia_pin.robot import catalogue
 from cdia_pin.robot.model import RobotModel
+from cdia_pin.version import __version__
 
 SCHEMA = "cdia-model/1"
 
@@ -30,7 +30,7 @@ def save_model(model: Dynamics, path: str | Path, *, record: dict[str, Any] | No
     path = Path(path)
     document = {
         "schema": SCHEMA,
-        "version": cdia_pin.__version__,
+        "version": __version__,
         "robot": model.robot.name,
         "joints": list(model.robot.joints),
         "terms": [t.to_dict(model.robot) for t in model.terms],

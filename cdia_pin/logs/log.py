@@ -104,3 +104,8 @@ def require_joints(given: Sequence[str], wanted: Sequence[str], source: str) -> 
             f"the robot has {', '.join(wanted)}"
         )
     return [list(given).index(j) for j in wanted]
+
+
+def listed(logs: Log | Sequence[Log] | None) -> list[Log]:
+    """Return one log, several or none as a list."""
+    return [] if logs is None else [logs] if isinstance(logs, Log) else list(logs)

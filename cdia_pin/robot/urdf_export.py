@@ -14,7 +14,6 @@ import numpy as np
 from lxml import etree
 from numpy.typing import ArrayLike, NDArray
 
-import cdia_pin
 from cdia_pin.errors import RobotError
 from cdia_pin.robot.inertia import (
     is_physical,
@@ -34,6 +33,7 @@ from cdia_pin.robot.urdf_edit import (
     write_inertial,
 )
 from cdia_pin.robot.urdf_values import homogeneous
+from cdia_pin.version import __version__
 
 Array = NDArray[np.float64]
 
@@ -198,7 +198,7 @@ def _summary(
     if has_payload:
         parts.append(f"payload on {robot.tool_frame}")
     changes = "; ".join(parts) or "nothing changed"
-    return f"{robot.urdf.name} corrected by cdia-pin {cdia_pin.__version__}: {changes}"
+    return f"{robot.urdf.name} corrected by cdia-pin {__version__}: {changes}"
 
 
 def _ten(joint: str, given: ArrayLike) -> Array:

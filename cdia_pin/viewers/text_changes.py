@@ -26,7 +26,8 @@ from cdia_pin.viewers.words import (
 )
 
 if TYPE_CHECKING:
-    from cdia_pin.discovery import Change, Changes, Comparison
+    from cdia_pin.changes import Change, Changes
+    from cdia_pin.discovery import Comparison
 
 NAMED = 3  # changes that the verdict names before it counts the others
 MANY = 4  # parameters; of an effect with more, only those whose interval leaves out zero are listed

@@ -11,7 +11,7 @@ from cdia_pin.viewers.cells import add_row, new_table
 from cdia_pin.viewers.words import joint_units, listed, number, short_names
 
 if TYPE_CHECKING:
-    from cdia_pin.discovery import Excitation
+    from cdia_pin.excitation import Excitation
 
 SIGNALS = ("velocity", "acceleration", "effort")
 

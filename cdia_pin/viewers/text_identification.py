@@ -24,7 +24,7 @@ from cdia_pin.viewers.words import (
 )
 
 if TYPE_CHECKING:
-    from cdia_pin.discovery import Identification
+    from cdia_pin.identification import Identification
 
 SHOWN = 12  # base parameters, unless all are asked for
 

@@ -10,9 +10,9 @@ from cdia_pin.discovery.comparison import signal_units
 from cdia_pin.effects import Varying
 
 if TYPE_CHECKING:
-    from cdia_pin.discovery import Confusion
     from cdia_pin.discovery.comparison import Region
     from cdia_pin.effects import Effect, Term
+    from cdia_pin.identifiability import Confusion
     from cdia_pin.robot.model import RobotModel
 
 VARYING = {"log": "per log", "time": "(drifting)"}

@@ -11,7 +11,7 @@ from benchmarks.measured_logs.page import page, skipped
 from benchmarks.measured_logs.trust import FRICTION, Cause, causes, sentences
 from benchmarks.peers.figaroh_process import AbsentError, figaroh
 from cdia_pin import Dynamics, load_robot
-from tests.discovery.made import make
+from tests.made_logs import make
 
 NOISE = 0.01
 

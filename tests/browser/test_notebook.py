@@ -13,9 +13,9 @@ import pytest
 
 from cdia_pin import Dynamics, compare, discover, exciting_trajectory, load_robot, simulate
 from cdia_pin.diagnosis import Monitor, replay
-from cdia_pin.discovery import DiscoverySettings
 from cdia_pin.dynamics.sensors import Sensors
 from cdia_pin.effects import parse_term
+from cdia_pin.selection import DiscoverySettings
 
 LEVEL = 5.0  # [N·m] of the friction that the model lacks
 

@@ -12,10 +12,10 @@ import pytest
 
 from cdia_pin import Dynamics, RobotModel, compare, discover, exciting_trajectory, load_robot, simulate
 from cdia_pin.diagnosis import Monitor, replay
-from cdia_pin.discovery import DiscoverySettings
 from cdia_pin.dynamics.sensors import Sensors
 from cdia_pin.effects import parse_term
 from cdia_pin.logs import Log
+from cdia_pin.selection import DiscoverySettings
 from cdia_pin.viewers import write_monitor_report, write_report
 from cdia_pin.viewers.page import LARGEST
 

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from cdia_pin import load_model, load_robot
-from cdia_pin.discovery.result import VERDICTS
+from cdia_pin.discovery.discovery_result import VERDICTS
 
 
 def test_a_bag_says_the_same_as_the_csv(cdia, measured):

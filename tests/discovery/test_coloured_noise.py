@@ -8,7 +8,7 @@ import pytest
 from benchmarks.plant import Fault, Noise
 from cdia_pin import Dynamics
 from cdia_pin.discovery import Discovery, discover
-from tests.discovery.conftest import labels, plant_of
+from tests.hidden_plants import labels, plant_of
 
 COLOURS = ("white", "ar1", "pink")
 SEEDS = range(10)

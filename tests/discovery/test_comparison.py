@@ -8,12 +8,12 @@ import pytest
 
 from cdia_pin import Dynamics, compare, load_robot
 from cdia_pin.discovery.comparison import REGIONS
-from cdia_pin.discovery.experiment import Experiment
 from cdia_pin.effects import Term, parse_effect
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.derivatives import zero_phase
-from tests.discovery.made import CUTOFF, make
+from cdia_pin.regression.experiment import Experiment
+from tests.made_logs import CUTOFF, make
 
 NOISE = 0.004  # [N·m]
 

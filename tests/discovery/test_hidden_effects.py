@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.plant import scenarios
-from tests.discovery.conftest import label, labels, plant_of
+from tests.hidden_plants import label, labels, plant_of
 
 ARMS = ("ur5", "panda")
 FRACTION = 0.2  # of the joint's RMS torque

@@ -9,12 +9,12 @@ from benchmarks.plant import Fault, Noise
 from benchmarks.plant.motion import Fourier
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.discovery import discover
-from cdia_pin.discovery.experiment import Experiment
 from cdia_pin.effects import StribeckFriction, Term, parse_effect
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.derivatives import zero_phase
-from tests.discovery.conftest import labels, plant_of
+from cdia_pin.regression.experiment import Experiment
+from tests.hidden_plants import labels, plant_of
 
 ELBOW = "elbow_joint"
 

@@ -5,8 +5,8 @@ import pytest
 
 from cdia_pin import Dynamics, compare, load_model, load_robot, read_log, save_model
 from cdia_pin.discovery import discover
-from cdia_pin.discovery.result import VERDICTS
-from tests.discovery.conftest import MEASURED
+from cdia_pin.discovery.discovery_result import VERDICTS
+from tests.hidden_plants import MEASURED
 
 LOGS = [
     ("panda", "panda/exciting.csv"),

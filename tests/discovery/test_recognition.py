@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from benchmarks.plant import scenarios
-from cdia_pin.discovery.memory import bristle
-from tests.discovery.conftest import plant_of
+from cdia_pin.regression.friction_memory import bristle
+from tests.hidden_plants import plant_of
 
 ARMS = ("ur5", "panda")
 

@@ -4,9 +4,9 @@ import numpy as np
 
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.discovery import discover
-from cdia_pin.discovery.experiment import Experiment
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
+from cdia_pin.regression.experiment import Experiment
 
 POSE = np.array([0.1, -1.0, 1.0, 0.3, 0.2, 0.1])
 

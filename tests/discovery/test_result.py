@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, compare, discover, load_robot
-from cdia_pin.discovery import Confusion, DiscoverySettings
-from cdia_pin.discovery.result import VERDICTS
+from cdia_pin.discovery.discovery_result import VERDICTS
 from cdia_pin.effects import CoulombFriction, Payload, Term, TorqueOffset
+from cdia_pin.identifiability import Confusion
 from cdia_pin.robot.inertia import parameters_of
-from tests.discovery.made import make
+from cdia_pin.selection import DiscoverySettings
+from tests.made_logs import make
 
 KEYS = ("schema", "robot", "joints", "verdict", "effects", "trace", "noise_floor")
 

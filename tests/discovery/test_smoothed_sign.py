@@ -6,8 +6,8 @@ import pytest
 from benchmarks.plant import Fault, Noise, PointToPoint
 from benchmarks.plant.motion import Fourier
 from cdia_pin import Dynamics, discover, load_robot
-from tests.discovery.conftest import labels, plant_of
-from tests.discovery.made import make
+from tests.hidden_plants import labels, plant_of
+from tests.made_logs import make
 
 ELBOW = "elbow_joint"
 

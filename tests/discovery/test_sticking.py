@@ -5,7 +5,7 @@ import pytest
 from benchmarks.plant import Fault
 from cdia_pin import Dynamics, add_effect, discover
 from cdia_pin.effects import CoupledFriction
-from tests.discovery.conftest import labels, plant_of
+from tests.hidden_plants import labels, plant_of
 
 PAIRS = {"kinova": ("j2s6s200_joint_2", "j2s6s200_joint_3"), "z1": ("joint2", "joint3")}
 

@@ -12,7 +12,6 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from cdia_pin.discovery.experiment import Experiment
 from cdia_pin.dynamics import Dynamics, exciting_trajectory, simulate
 from cdia_pin.effects import (
     EFFECTS,
@@ -32,6 +31,7 @@ from cdia_pin.effects import (
 )
 from cdia_pin.errors import EffectError, RobotError
 from cdia_pin.logs.conditioning import condition
+from cdia_pin.regression.experiment import Experiment
 from cdia_pin.robot import RobotModel, load_robot
 
 ROBOTS = ("ur5", "scara")  # revolute joints; revolute ones and a prismatic one

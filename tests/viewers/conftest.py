@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cdia_pin.discovery import Comparison, Confusion, Discovery, compare, discover
+from cdia_pin.discovery import Comparison, Discovery, compare, discover
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, StribeckFriction, Term, ViscousFriction
+from cdia_pin.identifiability import Confusion
 from cdia_pin.logs import Log, LogCheck, check_log
 from cdia_pin.resources import robots_dir
 from cdia_pin.robot import RobotModel, load_robot

@@ -1,0 +1,130 @@
+"""What changed between logs: effects with the size of their difference, and what could have gone unseen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.changes.finding import Finding
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Term
+from cdia_pin.identifiability.confusion import Confusion
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+SCHEMA = "cdia-changes/1"
+
+
+@dataclass(frozen=True)
+class Change:
+    """One effect by which the logs differ.
+
+    Attributes:
+        term: The effect; its parameters are the differences, after less before, with 95 % intervals.
+        before: The parameters before, for friction; None where they have no meaning of their own, shape (p,).
+        torque_rms: RMS torque of the change in the logs after [N·m or N], shape (n,).
+        evidence: Log-likelihood that is lost without it [1].
+        confusions: Other changes that would explain nearly as much.
+    """
+
+    term: Term
+    before: tuple[float, ...] | None
+    torque_rms: Array
+    evidence: float
+    confusions: tuple[Confusion, ...] = ()
+
+    @property
+    def growth(self) -> float | None:
+        """Difference over size before [1], of an effect with one parameter that was there before."""
+        if self.before is None or len(self.before) != 1 or self.before[0] <= 0.0:
+            return None
+        return self.term.theta[0] / self.before[0]
+
+    def to_dict(self, robot: RobotModel) -> dict[str, Any]:
+        """Return a JSON-ready description."""
+        names = [p.name for p in self.term.effect.parameters]
+        return {
+            "effect": self.term.effect.name,
+            "joints": list(self.term.effect.joints(robot)),
+            **{k: v for k, v in self.term.effect.to_dict().items() if k == "shape"},
+            "difference": self.term.parameters_to_dict(robot),
+            "before": None if self.before is None else dict(zip(names, self.before, strict=True)),
+            "growth": self.growth,
+            "torque_rms": dict(zip(robot.joints, map(float, self.torque_rms), strict=True)),
+            "evidence": self.evidence,
+            "confusable_with": [c.to_dict(robot) for c in self.confusions],
+        }
+
+
+@dataclass(frozen=True)
+class Bound:
+    """The largest change of one kind that these logs would not show.
+
+    Attributes:
+        term: The effect, its parameter as large as the end of the 95 % interval that is further from zero.
+        torque: RMS torque of such a change in the logs after [N·m or N].
+    """
+
+    term: Term
+    torque: float
+
+
+@dataclass(frozen=True)
+class Changes:
+    """The outcome of `what_changed`.
+
+    Attributes:
+        model: The model with which both sides were compared.
+        before: Names of the logs before.
+        after: Names of the logs after.
+        changes: Effects by which they differ, the most certain first; empty if nothing changed.
+        bounds: For each joint, the largest change of one effect that was not found and could be there.
+        findings: What the changes mean together.
+        rms_before: RMS residual of the model in the logs before [N·m or N], shape (n,).
+        rms_after: The same in the logs after.
+        record: Logs, hashes and settings.
+    """
+
+    model: Dynamics
+    before: tuple[str, ...]
+    after: tuple[str, ...]
+    changes: tuple[Change, ...]
+    bounds: dict[str, Bound]
+    findings: tuple[Finding, ...]
+    rms_before: Array
+    rms_after: Array
+    record: dict[str, Any]
+
+    @property
+    def verdict(self) -> str:
+        """``changed`` or ``unchanged``."""
+        return "changed" if self.changes else "unchanged"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON of schema ``cdia-changes/1``."""
+        robot = self.model.robot
+        by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
+        return {
+            "schema": SCHEMA,
+            "robot": robot.name,
+            "joints": list(robot.joints),
+            "before": list(self.before),
+            "after": list(self.after),
+            "verdict": self.verdict,
+            "changes": [c.to_dict(robot) for c in self.changes],
+            "bounds": {
+                joint: {
+                    "effect": b.term.effect.name,
+                    "parameters": b.term.parameters_to_dict(robot),
+                    "torque_rms": b.torque,
+                }
+                for joint, b in self.bounds.items()
+            },
+            "findings": [f.to_dict() for f in self.findings],
+            "rms": {"before": by_joint(self.rms_before), "after": by_joint(self.rms_after)},
+            "record": self.record,
+        }

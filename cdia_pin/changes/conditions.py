@@ -1,0 +1,56 @@
+"""Several logs: which of them were recorded alike, and which effects differ between those that were not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cdia_pin.changes.changes_result import Changes
+from cdia_pin.changes.detection import what_changed
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import PerLog, Term, Varying
+from cdia_pin.logs.log import Log
+from cdia_pin.progress import Progress
+from cdia_pin.selection.discovery_settings import DiscoverySettings
+
+
+def by_condition(logs: Sequence[Log]) -> list[list[Log]]:
+    """Return the logs of each condition; a log without one is its own."""
+    groups: dict[object, list[Log]] = {}
+    for k, log in enumerate(logs):
+        groups.setdefault(log.condition or k, []).append(log)
+    return list(groups.values())
+
+
+def changes_between(
+    model: Dynamics, logs: Sequence[Log], settings: DiscoverySettings, progress: Progress | None = None
+) -> tuple[Changes, ...]:
+    """Return what changed from the first condition to each other one; nothing where there is only one.
+
+    Args:
+        model: What is known of the arm.
+        logs: Of one arm.
+        settings: What may have changed, and how logs are conditioned.
+        progress: Called with a sentence and the share done.
+    """
+    first, *others = by_condition(logs)
+    return tuple(what_changed(model, first, other, settings=settings, progress=progress) for other in others)
+
+
+def effects_that_differ(changes: Sequence[Changes]) -> tuple[str, ...]:
+    """Return the labels of the effects whose parameters differ between conditions.
+
+    An encoder's zero is not among them: it moves the arm, and has one value in a model.
+    """
+    terms = [c.term for found in changes for c in found.changes]
+    return tuple(dict.fromkeys(t.label for t in terms if not t.effect.shifts))
+
+
+def with_parameters_per_log(model: Dynamics, logs: tuple[str, ...], asked: Sequence[str]) -> Dynamics:
+    """Return a model in which the terms asked for, by name or label, have parameters of their own in each log."""
+    terms = tuple(
+        Term(PerLog(t.effect, logs), t.theta * len(logs), t.profile)
+        if {t.effect.name, t.label} & set(asked) and not isinstance(t.effect, Varying)
+        else t
+        for t in model.terms
+    )
+    return Dynamics(model.robot, terms)

@@ -1,0 +1,209 @@
+"""Evidence for what differs between logs, beside everything that they may have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.changes.common_structure import common_effects, smooth_functions
+from cdia_pin.effects import Effect, LinkInertia, ToolWrench, ViscousMedium
+from cdia_pin.effects.state import State
+from cdia_pin.regression.design_matrix import Columns
+from cdia_pin.regression.experiment import Experiment, Prediction, rms
+from cdia_pin.regression.fitting import Whitened
+from cdia_pin.regression.noise import fit_noise
+from cdia_pin.regression.shared_parameters import Part, Regression
+from cdia_pin.robot.model import RobotModel
+from cdia_pin.selection.candidates import LARGE_FAMILY, SCREENED, enumerate_candidates
+from cdia_pin.selection.discovery_settings import DiscoverySettings
+from cdia_pin.selection.evidence import Evidence
+
+Array = NDArray[np.float64]
+
+WORTH = 0.05  # least share of what is left of a joint after that a change must explain
+GENERIC_SIZE = 10  # parameters from which an effect does not take part in the first guess of the noise
+# Links stay what they are, and a steady force on a tool is nearly always a weight: searched only if asked for.
+UNUSUAL = (LinkInertia, ToolWrench, ViscousMedium)
+ROUNDS = 2  # of weighting the joints by what is left of them
+INF = float("inf")
+
+
+@dataclass(frozen=True)
+class Difference(Effect):
+    """An effect by which some logs differ from the others: its parameters may have either sign.
+
+    Attributes:
+        effect: The effect.
+        logs: Names of the logs in which it is present, see `State.log`.
+    """
+
+    effect: Effect
+    logs: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        for promise in ("name", "equation", "parameters", "shape", "scope_fields", "of_torque", "rarity"):
+            object.__setattr__(self, promise, getattr(self.effect, promise))
+
+    @property
+    def scope(self) -> tuple[str, ...]:
+        """Joints named by the effect."""
+        return self.effect.scope
+
+    def basis(self, x: State) -> Array:
+        """Return the effect's basis, zero in the other logs, shape (N, n, p)."""
+        return self.effect.basis(x) * float(x.log in self.logs)
+
+    def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
+        """Return the indices of the joints whose torque the effect can change."""
+        return self.effect.acts_on(robot)
+
+    def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
+        """Return no bounds."""
+        return np.full(self.size, -INF), np.full(self.size, INF)
+
+    def prior_scale(self, robot: RobotModel) -> Array:
+        """Return the effect's scale."""
+        return self.effect.prior_scale(robot)
+
+
+@dataclass(frozen=True)
+class Differing:
+    """Logs before and after, columns of what they have in common, and of how they may differ.
+
+    Attributes:
+        experiment: The conditioned logs, those before first.
+        prediction: Of the model that both are compared with.
+        after: Compared samples of the logs after, shape (K,).
+        common: What the logs may have in common.
+        changes: What may differ, zero before.
+        searched: In how many shapes each change, by label, is looked for.
+        noise: Of each joint's compared torque, as far as it is rough [N·m or N], shape (n,).
+        edges: First sample of each block of time, none of which has samples of both sides, shape (B + 1,).
+    """
+
+    experiment: Experiment
+    prediction: Prediction
+    after: NDArray[np.bool_]
+    common: tuple[Part, ...]
+    changes: dict[Difference, dict[int, Array]]
+    searched: dict[str, int]
+    noise: Array
+    edges: NDArray[np.intp]
+
+    @classmethod
+    def of(
+        cls,
+        experiment: Experiment,
+        prediction: Prediction,
+        before: int,
+        noise: Array,
+        settings: DiscoverySettings,
+    ) -> Self:
+        """Compute all columns.
+
+        Args:
+            experiment: The logs, those before first.
+            prediction: Of the model.
+            before: Number of logs before.
+            noise: Of each joint's compared torque [N·m or N], shape (n,).
+            settings: What may have changed, and blocks of time per side.
+        """
+        columns, robot = Columns(experiment), experiment.robot
+        ends = np.cumsum([0, *experiment.lengths])
+        after = np.arange(ends[-1]) >= ends[before]
+        logs = tuple(s.state.log for s in experiment.segments[before:])
+        families = enumerate_candidates(experiment, prediction, settings)
+        changes = {}
+        asked = settings.effects or ()
+        for effect in (e for family in families for e in family):
+            if isinstance(effect, UNUSUAL) and effect.name not in asked:
+                continue
+            change = Difference(effect, logs)
+            x = columns.of(change, prediction)
+            changes[change] = {j: x[:, i, :] for i, j in enumerate(effect.acts_on(robot))}
+        sides = ((0, ends[before]), (ends[before], ends[-1]))
+        edges = [np.linspace(start, stop, settings.blocks + 1) for start, stop in sides]
+        differing = cls(
+            experiment,
+            prediction,
+            after,
+            tuple(common_effects(experiment, prediction, columns)),
+            changes,
+            {f[0].label: len(f) for f in families},
+            noise,
+            np.concatenate([edges[0][:-1], edges[1]]).astype(int),
+        )
+        left = rms(differing.beside_common(differing.generic())[0], experiment.informative)
+        smooth = smooth_functions(experiment, prediction, left)
+        return replace(differing, common=(*differing.common, *smooth))
+
+    def generic(self) -> list[Difference]:
+        """Return all changes that are small and have few shapes: what is left beside them is surely noise."""
+        few = [c for c in self.changes if c.size < GENERIC_SIZE and self.searched[c.label] <= LARGE_FAMILY]
+        return list({c.label: c for c in reversed(few)}.values())
+
+    def whitened(self, changed: Sequence[Difference]) -> Whitened:
+        """Return the noise that the common structure and some changes leave."""
+        x = self.experiment
+        left, used = self.beside_common(changed)
+        parts = zip(left.T, x.informative.T, x.nearness.T, used, strict=True)
+        noise = [fit_noise(e, use, near, x.lengths, m) for e, use, near, m in parts]
+        misfit = np.maximum(rms(left, x.informative) / self.noise, 1.0)
+        noise = [replace(m, sigma=m.sigma * more) for m, more in zip(noise, misfit, strict=True)]
+        return Whitened.of(x, noise, self.edges)
+
+    def beside_common(self, changed: Sequence[Difference] = ()) -> tuple[Array, Array]:
+        """Return the residual beside what is common and some changes (K, n), and how many parameters it took (n,)."""
+        use, residual = self.experiment.informative, self.prediction.residual
+        size = np.maximum(rms(residual, use), 1e-12)
+        for _ in range(ROUNDS):  # what surprises nobody is told by the noise, and the noise by what it leaves
+            scaled = lambda j, x, size=size: np.where(use[:, [j]], x / size[j], 0.0)  # noqa: E731
+            left, used = Regression.of([*self.common, *self._parts(changed)], residual, scaled).residual()
+            left = left * size
+            size = np.maximum(rms(left, use), 1e-12)
+        return left, used
+
+    def evidence(self, whitened: Whitened, found: Collection[Difference] = ()) -> Evidence:
+        """Form the normal equations of all changes, what is common projected away.
+
+        Args:
+            whitened: Noise and blocks.
+            found: Changes that are there in any case; of others with many shapes, only the best are.
+        """
+        robot, residual = self.experiment.robot, self.prediction.residual
+        effects = self._screened(whitened, found)
+        regression = Regression.of([*self.common, *self._parts(effects)], residual, whitened.joint)
+        rows, prior = regression.beside(len(regression.precision) - sum(e.size for e in effects))
+        pairs = list(zip(self.edges[:-1], self.edges[1:], strict=True))
+        blocks = np.stack([sum(r[start:stop].T @ r[start:stop] for r in rows) for start, stop in pairs])
+        blocks += prior / len(blocks)
+        return replace(
+            Evidence(robot, effects, blocks, whitened.samples),
+            searched=self.searched,
+            needed=WORTH * np.array([np.sum(r[self.after, -1] ** 2) for r in rows]),
+        )
+
+    def _parts(self, changes: Sequence[Difference]) -> list[Part]:
+        return [Part(self.changes[c], np.full(c.size, INF)) for c in changes]
+
+    def _screened(self, whitened: Whitened, found: Collection[Difference]) -> list[Difference]:
+        """Return the changes, of large families those shapes alone that fit best."""
+        every = list(self.changes)
+        regression = Regression.of(
+            [*self.common, *self._parts(every)], self.prediction.residual, whitened.joint
+        )
+        first = len(regression.precision) - sum(c.size for c in every)
+        gram = regression.gram[first:, first:] - regression.gram[first:, :first] @ regression.explained_by(
+            first
+        )
+        gains = Evidence(self.experiment.robot, every, gram[None], whitened.samples).gains(())
+        kept: dict[str, list[Difference]] = {}
+        for c in np.argsort(gains)[::-1]:
+            family = kept.setdefault(every[c].label, [])
+            if every[c] in found or len(family) < SCREENED or self.searched[every[c].label] <= LARGE_FAMILY:
+                family.append(every[c])
+        return [c for family in kept.values() for c in family]

@@ -1,0 +1,40 @@
+"""What changes mean together: friction that falls on many joints at once is a warm arm, not many faults."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cdia_pin.changes.changes_result import Change
+from cdia_pin.changes.finding import Finding
+from cdia_pin.robot.model import RobotModel
+
+FEWEST = 3  # joints
+MOST_JOINTS = 0.5  # share of the joints
+
+
+def findings_of(changes: Sequence[Change], robot: RobotModel) -> tuple[Finding, ...]:
+    """Return what several changes have in common."""
+    change_of: dict[str, float] = {}  # friction torque of each joint, relative to before where that is known
+    for c in changes:
+        if c.term.effect.dissipative and c.term.effect.scope:
+            for joint in c.term.effect.scope:
+                size = float(c.torque_rms[robot.joint_index(joint)])
+                change_of[joint] = change_of.get(joint, 0.0) + size * float(np.sign(sum(c.term.theta)))
+    signs = {np.sign(v) for v in change_of.values()}
+    if len(change_of) < max(FEWEST, MOST_JOINTS * robot.n) or len(signs) != 1:
+        return ()
+    fell = signs == {-1.0}
+    growth = [c.growth for c in changes if c.term.effect.dissipative and c.growth is not None]
+    mean = float(np.median(growth)) if growth else float("nan")
+    by = f" by {abs(100 * mean):.0f} % (median)" if growth else ""
+    count = f"all {robot.n} joints" if len(change_of) == robot.n else f"{len(change_of)} of {robot.n} joints"
+    sentence = (
+        f"friction {'fell' if fell else 'rose'} on {count}{by}, and rose on none: "
+        f"the drives are {'warmer' if fell else 'colder'} than before"
+    )
+    if not fell:
+        sentence = sentence.replace("rose on none", "fell on none")
+    kind = "warming" if fell else "cooling"
+    return (Finding(kind, tuple(change_of), sentence, {"median_growth": mean} if growth else {}),)

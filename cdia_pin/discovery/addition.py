@@ -1,0 +1,90 @@
+"""The addition of one effect that a user asks for, whatever the evidence for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cdia_pin.discovery.conclusion import concluded
+from cdia_pin.discovery.discovery_result import Discovery
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Effect, Expression, Term, Unknown
+from cdia_pin.errors import EffectError
+from cdia_pin.logs.log import Log, listed
+from cdia_pin.progress import Progress, silent
+from cdia_pin.regression.fitting import Whitened, refit
+from cdia_pin.selection.candidates import per_log
+from cdia_pin.selection.discovery_settings import DiscoverySettings
+from cdia_pin.selection.problem import Problem
+from cdia_pin.selection.shapes import refine_shapes
+
+
+def add_effect(
+    model: Dynamics,
+    effect: Effect,
+    logs: Log | Sequence[Log],
+    *,
+    holdout: Log | Sequence[Log] | None = None,
+    settings: DiscoverySettings | None = None,
+    progress: Progress | None = None,
+) -> Discovery:
+    """Add one effect to a model and fit all of it to logs, whatever the evidence for it.
+
+    Args:
+        model: The model; a term of the same effect and scope is replaced.
+        effect: The effect to add; its shape is fitted too.
+        logs: One log or several.
+        holdout: Logs that are only predicted.
+        settings: How logs are conditioned.
+        progress: Called with a sentence and the share done.
+
+    Returns:
+        A trace of two steps, before and after, and whether structure is left.
+
+    Raises:
+        LogError: If a log is too short or of other joints.
+        EffectError: If the effect cannot be seen in these logs.
+    """
+    tell = progress or silent
+    tell("conditioning", 0.0)
+    problem = Problem.of(model, listed(logs), listed(holdout), settings or DiscoverySettings())
+    return add_effect_in(problem, model, effect, tell)
+
+
+def add_effect_in(
+    problem: Problem, model: Dynamics, effect: Effect, progress: Progress | None = None
+) -> Discovery:
+    """Answer as `add_effect` does, from logs that are conditioned already.
+
+    Args:
+        problem: The logs, with the candidates around the model.
+        model: The model.
+        effect: The effect to add.
+        progress: Called with a sentence and the share done.
+
+    Raises:
+        EffectError: If the effect cannot be seen in these logs.
+    """
+    tell = progress or silent
+    tell("looking at the noise", 0.1)
+    (effect,) = per_log([effect], problem.experiment, problem.settings.per_log)
+    problem = problem.without_rest_of([effect, *(t.effect for t in model.terms)])
+    whitened = problem.first_noise(model)
+    tell(f"fitting {effect.label}", 0.3)
+    base = model.remove(effect.label) if effect.label in {t.label for t in model.terms} else model
+    along = problem.experiment.along(problem.experiment.predict(model))
+    trials = [effect] if isinstance(effect, Expression) else list(effect.shape_grid(along))
+    if not trials:
+        raise EffectError(f"{effect.label} cannot be seen in these logs: its joint hardly moves")
+    if isinstance(effect, Unknown) or not effect.shape:
+        trials = trials[:1]
+    fits = [_fitted(problem, base, e, whitened) for e in trials]
+    best = min(fits, key=lambda f: f[1])[0]
+    best = refine_shapes(problem.experiment, problem.columns, best, whitened, [t.label for t in base.terms])
+    whitened = problem.whitened(problem.structure(best))
+    return concluded(problem, base, best, whitened, (), tell, forced=(effect.label,))
+
+
+def _fitted(problem: Problem, base: Dynamics, effect: Effect, whitened: Whitened) -> tuple[Dynamics, float]:
+    trial = base.add(Term(effect, (0.0,) * effect.size))
+    trial, evidence = refit(problem.experiment, problem.columns, trial, whitened)
+    return trial, evidence.fit(range(len(trial.terms)), bodies=True).chi2

@@ -1,0 +1,134 @@
+"""What a discovery found: steps that each lower the error, a verdict, and a model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.changes.finding import Finding
+from cdia_pin.display import Displayed
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Term
+from cdia_pin.identifiability.confusion import Confusion
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+SCHEMA = "cdia-discovery/1"
+VERDICTS = ("nothing-missing", "explained", "unexplained")
+
+
+@dataclass(frozen=True)
+class Step:
+    """One effect added.
+
+    Attributes:
+        term: The effect with its parameters and intervals in the final model; None for the model as given.
+        rms: RMS residual of each joint with all steps up to this one fitted together [N·m or N], shape (n,).
+        heldout_rms: The same on data that was not fitted, shape (n,).
+        confusions: Other explanations of what this effect explains.
+    """
+
+    term: Term | None
+    rms: Array
+    heldout_rms: Array
+    confusions: tuple[Confusion, ...] = ()
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """What one candidate would explain by itself.
+
+    Attributes:
+        term: The effect with parameters and intervals, fitted beside the model as given.
+        heldout_before: RMS residual of each joint on data that was not fitted, without it [N·m or N], shape (n,).
+        heldout_after: The same with it.
+        plausible: Whether the best fit is physical without being held at a bound.
+        confusions: Other effects that would explain about as much.
+    """
+
+    term: Term
+    heldout_before: Array
+    heldout_after: Array
+    plausible: bool
+    confusions: tuple[Confusion, ...]
+
+
+@dataclass(frozen=True)
+class Discovery(Displayed):
+    """The outcome of `discover`.
+
+    Attributes:
+        model: The improved model.
+        verdict: ``nothing-missing``, ``explained`` or ``unexplained``.
+        trace: The model as given, then every effect added, in order of what it explains.
+        noise_floor: RMS that nothing smooth in the motion explains [N·m or N], shape (n,).
+        structure_left: Joints whose residual is not noise.
+        torque_rms: RMS of the measured torque, shape (n,).
+        ranking: What each of the most telling candidates would explain by itself, the best first.
+        record: Logs, hashes, settings and version, enough to run it again.
+        findings: What effects mean together, and what the residual looks like.
+    """
+
+    model: Dynamics
+    verdict: str
+    trace: tuple[Step, ...]
+    noise_floor: Array
+    structure_left: tuple[str, ...]
+    torque_rms: Array
+    ranking: tuple[Ranked, ...]
+    record: dict[str, Any]
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """The effects that were added, the strongest first."""
+        return self.trace[1:]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON of schema ``cdia-discovery/1``."""
+        robot = self.model.robot
+        by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
+        return {
+            "schema": SCHEMA,
+            "robot": robot.name,
+            "joints": list(robot.joints),
+            "verdict": self.verdict,
+            "effects": [_entry(s.term, s.confusions, robot) for s in self.steps if s.term is not None],
+            "trace": [
+                {
+                    "added": step.term.label if step.term else None,
+                    "rms": by_joint(step.rms),
+                    "heldout_rms": by_joint(step.heldout_rms),
+                }
+                for step in self.trace
+            ],
+            "noise_floor": by_joint(self.noise_floor),
+            "torque_rms": by_joint(self.torque_rms),
+            "structure_left": list(self.structure_left),
+            "ranking": [
+                {
+                    **_entry(r.term, r.confusions, robot),
+                    "plausible": r.plausible,
+                    "heldout_rms": {"before": by_joint(r.heldout_before), "after": by_joint(r.heldout_after)},
+                }
+                for r in self.ranking
+            ],
+            "findings": [f.to_dict() for f in self.findings],
+            "record": self.record,
+        }
+
+
+def _entry(term: Term, confusions: tuple[Confusion, ...], robot: RobotModel) -> dict[str, Any]:
+    entry: dict[str, Any] = {
+        "effect": term.effect.name,
+        "joints": list(term.effect.joints(robot)),
+        "parameters": term.parameters_to_dict(robot),
+    }
+    described = term.effect.to_dict()
+    entry.update({k: described[k] for k in ("shape", "varies") if k in described})
+    entry["confusable_with"] = [c.to_dict(robot) for c in confusions]
+    return entry

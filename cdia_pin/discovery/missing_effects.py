@@ -1,0 +1,117 @@
+"""The main job: from a model and logs to the effects that are missing, a verdict and a better model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cdia_pin.changes.conditions import changes_between, effects_that_differ, with_parameters_per_log
+from cdia_pin.changes.finding import Finding
+from cdia_pin.discovery.conclusion import concluded
+from cdia_pin.discovery.discovery_result import Discovery
+from cdia_pin.discovery.ranking import rank
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.logs.log import Log, listed
+from cdia_pin.progress import Progress, part, silent
+from cdia_pin.regression.fitting import Whitened
+from cdia_pin.selection.discovery_settings import DiscoverySettings
+from cdia_pin.selection.every_link import has_every_link, with_every_link
+from cdia_pin.selection.problem import Problem
+from cdia_pin.selection.search import Swaps, search
+
+PASSES = 5  # searches at most, each with the noise that the one before left, until nothing changes
+
+
+def discover(
+    model: Dynamics,
+    logs: Log | Sequence[Log],
+    *,
+    holdout: Log | Sequence[Log] | None = None,
+    settings: DiscoverySettings | None = None,
+    progress: Progress | None = None,
+) -> Discovery:
+    """Find the effects that a model lacks in measured logs, add them, and say what is left.
+
+    Args:
+        model: What is known: a bare robot, or one with terms, which are fitted again together with what is found.
+        logs: One log or several of the same arm. Effects that differ between their conditions may have parameters of
+            their own in each; all others are common.
+        holdout: Logs that are only predicted; without, each block of time is predicted from the others.
+        settings: What to search for and how.
+        progress: Called with a sentence and the share done, from 0 to 1.
+
+    Returns:
+        The verdict, the steps, and the improved model.
+
+    Raises:
+        LogError: If a log is too short or of other joints.
+        EffectError: If the settings name an unknown effect.
+    """
+    tell = progress or silent
+    tell("conditioning", 0.0)
+    settings, given = settings or DiscoverySettings(), listed(logs)
+    # what differs between the logs is told first, beside all that they may have in common
+    changes = changes_between(model, given, settings, lambda sentence, share: tell(sentence, 0.05 * share))
+    problem = Problem.of(model, given, listed(holdout), settings).with_parts(effects_that_differ(changes))
+    findings = tuple(f for c in changes for f in c.findings)
+    return discover_in(problem, model, tell, findings=findings)
+
+
+def discover_in(
+    problem: Problem,
+    model: Dynamics,
+    progress: Progress | None = None,
+    *,
+    findings: tuple[Finding, ...] = (),
+) -> Discovery:
+    """Answer as `discover` does, from logs that are conditioned already.
+
+    Args:
+        problem: The logs, with the candidates around the model.
+        model: What is known.
+        progress: Called with a sentence and the share done.
+        findings: What is known of the logs besides, to be handed on.
+    """
+    tell = progress or silent
+    apart = (*problem.settings.per_log, *problem.differing)
+    model = with_parameters_per_log(model, problem.experiment.logs, apart)
+    tell("looking at the noise", 0.05)
+    problem = problem.without_rest_of(t.effect for t in model.terms)
+    whitened = problem.first_noise(model)
+    problem, found, whitened = _searched(problem, model, whitened, part(tell, 0.1, 0.6))
+    richer = with_every_link(problem, found, whitened)
+    if richer is not None:
+        again = _searched(problem, richer, whitened, part(tell, 0.6, 0.8))
+        answer = _answer(model, *again, tell, findings)
+        if has_every_link(answer.model):
+            return answer
+    return _answer(model, problem, found, whitened, tell, findings)
+
+
+def _answer(
+    model: Dynamics,
+    problem: Problem,
+    found: Dynamics,
+    whitened: Whitened,
+    tell: Progress,
+    findings: tuple[Finding, ...],
+) -> Discovery:
+    tell("asking what each effect explains", 0.85)
+    ranking = rank(problem, model, whitened)
+    return concluded(problem, model, found, whitened, ranking, tell, findings=findings)
+
+
+def _searched(
+    problem: Problem, found: Dynamics, whitened: Whitened, tell: Progress
+) -> tuple[Problem, Dynamics, Whitened]:
+    """Search from a model, again and again with the noise that the search before left."""
+    futile = Swaps()
+    for k in range(PASSES):
+        before = {t.label for t in found.terms}
+        lap = part(tell, k / PASSES, (k + 1) / PASSES)
+        problem = problem.with_drift(found)
+        found = search(problem, found, whitened, futile, lap)
+        problem = problem.without_rest_of(t.effect for t in found.terms)
+        whitened = problem.whitened(problem.structure(found))
+        if k > 0 and {t.label for t in found.terms} == before:
+            break
+    return problem, found, whitened

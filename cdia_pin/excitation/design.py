@@ -1,0 +1,95 @@
+"""The design of a motion: safe, and making visible what a log is to tell."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+
+import numpy as np
+
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Effect
+from cdia_pin.excitation.excitation_result import Excitation
+from cdia_pin.excitation.excitation_settings import ExcitationSettings
+from cdia_pin.excitation.limits import motion_limits
+from cdia_pin.excitation.question import Explanation, Question
+from cdia_pin.excitation.search import Search, Tell
+from cdia_pin.logs.log import Log
+from cdia_pin.robot.collision import CollisionModel, standing_height
+from cdia_pin.robot.model import RobotModel
+from cdia_pin.version import __version__
+
+
+def excite(
+    model: Dynamics | RobotModel,
+    *,
+    between: tuple[Explanation, Explanation] | None = None,
+    effects: Sequence[Effect] | None = None,
+    after: Log | Sequence[Log] = (),
+    settings: ExcitationSettings | None = None,
+    progress: Tell | None = None,
+) -> Excitation:
+    """Design a motion within all limits that makes parameters, or two confusable explanations, visible.
+
+    The motion begins and ends at rest in one posture, moves every joint, and touches neither the arm itself nor the
+    floor. What else surrounds the arm is not known: look at the motion before it is driven.
+
+    Args:
+        model: The arm, with what is known to be missing from its URDF.
+        between: Two explanations, each an effect or several together, of which a log is to tell the true one.
+        effects: Effects whose parameters are to be seen; the model's if omitted, or friction and inertia of all
+            joints where it has none.
+        after: Logs that there are already, which the gain is measured against; any motion within the limits if omitted.
+        settings: Duration, limits, seed.
+        progress: Called with a sentence and the share done, from 0 to 1.
+
+    Returns:
+        The motion with the limits that it keeps and what it gains.
+
+    Raises:
+        EffectError: If an effect is not of the robot, or no motion tells the two explanations apart.
+        RobotError: If limits or settings leave no room for a motion.
+        LogError: If a log cannot be used.
+    """
+    dynamics = model if isinstance(model, Dynamics) else Dynamics(model)
+    chosen = settings or ExcitationSettings()
+    tell = progress or (lambda sentence, share: None)
+    tell("looking at the limits", 0.0)
+    robot = dynamics.robot
+    limits = motion_limits(robot, speed=chosen.speed, effort=chosen.effort, acceleration=chosen.acceleration)
+    question = Question(dynamics, limits, chosen)
+    goal = question.between(*between) if between else question.parameters(effects)
+    floor = standing_height(robot) if chosen.floor == "base" else chosen.floor
+    collisions = CollisionModel(robot, clearance=chosen.clearance, floor=floor, srdf=chosen.srdf)
+    search = Search(dynamics, limits, collisions, goal, question.noise, chosen.duration)
+    trajectory, any_other = search.best(
+        chosen.draws,
+        chosen.refinements,
+        np.random.default_rng(chosen.seed),
+        lambda sentence, share: tell(sentence, 0.05 + 0.9 * share),
+    )
+    tell("measuring the gain", 0.96)
+    gain = question.gain(goal, trajectory, any_other, [after] if isinstance(after, Log) else list(after))
+    time = np.arange(int(np.floor(trajectory.duration * chosen.rate)) + 1) / chosen.rate
+    q, v, a = trajectory(time)
+    tell("done", 1.0)
+    return Excitation(
+        robot=robot,
+        trajectory=trajectory,
+        time=time,
+        position=q,
+        velocity=v,
+        acceleration=a,
+        effort=dynamics.inverse_dynamics(q, v, a, time=time),
+        limits=limits,
+        clearance=chosen.clearance,
+        floor=floor,
+        checked=len(collisions.pairs),
+        gain=gain,
+        warnings=limits.assumed,
+        record={
+            "version": __version__,
+            **asdict(chosen),
+            "terms": [t.label for t in dynamics.terms],
+        },
+    )

@@ -1,0 +1,159 @@
+"""A designed motion: its samples, the limits that it keeps, and what it makes visible."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.dynamics import Reference, Trajectory
+from cdia_pin.excitation.limits import MotionLimits
+from cdia_pin.logs.trajectories import write_joint_trajectory, write_motion
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+SCHEMA = "cdia-excitation/1"
+APART = 10.0  # standard deviations between two explanations, from which `discover` chooses the true one
+
+
+@dataclass(frozen=True)
+class Gain:
+    """What a motion makes visible, beside another.
+
+    Attributes:
+        between: The two explanations; empty where parameters were asked for.
+        before: Standard deviations between the two on the motion that there was; for parameters 1.
+        after: The same on the designed motion; for parameters how many times smaller their standard deviations are.
+        seen: How many combinations of parameters any motion shows, of how many parameters.
+        told: Which of the two is told if the arm has it; the other one explains it on any motion if not.
+        beside: What the motion is compared with, ``on the logs given`` or ``on any motion within the limits``.
+    """
+
+    between: tuple[str, ...]
+    before: float
+    after: float
+    seen: tuple[int, int]
+    told: tuple[bool, ...]
+    beside: str
+
+    @property
+    def enough(self) -> bool:
+        """Whether a log of the motion tells the two apart."""
+        return not self.between or self.after >= APART
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """The outcome of `excite`.
+
+    Attributes:
+        robot: The arm.
+        trajectory: The motion as a function of time.
+        time: Time of each sample [s], shape (N,).
+        position: Positions [rad or m], shape (N, n).
+        velocity: Velocities [rad/s or m/s], shape (N, n).
+        acceleration: Accelerations [rad/s² or m/s²], shape (N, n).
+        effort: Torques that the model predicts [N·m or N], shape (N, n).
+        limits: What the motion was allowed to use.
+        clearance: Distance that links keep from each other and from the floor [m].
+        floor: Height of the floor above the base's origin [m], None for none.
+        checked: Pairs of shapes that were looked at for collisions.
+        gain: What it makes visible.
+        warnings: What the design had to assume.
+        record: Settings and version, enough to make it again.
+    """
+
+    robot: RobotModel
+    trajectory: Trajectory
+    time: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    effort: Array
+    limits: MotionLimits
+    clearance: float
+    floor: float | None
+    checked: int
+    gain: Gain
+    warnings: tuple[str, ...]
+    record: dict[str, Any]
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Joint names, in the order of the columns."""
+        return self.robot.joints
+
+    @property
+    def reference(self) -> Reference:
+        """Positions, velocities and accelerations of all samples."""
+        return Reference(self.position, self.velocity, self.acceleration)
+
+    def peaks(self) -> dict[str, Array]:
+        """Return the smallest and the largest position, and the largest of all else, shape (n,) each."""
+        return {
+            "lower": self.position.min(axis=0),
+            "upper": self.position.max(axis=0),
+            "velocity": np.abs(self.velocity).max(axis=0),
+            "acceleration": np.abs(self.acceleration).max(axis=0),
+            "effort": np.abs(self.effort).max(axis=0),
+        }
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write time, position, velocity, acceleration and predicted effort of every sample.
+
+        Raises:
+            LogError: If the file cannot be written.
+        """
+        signals = {
+            "position": self.position,
+            "velocity": self.velocity,
+            "acceleration": self.acceleration,
+            "effort": self.effort,
+        }
+        return write_motion(path, self.joints, self.time, signals)
+
+    def to_ros(self, path: str | Path, rate: float = 50.0) -> Path:
+        """Write a ``trajectory_msgs/JointTrajectory`` as YAML.
+
+        Args:
+            path: File to write.
+            rate: Points per second at most [Hz]; controllers interpolate.
+
+        Raises:
+            LogError: If the file cannot be written.
+        """
+        duration = float(self.time[-1])
+        time = np.linspace(0.0, duration, max(2, int(np.ceil(duration * rate)) + 1))
+        return write_joint_trajectory(path, self.joints, time, *self.trajectory(time))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON of schema ``cdia-excitation/1``; the samples are in the CSV file."""
+        peaks, limits = self.peaks(), self.limits
+        allowed = {name: getattr(limits, name) for name in peaks}
+        return {
+            "schema": SCHEMA,
+            "robot": self.robot.name,
+            "joints": list(self.joints),
+            "duration": float(self.time[-1]),
+            "limits": {
+                joint: {
+                    name: {"peak": float(peaks[name][j]), "limit": float(allowed[name][j])} for name in peaks
+                }
+                for j, joint in enumerate(self.joints)
+            },
+            "start": dict(zip(self.joints, map(float, self.position[0]), strict=True)),
+            "collisions": {"clearance": self.clearance, "floor": self.floor, "pairs": self.checked},
+            "gain": {
+                "between": list(self.gain.between),
+                "before": self.gain.before,
+                "after": self.gain.after,
+                "enough": self.gain.enough,
+                "seen": {"combinations": self.gain.seen[0], "parameters": self.gain.seen[1]},
+            },
+            "warnings": list(self.warnings),
+            "record": self.record,
+        }

@@ -1,0 +1,159 @@
+"""What a motion is to make visible: the parameters of effects, or which of two explanations is true."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects import Effect
+from cdia_pin.excitation.information import Information
+from cdia_pin.excitation.sides import Side, separation
+
+Array = NDArray[np.float64]
+
+UNSEEN = 1e-10  # [1], eigenvalue beside the largest below which no motion shows a combination of parameters
+SAME = (
+    1e-4  # [1], share of a side's torque below which what the other leaves of it is the smoothing of sgn(q̇)
+)
+ENOUGH = 30.0  # standard deviations apart, beyond which other effects matter as much
+WEIGHT = 3.0  # [1], of the pair beside all other effects
+
+
+class Goal(ABC):
+    """What a motion is scored by."""
+
+    @property
+    @abstractmethod
+    def effects(self) -> tuple[Effect, ...]:
+        """Effects whose columns the score needs."""
+
+    @abstractmethod
+    def score(self, info: Information) -> float:
+        """Return how good a motion is; larger is better."""
+
+
+@dataclass(frozen=True, eq=False)
+class Parameters(Goal):
+    """The parameters of effects, as sharp as can be: D-optimality over what motions can show.
+
+    Attributes:
+        wanted: The effects.
+        seen: Directions in the space of their parameters that motions show, columns, shape (P, r).
+    """
+
+    wanted: tuple[Effect, ...]
+    seen: Array
+
+    @classmethod
+    def of(cls, wanted: Sequence[Effect], everything: Information) -> Parameters:
+        """Find which combinations of parameters any motion shows.
+
+        Args:
+            wanted: The effects.
+            everything: What many motions over all of the limits tell.
+        """
+        at = everything.columns(wanted)
+        gram = everything.gram[np.ix_(at, at)]
+        unit = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
+        unit[np.diag(gram) <= 0] = 0.0
+        values, vectors = np.linalg.eigh(gram * np.outer(unit, unit))
+        shown = values > UNSEEN * max(values[-1], 1e-300)
+        return cls(tuple(wanted), unit[:, None] * vectors[:, shown])
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects themselves."""
+        return self.wanted
+
+    def score(self, info: Information) -> float:
+        """Return the mean logarithm of the precision (inverse standard deviation) of what can be seen."""
+        at = info.columns(self.wanted)
+        gram = self.seen.T @ info.gram[np.ix_(at, at)] @ self.seen
+        # a motion that misses a direction is bad, not impossible
+        values = np.linalg.eigvalsh(gram)
+        return float(np.mean(np.log(np.maximum(values, 1e-12)))) / 2
+
+
+@dataclass(frozen=True, eq=False)
+class Between(Goal):
+    """Which of two explanations is true, each by turns what the arm has and what is fitted in its place.
+
+    Attributes:
+        one: One explanation.
+        two: The other.
+        rest: Effects of the model that are fitted along.
+        known: Precision of what is known of their parameters beforehand [1/unit²], shape (p,).
+        beside: All other parameters, which matter once the two are well apart.
+        tellable: Whether any motion shows one if the arm has it, and the other if the arm has that.
+    """
+
+    one: Side
+    two: Side
+    rest: tuple[Effect, ...]
+    known: Array
+    beside: Parameters
+    tellable: tuple[bool, bool]
+
+    @classmethod
+    def of(
+        cls,
+        one: Side,
+        two: Side,
+        rest: Sequence[Effect],
+        known: Array,
+        beside: Parameters,
+        everything: Information,
+    ) -> Between:
+        """Find in which directions the two differ on any motion.
+
+        Args:
+            one: One explanation.
+            two: The other.
+            rest: Effects that are fitted along.
+            known: Precision of their parameters, shape (p,).
+            beside: All other parameters.
+            everything: What many motions over all of the limits tell.
+        """
+        tellable = tuple(_differs(everything, a, b, rest) for a, b in ((one, two), (two, one)))
+        return cls(one, two, tuple(rest), known, beside, (tellable[0], tellable[1]))
+
+    @cached_property
+    def effects(self) -> tuple[Effect, ...]:
+        """Both sides in all their shapes, the rest, and all others."""
+        own = (*self.one.all_effects, *self.two.all_effects, *self.rest, *self.beside.effects)
+        return tuple(dict.fromkeys(own))
+
+    def distances(self, info: Information) -> tuple[float, float]:
+        """Return how many standard deviations the wrong explanation is off, if one is true and if two is [1]."""
+        forth = separation(info, self.one, self.two, self.rest, self.known)
+        back = separation(info, self.two, self.one, self.rest, self.known)
+        return float(np.sqrt(forth)), float(np.sqrt(back))
+
+    def distance(self, info: Information) -> float:
+        """Return the smaller distance of those that a motion can make."""
+        apart = [d for d, can in zip(self.distances(info), self.tellable, strict=True) if can]
+        return min(apart, default=0.0)
+
+    def score(self, info: Information) -> float:
+        """Return how far the two are apart, less and less once that is enough, and how sharp all else is."""
+        square = self.distance(info) ** 2
+        return WEIGHT * float(np.log((square + 1e-9) / (square + ENOUGH**2))) + self.beside.score(info)
+
+
+def _differs(everything: Information, hidden: Side, other: Side, rest: Sequence[Effect]) -> bool:
+    """Tell whether the other side, whatever its parameters, leaves anything of the hidden one on any motion."""
+    for shape, covariance in zip(hidden.shapes, hidden.covariance, strict=True):
+        at = everything.columns(shape)
+        whole = float(np.sum(everything.gram[np.ix_(at, at)] * covariance))
+        for wrong in other.shapes:
+            explainers = [*wrong, *rest]
+            free = np.zeros(len(everything.columns(explainers)))
+            left = everything.unexplained(shape, explainers, free)
+            if float(np.sum(left * covariance)) <= SAME * whole:
+                return False
+    return True

@@ -1,0 +1,133 @@
+"""What a motion tells about effects: the normal equations that a log recorded on it would have."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.dynamics import Dynamics, Trajectory
+from cdia_pin.effects import Effect
+from cdia_pin.logs.conditioning import MOTION_OVERSAMPLING, TORQUE_OVERSAMPLING, Motion
+from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+CUTOFF = 4.0  # [Hz], of the filter through which a planned motion is looked at
+SAMPLES_PER_SECOND = 50.0  # [Hz], independent torque samples that a log is taken to give
+QUIETEST = 0.02  # a joint that carries little has noise as if it carried this share of the largest
+
+
+@dataclass(frozen=True)
+class Information:
+    """Normal equations of effects along a motion, in variances of the noise.
+
+    Attributes:
+        effects: The effects.
+        gram: XᵀX of their whitened columns, shape (P, P).
+    """
+
+    effects: tuple[Effect, ...]
+    gram: Array
+
+    @classmethod
+    def along(
+        cls, experiment: Experiment, model: Dynamics, effects: Sequence[Effect], noise: Array
+    ) -> Information:
+        """Gather the columns of effects.
+
+        Args:
+            experiment: A planned motion, or conditioned logs.
+            model: What is known; effects that it has are differentiated at their parameters.
+            effects: Effects to be told, some of which may be the model's.
+            noise: Standard deviation of an independent torque sample [N·m or N], shape (n,).
+        """
+        prediction = experiment.predict(model)
+        present = {t.effect: np.array(t.theta) for t in model.terms}
+        ends = np.cumsum([0, *(e.size for e in effects)])
+        per_joint: list[list[tuple[Array, Array]]] = [[] for _ in range(experiment.robot.n)]
+        for effect, start in zip(effects, ends, strict=False):
+            x = experiment.columns(effect, prediction, present.get(effect))
+            for i, j in enumerate(effect.acts_on(experiment.robot)):
+                per_joint[j].append((np.arange(start, start + effect.size), x[:, i, :]))
+        rates = [s.motion.rate / s.motion.decimation for s in experiment.segments]
+        weight = np.repeat(np.sqrt(SAMPLES_PER_SECOND / np.array(rates)), experiment.lengths)
+        gram = np.zeros((ends[-1], ends[-1]))
+        for j, parts in enumerate(per_joint):
+            if parts:
+                at = np.concatenate([columns for columns, _ in parts])
+                used = weight * experiment.informative[:, j] / noise[j]
+                x = np.column_stack([values for _, values in parts]) * used[:, None]
+                gram[np.ix_(at, at)] += x.T @ x
+        return cls(tuple(effects), gram)
+
+    def columns(self, effects: Sequence[Effect]) -> NDArray[np.intp]:
+        """Return the columns of some of the effects."""
+        starts = dict(zip(self.effects, np.cumsum([0, *(e.size for e in self.effects)]), strict=False))
+        return np.concatenate([np.zeros(0, int), *(starts[e] + np.arange(e.size) for e in effects)]).astype(
+            int
+        )
+
+    def unexplained(self, hidden: Sequence[Effect], others: Sequence[Effect], precision: Array) -> Array:
+        """Return what other effects cannot explain of hidden ones, shape (p, p).
+
+        It is the Schur complement S: parameters θ of the hidden effects leave a sum of squares θᵀ S θ.
+
+        Args:
+            hidden: Effects that the arm has.
+            others: Effects that are fitted in their place.
+            precision: Of what is known of the others' parameters beforehand, one each [1/unit²].
+        """
+        a, b = self.columns(hidden), self.columns(others)
+        cross = self.gram[np.ix_(b, a)]
+        own = self.gram[np.ix_(b, b)] + np.diag(precision)
+        unit = 1.0 / np.sqrt(np.maximum(np.diag(own), 1e-300))
+        scaled = np.linalg.pinv(own * np.outer(unit, unit), rcond=1e-12, hermitian=True)
+        explained = (unit[:, None] * cross).T @ scaled @ (unit[:, None] * cross)
+        return self.gram[np.ix_(a, a)] - explained
+
+
+def planned(robot: RobotModel, *trajectories: Trajectory, cutoff: float = CUTOFF) -> Experiment:
+    """Return motions that are asked for as an experiment, as if logs of them had been conditioned.
+
+    Args:
+        robot: The arm.
+        *trajectories: The motions.
+        cutoff: Of the filter through which they are looked at [Hz].
+    """
+    rate = MOTION_OVERSAMPLING * cutoff
+    motions = []
+    for k, trajectory in enumerate(trajectories):
+        time = np.arange(0.0, trajectory.duration, 1.0 / rate)
+        q, v, a = trajectory(time)
+        motions.append(
+            Motion(
+                joints=robot.joints,
+                time=time,
+                q=q,
+                v=v,
+                a=a,
+                effort=np.zeros_like(q),
+                rate=rate,
+                cutoff=cutoff,
+                decimation=max(1, int(rate / (TORQUE_OVERSAMPLING * cutoff))),
+                speed_noise=np.zeros(robot.n),
+                acceleration_noise=np.zeros(robot.n),
+                effort_step=np.zeros(robot.n),
+                record={"source": "planned", "trim": 0.0, "condition": f"planned {k}"},
+            )
+        )
+    return Experiment.of(robot, motions)
+
+
+def torque_rms(experiment: Experiment, model: Dynamics) -> Array:
+    """Return the RMS torque of a model along a motion, at least a share of the largest, shape (n,)."""
+    torques = np.vstack([t.actuator for t in experiment.predict(model).torques])
+    size = rms(torques, np.ones(torques.shape, bool))
+    slides = experiment.robot.is_prismatic
+    for kind in (slides, ~slides):
+        size[kind] = np.maximum(size[kind], QUIETEST * size[kind].max(initial=0.0))
+    return np.maximum(size, 1e-9)

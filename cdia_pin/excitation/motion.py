@@ -1,0 +1,141 @@
+"""Motions to choose from: finite Fourier series, a fast one and then a slow one, at rest at both ends [Swevers1997].
+
+A motion is drawn as coefficients and made into a trajectory by scaling: positions, speeds and accelerations are
+within their limits by construction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cdia_pin.dynamics import FourierTrajectory, Reference
+from cdia_pin.excitation.limits import MotionLimits
+
+Array = NDArray[np.float64]
+
+RAMP = 2.0  # [s], longest time in which a part grows from rest, and fades to it
+SCALING_GRID = 0.02  # [s], on which the largest position, speed and acceleration are found
+SAFE = 0.995  # [1], for what lies between the times of that grid
+VARIED = 0.4  # share of the joints that a variation touches
+NARROWEST = 0.3  # share of the range that is left to each side of the posture around which it moves
+
+
+@dataclass(frozen=True)
+class Part:
+    """One stretch of a motion.
+
+    Attributes:
+        share: Of the whole duration [1].
+        base: Lowest frequency [Hz], or the inverse of the part's length where that is higher.
+        harmonics: Number of sines and cosines.
+        speed: Smallest and largest share of the speed limit of a joint [1].
+    """
+
+    share: float
+    base: float
+    harmonics: int
+    speed: tuple[float, float]
+
+
+# fast, for inertia and all that grows with speed; slow, for dry friction and what hangs on the position
+PARTS = (Part(0.65, 0.08, 8, (0.4, 1.0)), Part(0.35, 0.0, 3, (0.03, 0.5)))
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Trajectories one after another; each begins where the one before ended, at rest.
+
+    Attributes:
+        parts: The trajectories.
+    """
+
+    parts: tuple[FourierTrajectory, ...]
+
+    @property
+    def duration(self) -> float:
+        """Length of the motion [s]."""
+        return sum(p.duration for p in self.parts)
+
+    def __call__(self, t: ArrayLike) -> Reference:
+        """Return the motion at a time, shapes (n,), or at times (N,) [s], shapes (N, n)."""
+        time = np.atleast_1d(np.asarray(t, float))
+        ends = np.cumsum([p.duration for p in self.parts])
+        which = np.minimum(np.searchsorted(ends, time, side="right"), len(self.parts) - 1)
+        out = Reference(*(np.empty((len(time), len(self.parts[0].centre))) for _ in range(3)))
+        for k, part in enumerate(self.parts):
+            here = which == k
+            values = part(time[here] - (ends[k] - part.duration))
+            for whole, piece in zip(out, values, strict=True):
+                whole[here] = piece
+        return Reference(*(r[0] for r in out)) if np.ndim(t) == 0 else out
+
+
+@dataclass(frozen=True, eq=False)
+class Draw:
+    """Coefficients of a motion, before it is scaled into its limits.
+
+    Attributes:
+        centre: Posture at both ends, around which it moves [rad or m], shape (n,).
+        waves: For each part, sines and cosines [1], shape (2, H, n).
+        speed: For each part, share of each joint's speed limit that is asked for [1], shape (P, n).
+    """
+
+    centre: Array
+    waves: tuple[Array, ...]
+    speed: Array
+
+    @classmethod
+    def random(cls, centre: Array, rng: np.random.Generator) -> Draw:
+        """Draw a motion around a posture, its higher harmonics the weaker the steeper its spectrum is drawn."""
+        n = len(centre)
+        waves = []
+        for part in PARTS:
+            order = np.arange(1, part.harmonics + 1)[:, None]
+            waves.append(rng.standard_normal((2, part.harmonics, n)) / order ** rng.uniform(0.0, 1.5))
+        lowest, highest = np.log([part.speed for part in PARTS]).T[:, :, None]
+        return cls(centre, tuple(waves), np.exp(rng.uniform(lowest, highest, (len(PARTS), n))))
+
+    def varied(self, step: float, limits: MotionLimits, rng: np.random.Generator) -> Draw:
+        """Return a motion that differs on some joints; `step` 1 is as far as another draw."""
+        n = len(self.centre)
+        some = rng.random(n) < max(VARIED, 1.0 / n)
+        some[rng.integers(n)] = True
+        noise = lambda shape: step * some * rng.standard_normal(shape)  # noqa: E731
+        centre = self.centre + 0.5 * limits.half * noise(n)
+        waves = tuple(w + w.std(axis=(0, 1)) * noise(w.shape) for w in self.waves)
+        lowest, highest = np.array([part.speed for part in PARTS]).T[:, :, None]
+        speed = np.clip(self.speed * np.exp(noise(self.speed.shape)), lowest, highest)
+        return Draw(within_room(centre, limits), waves, speed)
+
+    def smaller(self, factor: float) -> Draw:
+        """Return the same motion with all deviations from the posture shrunk."""
+        return replace(self, speed=self.speed * factor)
+
+    def trajectory(self, duration: float, limits: MotionLimits) -> Chain:
+        """Scale it into the limits of position, speed and acceleration.
+
+        Args:
+            duration: Length [s].
+            limits: What it may use.
+        """
+        room = np.minimum(self.centre - limits.lower, limits.upper - self.centre)
+        parts = []
+        for part, (sine, cosine), speed in zip(PARTS, self.waves, self.speed, strict=True):
+            length = duration * part.share
+            base = max(part.base, 1.0 / length)
+            ramp = min(RAMP, length / 3)
+            trial = FourierTrajectory(length, base, np.zeros_like(room), sine, cosine, ramp)
+            q, v, a = (np.abs(x).max(axis=0) for x in trial(np.arange(0.0, length, SCALING_GRID)))
+            most = np.minimum(np.minimum(room / q, limits.velocity / v), limits.acceleration / a)
+            scale = SAFE * speed * most
+            parts.append(FourierTrajectory(length, base, self.centre, scale * sine, scale * cosine, ramp))
+        return Chain(tuple(parts))
+
+
+def within_room(centre: Array, limits: MotionLimits) -> Array:
+    """Return the nearest posture that leaves some of the range to each side [rad or m], shape (n,)."""
+    reach = (1.0 - NARROWEST) * limits.half
+    return np.clip(centre, limits.middle - reach, limits.middle + reach)

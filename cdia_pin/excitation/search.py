@@ -1,0 +1,149 @@
+"""The search: motions are drawn and the best is varied, none kept that breaks a limit or touches anything."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.errors import RobotError
+from cdia_pin.excitation.goals import Goal
+from cdia_pin.excitation.information import Information, planned
+from cdia_pin.excitation.limits import MotionLimits
+from cdia_pin.excitation.motion import Chain, Draw, within_room
+from cdia_pin.regression.experiment import Experiment
+from cdia_pin.robot.collision import CollisionModel, Contact
+
+Array = NDArray[np.float64]
+
+POSTURES = 400  # drawn before it is believed that the arm cannot rest anywhere
+SHRINKS = 6  # times that a drawn motion is made smaller until it is allowed
+SMALLER = 0.75
+COARSE = 0.04  # [rad or m] between postures looked at while searching
+FINE = 0.01  # and in the end
+STEPS = (0.5, 0.05)  # [1], size of the first and of the last variation
+SAFE = 0.99  # share of the effort that is left to it, for what lies between the times looked at
+HIGHEST_RATE = 1000.0  # [Hz], of the postures looked at
+
+Tell = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """What a search works on.
+
+    Attributes:
+        model: The arm, whose torques must stay within limits.
+        limits: What a motion may use.
+        collisions: What must not touch.
+        goal: What a motion is scored by.
+        noise: Standard deviation of a torque sample [N·m or N], shape (n,).
+        duration: Length of the motion [s].
+    """
+
+    model: Dynamics
+    limits: MotionLimits
+    collisions: CollisionModel
+    goal: Goal
+    noise: Array
+    duration: float
+
+    def best(self, draws: int, refinements: int, rng: np.random.Generator, tell: Tell) -> tuple[Chain, Chain]:
+        """Return the best motion found, and the first one, which is any motion within the limits.
+
+        Args:
+            draws: Motions drawn.
+            refinements: Variations of the best one tried.
+            rng: Source of both.
+            tell: Told a sentence and the share done.
+
+        Raises:
+            RobotError: If the arm cannot rest or move anywhere within the limits.
+        """
+        first, best, score = None, None, -np.inf
+        for k in range(draws):
+            tell(f"drawing motions, {k + 1} of {draws}", k / (draws + refinements))
+            for draw in self._shrinking(Draw.random(self._posture(rng), rng)):
+                value = self._score(draw, above=score)
+                if value is not None:
+                    first = first or draw
+                    best, score = (draw, value) if value > score else (best, score)
+                    break
+        if best is None or first is None:
+            raise RobotError(
+                "no motion within the limits was found: allow more time, more speed or less clearance"
+            )
+        for k in range(refinements):
+            tell(f"improving the best, {k + 1} of {refinements}", (draws + k) / (draws + refinements))
+            step = STEPS[0] * (STEPS[1] / STEPS[0]) ** (k / max(refinements - 1, 1))
+            varied = best.varied(step, self.limits, rng)
+            value = self._score(varied, above=score)
+            if value is not None and value > score:
+                best, score = varied, value
+        return self._checked(best), first.trajectory(self.duration, self.limits)
+
+    def contact(self, trajectory: Chain, apart: float) -> Contact | None:
+        """Return the first contact on a motion, looked at wherever a joint has moved so far [rad or m]."""
+        time = np.arange(0.0, trajectory.duration, 1.0 / HIGHEST_RATE)
+        q, v, _ = trajectory(time)
+        travelled = np.cumsum(np.abs(v).max(axis=1)) / HIGHEST_RATE
+        _, first = np.unique(np.floor(travelled / apart), return_index=True)
+        found = self.collisions.first_contact(q[first])
+        return Contact(int(first[found.sample]), found.shapes) if found else None
+
+    def _score(self, draw: Draw, above: float) -> float | None:
+        """Return a motion's score, None if it is not allowed; contacts are looked for only above a score."""
+        trajectory = draw.trajectory(self.duration, self.limits)
+        experiment = planned(self.model.robot, trajectory)
+        if not self._within_effort(experiment):
+            return None
+        score = self.goal.score(Information.along(experiment, self.model, self.goal.effects, self.noise))
+        if score > above and self.contact(trajectory, COARSE):
+            return None
+        return score
+
+    def _within_effort(self, experiment: Experiment) -> bool:
+        torques = experiment.predict(self.model).torques
+        return all((np.abs(t.reading) <= SAFE * self.limits.effort).all() for t in torques)
+
+    def _shrinking(self, draw: Draw) -> Iterator[Draw]:
+        for _ in range(SHRINKS):
+            yield draw
+            draw = draw.smaller(SMALLER)
+
+    def _posture(self, rng: np.random.Generator) -> Array:
+        """Draw a posture in which the arm can rest."""
+        contact = None
+        robot = self.model.robot
+        still = np.zeros(robot.n)
+        for _ in range(POSTURES):
+            q = within_room(rng.uniform(self.limits.lower, self.limits.upper), self.limits)
+            if (np.abs(self.model.inverse_dynamics(q, still, still)) > self.limits.effort).any():
+                continue
+            contact = self.collisions.first_contact(q)
+            if contact is None:
+                return q
+        if contact is None:
+            raise RobotError(
+                f"robot '{robot.name}': its effort limits hold its own weight in no posture that was tried"
+            )
+        one, two = contact.shapes
+        raise RobotError(
+            f"robot '{robot.name}': no posture is free of contact, in the last one {one} is too close to {two}; "
+            "allow less clearance, no floor, or give the SRDF that says which links may touch"
+        )
+
+    def _checked(self, draw: Draw) -> Chain:
+        """Return the motion, smaller if that is what a closer look asks for."""
+        for smaller in self._shrinking(draw):
+            trajectory = smaller.trajectory(self.duration, self.limits)
+            if self._within_effort(planned(self.model.robot, trajectory, cutoff=25.0)) and not self.contact(
+                trajectory, FINE
+            ):
+                return trajectory
+        raise RobotError(
+            "no motion within the limits was found: allow more time, more speed or less clearance"
+        )

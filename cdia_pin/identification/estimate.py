@@ -1,0 +1,129 @@
+"""The estimate: least squares weighted by each joint's error, held to the URDF, physically consistent."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.identification.prior import precision
+from cdia_pin.identification.terms import is_moving
+from cdia_pin.regression.design_matrix import Columns
+from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.regression.fitting import Whitened, gather, is_exact, with_parameters
+from cdia_pin.regression.noise import NoiseModel
+from cdia_pin.regression.physical_consistency import consistent_parameters
+from cdia_pin.selection.evidence import Evidence
+
+Array = NDArray[np.float64]
+
+MOST_ITERATIONS = 8  # of Gauss and Newton, where an effect depends on the torque
+CONVERGED = 1e-3  # share of its norm by which the parameter vector moves no more, each in units of its column
+FIRST_ERROR = 0.05  # share of a joint's torque that is taken for its error before anything is fitted
+FINEST_ERROR = 1e-6  # least error of a joint that moves, likewise
+STUCK_ERROR = 1.0  # of one that rests, all its samples together: what holds it may all be dry friction
+PATIENCE = 3  # rounds of weighting
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fitted model with what it was fitted by.
+
+    Attributes:
+        model: The model.
+        evidence: Normal equations of its terms there.
+        prior: Precision of the prior, shape (P, P).
+        whitened: Weight of each joint, samples that count, blocks of time.
+        strength: How firmly bodies are held to the URDF [1].
+    """
+
+    model: Dynamics
+    evidence: Evidence
+    prior: Array
+    whitened: Whitened
+    strength: float
+
+    @property
+    def theta(self) -> Array:
+        """Parameters of all terms, one after another, shape (P,)."""
+        return np.concatenate([t.theta for t in self.model.terms])
+
+
+class Fitter:
+    """Fits models to one experiment, by the samples in which a joint moves, or all of one that hardly does.
+
+    Args:
+        experiment: The conditioned logs.
+        blocks: Contiguous blocks of time.
+    """
+
+    def __init__(self, experiment: Experiment, blocks: int) -> None:
+        self.experiment = experiment
+        self.columns = Columns(experiment)
+        self.used = experiment.moving | ~is_moving(experiment)
+        self.edges = np.linspace(0, len(experiment.measured), blocks + 1).astype(int)
+
+    def weights(self, residual: Array) -> Whitened:
+        """Weigh every joint by its own error: a wrist says as much of its torque as the shoulder of its.
+
+        Errors are not whitened in time: what friction laws leave is slow, and a filter that takes slow errors for
+        noise no longer minimises the error that is shown. The blocks of time know of it in the intervals.
+        """
+        e = self.experiment
+        share = np.where(is_moving(e), FINEST_ERROR, STUCK_ERROR * np.sqrt(len(residual)))
+        sigma = np.maximum(rms(residual, self.used), share * rms(e.measured, self.used) + 1e-12)
+        noise = [NoiseModel(np.zeros(0), np.full(len(residual), s), tuple(e.lengths)) for s in sigma]
+        return Whitened(tuple(noise), self.used, self.edges)
+
+    def fit(self, model: Dynamics, strength: float, whitened: Whitened | None = None) -> Estimate:
+        """Fit all parameters of a model, weights included unless they are given."""
+        rounds = 1 if whitened else PATIENCE
+        whitened = whitened or self.weights(FIRST_ERROR * self.experiment.measured)
+        for k in range(rounds):
+            estimate = self._fit(model, strength, whitened)
+            model = estimate.model
+            if k < rounds - 1:
+                whitened = self.weights(self.experiment.predict(model).residual)
+        return estimate
+
+    def _fit(self, model: Dynamics, strength: float, whitened: Whitened) -> Estimate:
+        effects = [t.effect for t in model.terms]
+        exact = all(map(is_exact, effects))
+        before = np.concatenate([t.theta for t in model.terms])
+        for _ in range(MOST_ITERATIONS):
+            evidence = gather(
+                self.experiment, self.columns, self.experiment.predict(model), effects, whitened
+            )
+            prior = precision(evidence, self.experiment, whitened, strength)
+            theta = constrained(evidence, evidence.total, prior)
+            model = with_parameters(model, theta)
+            moved = np.linalg.norm((theta - before) * evidence.scale)
+            if exact or moved <= CONVERGED * np.linalg.norm(theta * evidence.scale):
+                break
+            before = theta
+        if not exact:
+            evidence = gather(
+                self.experiment, self.columns, self.experiment.predict(model), effects, whitened
+            )
+        return Estimate(model, evidence, prior, whitened, strength)
+
+
+def constrained(evidence: Evidence, total: Array, prior: Array) -> Array:
+    """Return the most probable physical parameters, shape (P,).
+
+    Args:
+        evidence: Whose effects and bounds count.
+        total: Normal equations, all blocks or some, shape (P + 1, P + 1).
+        prior: Precision of the prior, shape (P, P).
+    """
+    return consistent_parameters(total[:-1, :-1] + prior, total[:-1, -1], evidence.effects, evidence.robot)
+
+
+def unconstrained(total: Array, prior: Array) -> Array:
+    """Return the most probable parameters, physical or not, shape (P,)."""
+    matrix = total[:-1, :-1] + prior
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    solved = np.linalg.solve(matrix * np.outer(unit, unit) + 1e-12 * np.eye(len(unit)), unit * total[:-1, -1])
+    return np.asarray(unit * solved)

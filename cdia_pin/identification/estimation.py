@@ -1,0 +1,117 @@
+"""The full identification: from a model and logs to the parameters of all links, friction and rotors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.identification.base import base_parameters
+from cdia_pin.identification.crossvalidation import choose_strength, held_out_rms
+from cdia_pin.identification.estimate import Fitter
+from cdia_pin.identification.identification_result import Identification
+from cdia_pin.identification.identification_settings import IdentificationSettings
+from cdia_pin.identification.intervals import of_bodies, quantile, uncertainty, with_intervals
+from cdia_pin.identification.refinement import refine
+from cdia_pin.identification.terms import full_model
+from cdia_pin.logs.conditioning import condition
+from cdia_pin.logs.log import Log
+from cdia_pin.progress import Progress
+from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.version import __version__
+
+FIRST_STRENGTH = 10.0  # while the laws of friction are being found
+
+
+def identify(
+    model: Dynamics,
+    logs: Log | Sequence[Log],
+    *,
+    holdout: Log | Sequence[Log] | None = None,
+    settings: IdentificationSettings | None = None,
+    progress: Progress | None = None,
+) -> Identification:
+    r"""Fit the inertial parameters of all links, and friction, offset and rotor of all joints, to measured logs.
+
+    Minimises the squared error over each joint's own, :math:`\sum_j \|e_j\|^2 / \sigma_j^2`, plus the distance of the
+    links to the URDF's [Lee2020], over the parameters of bodies that can exist [Wensing2018]. How firmly links are held
+    is chosen by cross-validation over blocks of time: a motion that tells little of a link leaves it as it was. It is
+    not said which of the effects is real: a tool is spread over the links that carry it, see `discover`.
+
+    Args:
+        model: What is known: a bare robot, or one with terms, which are fitted again with all else.
+        logs: One log or several of the same arm in the same condition.
+        holdout: Logs that are only predicted; without, each block of time is predicted from the others.
+        settings: How logs are filtered, and what may be fitted.
+        progress: Called with a sentence and the share done, from 0 to 1.
+
+    Returns:
+        The identified model, its errors, and base parameters.
+
+    Raises:
+        LogError: If a log is too short or of other joints.
+    """
+    tell = progress or _silent
+    settings = settings or IdentificationSettings()
+    given, unseen = _listed(logs), _listed(holdout)
+    tell("conditioning", 0.0)
+    experiment, held_out = (
+        Experiment.of(model.robot, [condition(log, model.robot, settings.conditioning) for log in part])
+        if part
+        else None
+        for part in (given, unseen)
+    )
+    assert experiment is not None
+    fitter = Fitter(experiment, settings.blocks)
+    tell("fitting links, friction and rotors", 0.1)
+    estimate = fitter.fit(full_model(model, experiment), settings.strength or FIRST_STRENGTH)
+    plain = {t.label for t in estimate.model.terms}
+    if settings.refine:
+        tell("looking at friction", 0.2)
+        estimate = refine(fitter, estimate, lambda sentence, share: tell(sentence, 0.2 + 0.5 * share))
+    tell("choosing how firmly to hold links to the URDF", 0.7)
+    strength = choose_strength(fitter, estimate) if settings.strength is None else settings.strength
+    estimate = fitter.fit(estimate.model, strength)
+    tell("predicting what was not fitted", 0.9)
+    known = uncertainty(experiment, estimate)
+    bodies = of_bodies(estimate)
+    predicted = held_out or experiment
+    after = (
+        held_out_rms(fitter, estimate)
+        if held_out is None
+        else rms(held_out.predict(estimate.model).residual, held_out.informative)
+    )
+    tell("done", 1.0)
+    return Identification(
+        model=with_intervals(estimate, known.after),
+        torque_rms=rms(experiment.measured, experiment.informative),
+        rms_before=rms(experiment.predict(model).residual, experiment.informative),
+        rms_after=rms(experiment.predict(estimate.model).residual, experiment.informative),
+        heldout_torque_rms=rms(predicted.measured, predicted.informative),
+        heldout_before=rms(predicted.predict(model).residual, predicted.informative),
+        heldout_after=after,
+        base=base_parameters(
+            model.robot,
+            bodies @ estimate.theta,
+            bodies @ known.after @ bodies.T,
+            bodies @ known.before @ bodies.T,
+            quantile(estimate),
+        ),
+        strength=strength,
+        refined=tuple(t.label for t in estimate.model.terms if t.label not in plain),
+        record={
+            "version": __version__,
+            "logs": [s.motion.record for s in experiment.segments],
+            "holdout": [s.motion.record for s in held_out.segments] if held_out else [],
+            "blocks": settings.blocks,
+            "strength": settings.strength if settings.strength is not None else "cross-validated",
+            "refine": settings.refine,
+        },
+    )
+
+
+def _listed(logs: Log | Sequence[Log] | None) -> list[Log]:
+    return [] if logs is None else [logs] if isinstance(logs, Log) else list(logs)
+
+
+def _silent(sentence: str, share: float) -> None:
+    """Tell nobody."""

@@ -1,0 +1,104 @@
+"""What an identification found: a model, its error before and after, and what the log could not tell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Term
+from cdia_pin.effects.inertia import Body
+from cdia_pin.identification.base import BaseParameters
+from cdia_pin.robot.inertia import physical_margin
+
+Array = NDArray[np.float64]
+
+SCHEMA = "cdia-identification/1"
+
+
+@dataclass(frozen=True)
+class Identification:
+    """The outcome of `identify`; arrays have shape (n,).
+
+    Attributes:
+        model: The robot with everything that was fitted, with intervals.
+        torque_rms: RMS of the measured torque in the fitted logs [N·m or N].
+        rms_before: RMS residual there of the model as given.
+        rms_after: RMS residual there of the identified model.
+        heldout_torque_rms: RMS of the measured torque in what was only predicted.
+        heldout_before: RMS residual there of the model as given.
+        heldout_after: RMS residual there of the identified model.
+        base: Base parameters.
+        strength: How firmly bodies were held to the URDF [1].
+        refined: Labels of the terms that richer laws brought in.
+        record: Logs, hashes, settings and version, enough to run it again.
+    """
+
+    model: Dynamics
+    torque_rms: Array
+    rms_before: Array
+    rms_after: Array
+    heldout_torque_rms: Array
+    heldout_before: Array
+    heldout_after: Array
+    base: BaseParameters
+    strength: float
+    refined: tuple[str, ...]
+    record: dict[str, Any]
+
+    @property
+    def bodies(self) -> tuple[Term, ...]:
+        """Terms of rigid bodies."""
+        return tuple(t for t in self.model.terms if isinstance(t.effect, Body))
+
+    @property
+    def inertial_parameters(self) -> Array:
+        """Total inertial parameters of each link, about its joint's frame, shape (n, 10)."""
+        robot = self.model.robot
+        out = robot.inertial_parameters.copy()
+        for term in self.bodies:
+            assert isinstance(term.effect, Body)
+            out[term.effect.carrier(robot)] += term.effect.in_joint_frame(np.array(term.theta), robot)
+        return out
+
+    @property
+    def margin(self) -> Array:
+        """How far each link is from a body that cannot exist, see `physical_margin`."""
+        return np.array([physical_margin(p) for p in self.inertial_parameters])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON of schema ``cdia-identification/1``."""
+        robot = self.model.robot
+        by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
+        b = self.base
+        rows = zip(b.names, b.units, b.grouped, b.urdf, b.value, b.half_width, b.told, strict=True)
+        return {
+            "schema": SCHEMA,
+            "robot": robot.name,
+            "joints": list(robot.joints),
+            "torque_rms": by_joint(self.torque_rms),
+            "rms": {"before": by_joint(self.rms_before), "after": by_joint(self.rms_after)},
+            "heldout_torque_rms": by_joint(self.heldout_torque_rms),
+            "heldout_rms": {"before": by_joint(self.heldout_before), "after": by_joint(self.heldout_after)},
+            "terms": [t.to_dict(robot) for t in self.model.terms],
+            "refined": list(self.refined),
+            "inertial_parameters": dict(zip(robot.joints, self.inertial_parameters.tolist(), strict=True)),
+            "physical_margin": by_joint(self.margin),
+            "base_parameters": [
+                {
+                    "name": name,
+                    "unit": unit,
+                    "grouped": int(grouped),
+                    "urdf": float(urdf),
+                    "value": float(value),
+                    "ci95": [float(value - half), float(value + half)],
+                    "told": bool(told),
+                }
+                for name, unit, grouped, urdf, value, half, told in rows
+            ],
+            "strength": self.strength,
+            "record": self.record,
+        }

@@ -1,0 +1,87 @@
+"""How sure an estimate is: the information of the log, and how far its blocks of time disagree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Term
+from cdia_pin.effects.inertia import Body
+from cdia_pin.identification.estimate import Estimate
+from cdia_pin.identification.prior import precision
+from cdia_pin.regression.experiment import Experiment
+
+Array = NDArray[np.float64]
+
+LOOSE = 1.0  # strength of the URDF in intervals: a link may differ by as much as itself
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Covariances of all parameters, shape (P, P) each.
+
+    Attributes:
+        before: Of the prior alone.
+        after: Of the prior and the log.
+    """
+
+    before: Array
+    after: Array
+
+
+def uncertainty(experiment: Experiment, estimate: Estimate) -> Uncertainty:
+    """Return what was known of the parameters before and after the log.
+
+    The hold on the URDF that predicts best may be firmer than anyone believes in it, so the intervals are those of a
+    loose one. Errors that are alike for a while are worth less than as many that are not, which the disagreement of
+    blocks of time knows [Liang1986].
+
+    Args:
+        experiment: The conditioned logs.
+        estimate: The final estimate.
+    """
+    evidence = estimate.evidence
+    loose = precision(evidence, experiment, estimate.whitened, min(estimate.strength, LOOSE))
+    after = _inverse(evidence.total[:-1, :-1] + loose)
+    scores = evidence.blocks[:, :-1, -1] - evidence.blocks[:, :-1, :-1] @ estimate.theta
+    scores = scores - scores.mean(axis=0)  # zero but for the prior's pull
+    count = len(scores)
+    between = after @ (scores.T @ scores) @ after * count / (count - 1)
+    return Uncertainty(_inverse(loose), after + between)
+
+
+def with_intervals(estimate: Estimate, covariance: Array) -> Dynamics:
+    """Return the model whose terms carry 95 % intervals."""
+    half = quantile(estimate) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    terms = []
+    for term, span in zip(estimate.model.terms, estimate.evidence.spans, strict=True):
+        ci95 = tuple((v - float(h), v + float(h)) for v, h in zip(term.theta, half[span], strict=True))
+        terms.append(Term(term.effect, term.theta, term.profile, ci95))
+    return replace(estimate.model, terms=tuple(terms))
+
+
+def quantile(estimate: Estimate) -> float:
+    """Return half of a 95 % interval over the standard deviation, which so many blocks of time tell [1]."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(len(estimate.evidence.blocks) - 1, 0.975))
+
+
+def of_bodies(estimate: Estimate) -> Array:
+    """Return the map from all parameters to those of the links about their joints' frames, shape (10 n, P)."""
+    robot = estimate.model.robot
+    out = np.zeros((10 * robot.n, len(estimate.prior)))
+    for effect, span in zip(estimate.evidence.effects, estimate.evidence.spans, strict=True):
+        if isinstance(effect, Body):
+            j = effect.carrier(robot)
+            out[10 * j : 10 * j + 10, span] = effect.to_joint_frame(robot)
+    return out
+
+
+def _inverse(matrix: Array) -> Array:
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    scale = np.outer(unit, unit)
+    return np.asarray(np.linalg.pinv(matrix * scale, rcond=1e-13, hermitian=True) * scale)

@@ -1,0 +1,92 @@
+r"""How far a body is from the URDF's: a metric that knows mass, reach and inertia of the body itself.
+
+The Riemannian metric of pseudo-inertias, taken at the URDF [Lee2020]: a change dJ of the pseudo-inertia J has length
+
+.. math:: \|d\pi\|^2 = \tfrac12 \, \mathrm{tr}(J^{-1} dJ \; J^{-1} dJ)
+
+It does not depend on units or axes, and is 2 for a body that becomes twice itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag
+
+from cdia_pin.effects import RotorInertia
+from cdia_pin.effects.inertia import LEAST_MASS, LEAST_RADIUS, Body
+from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.regression.fitting import Whitened
+from cdia_pin.robot.inertia import pseudo_inertia
+from cdia_pin.robot.model import RobotModel
+from cdia_pin.selection.evidence import Evidence
+
+Array = NDArray[np.float64]
+
+LARGEST_SHARE = (
+    1.0  # torque that a joint's own effect may have without surprise, over the joint's RMS torque [1]
+)
+
+
+def precision(evidence: Evidence, experiment: Experiment, whitened: Whitened, strength: float) -> Array:
+    """Return the precision of the prior, around the URDF without friction, shape (P, P).
+
+    Bodies are held to the URDF's. What acts in a joint is not: its prior only keeps parameters from growing where the
+    motion does not show them, as far as a torque like the joint's own, or a rotor like the arm behind it.
+
+    Args:
+        evidence: Normal equations, for the effects and the size of their columns.
+        experiment: The conditioned logs.
+        whitened: Noise of each joint.
+        strength: How firmly bodies are held to the URDF [1].
+    """
+    robot = experiment.robot
+    sigma = np.array([float(np.mean(m.sigma)) for m in whitened.noise])
+    count = whitened.used.sum(axis=0)
+    energy = count * (rms(experiment.measured, whitened.used) / sigma) ** 2  # whitened torque
+    inertia = _inertia(experiment)
+    blocks = []
+    for effect, span in zip(evidence.effects, evidence.spans, strict=True):
+        joints = list(effect.acts_on(robot))
+        own = np.diag(evidence.total)[span] / np.maximum(energy[joints].sum(), 1e-300)
+        if isinstance(effect, Body):
+            blocks.append(strength * urdf_precision(effect, robot))
+        elif isinstance(effect, RotorInertia):
+            blocks.append(np.eye(1) / inertia.max() ** 2)
+        else:
+            blocks.append(np.diag(own / LARGEST_SHARE**2 + 1e-12))
+    return np.asarray(block_diag(*blocks))
+
+
+def urdf_precision(body: Body, robot: RobotModel) -> Array:
+    """Return the precision of a body's parameters around the URDF's, of strength 1, shape (10, 10)."""
+    link = robot.inertial_parameters[body.carrier(robot)]
+    A = body.to_joint_frame(robot)
+    return A.T @ metric(_solid(pseudo_inertia(link), LEAST_MASS * robot.total_mass)) @ A
+
+
+def metric(J: Array) -> Array:
+    """Return the metric of inertial parameters at a pseudo-inertia J of full rank, shape (10, 10)."""
+    relative = np.linalg.inv(J) @ pseudo_inertia(np.eye(10))  # J⁻¹ dJ for each parameter, (10, 4, 4)
+    return np.asarray(0.5 * np.einsum("aij,bji->ab", relative, relative))
+
+
+def _solid(J: Array, least_mass: float) -> Array:
+    """Return a pseudo-inertia with the mass and radius that a link has at least."""
+    mass = max(J[3, 3], least_mass)
+    centre = J[:3, 3] / J[3, 3] if J[3, 3] > 0 else np.zeros(3)
+    about_centre = J[:3, :3] - J[3, 3] * np.outer(centre, centre)
+    values, vectors = np.linalg.eigh(about_centre)
+    about_centre = (vectors * np.maximum(values, mass * LEAST_RADIUS**2)) @ vectors.T
+    out = np.empty((4, 4))
+    out[:3, :3] = about_centre + mass * np.outer(centre, centre)
+    out[:3, 3] = out[3, :3] = mass * centre
+    out[3, 3] = mass
+    return out
+
+
+def _inertia(experiment: Experiment) -> Array:
+    """Return the inertia of the arm about each joint, as it stands in the first log [kg·m² or kg], shape (n,)."""
+    q = experiment.segments[0].state.q
+    some = q[:: max(len(q) // 20, 1)]
+    return np.mean([np.diag(experiment.robot.mass_matrix(x)) for x in some], axis=0)

@@ -1,0 +1,145 @@
+"""What a full identification fits: every link, and the friction, offset and rotor of every joint."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import (
+    ActuatorGain,
+    AsymmetricFriction,
+    CoulombFriction,
+    Effect,
+    Expression,
+    JointSpring,
+    LinkInertia,
+    LinkInertias,
+    LoadFriction,
+    Payload,
+    RotorInertia,
+    State,
+    StribeckFriction,
+    Term,
+    TorqueOffset,
+    ViscousFriction,
+)
+from cdia_pin.regression.experiment import Experiment, rms
+
+SATURATION = (0.05, 0.15, 0.45)  # share of the speed driven at which saturating friction levels off
+SPANNED_BY: dict[type[Effect], tuple[type[Effect], ...]] = {
+    CoulombFriction: (StribeckFriction, AsymmetricFriction),
+    ViscousFriction: (AsymmetricFriction,),
+    TorqueOffset: (JointSpring,),
+}
+LEAST_MOTION = 0.1  # share of the samples in which a joint must move to show friction and rotor
+LEAST_LOAD = (
+    0.2  # share of a joint's torque that must be the rigid body's for load and friction to be told apart
+)
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """A richer law for one joint.
+
+    Attributes:
+        added: The effect.
+        replaced: Labels of the terms that it spans.
+    """
+
+    added: Effect
+    replaced: tuple[str, ...] = ()
+
+    def of(self, model: Dynamics) -> Dynamics:
+        """Return the model with the law, its parameters zero."""
+        for label in self.replaced:
+            model = model.remove(label)
+        return model.add(Term(self.added, (0.0,) * self.added.size))
+
+
+def full_model(model: Dynamics, experiment: Experiment) -> Dynamics:
+    """Return a model with all that an identification fits; what it had already keeps its parameters.
+
+    A joint that hardly moves has no friction or rotor to show.
+
+    Args:
+        model: What is known.
+        experiment: The conditioned logs.
+    """
+    robot, model = model.robot, _one_by_one(model)
+    has_payload = any(isinstance(t.effect, Payload) for t in model.terms)
+    wanted: list[Effect] = [
+        LinkInertia(j) for j in robot.joints if not (has_payload and j == robot.tool_joint)
+    ]
+    for joint, moves in zip(robot.joints, is_moving(experiment), strict=True):
+        wanted.append(TorqueOffset(joint))
+        if moves:
+            wanted += [CoulombFriction(joint), ViscousFriction(joint), RotorInertia(joint)]
+    present = {t.label for t in model.terms}
+    missing = [e for e in wanted if not present & {e.label, *_spanning(e)}]
+    return model.add(*(Term(e, (0.0,) * e.size) for e in missing))
+
+
+def _one_by_one(model: Dynamics) -> Dynamics:
+    """Return a model in which links that differ together are terms of their own."""
+    several = [t for t in model.terms if isinstance(t.effect, LinkInertias)]
+    for term in several:
+        model = model.remove(term.label)
+        for link, theta in term.effect.by_body(np.array(term.theta)):
+            given = next((t for t in model.terms if t.effect == link), None)
+            model = model.remove(link.label) if given else model
+            total = theta + (np.array(given.theta) if given else 0.0)
+            model = model.add(Term(link, tuple(total), term.profile))
+    return model
+
+
+def is_moving(experiment: Experiment) -> NDArray[np.bool_]:
+    """Tell which joints move for long enough to show what acts in them, shape (n,)."""
+    return np.asarray(experiment.moving.mean(axis=0) >= LEAST_MOTION)
+
+
+def refinements(model: Dynamics, experiment: Experiment) -> Iterator[Refinement]:
+    """Yield the richer laws that a model may take on, each for one joint."""
+    present = {t.label for t in model.terms}
+    saturating = {t.effect.joint for t in model.terms if isinstance(t.effect, Expression)}
+    along = experiment.along(experiment.predict(model))
+    load = np.vstack([s.motion.compared(s.state.rigid_torque) for s in experiment.segments])
+    loaded = rms(load, experiment.informative) > LEAST_LOAD * rms(experiment.measured, experiment.informative)
+    for j, joint in enumerate(model.robot.joints):
+        if not is_moving(experiment)[j]:
+            continue
+        for law in _laws(joint, along, bool(loaded[j])):
+            if {law.label, *_spanning(law)} & present or (
+                isinstance(law, Expression) and joint in saturating
+            ):
+                continue
+            spanned = {e(joint).label for e, by in SPANNED_BY.items() if isinstance(law, by)}  # type: ignore[call-arg]
+            yield Refinement(law, tuple(sorted(spanned & present)))
+
+
+def saturating_friction(joint: str, along: State, share: float) -> Expression:
+    """Return friction that grows with speed and levels off, −α tanh(q̇/w), as lubricated gears have it [Makkar2005].
+
+    Args:
+        joint: Name of the joint.
+        along: The motion.
+        share: w over the speed that is driven [1].
+    """
+    fast = np.percentile(np.abs(along.v[:, along.robot.joint_index(joint)]), 95)
+    return Expression(joint, f"-tanh(dq/{share * fast:.2g})")
+
+
+def _laws(joint: str, along: State, loaded: bool) -> Iterator[Effect]:
+    yield from (saturating_friction(joint, along, share) for share in SATURATION)
+    yield from StribeckFriction(joint).shape_grid(along)
+    if loaded:
+        yield LoadFriction(joint)
+        yield ActuatorGain(joint)
+
+
+def _spanning(effect: Effect) -> set[str]:
+    """Return the labels of effects that do what this one does, and more."""
+    return {e(*effect.scope).label for e in SPANNED_BY.get(type(effect), ())}

@@ -1,0 +1,1 @@
+"""Regression: y = X θ + e of conditioned logs, whatever the search that asks for it."""

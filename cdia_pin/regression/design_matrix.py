@@ -1,0 +1,72 @@
+"""The design matrix: columns of effects in the residual, computed once where they can be kept."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects import Effect
+from cdia_pin.regression.experiment import Experiment, Prediction
+from cdia_pin.regression.noise import NoiseModel
+
+Array = NDArray[np.float64]
+
+
+SAME_GRAVITY = 0.03  # [m/s²], by which gravity may differ and columns of bodies are kept
+
+
+class Columns:
+    """Columns of effects in the residual, computed once where they do not depend on the model's torque."""
+
+    def __init__(self, experiment: Experiment) -> None:
+        self.experiment = experiment
+        self._fixed: dict[Effect, Array] = {}
+        self._weighed: tuple[Array, dict[Effect, Array]] = (np.zeros(3), {})
+        self._families: dict[Effect, tuple[NoiseModel, list[Effect], Array, Array]] = {}
+
+    def of(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
+        """Return the columns of an effect, shape (K, len(acts_on), p).
+
+        Those of the model's own effects are exact. For a candidate (θ omitted) a gain that changes along the motion
+        is replaced by its mean, which is enough to rank it.
+        """
+        exact = theta is not None
+        joints = list(effect.acts_on(self.experiment.robot))
+        gain = np.concatenate([t.gain[:, joints] for t in prediction.torques])
+        constant = effect.reads or not np.ptp(gain, axis=0).any()
+        if effect.of_torque or (exact and not (constant and effect.linear)):
+            return self.experiment.columns(effect, prediction, theta)
+        fixed = self.fixed(effect, prediction)
+        return fixed if effect.reads or (gain == 1.0).all() else fixed / gain.mean(axis=0)[None, :, None]
+
+    def fixed(self, effect: Effect, prediction: Prediction) -> Array:
+        """Return the columns of an effect of the motion alone, as in a model without gains."""
+        known = self._fixed
+        if effect.weighs:
+            change = prediction.model.gravity_change
+            if np.linalg.norm(change - self._weighed[0]) > SAME_GRAVITY:
+                self._weighed = (change, {})
+            known = self._weighed[1]
+        if effect not in known:
+            bare = replace(
+                prediction, torques=tuple(replace(t, gain=np.ones_like(t.gain)) for t in prediction.torques)
+            )
+            known[effect] = self.experiment.columns(effect, bare)
+        return known[effect]
+
+    def family(self, family: list[Effect], prediction: Prediction, noise: NoiseModel) -> tuple[Array, Array]:
+        """Return a family's whitened columns (C, p, K) of its joint and their inverse Gram matrices (C, p, p)."""
+        known = self._families.get(family[0])
+        if known is None or known[0] is not noise or known[1] != family:
+            (j,) = family[0].acts_on(self.experiment.robot)
+            used = self.experiment.informative[:, j]
+            stacked = np.stack([self.fixed(e, prediction)[:, 0, :] for e in family], axis=1)  # (K, C, p)
+            at = used[:, None, None]
+            white = np.where(at, noise.whiten(np.where(at, stacked, 0.0)), 0.0).transpose(1, 2, 0)
+            gram = white @ white.transpose(0, 2, 1)
+            ridge = 1e-6 * np.einsum("cpp->c", gram)[:, None, None] * np.eye(gram.shape[1])
+            known = (noise, family, np.ascontiguousarray(white), np.linalg.inv(gram + ridge))
+            self._families[family[0]] = known
+        return known[2:]

@@ -1,0 +1,202 @@
+"""Structure that is left: does anything smooth in the motion still explain the residual?"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.regression.experiment import Experiment, Prediction, rms
+from cdia_pin.regression.noise import NoiseModel, fit_noise
+
+Array = NDArray[np.float64]
+
+NEURONS = 7  # radial bases over position, speed and load
+LEAST_IMPROVEMENT = 0.03  # share by which held-out RMS must fall for structure to be worth a word
+SURE_IMPROVEMENT = 0.12  # the same where slow structure was not whitened away as noise
+PLAIN_IMPROVEMENT = 0.25  # the same without proof that it is not noise
+SMALLEST_STRUCTURE = 0.001  # of a joint's RMS torque: a structure below that is no flaw of a model
+FINEST_TORQUE = 1e-7  # of a joint's RMS torque: noise below that is what computers round
+RIDGES = (1e-3, 1e-2, 1e-1)  # how firmly smooth functions are held back, beside columns of unit norm
+ALARM = 1e-4  # probability of calling noise structure, per joint
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What smooth functions of the motion find in each joint's residual.
+
+    Attributes:
+        left: Whether structure is left, shape (n,).
+        improvement: Share by which they lower the held-out RMS [1], shape (n,).
+        residual_noise: Noise of each joint if the model's residual is all noise.
+        innermost: Noise of each joint that they leave.
+        floor: RMS of what they leave [N·m or N], shape (n,).
+    """
+
+    left: NDArray[np.bool_]
+    improvement: Array
+    residual_noise: tuple[NoiseModel, ...]
+    innermost: tuple[NoiseModel, ...]
+    floor: Array
+
+    @property
+    def noise(self) -> tuple[NoiseModel, ...]:
+        """The best guess of each joint's noise: its residual, or what lies under the structure where some is left."""
+        both = zip(self.left, self.innermost, self.residual_noise, strict=True)
+        return tuple(inner if left else outer for left, inner, outer in both)
+
+
+def slow_columns(experiment: Experiment, j: int) -> Array:
+    """Return smooth functions of joint j's position and speed, of time, and of the other joints, shape (K, m)."""
+    time, q, v, _ = experiment.compared_motion()
+    speed = np.tanh(v[:, j] / max(np.percentile(np.abs(v[:, j]), 95) * 0.05, 1e-9))
+    t = (time - time.mean()) / (np.ptp(time) or 1.0)
+    others = [s[:, k] for k in range(experiment.robot.n) if k != j for s in (q, v)]
+    scaled = [(s - s.mean()) / (s.std() or 1.0) for s in others]
+    columns = [
+        np.ones(len(t)),
+        *(_bases(signal[:, j], NEURONS) for signal in (q, v)),
+        np.column_stack([speed, speed * t, q[:, j] * v[:, j]]),
+        *([np.column_stack([*scaled, *(s**2 for s in scaled)])] if scaled else []),
+    ]
+    return np.column_stack(columns)
+
+
+def smooth_columns(experiment: Experiment, prediction: Prediction, j: int) -> Array:
+    """Return the same and those of the acceleration and of the load, which knows it, shape (K, m)."""
+    a = experiment.compared_motion()[3][:, j]
+    load = np.concatenate(
+        [s.motion.sampled(t.actuator) for s, t in zip(experiment.segments, prediction.torques, strict=True)]
+    )
+    return np.column_stack([slow_columns(experiment, j), _bases(load[:, j], NEURONS), a, np.abs(a)])
+
+
+def look_for_structure(
+    experiment: Experiment, prediction: Prediction, own: list[Array], edges: NDArray[np.intp]
+) -> Structure:
+    """Compare each joint's residual with smooth functions of the motion.
+
+    Args:
+        experiment: The conditioned logs.
+        prediction: Of a model fitted to them.
+        own: Columns of the model's terms for each joint, refitted alongside; shapes (K, p_j).
+        edges: Blocks of time for held-out errors, shape (B + 1,).
+    """
+    from scipy.special import fdtrc
+
+    n = experiment.robot.n
+    left, improvement, floor = np.zeros(n, bool), np.zeros(n), np.zeros(n)
+    outer: list[NoiseModel] = []
+    inner: list[NoiseModel] = []
+    torque = rms(experiment.measured, experiment.informative)
+    smallest = np.maximum(experiment.resolution, SMALLEST_STRUCTURE * torque)
+    for j in range(n):
+        use, nearness = experiment.informative[:, j], experiment.nearness[:, j]
+        smooth = smooth_columns(experiment, prediction, j)
+        y, fitted = prediction.residual[:, j], _orthonormal(own[j], use)
+        both = _orthonormal(np.column_stack([own[j], smooth]), use)
+        slow = _orthonormal(slow_columns(experiment, j), use)
+        for found, columns in ((inner, both), (outer, fitted)):
+            explained = _project(columns, y, use)
+            noise = _at_least(
+                experiment.resolution[j], y - explained, explained - _project(slow, explained, use), use
+            )
+            least = FINEST_TORQUE * torque[j]
+            found.append(fit_noise(noise, use, nearness, experiment.lengths, columns.shape[1], least))
+        rest = y - _project(both, y, use)
+        floor[j] = np.sqrt(np.sum(rest[use] ** 2) / max(int(use.sum()) - both.shape[1], 1))
+        by_outer, by_inner = (partial(_white, noise=noise, use=use) for noise in (outer[j], inner[j]))
+        white = by_outer(y)
+        rss, rss_both = float(white @ white), _left_after(by_outer(both), white)
+        more = max(both.shape[1], 1)
+        spare = max(int((use & outer[j].kept).sum()) - both.shape[1], 1)
+        chance = float(fdtrc(more, spare, max((rss - rss_both) / more, 0.0) / (rss_both / spare)))
+        improvement[j], plain = (
+            _improvement(white(fitted), white(smooth), white(y), edges) for white in (by_outer, by_inner)
+        )
+        sure = chance < ALARM and (improvement[j] > LEAST_IMPROVEMENT or plain > SURE_IMPROVEMENT)
+        shown = sure or plain > PLAIN_IMPROVEMENT
+        left[j] = shown and np.sqrt(max(np.mean(y[use] ** 2) - floor[j] ** 2, 0.0)) > smallest[j]
+    return Structure(left, improvement, tuple(outer), tuple(inner), floor)
+
+
+def _at_least(resolution: float, left: Array, by_acceleration: Array, use: NDArray[np.bool_]) -> Array:
+    """Return what is left of a residual as noise, no less than that of the sensors.
+
+    Errors of the acceleration make torque, and are in all columns that know the acceleration, which explain them away.
+
+    Args:
+        resolution: RMS torque that the sensors' errors make [N·m or N].
+        left: What columns leave of a residual, shape (K,).
+        by_acceleration: What only those that know the acceleration explained, shape (K,).
+        use: Samples that count.
+    """
+    square, mixed, own = (
+        float(np.mean((x * y)[use])) if use.any() else 0.0
+        for x, y in ((by_acceleration,) * 2, (by_acceleration, left), (left, left))
+    )
+    lacking = resolution**2 - own
+    if lacking <= 0 or square == 0:
+        return left
+    # the share of it that, given back, lifts what is left to the resolution
+    share = (np.sqrt(mixed**2 + square * lacking) - mixed) / square
+    return left + min(share, 1.0) * by_acceleration
+
+
+def _white(signal: Array, noise: NoiseModel, use: NDArray[np.bool_]) -> Array:
+    used = use.reshape(-1, *([1] * (signal.ndim - 1)))
+    return np.where(used, noise.whiten(np.where(used, signal, 0.0)), 0.0)
+
+
+def _improvement(own: Array, smooth: Array, y: Array, edges: NDArray[np.intp]) -> float:
+    """Return the share by which smooth functions lower the held-out RMS.
+
+    Effects of several joints may fit each of them worse than if it had its own parameters: that is structure too.
+    """
+    before = max(_held_out(own, np.zeros((len(y), 0)), y, edges, 0.0), float(y @ y))
+    after = min(_held_out(own, smooth, y, edges, ridge) for ridge in RIDGES)
+    return 1.0 - float(np.sqrt(after / before)) if before > 0 else 0.0
+
+
+def _bases(signal: Array, count: int) -> Array:
+    low, high = np.percentile(signal, [0.5, 99.5])
+    width = (high - low) / (count - 1) or 1.0
+    return np.exp(-(((signal[:, None] - np.linspace(low, high, count)) / width) ** 2))
+
+
+def _orthonormal(columns: Array, use: NDArray[np.bool_]) -> Array:
+    """Return columns with the same span over the samples that count, those that add nothing left out."""
+    if not columns.shape[1]:
+        return columns
+    scaled = columns / np.maximum(np.linalg.norm(columns[use], axis=0), 1e-300)
+    _, values, right = np.linalg.svd(scaled[use], full_matrices=False)
+    keep = values > 1e-2 * values[0]
+    return scaled @ right[keep].T / values[keep]
+
+
+def _project(orthonormal: Array, y: Array, use: NDArray[np.bool_]) -> Array:
+    return orthonormal @ (orthonormal[use].T @ y[use])
+
+
+def _left_after(x: Array, y: Array) -> float:
+    if not x.shape[1]:
+        return float(y @ y)
+    theta = np.linalg.lstsq(x, y, rcond=None)[0]
+    return float(np.sum((y - x @ theta) ** 2))
+
+
+def _held_out(own: Array, smooth: Array, y: Array, edges: NDArray[np.intp], ridge: float) -> float:
+    """Sum of squares of each block predicted from the others; smooth functions are held back by a ridge."""
+    x = np.column_stack([own, smooth])
+    x = x / np.maximum(np.linalg.norm(x, axis=0), 1e-300)
+    gram, right = x.T @ x, x.T @ y
+    penalty = np.diag(np.repeat([1e-9, ridge], [own.shape[1], smooth.shape[1]]))
+    total = 0.0
+    for start, stop in itertools.pairwise(edges):
+        xb, yb = x[start:stop], y[start:stop]
+        theta = np.linalg.solve(gram - xb.T @ xb + penalty, right - xb.T @ yb) if len(gram) else np.zeros(0)
+        total += float(np.sum((yb - xb @ theta) ** 2))
+    return total

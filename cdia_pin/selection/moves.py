@@ -1,0 +1,157 @@
+"""Moves of the search: add, drop, swap, split and merge effects while the cost falls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+
+import numpy as np
+
+from cdia_pin.selection.evidence import Evidence, Fit
+
+Names = frozenset[str]
+
+LOCAL = 2  # joints that an effect may act on to be split or merged with its neighbours
+TRIED = 5  # candidates that are fitted after the gains have ranked them
+STAYS = 0.5  # of the least gain of a new effect: enough for one that is in the set
+CLEAR = 5.0  # times the least gain: such an effect needs no further proof
+HOLDS = 0.5  # least share of a gain that is left on held-out blocks
+EXCESS = 0.02  # of what is left beyond the noise: an exchange must gain more
+MARGIN = 1.0  # variances of the noise: a move must gain more
+
+
+def improve(
+    evidence: Evidence, chosen: Sequence[int], allowed: Callable[[tuple[int, ...]], bool], *, most: int
+) -> Fit | None:
+    """Return the best set that one move leads to, or None if no move lowers the cost.
+
+    Dropping comes before the other moves, so that an effect which a later one made needless never guides the search.
+
+    Args:
+        evidence: Normal equations of the candidates.
+        chosen: Indices of the present set.
+        allowed: Tells which sets may be tried; the normal equations of some promise what they do not hold.
+        most: Largest number of effects.
+    """
+    now = evidence.fit(chosen, bodies=True)
+    needless = [
+        part for c in now.chosen if (part := _without(evidence, now, c)) is not None and allowed(part.chosen)
+    ]
+    if needless:
+        return min(needless, key=lambda f: f.cost)
+    if len(now.chosen) < most:
+        better = _cheapest(evidence, filter(allowed, _additions(evidence, now.chosen)), now.cost - MARGIN)
+        if better is not None and (not now.physical or holds(evidence, now, better)):
+            return better
+    exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
+    margin = max(
+        MARGIN, EXCESS * (now.chi2 - evidence.samples)
+    )  # far from the noise, small change is no change
+    freedom = lambda m: float(evidence.freedom[list(m)].sum())  # noqa: E731
+    simpler = [m for m in exchanges if len(m) <= len(now.chosen) or freedom(m) < freedom(now.chosen)]
+    better = _cheapest(evidence, simpler, now.cost - margin)
+    if better is not None:
+        return better
+    # two for one, with more parameters, must be worth the additional name
+    worth = float(np.max(evidence.least_gain[list(now.chosen)], initial=0.0))
+    return _cheapest(evidence, exchanges, now.cost - margin - worth)
+
+
+def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float) -> Fit | None:
+    """Return the physical fit of least cost below a limit; sets whose bound is above the best are not fitted."""
+    best = None
+    for bound, chosen in sorted((evidence.bound(c), c) for c in {tuple(sorted(c)) for c in sets}):
+        if bound >= (best.cost if best else limit):
+            break
+        below = best.cost if best else limit
+        rough = evidence.fit(chosen)
+        if rough.physical and rough.cost < below:
+            fit = evidence.fit(chosen, bodies=True)
+            best = fit if fit.physical and fit.cost < below else best
+    return best
+
+
+def _without(evidence: Evidence, whole: Fit, lacking: int) -> Fit | None:
+    """Return the fit without an effect that explains too little to be missed."""
+    rest = tuple(c for c in whole.chosen if c != lacking)
+    needed = missed(evidence, lacking)
+    if whole.physical and evidence.free_chi2(rest) - whole.chi2 >= needed:
+        return None
+    part = evidence.fit(rest, bodies=True)
+    return None if whole.physical and part.physical and part.chi2 - whole.chi2 >= needed else part
+
+
+def missed(evidence: Evidence, one: int) -> float:
+    """Return what an effect of a set must explain to stay: less than to come, lest it come and go."""
+    return max(float(evidence.price[one]), STAYS * float(evidence.least_gain[one]))
+
+
+def holds(evidence: Evidence, before: Fit, after: Fit) -> bool:
+    """Tell whether what an addition explains is explained in blocks of time that it was not fitted to as well."""
+    gain = before.chi2 - after.chi2
+    added = [c for c in after.chosen if c not in before.chosen]
+    if gain > CLEAR * max(evidence.least_gain[c] for c in added):
+        return True
+    return evidence.held_out(before.chosen) - evidence.held_out(after.chosen) > HOLDS * gain
+
+
+def names(evidence: Evidence, chosen: Sequence[int]) -> Names:
+    """Return what a set is called, whatever its shapes."""
+    return frozenset(evidence.effects[c].label for c in chosen)
+
+
+def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float = 0.0) -> list[int]:
+    """Return the effects whose gain beside a set best repays their price, each in its best shape.
+
+    Args:
+        evidence: Normal equations of the candidates.
+        chosen: The set.
+        count: How many to return.
+        spare: Cost that may be lost beyond the price.
+    """
+    gains = evidence.gains(chosen)
+    profit = np.where(gains > evidence.least_gain - spare, gains - evidence.price, -np.inf)
+    taken = {evidence.effects[c].label for c in chosen}
+    out: list[int] = []
+    for c in np.argsort(profit)[::-1]:
+        if not profit[c] > -spare or len(out) == count:
+            break
+        label = evidence.effects[c].label
+        if label not in taken:  # of each effect only its best shape
+            taken.add(label)
+            out.append(int(c))
+    return out
+
+
+def _additions(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    for c in ranked(evidence, chosen, TRIED):
+        with_it = (*chosen, c)
+        yield with_it
+        # what the addition made needless or unphysical goes in the same move
+        yield from (tuple(x for x in with_it if x != other) for other in chosen)
+
+
+def _exchanges(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    """Yield sets with one effect for another and, within a joint, two for one and one for two."""
+    local = [c for c in chosen if len(evidence.effects[c].acts_on(evidence.robot)) <= LOCAL]
+    for c in chosen:
+        rest = tuple(x for x in chosen if x != c)
+        lost = evidence.bound(rest) - evidence.fit(chosen, bodies=True).cost
+        for other in ranked(evidence, rest, TRIED, spare=-min(lost, 0.0)):
+            if other == c:
+                continue
+            yield (*rest, other)
+            if c in local and evidence.effects[c].size > 1:
+                yield from (
+                    (*rest, other, third) for third in ranked(evidence, (*rest, other), 3) if third != c
+                )
+        for second in local:
+            if c in local and second > c and _share_a_joint(evidence, c, second):
+                fewer = tuple(x for x in rest if x != second)
+                yield from (
+                    (*fewer, other) for other in ranked(evidence, fewer, 3) if other not in {c, second}
+                )
+
+
+def _share_a_joint(evidence: Evidence, one: int, two: int) -> bool:
+    joints = (set(evidence.effects[c].acts_on(evidence.robot)) for c in (one, two))
+    return bool(set.intersection(*joints))

@@ -1,0 +1,170 @@
+"""What changed between two logs: found on a plant that is not our model, and nothing where nothing did."""
+
+import numpy as np
+import pytest
+
+from benchmarks.plant import Fault, Fourier
+from benchmarks.plant.sizes import Sizer
+from cdia_pin import Dynamics, what_changed
+from cdia_pin.changes.changes_result import Change
+from cdia_pin.changes.interpretation import findings_of
+from cdia_pin.effects import Term, parse_effect
+from cdia_pin.errors import LogError
+from cdia_pin.regression.shared_parameters import Part, Regression
+from tests.hidden_plants import plant_of
+
+SECONDS = 24.0
+WRONG = tuple(  # the URDF is wrong in the same way before and after, and the drives have friction
+    fault
+    for joint, mass, inertia, level, coefficient in (
+        ("shoulder_lift_joint", 0.3, 0.04, 3.0, 4.0),
+        ("elbow_joint", -0.08, -0.05, 1.2, 1.5),
+        ("wrist_1_joint", 0.04, 0.03, 0.05, 0.05),
+    )
+    for fault in (
+        Fault("link_inertia", joint=joint, mass=mass, inertia=inertia),
+        Fault("coulomb_friction", joint=joint, level=level),
+        Fault("viscous_friction", joint=joint, coefficient=coefficient),
+    )
+)
+OUTSIDE = (  # and has physics that the vocabulary does not know
+    Fault("presliding", joint="elbow_joint", level=1.2, reach=0.1),
+    Fault("speed_bump", joint="wrist_1_joint", level=0.05, speed=0.25, width=0.06),
+)
+
+
+def changed(before, after, seed=3):
+    """What changed between two logs of different motions."""
+    plant = plant_of("ur5")
+    logs = [
+        plant.run(faults, duration=SECONDS, seed=s).log
+        for faults, s in ((before, seed), (after, seed + 1000))
+    ]
+    return what_changed(Dynamics(plant.robot), *logs)
+
+
+def the_only(found):
+    (change,) = found.changes
+    return change
+
+
+def inside(term, name, value):
+    k = [p.name for p in term.effect.parameters].index(name)
+    low, high = term.ci95[k]
+    return low < value < high
+
+
+@pytest.mark.parametrize("common", [(), WRONG, WRONG + OUTSIDE], ids=["clean", "wrong", "outside"])
+def test_nothing_changed_though_motion_and_noise_did(common):
+    found = changed(common, common)
+    assert found.verdict == "unchanged"
+    torque = Sizer(plant_of("ur5"), Fourier(), SECONDS, 3).rms
+    noise = 0.01 * np.maximum(torque, 0.02 * torque.max())  # of the plant, on each sample
+    for j, joint in enumerate(found.model.robot.joints):
+        assert found.bounds[joint].torque < max(0.2 * torque[j], noise[j])  # and more would have been seen
+
+
+def test_a_payload_is_told_from_a_model_that_is_wrong():
+    change = the_only(changed(WRONG, (*WRONG, Fault("payload", mass=1.5, com=(0.03, 0.01, 0.06), size=0.12))))
+    assert change.term.label == "payload"
+    assert change.term.values["mass"] == pytest.approx(1.5, rel=0.01)
+    assert inside(change.term, "mass", 1.5)
+
+
+def test_a_tool_taken_off_is_a_payload_of_the_other_sign():
+    change = the_only(changed((*WRONG, Fault("payload", mass=0.5, size=0.1)), WRONG))
+    assert change.term.label == "payload"
+    assert change.term.values["mass"] == pytest.approx(-0.5, rel=0.03)
+
+
+def test_friction_that_grew_has_a_size_before_and_after():
+    worn = [
+        f.with_parameters({"level": 2.2}) if str(f) == "coulomb_friction@elbow_joint" else f for f in WRONG
+    ]
+    change = the_only(changed(WRONG, tuple(worn)))
+    assert change.term.label == "coulomb_friction@elbow_joint"
+    assert change.term.values["level"] == pytest.approx(1.0, rel=0.06)
+    assert change.before == pytest.approx((1.2,), rel=0.1)
+    assert change.growth == pytest.approx(1.0 / 1.2, rel=0.15)
+
+
+def test_friction_that_falls_on_most_joints_is_a_warm_arm():
+    every = [
+        Fault(kind, joint=joint, **{name: size * share})
+        for joint, size in zip(plant_of("ur5").joints, (3.0, 6.0, 3.0, 0.4, 0.4, 0.3), strict=True)
+        for kind, name, share in (
+            ("viscous_friction", "coefficient", 1.0),
+            ("coulomb_friction", "level", 0.5),
+        )
+    ]
+    warm = [f.with_parameters({k: 0.7 * v for k, v in f.parameters.items()}) for f in every]
+    found = changed(tuple(every), tuple(warm))
+    (finding,) = found.findings
+    assert finding.kind == "warming"
+    assert finding.values["median_growth"] == pytest.approx(-0.3, abs=0.03)
+    assert len(finding.joints) >= 5
+
+
+def test_logs_of_one_condition_on_both_sides_are_refused():
+    from dataclasses import replace
+
+    log = replace(plant_of("ur5").run((), duration=12.0, seed=5).log, condition="warm")
+    with pytest.raises(LogError, match="different conditions"):
+        what_changed(Dynamics(plant_of("ur5").robot), log, log)
+
+
+# ------------------------------------------------------------------ the parts
+
+
+def friction(joint, robot, difference):
+    torque = np.zeros(robot.n)
+    torque[robot.joint_index(joint)] = abs(difference)
+    return Change(Term(parse_effect(f"viscous_friction@{joint}"), (difference,)), (2.0,), torque, 50.0)
+
+
+def test_friction_that_falls_here_and_rises_there_is_no_temperature(ur5):
+    falls = [friction(j, ur5, -0.5) for j in ur5.joints[:4]]
+    assert [f.kind for f in findings_of(falls, ur5)] == ["warming"]
+    assert [f.kind for f in findings_of([friction(j, ur5, 0.5) for j in ur5.joints], ur5)] == ["cooling"]
+    assert findings_of([*falls, friction(ur5.joints[4], ur5, 0.5)], ur5) == ()
+    assert findings_of(falls[:2], ur5) == ()
+
+
+def regression(rng, scale=np.inf):
+    parts = [
+        Part({0: rng.standard_normal((80, 3)), 1: rng.standard_normal((80, 3))}, np.full(3, scale)),
+        Part({1: rng.standard_normal((80, 2))}, np.full(2, np.inf)),
+    ]
+    return parts, rng.standard_normal((80, 2))
+
+
+def dense(parts):
+    rows = [np.zeros((80, 5)), np.zeros((80, 5))]
+    for j in (0, 1):
+        rows[j][:, :3] = parts[0].columns[j]
+    rows[1][:, 3:] = parts[1].columns[1]
+    return np.vstack(rows)
+
+
+def test_joints_that_share_parameters_are_one_least_squares_problem():
+    parts, y = regression(np.random.default_rng(1))
+    left, used = Regression.of(parts, y, lambda j, x: x).residual()
+    x = dense(parts)
+    expected = y.T.ravel() - x @ np.linalg.lstsq(x, y.T.ravel())[0]
+    np.testing.assert_allclose(left.T.ravel(), expected, atol=1e-8)
+    assert used.sum() == pytest.approx(5)
+
+
+def test_what_is_common_is_projected_away():
+    """Frisch, Waugh and Lovell: the rest regressed on the rest gives the same parameters."""
+    parts, y = regression(np.random.default_rng(2))
+    rest, prior = Regression.of(parts, y, lambda j, x: x).beside(3)
+    gram = sum(r.T @ r for r in rest) + prior
+    theta = np.linalg.solve(gram[:-1, :-1], gram[:-1, -1])
+    np.testing.assert_allclose(theta, np.linalg.lstsq(dense(parts), y.T.ravel())[0][3:], atol=1e-8)
+
+
+def test_parameters_that_would_surprise_are_held_back():
+    parts, y = regression(np.random.default_rng(3), scale=1e-3)
+    _, used = Regression.of(parts, y, lambda j, x: x).residual()
+    assert used.sum() < 2.1

@@ -1,0 +1,121 @@
+"""The estimate: the least cost among bodies that can exist, and a joint that rests counts for little."""
+
+import numpy as np
+import pytest
+
+from cdia_pin import Dynamics, load_robot
+from cdia_pin.effects.inertia import Body
+from cdia_pin.identification.crossvalidation import STRENGTHS, choose_strength, held_out_rms
+from cdia_pin.identification.estimate import Fitter, unconstrained
+from cdia_pin.identification.terms import full_model
+from cdia_pin.regression.experiment import Experiment
+from cdia_pin.robot.inertia import parameters_of
+from tests.made_logs import conditioned, make
+
+STRENGTH = 10.0
+SOLID = parameters_of(
+    0.5, np.zeros(3), 0.05 * np.eye(3)
+)  # added to a link, it leaves the edge of what can exist
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("double_pendulum")
+
+
+def fitted(robot, made, strength=STRENGTH):
+    experiment = Experiment.of(robot, [conditioned(robot, made)])
+    fitter = Fitter(experiment, blocks=10)
+    return fitter, fitter.fit(full_model(Dynamics(robot), experiment), strength)
+
+
+def impossible(robot):
+    """Torques of a last link whose second moments no body can have."""
+    parameters = robot.inertial_parameters.copy()
+    parameters[-1, 4:] *= 0.05
+    wrong = robot.with_inertial_parameters(parameters)
+    return lambda q, v, a: robot.inverse_dynamics(q, v, a) - wrong.inverse_dynamics(q, v, a)
+
+
+def cost(estimate, theta):
+    total = estimate.evidence.total
+    v = np.append(theta, -1.0)
+    return float(v @ total @ v + theta @ estimate.prior @ theta)
+
+
+def is_possible(estimate, theta):
+    robot, evidence = estimate.model.robot, estimate.evidence
+    return all(e.is_physical(theta[s], robot) for e, s in zip(evidence.effects, evidence.spans, strict=True))
+
+
+def test_no_possible_parameters_cost_less(robot):
+    _, estimate = fitted(robot, make(robot, impossible(robot), noise=1e-3))
+    free = unconstrained(estimate.evidence.total, estimate.prior)
+    assert not is_possible(estimate, free)  # else there is nothing to hold
+    assert is_possible(estimate, estimate.theta)
+    least, rng = cost(estimate, estimate.theta), np.random.default_rng(0)
+    inside = np.concatenate(
+        [SOLID if isinstance(t.effect, Body) else np.full(t.effect.size, 0.1) for t in estimate.model.terms]
+    )
+    tried = 0
+    for _ in range(500):
+        step = 10.0 ** rng.uniform(-6, 0)
+        away = rng.normal(size=len(free)) / np.sqrt(np.diag(estimate.prior) + estimate.evidence.scale**2)
+        toward = rng.uniform() * (free - estimate.theta) + rng.uniform() * (inside - estimate.theta)
+        theta = estimate.theta + step * (0.01 * away + toward)
+        if is_possible(estimate, theta):
+            tried += 1
+            assert cost(estimate, theta) > least * (1 - 1e-6) - 1e-9
+    assert tried > 50
+
+
+def test_where_nothing_holds_it_is_plain_least_squares(robot):
+    _, estimate = fitted(
+        robot, make(robot, lambda q, v, a: -0.3 * np.tanh(v / 1e-3) - 0.2 * v, noise=1e-2), 1.0
+    )
+    free = unconstrained(estimate.evidence.total, estimate.prior)
+    assert is_possible(estimate, free)  # else something holds
+    assert cost(estimate, estimate.theta) == pytest.approx(cost(estimate, free), rel=1e-4)
+
+
+def test_the_stronger_the_hold_the_nearer_to_the_urdf(robot):
+    made = make(robot, impossible(robot), noise=1e-2)
+    lengths = []
+    for strength in (1.0, 1e3, 1e6, 1e9):
+        _, estimate = fitted(robot, made, strength)
+        bodies = np.concatenate([t.theta for t in estimate.model.terms if isinstance(t.effect, Body)])
+        lengths.append(np.linalg.norm(bodies))
+    assert lengths == sorted(lengths, reverse=True)
+    assert lengths[-1] < 0.01 * lengths[0]
+
+
+def test_a_joint_that_rests_weighs_as_one_sample(robot):
+    made = make(robot, duration=40.0)
+    resting = made.q.copy()
+    resting[:, 1] = 0.3
+    log = made.log
+    still = type(log)(log.joints, log.time, resting, log.effort, source="one joint rests")
+    experiment = Experiment.of(
+        robot, [conditioned(robot, type(made)(still, resting, made.v, made.a, made.f))]
+    )
+    fitter = Fitter(experiment, blocks=10)
+    weights = fitter.weights(np.zeros_like(experiment.measured))
+    torque = np.sqrt(np.mean(experiment.measured[:, 1] ** 2))
+    assert len(experiment.measured) * (torque / weights.noise[1].sigma[0]) ** 2 == pytest.approx(1.0)
+    labels = {t.label for t in full_model(Dynamics(robot), experiment).terms}
+    assert f"coulomb_friction@{robot.joints[0]}" in labels
+    assert f"coulomb_friction@{robot.joints[1]}" not in labels
+
+
+def test_held_out_blocks_are_not_fitted(robot):
+    made = make(robot, lambda q, v, a: -0.3 * np.tanh(v / 1e-3), noise=0.05)
+    fitter, estimate = fitted(robot, made)
+    residual = fitter.experiment.predict(estimate.model).residual
+    inside = np.sqrt(np.mean(residual[fitter.used.all(axis=1)] ** 2, axis=0))
+    assert (held_out_rms(fitter, estimate) > 0.98 * inside).all()
+    assert (held_out_rms(fitter, estimate) < 1.5 * inside).all()
+
+
+def test_a_log_that_agrees_with_the_urdf_is_held_to_it_firmly(robot):
+    fitter, estimate = fitted(robot, make(robot, noise=0.05))
+    assert choose_strength(fitter, estimate) == max(STRENGTHS)

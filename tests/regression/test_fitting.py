@@ -1,0 +1,339 @@
+"""Fitting: the joint optimum, from wherever it starts, with intervals that mean what they say."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cdia_pin import Dynamics, load_robot
+from cdia_pin.discovery import add_effect
+from cdia_pin.effects import (
+    ActuatorGain,
+    CoulombFriction,
+    EffortDelay,
+    EncoderOffset,
+    PositionRipple,
+    State,
+    StribeckFriction,
+    Term,
+    TorqueOffset,
+    ViscousFriction,
+    parse_effect,
+)
+from cdia_pin.regression.cross_validation import held_out_rms
+from cdia_pin.regression.design_matrix import Columns
+from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.regression.fitting import Whitened, gather, refit, with_intervals, with_parameters
+from cdia_pin.regression.noise import NoiseModel
+from cdia_pin.regression.shape_slopes import slopes
+from cdia_pin.selection.evidence import Evidence
+from tests.made_logs import autoregressive, conditioned, make, motion
+
+COULOMB, VISCOUS, OFFSET = (
+    parse_effect(f"{name}@joint1") for name in ("coulomb_friction", "viscous_friction", "torque_offset")
+)
+BLOCKS = 10
+
+
+@pytest.fixture(scope="module")
+def pendulum():
+    return load_robot("double_pendulum")
+
+
+def friction(q, v, a):
+    """Coulomb 0.08 N·m, viscous 0.05 N·m·s/rad and an offset of 0.1 N·m on the first joint."""
+    return np.column_stack([-0.08 * np.sign(v[:, 0]) - 0.05 * v[:, 0] + 0.1, np.zeros(len(v))])
+
+
+def prepared(robot, missing, *, noise=0.005, seed=0, order=0, duration=20.0):
+    """An experiment, its columns, and whitening by known noise."""
+    made = make(robot, missing, seed=seed, noise=noise, duration=duration)
+    experiment = Experiment.of(robot, [conditioned(robot, made)])
+    count = len(experiment.measured)
+    model = NoiseModel(np.full(order, 0.3 / max(order, 1)), np.full(count, max(noise, 1e-4)), (count,))
+    edges = np.linspace(0, count, BLOCKS + 1).astype(int)
+    return experiment, Columns(experiment), Whitened.of(experiment, [model] * robot.n, edges)
+
+
+def model_with(robot, *effects, theta=None):
+    values = theta or [(0.0,) * e.size for e in effects]
+    return Dynamics(robot, tuple(Term(e, v) for e, v in zip(effects, values, strict=True)))
+
+
+def stacked(experiment, columns, whitened, effects):
+    """Whitened columns (S, P) and response (S,) of all joints, written out."""
+    bare = experiment.predict(Dynamics(experiment.robot))
+    x, y = [], []
+    for j in range(experiment.robot.n):
+        rows = np.zeros((len(experiment.measured), sum(e.size for e in effects)))
+        at = 0
+        for effect in effects:
+            acts = list(effect.acts_on(experiment.robot))
+            if j in acts:
+                rows[:, at : at + effect.size] = columns.of(effect, bare)[:, acts.index(j), :]
+            at += effect.size
+        x.append(whitened.joint(j, rows))
+        y.append(whitened.joint(j, bare.residual[:, j]))
+    return np.vstack(x), np.concatenate(y)
+
+
+# ---------------------------------------------------------------- the optimum
+
+
+@pytest.mark.parametrize("order", [0, 3])
+def test_a_refit_of_linear_effects_is_least_squares(order, pendulum):
+    experiment, columns, whitened = prepared(pendulum, friction, order=order)
+    effects = [COULOMB, VISCOUS, OFFSET]
+    model, _ = refit(experiment, columns, model_with(pendulum, *effects), whitened)
+    x, y = stacked(experiment, columns, whitened, effects)
+    expected = np.linalg.lstsq(x, y, rcond=None)[0]
+    np.testing.assert_allclose(np.concatenate([t.theta for t in model.terms]), expected, rtol=1e-5)
+    np.testing.assert_allclose(expected, [0.08, 0.05, 0.1], rtol=0.03)
+
+
+def test_all_effects_are_fitted_together_and_not_one_to_what_the_other_left(pendulum):
+    """Coulomb alone takes some of the viscous torque; beside it each gets its own."""
+    experiment, columns, whitened = prepared(pendulum, friction)
+    alone, _ = refit(experiment, columns, model_with(pendulum, COULOMB, OFFSET), whitened)
+    both, _ = refit(experiment, columns, alone.add(Term(VISCOUS, (0.0,))), whitened)
+    level = lambda m: m.find(COULOMB.label).theta[0]  # noqa: E731
+    assert level(alone) > 1.2 * 0.08
+    assert level(both) == pytest.approx(0.08, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("effects", "truth", "starts"),
+    [
+        ([COULOMB, VISCOUS], [0.08, 0.05], [[0.0, 0.0], [1.0, 2.0]]),
+        ([ActuatorGain("joint1"), COULOMB], [-0.3, 0.06], [[0.0, 0.0], [0.2, 0.3]]),
+        ([EncoderOffset("joint1"), OFFSET], [0.15, 0.05], [[0.0, 0.0], [-0.1, 0.2]]),
+        ([EffortDelay()], [0.03], [[0.0], [-0.02]]),
+        ([parse_effect("base_tilt")], [0.0, -3.0], [[0.0, 0.0], [0.0, 2.0]]),
+    ],
+    ids=["coulomb and viscous", "gain and coulomb", "encoder and torque offset", "delay", "tilt"],
+)
+def test_wherever_it_starts_a_refit_ends_at_the_truth(effects, truth, starts, pendulum):
+    made = make(pendulum, seed=3)
+    ends = np.split(np.array(truth), np.cumsum([e.size for e in effects])[:-1])
+    true = Dynamics(pendulum, tuple(Term(e, tuple(p)) for e, p in zip(effects, ends, strict=True)))
+    log = replace(made.log, effort=true.inverse_dynamics(made.q, made.v, made.a, time=made.log.time))
+    experiment = Experiment.of(pendulum, [conditioned(pendulum, replace(made, log=log))])
+    count = len(experiment.measured)
+    noise = NoiseModel(np.zeros(0), np.full(count, 1e-3), (count,))
+    whitened = Whitened.of(experiment, [noise] * 2, np.linspace(0, count, BLOCKS + 1).astype(int))
+    found = []
+    for start in starts:
+        model = with_parameters(model_with(pendulum, *effects), np.array(start))
+        model, _ = refit(experiment, Columns(experiment), model, whitened)
+        found.append(np.concatenate([t.theta for t in model.terms]))
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-3, atol=1e-6)
+    np.testing.assert_allclose(found[0], truth, rtol=0.03, atol=1e-6)
+
+
+def test_a_refit_of_an_optimum_stays_there(pendulum):
+    experiment, columns, whitened = prepared(pendulum, friction)
+    effects = [ActuatorGain("joint1"), COULOMB, VISCOUS]
+    once, _ = refit(experiment, columns, model_with(pendulum, *effects), whitened)
+    again, _ = refit(experiment, columns, once, whitened)
+    for a, b in zip(once.terms, again.terms, strict=True):
+        np.testing.assert_allclose(a.theta, b.theta, rtol=1e-3)
+
+
+def test_friction_that_adds_power_is_held_at_none(pendulum):
+    experiment, columns, whitened = prepared(pendulum, lambda q, v, a: -friction(q, v, a))
+    model, _ = refit(experiment, columns, model_with(pendulum, COULOMB, VISCOUS, OFFSET), whitened)
+    assert model.find(COULOMB.label).theta == (0.0,)
+    assert model.find(VISCOUS.label).theta == (0.0,)
+    assert model.find(OFFSET.label).theta[0] == pytest.approx(-0.1, rel=0.1)
+
+
+def test_what_happens_near_rest_is_no_evidence(pendulum):
+    """A sample that does not count must not reach others through the whitening filter either."""
+    experiment, columns, whitened = prepared(pendulum, friction, order=6)
+    prediction = experiment.predict(Dynamics(pendulum))
+    strange = np.where(experiment.informative, prediction.residual, prediction.residual + 5.0)
+    effects = [COULOMB, VISCOUS, OFFSET]
+    as_it_is, disturbed = (
+        gather(experiment, columns, replace(prediction, residual=r), effects, whitened)
+        for r in (prediction.residual, strange)
+    )
+    np.testing.assert_allclose(disturbed.total, as_it_is.total, rtol=1e-6, atol=1e-6 * as_it_is.total.max())
+
+
+# ---------------------------------------------------------------- held-out errors
+
+
+def test_held_out_error_is_that_of_fits_to_the_other_blocks(pendulum):
+    experiment, columns, whitened = prepared(pendulum, friction, seed=5)
+    effects = [COULOMB, VISCOUS, OFFSET, PositionRipple("joint2")]
+    model, _ = refit(experiment, columns, model_with(pendulum, *effects), whitened)
+    prediction = experiment.predict(model)
+    x, y = stacked(experiment, columns, whitened, effects)
+    count = len(experiment.measured)
+    block = np.tile(np.digitize(np.arange(count), whitened.edges[1:-1]), pendulum.n)
+    bare = experiment.predict(Dynamics(pendulum)).residual
+    expected = bare.copy()
+    for b, (start, stop) in enumerate(zip(whitened.edges[:-1], whitened.edges[1:], strict=True)):
+        theta = np.linalg.lstsq(x[block != b], y[block != b], rcond=None)[0]
+        at = 0
+        for effect in effects:
+            part = columns.of(effect, prediction)[start:stop] @ theta[at : at + effect.size]
+            expected[start:stop, list(effect.acts_on(pendulum))] -= part
+            at += effect.size
+    np.testing.assert_allclose(
+        held_out_rms(experiment, columns, prediction, whitened),
+        rms(expected, experiment.informative),
+        rtol=1e-4,
+    )
+
+
+def test_held_out_error_is_above_the_fitted_error(pendulum):
+    experiment, columns, whitened = prepared(pendulum, friction, seed=6)
+    model, _ = refit(experiment, columns, model_with(pendulum, COULOMB, VISCOUS, OFFSET), whitened)
+    prediction = experiment.predict(model)
+    fitted = rms(prediction.residual, experiment.informative)
+    unseen = held_out_rms(experiment, columns, prediction, whitened)
+    assert (unseen >= fitted * (1 - 1e-9)).all()
+    assert (unseen < 1.1 * fitted).all()
+
+
+def test_blocks_are_contiguous_and_hold_every_sample(pendulum):
+    experiment, columns, whitened = prepared(pendulum, friction)
+    assert whitened.edges[0] == 0
+    assert whitened.edges[-1] == len(experiment.measured)
+    assert (np.diff(whitened.edges) > 0).all()
+    evidence = gather(experiment, columns, experiment.predict(Dynamics(pendulum)), [COULOMB], whitened)
+    x, y = stacked(experiment, columns, whitened, [COULOMB])
+    whole = np.column_stack([x, y])
+    np.testing.assert_allclose(evidence.total, whole.T @ whole, rtol=1e-9)
+
+
+# ---------------------------------------------------------------- intervals
+
+THETA = np.array([2.0, -1.0])
+PAIR = [TorqueOffset("joint1"), TorqueOffset("joint2")]
+
+
+def drawn(robot, count, rng, colour=()):
+    """A fitted model of two parameters with intervals, from slow columns and noise taken for white."""
+    x = autoregressive([0.9], (count, 2), rng)
+    y = x @ THETA + autoregressive(list(colour), (count,), rng)
+    whole = np.column_stack([x, y])
+    edges = np.linspace(0, count, BLOCKS + 1).astype(int)
+    blocks = np.array([whole[a:b].T @ whole[a:b] for a, b in itertools.pairwise(edges)])
+    evidence = Evidence(robot, PAIR, blocks, count)
+    model = with_parameters(model_with(robot, *PAIR), evidence.fit([0, 1]).theta)
+    return with_intervals(model, evidence)
+
+
+def covered(model):
+    return [low <= t <= high for term, t in zip(model.terms, THETA, strict=True) for low, high in term.ci95]
+
+
+def widths(model):
+    return np.array([high - low for term in model.terms for low, high in term.ci95])
+
+
+def test_intervals_cover_the_truth_under_white_noise(pendulum):
+    rng = np.random.default_rng(0)
+    hits = np.mean([covered(drawn(pendulum, 500, rng)) for _ in range(200)])
+    assert 0.93 <= hits <= 1.0
+
+
+def test_intervals_know_of_colour_that_the_noise_model_does_not(pendulum):
+    """Taken for white, noise of correlation 0.7 makes intervals that hold the truth in three of four cases."""
+    rng = np.random.default_rng(1)
+    models = [drawn(pendulum, 2000, rng, [0.7]) for _ in range(200)]
+    assert np.mean([covered(m) for m in models]) >= 0.9
+
+
+def test_intervals_shrink_with_the_root_of_the_samples(pendulum):
+    rng = np.random.default_rng(2)
+    few, many = (np.mean([widths(drawn(pendulum, n, rng)) for _ in range(40)]) for n in (500, 4500))
+    assert few / many == pytest.approx(3.0, rel=0.15)
+
+
+def test_intervals_of_a_longer_log_are_narrower(pendulum):
+    half = []
+    for duration in (15.0, 60.0):
+        experiment, columns, whitened = prepared(pendulum, friction, duration=duration, seed=8)
+        model, evidence = refit(experiment, columns, model_with(pendulum, COULOMB, VISCOUS, OFFSET), whitened)
+        half.append(widths(with_intervals(model, evidence)))
+    assert np.median(half[0] / half[1]) == pytest.approx(2.0, rel=0.4)
+
+
+def test_intervals_hold_the_estimate_at_their_middle(pendulum):
+    model = drawn(pendulum, 500, np.random.default_rng(3))
+    for term in model.terms:
+        assert np.mean(term.ci95[0]) == pytest.approx(term.theta[0])
+
+
+def test_a_model_without_terms_needs_no_intervals(pendulum):
+    evidence = Evidence(pendulum, [], np.ones((BLOCKS, 1, 1)), 100)
+    assert with_intervals(Dynamics(pendulum), evidence).terms == ()
+
+
+def test_profiles_of_terms_are_kept(pendulum):
+    from cdia_pin.effects import after
+
+    experiment, columns, whitened = prepared(pendulum, friction)
+    model = Dynamics(pendulum, (Term(CoulombFriction("joint1"), (0.0,), after(5.0)),))
+    fitted, evidence = refit(experiment, columns, model, whitened)
+    assert with_intervals(fitted, evidence).terms[0].profile == after(5.0)
+
+
+def test_viscous_friction_is_told_from_none(pendulum):
+    experiment, columns, whitened = prepared(pendulum, friction)
+    model, evidence = refit(
+        experiment,
+        columns,
+        model_with(pendulum, COULOMB, OFFSET, VISCOUS, ViscousFriction("joint2")),
+        whitened,
+    )
+    one, none = (with_intervals(model, evidence).find(f"viscous_friction@joint{k}").ci95[0] for k in (1, 2))
+    assert one[0] > 0.02
+    assert none[0] <= 0.0 <= none[1] + 1e-3
+
+
+# ---------------------------------------------------------------- shapes that were searched for
+
+STRIBECK, RIPPLE = StribeckFriction("joint1"), PositionRipple("joint1")
+
+
+def stribeck(q, v, a):
+    """Dry friction that falls from 0.2 to 0.1 N·m at a Stribeck speed of 0.33 rad/s."""
+    level = 0.1 + 0.1 * np.exp(-3 * np.abs(v[:, 0]))
+    return np.column_stack([-level * np.sign(v[:, 0]), np.zeros(len(v))])
+
+
+def test_intervals_know_that_a_shape_was_searched_for(pendulum):
+    """With the decay taken for known, errors are one and a half times what the intervals say."""
+    errors = []
+    for k in range(20):
+        noise = 0.05 * np.random.default_rng(k).standard_normal((2000, 2))
+        found = add_effect(Dynamics(pendulum), STRIBECK, make(pendulum, stribeck, seed=3, noise=noise).log)
+        low, high = np.array(found.steps[-1].term.ci95).T
+        errors.append((np.array(found.steps[-1].term.theta) - 0.1) / ((high - low) / 2 / 1.96))
+    spread = np.std(errors, axis=0)
+    assert (spread > 0.7).all()
+    assert (spread < 1.3).all()
+
+
+@pytest.mark.parametrize(
+    ("frequency", "off"), [(9.0, 1e-6), (RIPPLE.shape[0].upper, 0.1)], ids=["inside", "bound"]
+)
+def test_the_slope_of_a_shape_is_its_derivative(frequency, off, pendulum):
+    """∂/∂w (a sin wq + b cos wq) = q (a cos wq − b sin wq); at a bound of w only one side can be looked at."""
+    _t, q, v, a = motion(2, seed=5)
+    effect = RIPPLE.with_shape(frequency=frequency)
+    (slope,) = slopes(model_with(pendulum, effect, theta=[(0.05, 0.08)]))
+    angle = frequency * q[:, 0]
+    expected = q[:, 0] * (0.05 * np.cos(angle) - 0.08 * np.sin(angle))
+    basis = slope.basis(State.of(pendulum, q, v, a))
+    np.testing.assert_allclose(basis[:, 0, 0], expected, atol=off * np.abs(expected).max())
+    assert not basis[:, 1].any()
+
+
+def test_effects_without_a_shape_have_no_slopes(pendulum):
+    assert not list(slopes(model_with(pendulum, COULOMB, VISCOUS)))
