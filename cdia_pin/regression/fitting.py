@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Effect, Term
+from cdia_pin.effects import Effect, Signal, Term
 from cdia_pin.regression.design_matrix import Columns
 from cdia_pin.regression.experiment import Experiment, Prediction
 from cdia_pin.regression.noise import NoiseModel
@@ -102,7 +102,7 @@ def gather(
 
 def is_exact(effect: Effect) -> bool:
     """Tell whether normal equations know an effect as it is, however large it is."""
-    return effect.linear and not effect.of_torque
+    return effect.traits.linear and Signal.TORQUE not in effect.traits.depends_on
 
 
 def refit(

@@ -123,7 +123,7 @@ class Evidence:
         sizes = np.array([e.size for e in self.effects])
         shapes = Counter(e.label for e in self.effects) if self.searched is None else self.searched
         looked = np.array([2 * np.log(shapes[e.label]) for e in self.effects])
-        rare = np.array([e.rarity for e in self.effects])
+        rare = np.array([e.plausibility.penalty for e in self.effects])
         return self.freedom * self.price_per_parameter + 2 * np.log(names) + looked + rare + 0.5 * sizes
 
     @cached_property
@@ -132,8 +132,8 @@ class Evidence:
         if self.needed is None:
             return np.maximum(self.price, WORTH * self.samples / self.robot.n)
         of_joints = [np.median(self.needed[list(e.acts_on(self.robot))]) for e in self.effects]
-        slight = [e.slight for e in self.effects]
-        return np.maximum(self.price, np.where(slight, 0.0, of_joints))
+        collective = [e.plausibility.collective for e in self.effects]
+        return np.maximum(self.price, np.where(collective, 0.0, of_joints))
 
     # ------------------------------------------------------------- one set
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Effect, Term
+from cdia_pin.effects import Effect, Signal, Term
 from cdia_pin.regression.fitting import Whitened, is_exact, refit
 from cdia_pin.selection.evidence import Evidence, Fit
 from cdia_pin.selection.moves import MARGIN, Names, improve, names
@@ -59,7 +59,7 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
     def beyond(now: Found) -> tuple[Allowed, Iterator[Fit]]:
         """Return which sets may be tried from a model, and exchanges that normal equations do not show."""
         present, before = names(now.evidence, now.fit.chosen), set(now.fit.chosen)
-        slight = {c for c in before if now.evidence.effects[c].slight}
+        slight = {c for c in before if now.evidence.effects[c].plausibility.collective}
 
         def allowed(chosen: tuple[int, ...]) -> bool:
             tried, after = names(now.evidence, chosen), set(chosen)
@@ -94,7 +94,7 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
             or (grew and not _is_seen(problem, now.errors, then.errors))
             or then.fit.cost > now.fit.cost + _sacrifice(now.evidence, now.fit, better)
         ):
-            driven = {t.label for t in trial.terms if t.effect.of_torque}
+            driven = {t.label for t in trial.terms if Signal.TORQUE in t.effect.traits.depends_on}
             rejected += 1
             present = names(now.evidence, now.fit.chosen)
             futile.update(s for s in _swaps(present, frozenset(_labels(trial))) if s[0] in driven)
