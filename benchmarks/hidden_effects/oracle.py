@@ -20,7 +20,7 @@ from benchmarks.plant.run import Run
 from cdia_pin.discovery.comparison import compare
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect
-from cdia_pin.effects.inertia import Body
+from cdia_pin.effects.body import Body
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.regression.experiment import Experiment, Prediction

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.common_structure import common_effects, smooth_functions
-from cdia_pin.effects import Effect, LinkInertia, ToolWrench, ViscousMedium
+from cdia_pin.effects import Effect, LinkInertia, ToolWrench, Traits, ViscousMedium, WrappedEffect
+from cdia_pin.effects.rigid_body import RigidBody
 from cdia_pin.effects.state import State
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
@@ -33,7 +34,7 @@ INF = float("inf")
 
 
 @dataclass(frozen=True)
-class Difference(Effect):
+class Difference(WrappedEffect):
     """An effect by which some logs differ from the others: its parameters may have either sign.
 
     Attributes:
@@ -44,30 +45,54 @@ class Difference(Effect):
     effect: Effect
     logs: tuple[str, ...]
 
-    def __post_init__(self) -> None:
-        for promise in ("name", "equation", "parameters", "shape", "scope_fields", "of_torque", "rarity"):
-            object.__setattr__(self, promise, getattr(self.effect, promise))
+    @property
+    def traits(self) -> Traits:
+        """Traits of the effect; a difference of friction may be negative, and then adds power."""
+        return replace(self.effect.traits, dissipative=False)
 
     @property
-    def scope(self) -> tuple[str, ...]:
-        """Joints named by the effect."""
-        return self.effect.scope
+    def bodies(self) -> tuple[RigidBody, ...]:
+        """None: a difference between two bodies need not be a possible body."""
+        return ()
 
     def basis(self, x: State) -> Array:
         """Return the effect's basis, zero in the other logs, shape (N, n, p)."""
-        return self.effect.basis(x) * float(x.log in self.logs)
+        return self.effect.basis(x) * self._presence(x)
 
-    def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
-        """Return the indices of the joints whose torque the effect can change."""
-        return self.effect.acts_on(robot)
+    def torque(self, x: State, theta: Array) -> Array:
+        """Return the effect's torque [N·m or N], zero in the other logs, shape (N, n)."""
+        return self.effect.torque(x, theta) * self._presence(x)
+
+    def jacobian(self, x: State, theta: Array) -> Array:
+        """Return the effect's ∂f/∂θ, zero in the other logs, shape (N, n, p)."""
+        return self.effect.jacobian(x, theta) * self._presence(x)
+
+    def shift(self, x: State, theta: Array) -> Array:
+        """Return the effect's shift [rad or m], zero in the other logs, shape (N, n)."""
+        return self.effect.shift(x, theta) * self._presence(x)
+
+    def gravity_change(self, x: State, theta: Array) -> Array:
+        """Return the effect's change of gravity [m/s²], zero in the other logs, shape (N, 3)."""
+        return self.effect.gravity_change(x, theta) * self._presence(x)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return no bounds."""
         return np.full(self.size, -INF), np.full(self.size, INF)
 
-    def prior_scale(self, robot: RobotModel) -> Array:
-        """Return the effect's scale."""
-        return self.effect.prior_scale(robot)
+    def is_physical(self, theta: Array, robot: RobotModel) -> bool:
+        """Tell that any difference can belong to a real arm."""
+        return True
+
+    def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
+        """Return the estimate as it is, shape (p,)."""
+        return np.array(theta, float)
+
+    def is_distinct(self, theta: Array) -> bool:
+        """Tell that any difference counts."""
+        return True
+
+    def _presence(self, x: State) -> float:
+        return float(x.log in self.logs)
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ def friction_before(
     has its usual meaning: smooth functions of speed would have taken a part of it.
     """
     x, robot = differing.experiment, differing.experiment.robot
-    asked = [d for d in changed if d.effect.dissipative]
+    asked = [d for d in changed if d.effect.traits.dissipative]
     if not asked:
         return {}
     described = {j for d in asked if d.size > 1 for j in d.scope}

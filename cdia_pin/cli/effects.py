@@ -74,7 +74,7 @@ def describe(kind: type[Effect]) -> dict[str, Any]:
             for p, unit, unit_sliding, low, high in rows
         ],
         "shape": [p.name for p in kind.shape],
-        "dissipative": kind.dissipative,
+        "dissipative": effect.traits.dissipative,
         "says": _first_paragraphs(kind),
     }
 

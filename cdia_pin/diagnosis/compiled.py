@@ -16,7 +16,7 @@ import numpy as np
 
 from cdia_pin.diagnosis.kernel_cache import load
 from cdia_pin.diagnosis.layout import Shape, spans
-from cdia_pin.effects import JointEffect, JointState
+from cdia_pin.effects import JointEffect, JointState, Signal
 
 HEADER = '''"""Generated: the columns of {names}, and a tick with them."""
 
@@ -194,10 +194,11 @@ def _source(effects: Sequence[JointEffect], in_python: Sequence[int], parts: Map
             fills += [f"    out[:, {at + k}] = c[{k}]" for k in range(effect.size)]
         at += effect.size
     sizes = [e.size for e in effects]
+    signals = [e.traits.depends_on for e in effects]
     head = HEADER.format(
         names=", ".join(e.name for e in effects) or "nothing",
-        interval=np.repeat([bool(e.of_torque or e.of_acceleration) for e in effects], sizes).tolist(),
-        smooth=np.repeat([bool(e.of_acceleration) for e in effects], sizes).tolist(),
+        interval=np.repeat([bool({Signal.TORQUE, Signal.ACCELERATION} & s) for s in signals], sizes).tolist(),
+        smooth=np.repeat([Signal.ACCELERATION in s for s in signals], sizes).tolist(),
         ends=np.cumsum([0, *sizes]).tolist(),
     )
     views = [f"    {name} = state[{a}:{b}].reshape({shape})" for name, a, b, shape in spans(parts)]

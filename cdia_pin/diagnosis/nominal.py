@@ -15,6 +15,7 @@ from cdia_pin.effects import (
     JointEffect,
     State,
     Term,
+    Varying,
 )
 from cdia_pin.errors import ModelError
 from cdia_pin.robot.inertia import is_physical
@@ -54,13 +55,13 @@ class Nominal:
         for term in model.terms:
             effect, theta = term.effect, np.array(term.theta)
             always = term.profile.kind == "always"
-            if always and effect.bodies:
+            if always and effect.bodies and not isinstance(effect, Varying):
                 for body, part in effect.by_body(theta):
                     pi[body.carrier(robot)] += body.in_joint_frame(part, robot)
             elif always and isinstance(effect, BaseTilt):
-                g = g + effect.gravity_change(robot, theta)
+                g = g + effect.tilt(robot, theta)
             elif always and isinstance(effect, EncoderOffset):
-                offset += effect.shift(robot, theta)
+                offset += effect.offset(robot, theta)
             elif isinstance(effect, EffortDelay):
                 if effect.scope:
                     raise ModelError("a monitor takes a delay of all torques alike, not of one joint")

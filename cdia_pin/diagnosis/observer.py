@@ -13,7 +13,7 @@ from cdia_pin.diagnosis.compiled import compile_bank, python_columns
 from cdia_pin.diagnosis.layout import allocate, layout
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.settings import MonitorSettings
-from cdia_pin.effects import JointEffect, Unknown
+from cdia_pin.effects import JointEffect, Signal, Unknown
 
 Array = NDArray[np.float64]
 
@@ -65,8 +65,11 @@ class Observer:
             np.transpose([u.velocity_centres for u in unknown]),
         ]
         views["widths"][:] = [[u.position_width for u in unknown], [u.velocity_width for u in unknown]]
-        self._smooth = self._columns_of([e.of_acceleration for e in self.effects])
-        self._driven = self._columns_of([e.of_torque and not e.of_acceleration for e in self.effects])
+        signals = [e.traits.depends_on for e in self.effects]
+        self._smooth = self._columns_of([Signal.ACCELERATION in s for s in signals])
+        self._driven = self._columns_of(
+            [Signal.TORQUE in s and Signal.ACCELERATION not in s for s in signals]
+        )
         self.columns[kernels.PRESENT] = 1.0
         self.joint[kernels.BANDWIDTH] = settings.bandwidth if bandwidth is None else bandwidth
         self.joint[kernels.BOUND] = np.inf

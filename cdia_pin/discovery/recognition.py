@@ -50,7 +50,7 @@ def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
         parameter, unit = effect.effect.parameters[largest], effect.effect.units(robot)[largest]
         fell = abs(last[largest]) < abs(first[largest])
         meaning = ""
-        if effect.dissipative:
+        if effect.traits.dissipative:
             meaning = ", as in a drive that warms up" if fell else ", as in a drive that cools down"
         if set(joints) & set(left):
             meaning = "; structure is left there, so it may be something else that changes with time"

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
-from cdia_pin.effects.inertia import Body
+from cdia_pin.effects.body import Body
 from cdia_pin.identification.base import BaseParameters
 from cdia_pin.robot.inertia import physical_margin
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
-from cdia_pin.effects.inertia import Body
+from cdia_pin.effects.body import Body
 from cdia_pin.identification.estimate import Estimate
 from cdia_pin.identification.prior import precision
 from cdia_pin.regression.experiment import Experiment

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from cdia_pin.effects import RotorInertia
-from cdia_pin.effects.inertia import LEAST_MASS, LEAST_RADIUS, Body
+from cdia_pin.effects.body import Body
+from cdia_pin.effects.link_inertias import LEAST_MASS, LEAST_RADIUS
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.whitening import Whitening

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.dynamics.dynamics import Torques
-from cdia_pin.effects import Effect, State
+from cdia_pin.effects import Channel, Effect, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
 from cdia_pin.regression.rest import RestSettings
@@ -118,7 +118,7 @@ class Experiment:
         Args:
             effects: Those of a model; the joints' own rest is left out in any case.
         """
-        shared = [list(e.acts_on(self.robot)) for e in effects if e.dissipative and len(e.scope) == 2]
+        shared = [list(e.acts_on(self.robot)) for e in effects if e.traits.dissipative and len(e.scope) == 2]
         moving, nearness = self.moving.copy(), self.nearness.copy()
         for joints in shared:
             width = np.hypot(*self.segments[0].state.sign_width[joints])
@@ -191,12 +191,12 @@ class Experiment:
         rows = []
         for segment, torques in zip(self.segments, prediction.torques, strict=True):
             x = segment.state
-            if effect.weighs and prediction.model.gravity_change.any():
+            if Signal.GRAVITY in effect.traits.depends_on and prediction.model.turns_gravity:
                 x = prediction.model.under_gravity(x.for_bodies())
-            if effect.of_torque:
+            if Signal.TORQUE in effect.traits.depends_on:
                 x = x.with_effort(torques.actuator)
-            phi = effect.basis(x) if theta is None or effect.linear else effect.jacobian(x, theta)
-            if not effect.reads:
+            phi = effect.basis(x) if theta is None or effect.traits.linear else effect.jacobian(x, theta)
+            if effect.traits.channel is not Channel.TORQUE_READING:
                 phi = phi / torques.gain[:, :, None]
             part = phi[:, joints, :]
             flat = segment.motion.compared(part.reshape(len(part), -1))

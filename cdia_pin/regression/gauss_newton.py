@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Effect
+from cdia_pin.effects import Effect, Signal
 from cdia_pin.regression.bounded_fit import bounded_fit
 from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
@@ -21,7 +21,7 @@ CONVERGED = 0.1  # standard deviations by which no parameter moves any more
 
 def is_exact(effect: Effect) -> bool:
     """Tell whether normal equations describe an effect exactly, however large it is."""
-    return effect.linear and not effect.of_torque
+    return effect.traits.linear and Signal.TORQUE not in effect.traits.depends_on
 
 
 def refit(

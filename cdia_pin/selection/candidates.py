@@ -16,6 +16,7 @@ from cdia_pin.effects import (
     PerLog,
     PositionRipple,
     RotorInertia,
+    Signal,
     TorqueOffset,
     Unknown,
     ViscousFriction,
@@ -82,7 +83,7 @@ def drifting(effects: Iterable[Effect], experiment: Experiment) -> list[list[Eff
     time = experiment.segments[0].motion.time
     start, end = float(time[0]), float(time[-1])
     joints = dict.fromkeys(
-        j for e in effects if e.dissipative or isinstance(e, TorqueOffset) for j in e.scope
+        j for e in effects if e.traits.dissipative or isinstance(e, TorqueOffset) for j in e.scope
     )
     slow = [Drift(kind(j), start, end, end - start) for j in joints for kind in SLOW]
     return [list(e.shape_grid(experiment.segments[0].state)) for e in slow]
@@ -102,9 +103,9 @@ def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool
     friction, a gain is only another name for it.
     """
     joints = [experiment.robot.joint_index(j) for j in effect.scope]
-    if effect.of_torque and joints and not loaded[joints].all():
+    if Signal.TORQUE in effect.traits.depends_on and joints and not loaded[joints].all():
         return False
-    moves = effect.dissipative or isinstance(effect, RotorInertia | PositionRipple)
+    moves = effect.traits.dissipative or isinstance(effect, RotorInertia | PositionRipple)
     return not (moves and experiment.resting[joints].any())
 
 

@@ -100,7 +100,7 @@ class Evidence:
         nominal = np.array([e.size for e in self.effects])
         shapes = Counter(e.label for e in self.effects) if self.searched is None else self.searched
         looked_for = np.array([2 * np.log(shapes[e.label]) for e in self.effects])
-        rarity = np.array([e.rarity for e in self.effects])
+        rarity = np.array([e.plausibility.penalty for e in self.effects])
         of_parameters = self.effective_parameters * self.penalty_per_parameter
         return of_parameters + 2 * np.log(names) + looked_for + rarity + 0.5 * nominal
 
@@ -111,8 +111,8 @@ class Evidence:
             enough = self.criterion.least_share * self.equations.samples / self.robot.n
             return np.maximum(self.penalty, enough)
         of_joints = [np.median(self.needed[list(e.acts_on(self.robot))]) for e in self.effects]
-        slight = [e.slight for e in self.effects]
-        return np.maximum(self.penalty, np.where(slight, 0.0, of_joints))
+        collective = [e.plausibility.collective for e in self.effects]
+        return np.maximum(self.penalty, np.where(collective, 0.0, of_joints))
 
     # ------------------------------------------------------------- one set
 

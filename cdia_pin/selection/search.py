@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import ALWAYS, Effect, Term
+from cdia_pin.effects import ALWAYS, Effect, Signal, Term
 from cdia_pin.progress import Progress
 from cdia_pin.regression.gauss_newton import is_exact, refit
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
@@ -58,7 +58,7 @@ def search(problem: WhitenedProblem, model: Dynamics, futile: Swaps, report: Pro
     def beyond(now: Found) -> tuple[Allowed, Iterator[SetFit]]:
         """Return which sets may be tried from a model, and exchanges that normal equations do not show."""
         present, before = names(now.evidence, now.fit.chosen), set(now.fit.chosen)
-        slight = {c for c in before if now.evidence.effects[c].slight}
+        slight = {c for c in before if now.evidence.effects[c].plausibility.collective}
 
         def allowed(chosen: tuple[int, ...]) -> bool:
             tried, after = names(now.evidence, chosen), set(chosen)
@@ -93,7 +93,7 @@ def search(problem: WhitenedProblem, model: Dynamics, futile: Swaps, report: Pro
             or (grew and not _is_seen(problem, now.errors, then.errors))
             or then.fit.cost > now.fit.cost + _sacrifice(now.evidence, now.fit, better)
         ):
-            driven = {t.label for t in trial.terms if t.effect.of_torque}
+            driven = {t.label for t in trial.terms if Signal.TORQUE in t.effect.traits.depends_on}
             rejected += 1
             present = names(now.evidence, now.fit.chosen)
             futile.update(s for s in _swaps(present, frozenset(_labels(trial))) if s[0] in driven)

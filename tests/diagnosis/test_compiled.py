@@ -18,7 +18,7 @@ from cdia_pin.diagnosis.layout import layout
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.observer import Observer
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import EFFECTS, Expression, JointEffect, Parameter
+from cdia_pin.effects import EFFECTS, Expression, JointEffect, Parameter, Signal, Traits
 from cdia_pin.robot import load_robot
 
 ROBOT = load_robot("scara")  # has a joint that slides
@@ -33,6 +33,7 @@ class HardeningSpring(JointEffect):
     rest: float = 0.1
 
     name: ClassVar[str] = "hardening_spring"
+    traits: ClassVar[Traits] = Traits({Signal.POSITION})
     parameters = (Parameter("stiffness", "{effort}/{position}³", lower=0.0),)
     shape = (Parameter("rest", "{position}", lower=-7.0, upper=7.0),)
 
@@ -45,6 +46,7 @@ class Rounded(JointEffect):
     """A user's effect that numba cannot compile, for it asks SciPy; f = a erf(q) + b t."""
 
     name: ClassVar[str] = "rounded"
+    traits: ClassVar[Traits] = Traits({Signal.POSITION, Signal.TIME})
     parameters = (Parameter("height", "{effort}"), Parameter("drift", "{effort}/s"))
 
     def columns(self, x):
@@ -56,6 +58,7 @@ class Table(JointEffect):
     """A user's effect in Python that numba cannot even read."""
 
     name: ClassVar[str] = "table"
+    traits: ClassVar[Traits] = Traits({Signal.POSITION})
     parameters = (Parameter("height", "{effort}"),)
 
     def columns(self, x):
@@ -68,6 +71,7 @@ class Drift(JointEffect):
     """A user's effect that grows with time, in plain numpy; f = a t."""
 
     name: ClassVar[str] = "drift"
+    traits: ClassVar[Traits] = Traits({Signal.TIME})
     parameters = (Parameter("rate", "{effort}/s"),)
 
     def columns(self, x):
@@ -137,13 +141,14 @@ def test_an_effect_that_numba_cannot_even_read_is_evaluated_in_python() -> None:
 USERS_MODULE = '''
 from dataclasses import dataclass
 from typing import ClassVar
-from cdia_pin.effects import JointEffect, Parameter
+from cdia_pin.effects import JointEffect, Parameter, Signal, Traits
 
 @dataclass(frozen=True)
 class Mine(JointEffect):
     """f = {factor} q."""
 
     name: ClassVar[str] = "mine"
+    traits: ClassVar[Traits] = Traits({{Signal.POSITION}})
     parameters = (Parameter("size", "1"),)
 
     def columns(self, x):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, load_robot
-from cdia_pin.effects.inertia import Body
+from cdia_pin.effects.body import Body
 from cdia_pin.identification.block_validation import STRENGTHS, choose_strength, held_out_rms
 from cdia_pin.identification.estimate import Fitter, unconstrained
 from cdia_pin.identification.terms import full_model
