@@ -17,6 +17,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+import cdia_pin
 from benchmarks.golden import logs, run
 from benchmarks.golden.compare import differences
 from benchmarks.measured_logs import folder
@@ -33,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return compare(*given.compare)
     logs.make(given.logs)
     if given.run:
-        _run(given, CHECKOUT, given.run)
+        _run(given, _imported(), given.run)
     if given.against:
         return against(given)
     return 0
@@ -46,7 +47,9 @@ def compare(first: Path, second: Path) -> int:
     for case, lines in found.items():
         print(f"{case}: {len(lines)} differences")
         print("\n".join(f"  {line}" for line in lines[:SHOWN]))
-    print(f"{len(found)} of {len(a['cases'].keys() | b['cases'].keys())} cases differ")
+    cases = a["cases"] | b["cases"]
+    skipped = sum("skipped" in answer for answer in cases.values())
+    print(f"{len(found)} of {len(cases)} cases differ; {skipped} skipped")
     return int(bool(found))
 
 
@@ -79,6 +82,11 @@ def _run(given: argparse.Namespace, state: Path, out: Path) -> None:
     options += ["--quick"] if given.quick else []
     environment = os.environ | {"PYTHONPATH": str(state), "OPENBLAS_NUM_THREADS": "1"}
     subprocess.run([sys.executable, run.__file__, str(out), *options], check=True, env=environment)
+
+
+def _imported() -> Path:
+    """Return the checkout whose package Python imports."""
+    return Path(str(cdia_pin.__file__)).parents[1]
 
 
 def _parsed(arguments: Sequence[str] | None) -> argparse.Namespace:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
-TOLERANCE = 1e-9  # relative or absolute, whichever is met [1 or the number's unit]
+TOLERANCE = 1e-9  # relative for numbers above 1, absolute below [1, or the unit of the number]
 IGNORED = {  # keys that are not compared, wherever they stand, and why
     "version": "of the package",
     "command": "the line as typed, with paths",
@@ -71,7 +72,9 @@ def _is_number(x: Any) -> bool:
 
 
 def _same(a: float, b: float) -> bool:
-    return a == b or (a != a and b != b) or abs(a - b) <= TOLERANCE * max(1.0, abs(a), abs(b))
+    if math.isnan(a) or math.isnan(b):
+        return math.isnan(a) and math.isnan(b)
+    return a == b or abs(a - b) <= TOLERANCE * max(1.0, abs(a), abs(b))
 
 
 def _off(a: float, b: float) -> str:

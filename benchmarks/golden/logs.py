@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from benchmarks import changes
 from benchmarks.hidden_effects.case import BETWEEN_POINTS, GOOD, Case
 from benchmarks.hidden_effects.drawing import drawn, plant_of, recorded
 from benchmarks.plant import Fault, Fourier, MujocoPlant
 from benchmarks.plant.model_error import erroneous
+from benchmarks.plant.scenarios import OUTSIDE_PARAMETERS, PARAMETERS
 from benchmarks.plant.sizes import Sizer
 from cdia_pin.logs import Log, write_log
 
 DURATION = 15.0  # [s], of a log; short ones keep the set cheap
 WATCHED_RATE = 500.0  # [Hz], of a log for the monitor
 WATCHED = 12.0  # [s]
+WATCHED_SHARE = 0.3  # of the joint's torque
 BEGIN = 5.0  # [s], at which a watched arm gets its fault
 SEED = 11
 
@@ -155,12 +158,6 @@ def _hidden(plan: Plan, excitation: str, model_error: float) -> Made:
     return made
 
 
-@dataclass(frozen=True)
-class _Side:
-    faults: tuple[Fault, ...]
-    seed: int
-
-
 def _side(arm: str, kind: str, side: str) -> Made:
     def made() -> Log:
         plant = plant_of(arm)
@@ -179,13 +176,12 @@ def _watched(arm: str, effect: str) -> Made:
         nominal = plant_of(arm)
         wrong = MujocoPlant(nominal.robot, inertias=erroneous(nominal.nominal.file.inertias, 0.03, SEED))
         sizer = Sizer(nominal, Fourier(), WATCHED, SEED + 1)
-        size = {"coulomb_friction": "level", "cubic_spring": "stiffness", "torque_offset": "offset"}
-        given = {size[effect]: 1.0} if effect in size else {"gain": -0.2}
         faults: tuple[Fault, ...] = ()
         if effect:
             joint = sizer.busiest()[1]
-            sized = sizer.sized(Fault(effect, joint=joint, **given), 0.3)
-            faults = (Fault(effect, joint=joint, after=BEGIN, **sized.parameters),)
+            given: Any = (PARAMETERS | OUTSIDE_PARAMETERS)[effect]
+            sized: Any = sizer.sized(Fault(effect, joint=joint, **given), WATCHED_SHARE).parameters
+            faults = (Fault(effect, joint=joint, after=BEGIN, **sized),)
         seed, duration = (SEED + 1, WATCHED) if effect else (SEED, 30.0)
         return wrong.run(faults, duration=duration, rate=WATCHED_RATE, seed=seed, velocity=True).log
 

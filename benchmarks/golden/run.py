@@ -47,7 +47,7 @@ PRELOADED = (
     "rich",
 )
 SAMPLES = 20  # rows kept of a long table
-KEPT = "answer.pickled.json"  # file by which a case hands over what it wrote
+KEPT = "answer.of_case.json"  # file by which a case hands over what it wrote
 Say = Callable[[str], None]
 
 
@@ -101,7 +101,9 @@ def run(cases: list[Case], logs: Path, data: Path, jobs: int = 1, say: Say = pri
         say: Takes a line about each case.
     """
     package = _preload()
-    began, waiting, running, answers = perf_counter(), list(cases), {}, {}
+    began, waiting = perf_counter(), list(cases)
+    running: dict[int, tuple[Case, Path, float]] = {}  # by the number of the process; since when
+    answers: dict[str, dict[str, Any]] = {}
     files: dict[str, str] = {}
     with tempfile.TemporaryDirectory(prefix="golden-") as folder:
         while waiting or running:
@@ -262,11 +264,12 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("out", type=Path, help="file of answers to write")
     parser.add_argument("--logs", type=Path, required=True, help="folder of the seeded logs")
     parser.add_argument("--data", type=Path, required=True, help="folder of the measured logs")
+    parser.add_argument("--cases", type=Path, default=CASES, help="file of cases")
     parser.add_argument("--only", default="", help="ids that match, or have this part")
     parser.add_argument("--quick", action="store_true", help="a dozen cases, below a minute")
     parser.add_argument("--jobs", type=int, default=1, help="cases at a time")
     given = parser.parse_args(arguments)
-    cases = selected(read_cases(), given.only, given.quick)
+    cases = selected(read_cases(given.cases), given.only, given.quick)
     answers = run(cases, given.logs.resolve(), given.data.resolve(), given.jobs)
     given.out.write_text(json.dumps(answers, indent=1), encoding="utf-8")
     processor = sum(a.get("processor_s", 0.0) for a in answers["cases"].values())
