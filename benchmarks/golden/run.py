@@ -35,7 +35,6 @@ from typing import Any
 HERE = Path(__file__).resolve().parent
 CASES = HERE / "cases.toml"
 MEASURED = ("check", "compare", "discover")  # asked of every measured log
-WITHOUT_JSON = ("export", "convert")  # commands that get no --json, or whose answer is another file
 PRELOADED = (
     "numpy",
     "scipy.linalg",
@@ -181,11 +180,7 @@ def _started(commands: list[list[str]], out: Path) -> int:
 
 def _exit_of(command: list[str], number: int) -> int:
     """Run one command in this process as `python -m cdia_pin` would, and return its exit code."""
-    name, options = (
-        command[0],
-        [] if command[0] in WITHOUT_JSON else ["--json", f"{number}_{command[0]}.json"],
-    )
-    sys.argv = ["cdia", name, *command[1:], *options]
+    sys.argv = ["cdia", *command, "--json", f"{number}_{command[0]}.json"]
     try:
         runpy.run_module("cdia_pin", run_name="__main__", alter_sys=True)
     except SystemExit as stop:
