@@ -31,7 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Make logs, run cases or compare answers; return the exit code."""
     given = _parsed(arguments)
     if given.compare:
-        return compare(*given.compare)
+        return compare(*given.compare, only=given.only, quick=given.quick)
     logs.make(given.logs)
     if given.run:
         _run(given, _imported(), given.run)
@@ -40,9 +40,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def compare(first: Path, second: Path) -> int:
-    """Print what differs between two files of answers, and return 1 if anything does."""
+def compare(first: Path, second: Path, only: str = "", quick: bool = False) -> int:
+    """Print what differs between two files of answers, in some cases or all, and return 1 if anything does."""
     a, b = (json.loads(f.read_text(encoding="utf-8")) for f in (first, second))
+    if only or quick:
+        ids = {c.id for c in run.selected(run.read_cases(), only, quick)}
+        for answers in (a, b):
+            answers["cases"] = {id_: answer for id_, answer in answers["cases"].items() if id_ in ids}
     found = differences(a, b)
     for case, lines in found.items():
         print(f"{case}: {len(lines)} differences")
