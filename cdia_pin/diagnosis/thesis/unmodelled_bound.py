@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.diagnosis.thesis.step import Stepper
+from cdia_pin.diagnosis.thesis.sample_interval import IntervalEvaluator
 from cdia_pin.diagnosis.thesis.threshold import THRESHOLDS, decay
 from cdia_pin.errors import ModelError
 from cdia_pin.logs.log import Log
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 def learn_unmodelled(
-    stepper: Stepper, gamma: Array, healthy: Sequence[Log], *, margin: float, threshold: str
+    stepper: IntervalEvaluator, gamma: Array, healthy: Sequence[Log], *, margin: float, threshold: str
 ) -> Array:
     """Return η₀ [N·m or N], shape (n,), for which no healthy run comes nearer to its threshold than 1/margin.
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-class IdleMonitor:
+class ClearanceMonitor:
     """Declares an effect absent once its own torque |c φ| has stayed small on every joint for long enough.
 
     The thesis sums an effect's coefficients, in which signs cancel and units mix.

@@ -16,13 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 from cdia_pin.diagnosis.status import Event, Stage, Status, Verdict
 from cdia_pin.diagnosis.thesis.accommodation import accommodate
 from cdia_pin.diagnosis.thesis.basis import KnownEffects, Neurons
-from cdia_pin.diagnosis.thesis.idle import IdleMonitor
-from cdia_pin.diagnosis.thesis.isolation import OPEN, Decision, IsolationBank, Types
-from cdia_pin.diagnosis.thesis.observer import Observers, Scale
-from cdia_pin.diagnosis.thesis.settings import ThesisSettings
-from cdia_pin.diagnosis.thesis.step import Sample, Step, Stepper
+from cdia_pin.diagnosis.thesis.clearance import ClearanceMonitor
+from cdia_pin.diagnosis.thesis.filter_bank import OPEN, FilterBank, FilterDecision, Types
+from cdia_pin.diagnosis.thesis.sample_interval import ArmSample, IntervalEvaluator, SampleInterval
+from cdia_pin.diagnosis.thesis.thesis_settings import ThesisSettings
 from cdia_pin.diagnosis.thesis.threshold import THRESHOLDS
-from cdia_pin.diagnosis.thesis.unmodelled import learn_unmodelled
+from cdia_pin.diagnosis.thesis.unmodelled_bound import learn_unmodelled
+from cdia_pin.diagnosis.thesis.velocity_observers import ColumnScale, VelocityObservers
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import JointEffect, Term
 from cdia_pin.errors import ModelError
@@ -59,7 +59,7 @@ class ThesisEngine:
         self.model = Dynamics(model) if isinstance(model, RobotModel) else model
         self.settings = s = settings or ThesisSettings()
         self.robot = self.model.robot
-        self._stepper = Stepper(self.model, s.sign_width, s.longest_step)
+        self._stepper = IntervalEvaluator(self.model, s.sign_width, s.longest_step)
         self._gamma = self._per_joint("gamma", s.gamma)
         if s.unmodelled is None:
             self.unmodelled = learn_unmodelled(
@@ -76,20 +76,20 @@ class ThesisEngine:
         """Forget everything but the settings and η₀."""
         n = self.robot.n
         self.events: list[Event] = []
-        self._now: Sample | None = None
+        self._now: ArmSample | None = None
         self._effort = np.zeros(n)
         self._threshold = THRESHOLDS[self.settings.threshold](self._gamma, self.unmodelled)
-        self._neuron_scale, self._type_scale = Scale(self._neurons), Scale(self._types)
+        self._neuron_scale, self._type_scale = ColumnScale(self._neurons), ColumnScale(self._types)
         self._observer = self._fresh_observer()
-        self._known: Observers | None = None
+        self._known: VelocityObservers | None = None
         self._isolated: Types = frozenset()
-        self._bank: IsolationBank | None = None
+        self._bank: FilterBank | None = None
         self._deciding = False  # from detection until a unique effect is isolated, or the fault is gone
-        self._said: Decision = OPEN
+        self._said: FilterDecision = OPEN
         self._samples_beyond, self._time_beyond = 0, 0.0
         self._concerned = np.zeros(n, dtype=bool)
         self._left = np.zeros(n, dtype=bool)  # joints whose fault has gone
-        self._idle = IdleMonitor(self._idle_torque, self.settings.idle_time)
+        self._idle = ClearanceMonitor(self._idle_torque, self.settings.idle_time)
 
     def pause(self) -> None:
         """Forget the last sample, and what errors its observers had; the next begins anew. What is believed stays."""
@@ -168,7 +168,7 @@ class ThesisEngine:
 
     # ------------------------------------------------------------- stages
 
-    def _watch(self, step: Step, bound: Array) -> Array:
+    def _watch(self, step: SampleInterval, bound: Array) -> Array:
         """Compare the arm with what is known of it; isolated effects follow slow changes."""
         base, scale = (
             (self._observer, self._neuron_scale) if self._known is None else (self._known, self._type_scale)
@@ -194,9 +194,7 @@ class ThesisEngine:
         self._observer = self._fresh_observer(error)
         left = len(self._types.effects) - len(self._isolated)
         self._bank = (
-            IsolationBank(
-                self._types, self.settings, self.unmodelled, self._gamma, self._known, self._isolated
-            )
+            FilterBank(self._types, self.settings, self.unmodelled, self._gamma, self._known, self._isolated)
             if left
             else None
         )
@@ -204,9 +202,9 @@ class ThesisEngine:
         if self.settings.accommodate:
             self._say(time, "accommodation", Verdict.NONE, "by the neurons, until an effect is isolated")
         if self._bank is None:
-            self._announce(time, Decision(Verdict.UNKNOWN))
+            self._announce(time, FilterDecision(Verdict.UNKNOWN))
 
-    def _decide(self, step: Step, bound: Array) -> Array:
+    def _decide(self, step: SampleInterval, bound: Array) -> Array:
         """Let the neurons approximate the fault while the bank looks for its name."""
         known = 0.0 if self._known is None else self._known.torque(self._type_scale.columns)[0]
         error = self._observer.step(step, self._neuron_scale, known)[0]
@@ -216,7 +214,7 @@ class ThesisEngine:
             self._announce(step.time, self._bank.decide())
         return error.copy()
 
-    def _announce(self, time: float, decision: Decision) -> None:
+    def _announce(self, time: float, decision: FilterDecision) -> None:
         """Tell a new decision, and act on it."""
         same = decision.verdict is self._said.verdict and set(decision.filters) == set(self._said.filters)
         if same or decision.verdict is Verdict.NONE:
@@ -241,7 +239,7 @@ class ThesisEngine:
         if self.settings.accommodate:
             self._say(time, "accommodation", Verdict.UNIQUE, "by the isolated effects", found[0])
 
-    def _monitor_idle(self, step: Step) -> None:
+    def _monitor_idle(self, step: SampleInterval) -> None:
         torques = {}
         if self._known is not None:
             each = self._type_scale.columns * self._known.weights[0]
@@ -297,11 +295,11 @@ class ThesisEngine:
             f = f + self._known.torque(self._types.columns(x))[0]
         return f
 
-    def _terms(self, filter_: Observers, types: Types) -> tuple[Term, ...]:
+    def _terms(self, filter_: VelocityObservers, types: Types) -> tuple[Term, ...]:
         """The effects of a filter whose torque counts, with the parameters it has learned."""
         return self._types.terms(filter_.weights[0], self._present(filter_, types))
 
-    def _present(self, filter_: Observers, types: Types) -> NDArray[np.bool_]:
+    def _present(self, filter_: VelocityObservers, types: Types) -> NDArray[np.bool_]:
         """Which effect acts on which joint by more than what counts as absent, (n, N)."""
         most = np.abs(filter_.weights[0]) * self._type_scale.largest
         return np.stack(
@@ -353,8 +351,8 @@ class ThesisEngine:
             return Stage.SUSPECT
         return Stage.IDLE if self._left[j] else Stage.HEALTHY
 
-    def _fresh_observer(self, error: Array | None = None) -> Observers:
-        observer = Observers.fresh(self._neurons, self.settings.observer_gains, self._gamma)
+    def _fresh_observer(self, error: Array | None = None) -> VelocityObservers:
+        observer = VelocityObservers.fresh(self._neurons, self.settings.observer_gains, self._gamma)
         if error is not None:
             observer.error[0] = error
         return observer

@@ -19,17 +19,17 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.status import Verdict
 from cdia_pin.diagnosis.thesis.basis import KnownEffects
-from cdia_pin.diagnosis.thesis.observer import Observers, Scale
-from cdia_pin.diagnosis.thesis.settings import ThesisSettings
-from cdia_pin.diagnosis.thesis.step import Step
+from cdia_pin.diagnosis.thesis.sample_interval import SampleInterval
+from cdia_pin.diagnosis.thesis.thesis_settings import ThesisSettings
 from cdia_pin.diagnosis.thesis.threshold import TimeVaryingThreshold
+from cdia_pin.diagnosis.thesis.velocity_observers import ColumnScale, VelocityObservers
 
 Array = NDArray[np.float64]
 Types = frozenset[int]
 
 
 @dataclass(frozen=True)
-class Decision:
+class FilterDecision:
     """What the bank says.
 
     Attributes:
@@ -41,7 +41,7 @@ class Decision:
     filters: tuple[int, ...] = ()
 
 
-OPEN = Decision(Verdict.NONE)
+OPEN = FilterDecision(Verdict.NONE)
 
 
 def hypotheses(count: int, isolated: Types = frozenset()) -> tuple[Types, ...]:
@@ -60,7 +60,7 @@ def hypotheses(count: int, isolated: Types = frozenset()) -> tuple[Types, ...]:
     )
 
 
-class IsolationBank:
+class FilterBank:
     """Filters that run from the detection on.
 
     Args:
@@ -78,12 +78,12 @@ class IsolationBank:
         settings: ThesisSettings,
         unmodelled: Array,
         gamma: Array,
-        known: Observers | None = None,
+        known: VelocityObservers | None = None,
         isolated: Types = frozenset(),
     ) -> None:
         self.members: Sequence[Types] = hypotheses(len(basis.effects), isolated)
         used = np.array([[t in m for t in basis.of_type] for m in self.members], dtype=float)
-        self.filters = Observers.fresh(basis, settings.filter_gains, gamma, used)
+        self.filters = VelocityObservers.fresh(basis, settings.filter_gains, gamma, used)
         if known is not None:
             self.filters.weights += known.weights
         self.alive = np.ones(len(self.members), dtype=bool)
@@ -93,7 +93,7 @@ class IsolationBank:
         self._elapsed = 0.0
         self._misfit = np.zeros(len(self.members))
 
-    def step(self, step: Step, scale: Scale, threshold: Array) -> None:
+    def step(self, step: SampleInterval, scale: ColumnScale, threshold: Array) -> None:
         """Advance all filters, let them adapt beyond the detection threshold, exclude what has failed."""
         self._elapsed += step.duration
         error = np.abs(self.filters.step(step, scale))
@@ -105,16 +105,16 @@ class IsolationBank:
             self.excluded_at[failed] = self._elapsed
             self._misfit += step.duration * (share**2).sum(axis=1)
 
-    def decide(self) -> Decision:
+    def decide(self) -> FilterDecision:
         """Return what can be said by now."""
         found = np.flatnonzero(self.alive)
         if not len(found):
-            return Decision(Verdict.UNKNOWN)
+            return FilterDecision(Verdict.UNKNOWN)
         if self._elapsed < max(self._settings.shortest_isolation, self._settings.grace):
             return OPEN
         if len(found) == 1:
-            return Decision(Verdict.UNIQUE, (int(found[0]),))
+            return FilterDecision(Verdict.UNIQUE, (int(found[0]),))
         if self._elapsed < self._settings.longest_isolation:
             return OPEN
         order = sorted(found.tolist(), key=lambda m: (len(self.members[m]), self._misfit[m]))
-        return Decision(Verdict.AMBIGUOUS, tuple(order))
+        return FilterDecision(Verdict.AMBIGUOUS, tuple(order))

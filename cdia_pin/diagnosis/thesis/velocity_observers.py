@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.thesis.basis import Basis
-from cdia_pin.diagnosis.thesis.gains import Excitation, Gains
-from cdia_pin.diagnosis.thesis.step import Step
+from cdia_pin.diagnosis.thesis.gains import AdaptationInputs, Gains
+from cdia_pin.diagnosis.thesis.sample_interval import SampleInterval
 from cdia_pin.diagnosis.thesis.threshold import decay
 
 Array = NDArray[np.float64]
 
 
 @dataclass(eq=False)
-class Observers:
+class VelocityObservers:
     """F observers on one basis of P columns.
 
     Attributes:
@@ -42,7 +42,7 @@ class Observers:
     error: Array
 
     @classmethod
-    def fresh(cls, basis: Basis, gains: Gains, gamma: Array, used: Array | None = None) -> Observers:
+    def fresh(cls, basis: Basis, gains: Gains, gamma: Array, used: Array | None = None) -> VelocityObservers:
         """Return observers that know nothing; one with all columns if none are named."""
         used = np.ones((1, len(basis.of_torque))) if used is None else used
         n = len(gamma)
@@ -54,7 +54,7 @@ class Observers:
         """Return f̂ [N·m or N] for columns φ (n, P), shape (F, n)."""
         return np.einsum("np,fnp->fn", columns, self.weights)
 
-    def step(self, step: Step, scale: Scale, known: Array | float = 0.0) -> Array:
+    def step(self, step: SampleInterval, scale: ColumnScale, known: Array | float = 0.0) -> Array:
         """Advance the errors over a step and return them; weights stay.
 
         Args:
@@ -67,11 +67,11 @@ class Observers:
         self.error = left * self.error + gain * (lack @ step.inverse_inertia.T)
         return self.error
 
-    def adapt(self, step: Step, scale: Scale, which: NDArray[np.bool_]) -> None:
+    def adapt(self, step: SampleInterval, scale: ColumnScale, which: NDArray[np.bool_]) -> None:
         """Let the weights of some observers, (F,), follow the law over a step, within their bounds."""
         if not which.any():
             return
-        at = Excitation(
+        at = AdaptationInputs(
             scale.columns,
             self.used,
             self.basis.of_torque,
@@ -84,10 +84,10 @@ class Observers:
         change = step.duration * self.gains.rate(self.error, at) * which[:, None, None]
         self.weights = np.clip(self.weights + change, *self.basis.bounds) * self.used[:, None, :]
 
-    def only(self, index: int) -> Observers:
+    def only(self, index: int) -> VelocityObservers:
         """Return one of them, with its memory."""
         kept = slice(index, index + 1)
-        return Observers(
+        return VelocityObservers(
             self.basis,
             self.gains,
             self.gamma,
@@ -97,7 +97,7 @@ class Observers:
         )
 
 
-class Scale:
+class ColumnScale:
     """Columns of a basis at the last step, and how large they and M⁻¹ have been: memory of the gains.
 
     Args:
@@ -108,7 +108,7 @@ class Scale:
         self._basis = basis
         self.columns = self.largest = self.reference = np.empty(0)
 
-    def see(self, step: Step) -> None:
+    def see(self, step: SampleInterval) -> None:
         """Take note of a step."""
         self.columns = self._basis.columns(step.joints)
         if not self.reference.size:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from cdia_pin.diagnosis import Bank, MonitorSettings
-from cdia_pin.diagnosis.codes import BAD
+from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.nominal import Nominal
-from cdia_pin.diagnosis.observer import Observer
+from cdia_pin.diagnosis.tick_flags import BAD
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import EFFECTS, CoulombFriction, Term
 from cdia_pin.robot import load_robot
@@ -26,8 +26,8 @@ BANK = Bank.of(
 POSTURE = np.array([0.1, -0.4, 0.2, -1.9, 0.3, 1.4, -0.2])
 
 
-def observer(*terms: Term, settings: MonitorSettings = SETTINGS) -> Observer:
-    return Observer(Nominal.of(Dynamics(ROBOT, terms)), BANK.prototypes, settings, DT)
+def observer(*terms: Term, settings: MonitorSettings = SETTINGS) -> MomentumObserver:
+    return MomentumObserver(Nominal.of(Dynamics(ROBOT, terms)), BANK.prototypes, settings, DT)
 
 
 # ---------------------------------------------------------------- exact in time
@@ -68,12 +68,11 @@ def test_a_sample_that_is_not_finite_changes_nothing() -> None:
     o, still = observer(), np.zeros(ROBOT.n)
     for k in range(5):
         o.step(k * DT, POSTURE, still, still)
-    before = o.joint.copy(), o.columns.copy()
+    before = o.state.array.copy()
     bad = still.copy()
     bad[2] = np.nan
     assert o.step(5 * DT, POSTURE, bad, still) & BAD
-    np.testing.assert_array_equal(o.joint, before[0])
-    np.testing.assert_array_equal(o.columns, before[1])
+    np.testing.assert_array_equal(o.state.array, before)
 
 
 def test_after_a_reset_the_same_samples_give_the_same_residual() -> None:

@@ -1,4 +1,4 @@
-"""The engine `momentum`: residuals in torque units, joint by joint, and every combination of effects at every look."""
+"""The engine `momentum`: residuals in torque units, joint by joint; each look fits every combination of effects."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.alignment import Alignment
 from cdia_pin.diagnosis.approximation import unknown_of
 from cdia_pin.diagnosis.bank import Bank
-from cdia_pin.diagnosis.codes import ABSENT, ALARM, BAD
+from cdia_pin.diagnosis.healthy_arm import HealthyArm, assumed_healthy_arm, learn_healthy_arm
 from cdia_pin.diagnosis.isolation import Decision, Isolator
-from cdia_pin.diagnosis.learning import Healthy, assumed, learn
+from cdia_pin.diagnosis.joint_monitor import JointMonitor
+from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
-from cdia_pin.diagnosis.observer import Observer
-from cdia_pin.diagnosis.residuals import SETTLE
-from cdia_pin.diagnosis.settings import MonitorSettings
-from cdia_pin.diagnosis.status import Event, Stage, Status, Verdict
-from cdia_pin.diagnosis.watch import JointWatch
+from cdia_pin.diagnosis.residuals import SETTLING
+from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
+from cdia_pin.diagnosis.tick_flags import ABSENT, ALARM, BAD
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import State, Term
 from cdia_pin.errors import ModelError
@@ -26,20 +26,23 @@ from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
 
-GAP = 5.0  # ticks without a sample after which filters start anew
+LARGEST_GAP = 5.0  # ticks without a sample after which the filters start again: what they hold is too old
 
 
 class MomentumEngine:
-    """Watch an arm by the momentum observer.
+    """Monitors an arm by the momentum observer.
 
     Args:
         model: The healthy arm.
         bank: Known effects.
-        settings: How quickly, how surely, how boldly.
-        healthy: Runs of the healthy arm, to learn thresholds from.
-        threshold: η₀ of each joint [N·m or N], where there are no healthy runs.
-        rate: Ticks per second, where there are no healthy runs [Hz].
-        position_only: Whether there are no velocities, where there are no healthy runs.
+        settings: Settings of the monitor.
+        healthy: Runs of the healthy arm, from which thresholds are learned.
+        threshold: η₀ of each joint [N·m or N], if there are no healthy runs.
+        rate: Ticks per second [Hz], if there are no healthy runs.
+        position_only: Whether `update` gets no velocities, if there are no healthy runs.
+
+    Raises:
+        ModelError: If there are neither healthy runs nor a threshold with a rate.
     """
 
     def __init__(
@@ -57,28 +60,31 @@ class MomentumEngine:
         self.settings, self.bank = settings, bank
         nominal = Nominal.of(model)
         if healthy:
-            self.healthy: Healthy = learn(nominal, healthy, bank, settings)
+            self.healthy: HealthyArm = learn_healthy_arm(nominal, healthy, bank, settings)
             rate = float(np.median([run.rate for run in healthy]))
             position_only = healthy[0].velocity is None
         elif threshold is not None and rate:
-            self.healthy = assumed(nominal, threshold, settings)
+            self.healthy = assumed_healthy_arm(nominal, threshold, settings)
         else:
             raise ModelError(
-                "a monitor must know how large a healthy residual is: give healthy=[log, …], "
+                "a monitor needs the size of a healthy residual: give healthy=[log, …], "
                 "or threshold={joint: N·m} and rate=Hz"
             )
         self.dt = 1.0 / rate
         nominal = self.healthy.nominal
         unknown = [unknown_of(self.healthy, j, settings.neurons) for j in range(robot.n)]
-        self.observer = Observer(nominal, bank.prototypes, settings, self.dt, unknown, self.healthy.bandwidth)
-        self.observer.use_width(self.healthy.sign_width)
+        self.observer = MomentumObserver(
+            nominal, bank.prototypes, settings, self.dt, unknown, self.healthy.bandwidth
+        )
+        self.observer.use_sign_width(self.healthy.sign_width)
         if healthy:
-            self.observer.use_speed(np.abs(self.healthy.reach[1]).max(axis=0))
-        self.observer.joint[self.observer.k.BOUND] = self.healthy.bound
-        lower, upper = _bounds(bank, nominal)
+            self.observer.use_speed(np.abs(self.healthy.velocity_range).max(axis=0))
+        self.observer.state.bound = self.healthy.bound
+        lower, upper = _parameter_bounds(bank, nominal)
         isolator = Isolator(bank, lower, upper, settings)
-        self.watches = [
-            JointWatch(j, self.observer, isolator, self.healthy, unknown[j], settings) for j in range(robot.n)
+        self.joint_monitors = [
+            JointMonitor(j, self.observer, isolator, self.healthy, unknown[j], settings)
+            for j in range(robot.n)
         ]
         self._alignment = Alignment(self.dt, nominal.delay, position_only)
         self._offset = nominal.offset if nominal.offset.any() else None
@@ -88,22 +94,22 @@ class MomentumEngine:
         self.reset()
 
     def reset(self) -> None:
-        """Return to the start, keeping what healthy runs taught."""
+        """Return to the start; what healthy runs taught stays."""
         self.observer.reset()
         self._alignment.reset()
-        for watch in self.watches:
-            watch.reset()
+        for monitor in self.joint_monitors:
+            monitor.reset()
         self.events.clear()
-        self._quiet_until = np.inf  # until filters have settled
-        self._next = [-np.inf] * len(self.watches)
+        self._quiet_until = np.inf  # [s], until when the filters settle
+        self._next = [-np.inf] * len(self.joint_monitors)
         self._next_look = np.inf
-        self.observer.joint[self.observer.k.MUTED] = 0.0
+        self.observer.state.muted = 0.0
         self.observer.correct_from_now(False)
         self._bad = False
-        self._stages: tuple[Stage, ...] = (Stage.HEALTHY,) * len(self.watches)
+        self._stages: tuple[Stage, ...] = (Stage.HEALTHY,) * len(self.joint_monitors)
         self._faults: tuple[Term, ...] = ()
-        self._busy: list[JointWatch] = []
-        self._gated = [w for w in self.watches if w.profiles]
+        self._busy: list[JointMonitor] = []
+        self._gated = [m for m in self.joint_monitors if m.profiles]
 
     def update(self, t: float, q: Array, v: Array | None, tau: Array) -> Status:
         """Take one tick; see `Engine.update`."""
@@ -117,7 +123,7 @@ class MomentumEngine:
         gap = then - o.time
         if not gap > 0:
             return self._bad_data(t, f"time goes from {o.time:.6g} s to {then:.6g} s")
-        if gap > GAP * self.dt:
+        if gap > LARGEST_GAP * self.dt:
             self._start(then)
         if self._gated:
             self._gate(then, q, v, tau)
@@ -131,68 +137,68 @@ class MomentumEngine:
         return self._status(t, self._attend(t, then, asks))
 
     def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
-        """Return the torque to command in place of a nominal one, shape (n,)."""
+        """Return the torque to command in place of a nominal one; see `Engine.correct`."""
         return self.observer.correct(tau, v_desired) if self._corrects else tau
 
     @property
     def faults(self) -> tuple[Term, ...]:
-        """Faults now believed in."""
-        return tuple(term for watch in self.watches for term in watch.faults)
+        """Faults now believed in, of all joints."""
+        return tuple(term for monitor in self.joint_monitors for term in monitor.faults)
 
     @property
     def decisions(self) -> tuple[Decision | None, ...]:
         """The last decision on each joint, None before its first."""
-        return tuple([watch.evidence.last for watch in self.watches])
+        return tuple([monitor.isolation.last for monitor in self.joint_monitors])
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What healthy runs taught, one sentence each."""
         return self.healthy.notes
 
-    # ------------------------------------------------------------- a tick in which something happens
+    # ------------------------------------------------------------- ticks that need attention
 
     def _attend(self, t: float, then: float, asks: int) -> tuple[Event, ...]:
-        o, k = self.observer, self.observer.k
+        o = self.observer
         new: list[Event] = []
         if asks & ALARM and then >= self._quiet_until:
-            for j in np.flatnonzero(o.joint[k.EXCEEDED] >= self.settings.debounce):
-                new += self.watches[j].alarm(t)
+            for j in np.flatnonzero(o.state.exceeded >= self.settings.debounce):
+                new += self.joint_monitors[j].alarm(t)
         if asks & ABSENT:
-            for watch in self._busy:
-                new += watch.absent(t)
-        for watch in self._busy:
-            if then >= self._next[watch.j]:
-                # joints take turns, so that no tick decides on several
-                late = watch.j / len(self.watches) * self.settings.decide_every
+            for monitor in self._busy:
+                new += monitor.absent(t)
+        for monitor in self._busy:
+            if then >= self._next[monitor.j]:
+                # Joints take turns, so that no tick decides on several.
+                late = monitor.j / len(self.joint_monitors) * self.settings.decide_every
                 steps = np.floor((then - late) / self.settings.decide_every) + 1
-                self._next[watch.j] = float(steps) * self.settings.decide_every + late
-                new += watch.look(t)
-        self._busy = [w for w in self.watches if w.stage is not Stage.HEALTHY]
-        self._next_look = min((self._next[w.j] for w in self._busy), default=np.inf)
-        self._gated = [w for w in self.watches if w.profiles]
-        self._stages = tuple(w.stage for w in self.watches)
-        o.joint[k.MUTED] = [w.deaf for w in self.watches]
+                self._next[monitor.j] = float(steps) * self.settings.decide_every + late
+                new += monitor.look(t)
+        self._busy = [m for m in self.joint_monitors if m.stage is not Stage.HEALTHY]
+        self._next_look = min((self._next[m.j] for m in self._busy), default=np.inf)
+        self._gated = [m for m in self.joint_monitors if m.profiles]
+        self._stages = tuple(m.stage for m in self.joint_monitors)
+        o.state.muted = [m.ignores_alarms for m in self.joint_monitors]
         o.correct_from_now(self._corrects)
         self._faults = self.faults if self._busy else ()
         self.events += new
         return tuple(new)
 
     def _gate(self, t: float, q: Array, v: Array, tau: Array) -> None:
-        """Set where the effects with a profile are present."""
-        o, k = self.observer, self.observer.k
-        x = State(o.nominal.robot, q[None], v[None], q[None], tau[None], np.array([t]), o.joint[k.WIDTH])
-        for watch in self._gated:
-            for i, profile in watch.profiles.items():
-                o.columns[k.PRESENT, watch.j, self.bank.span(i)] = profile(x)[0]
+        """Set the presence of the effects that have a profile."""
+        o = self.observer
+        x = State(o.nominal.robot, q[None], v[None], q[None], tau[None], np.array([t]), o.state.sign_width)
+        for monitor in self._gated:
+            for i, profile in monitor.profiles.items():
+                o.state.present[monitor.j, self.bank.span(i)] = profile(x)[0]
 
     # ------------------------------------------------------------- starts and bad data
 
     def _start(self, t: float) -> None:
         """Start the filters; alarms and corrections wait until they have settled."""
         self.observer.reset()
-        for watch in self.watches:
-            watch.restart()
-        self._quiet_until = t + SETTLE / float(self.observer.bandwidth.min())
+        for monitor in self.joint_monitors:
+            monitor.restart()
+        self._quiet_until = t + SETTLING / float(self.observer.bandwidth.min())
 
     def _bad_data(self, t: float, reason: str) -> Status:
         """Correct nothing until data have been good for as long as the filters need."""
@@ -201,7 +207,7 @@ class MomentumEngine:
             event = (
                 Event(
                     t,
-                    "accommodation",
+                    EventStage.ACCOMMODATION,
                     self.observer.nominal.robot.joints,
                     Verdict.NONE,
                     reason=f"{reason}; nominal control",
@@ -228,8 +234,8 @@ class MomentumEngine:
         )
 
 
-def _bounds(bank: Bank, nominal: Nominal) -> tuple[Array, Array]:
-    """Return the bounds of every column on every joint: a term of the model may vanish, but not turn over."""
+def _parameter_bounds(bank: Bank, nominal: Nominal) -> tuple[Array, Array]:
+    """Return the bounds of every parameter on every joint; a term of the model may vanish, but not change its sign."""
     lower, upper = (np.tile(b, (nominal.robot.n, 1)) for b in bank.bounds)
     for term in nominal.of_joints:
         i = bank.index(term.effect)  # type: ignore[arg-type]

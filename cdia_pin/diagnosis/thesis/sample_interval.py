@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cdia_pin.diagnosis.engine import BadSampleError
+from cdia_pin.diagnosis.engine_interface import BadSampleError
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import JointState, State
 from cdia_pin.errors import ModelError
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sample:
+class ArmSample:
     """Where the arm is read to be; positions [rad or m] and velocities [rad/s or m/s], shape (n,)."""
 
     time: float
@@ -35,7 +35,7 @@ class Sample:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
+class SampleInterval:
     """What happened since the previous sample, at its middle.
 
     Attributes:
@@ -54,7 +54,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Stepper:
+class IntervalEvaluator:
     """Turns samples into steps, and refuses what is none.
 
     Attributes:
@@ -67,11 +67,11 @@ class Stepper:
     sign_width: float
     longest: float
 
-    def sample(self, t: float, q: ArrayLike, v: ArrayLike) -> Sample:
+    def sample(self, t: float, q: ArrayLike, v: ArrayLike) -> ArmSample:
         """Return a sample; raises ModelError if it has the wrong shape or is not finite."""
-        return Sample(self._time(t), self._signal("position", q), self._signal("velocity", v))
+        return ArmSample(self._time(t), self._signal("position", q), self._signal("velocity", v))
 
-    def step(self, before: Sample, now: Sample, tau: ArrayLike) -> Step:
+    def step(self, before: ArmSample, now: ArmSample, tau: ArrayLike) -> SampleInterval:
         """Return what happened between two samples.
 
         Args:
@@ -104,7 +104,7 @@ class Stepper:
             raise BadSampleError(
                 f"the sample at {now.time:.6g} s is beyond all numbers: no torque follows from it"
             )
-        return Step(now.time, duration, inverse, missing, self.state(now.time, q, v, a, effort))
+        return SampleInterval(now.time, duration, inverse, missing, self.state(now.time, q, v, a, effort))
 
     def state(self, t: float, q: Array, v: Array, a: Array, effort: Array) -> JointState:
         """Return the signals of all joints at once, shape (n,) each, as an effect's ``columns`` take them."""

@@ -12,11 +12,11 @@ from scipy import special
 
 from cdia_pin.diagnosis import MonitorSettings
 from cdia_pin.diagnosis.bank import prototype
-from cdia_pin.diagnosis.codes import BAD
-from cdia_pin.diagnosis.compiled import compile_bank, python_columns
+from cdia_pin.diagnosis.compiled_bank import compile_bank, python_columns
 from cdia_pin.diagnosis.layout import layout
+from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.nominal import Nominal
-from cdia_pin.diagnosis.observer import Observer
+from cdia_pin.diagnosis.tick_flags import BAD
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import EFFECTS, Expression, JointEffect, Parameter, Signal, Traits
 from cdia_pin.robot import load_robot
@@ -99,9 +99,9 @@ def asked() -> list:
 
 
 @pytest.fixture(scope="module")
-def ticked() -> tuple[Observer, dict]:
+def ticked() -> tuple[MomentumObserver, dict]:
     """An observer of all effects after some random ticks, and the last signals."""
-    observer = Observer(Nominal.of(Dynamics(ROBOT)), tuple(effects()), MonitorSettings(), DT)
+    observer = MomentumObserver(Nominal.of(Dynamics(ROBOT)), tuple(effects()), MonitorSettings(), DT)
     rng = np.random.default_rng(0)
     v = np.zeros(ROBOT.n)
     for k in range(5):
@@ -113,9 +113,9 @@ def ticked() -> tuple[Observer, dict]:
 @pytest.mark.parametrize("i", asked())
 def test_compiled_columns_are_those_of_the_effect(ticked, i: int) -> None:
     observer, x = ticked
-    sign = np.tanh(x["v"] / observer.joint[observer.k.WIDTH])
+    sign = np.tanh(x["v"] / observer.state.sign_width)
     expected = python_columns(observer.effects[i], x["q"], x["v"], x["a"], x["effort"], sign, x["time"])
-    found = observer.columns[observer.k.PHI][:, observer.ends[i] : observer.ends[i + 1]]
+    found = observer.state.phi[:, observer.ends[i] : observer.ends[i + 1]]
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
     assert np.abs(expected).max() > 1e-6
 
@@ -128,10 +128,10 @@ def test_only_what_numba_does_not_understand_is_evaluated_in_python() -> None:
 
 def columns_of(effect: JointEffect, time: float = 3.0, q: float = 0.5) -> np.ndarray:
     """Return the columns of an effect alone at one instant, shape (n, p)."""
-    observer = Observer(Nominal.of(Dynamics(ROBOT)), (effect,), MonitorSettings(), DT)
+    observer = MomentumObserver(Nominal.of(Dynamics(ROBOT)), (effect,), MonitorSettings(), DT)
     for t in (time - DT, time):
         observer.step(t, np.full(ROBOT.n, q), np.zeros(ROBOT.n), np.zeros(ROBOT.n))
-    return observer.columns[observer.k.PHI].copy()
+    return observer.state.phi.copy()
 
 
 def test_an_effect_that_numba_cannot_even_read_is_evaluated_in_python() -> None:

@@ -1,8 +1,8 @@
-"""Compile a bank: the columns of its effects, from their own source, and the tick around them.
+"""A compiled bank: the columns of its effects, compiled from their own source, and the tick around them.
 
-An effect is written once, in numpy. Its method ``columns`` reads signals by name and is a function of arrays,
-whether they run over samples or over joints: numba compiles it as it stands. What numba does not understand, a
-line of arithmetic or a user's class with richer Python, is evaluated in Python at every tick instead.
+An effect is written once, in numpy. Its method ``columns`` reads signals by name and is a function of arrays. The
+arrays may run over samples or over joints, so numba compiles the method as it stands. An effect that numba does not
+understand, such as a line of arithmetic or a user's class with richer Python, is evaluated in Python at every tick.
 """
 
 from __future__ import annotations
@@ -13,10 +13,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.kernel_cache import load
 from cdia_pin.diagnosis.layout import Shape, spans
 from cdia_pin.effects import JointEffect, JointState, Signal
+
+Array = NDArray[np.float64]
 
 HEADER = '''"""Generated: the columns of {names}, and a tick with them."""
 
@@ -25,11 +28,15 @@ from collections import namedtuple
 import numpy as np
 from numba import njit
 
-from cdia_pin.diagnosis.kernels import (
-    ADDITION, BANDWIDTH, CORRECTS, COUNT, DEBOUNCE, DRIVEN, FLOOR, FORGET, IDLE, LEARNS, POSITION, REMEMBER, SELDOM,
-    SOFT, TIME, VELOCITY, WIDTH, Neurons, Signals, activate, advance, correction, learn,
+from cdia_pin.diagnosis.kernel_rows import (
+    ABSENT_TICKS, ADDITION, BANDWIDTH, CORRECTS, DEBOUNCE, DRIVEN, FORGET, GAIN_FLOOR, LEARNS, NEURON_COUNT,
+    OF_POSITION, OF_VELOCITY, PHI_LOADED, PHI_TICK, PHI_UNLOADED, POSITION, REMEMBER, SIGN_WIDTH, SOFT_SIGN_WIDTH,
+    TIME, VELOCITY,
 )
-from cdia_pin.diagnosis.codes import BAD
+from cdia_pin.diagnosis.kernels import (
+    NEURON_PERIOD, Neurons, Signals, activate, advance, correction, learn,
+)
+from cdia_pin.diagnosis.tick_flags import BAD
 from cdia_pin.effects.unknown import Unknown
 
 activations = njit(Unknown.columns)
@@ -45,8 +52,14 @@ def basis(x, out):
 {fills}
 
 @njit(cache=True)
+def neurons_of(centres, widths):
+    """Return the neurons of all joints, as `Unknown.columns` reads them."""
+    return Neurons(centres[OF_POSITION], centres[OF_VELOCITY], widths[OF_POSITION], widths[OF_VELOCITY])
+
+
+@njit(cache=True)
 def tick(state, q, v, tau, M, nle, t):
-    """Advance all joints by one tick; returns what needs attention."""
+    """Advance all joints by one tick; return what needs attention."""
     if not (np.isfinite(q).all() and np.isfinite(v).all() and np.isfinite(tau).all()):
         return BAD
 {views}
@@ -55,19 +68,19 @@ def tick(state, q, v, tau, M, nle, t):
     E = np.exp(-joint[BANDWIDTH] * dt)
     a = (v - joint[VELOCITY]) / dt
     time = np.full_like(q, t)
-    x = Signals(q, v, a, tau, np.tanh(v / joint[WIDTH]), time)
-    basis(x, phi[0])
+    x = Signals(q, v, a, tau, np.tanh(v / joint[SIGN_WIDTH]), time)
+    basis(x, phi[PHI_TICK])
     learns = False
     if scalars[LEARNS] > 0.0:
-        scalars[COUNT] += 1.0
-        learns = scalars[COUNT] >= SELDOM
+        scalars[NEURON_COUNT] += 1.0
+        learns = scalars[NEURON_COUNT] >= NEURON_PERIOD
     if learns:
-        scalars[COUNT] = 0.0
-        active = activations(Neurons(centres[0], centres[1], widths[0], widths[1]), x)
-        activate(joint, neurons, active, E**SELDOM)
+        scalars[NEURON_COUNT] = 0.0
+        active = activations(neurons_of(centres, widths), x)
+        activate(joint, neurons, active, E**NEURON_PERIOD)
     asks = advance(
-        joint, columns, gram, absent, mass, phi[0], INTERVAL, ENDS, q, v, tau, M, nle, a, E,
-        scalars[FORGET], scalars[DEBOUNCE], scalars[IDLE],
+        joint, columns, gram, absent, mass, phi[PHI_TICK], INTERVAL, ENDS, q, v, tau, M, nle, a, E,
+        scalars[FORGET], scalars[DEBOUNCE], scalars[ABSENT_TICKS],
     )
     if learns:
         learn(joint, neurons, neuron_gram, scalars[REMEMBER])
@@ -83,30 +96,30 @@ def corrected(state, direction, a, tau, divide):
 {views}
     still = np.zeros_like(tau)
     time = np.full_like(tau, scalars[TIME])
-    sign = np.tanh(direction / joint[SOFT])
+    sign = np.tanh(direction / joint[SOFT_SIGN_WIDTH])
     x = Signals(joint[POSITION], joint[VELOCITY], a, still, sign, time)
-    basis(x, phi[1])
-    driven = phi[1]
+    basis(x, phi[PHI_UNLOADED])
+    loaded = phi[PHI_UNLOADED]
     if scalars[DRIVEN] > 0.0:
-        driven = phi[2]
-        basis(Signals(joint[POSITION], joint[VELOCITY], a, tau, sign, time), driven)
+        loaded = phi[PHI_LOADED]
+        basis(Signals(joint[POSITION], joint[VELOCITY], a, tau, sign, time), loaded)
     active = [still]
     if scalars[LEARNS] > 0.0:
-        active = activations(Neurons(centres[0], centres[1], widths[0], widths[1]), x)
+        active = activations(neurons_of(centres, widths), x)
     return correction(
-        joint, columns, neurons, active, phi[1], driven, INTERVAL, SMOOTH, tau, scalars[FLOOR], divide
+        joint, columns, neurons, active, phi[PHI_UNLOADED], loaded, INTERVAL, SMOOTH, tau, scalars[GAIN_FLOOR], divide
     )
 '''
 
 
 @dataclass(frozen=True)
-class Compiled:
+class CompiledBank:
     """A compiled bank.
 
     Attributes:
         tick: One tick, see `kernels.advance`.
         corrected: The correction of a torque, see `kernels.correction`.
-        in_python: Effects whose columns numba cannot compile, by index; they are filled before each call.
+        in_python: Indices of the effects that numba cannot compile. The caller fills their columns before each call.
     """
 
     tick: Any
@@ -114,20 +127,32 @@ class Compiled:
     in_python: tuple[int, ...]
 
 
-def compile_bank(effects: Sequence[JointEffect], parts: Mapping[str, Shape]) -> Compiled:
-    """Compile the columns of effects, side by side in the order given.
+def compile_bank(effects: Sequence[JointEffect], parts: Mapping[str, Shape]) -> CompiledBank:
+    """Compile the columns of effects, side by side in the given order.
 
     Args:
-        effects: The effects.
-        parts: Parts of the state, see `layout`.
+        effects: Effects of one joint, on any joint.
+        parts: Shapes of the parts of the state, as `layout` returns them.
     """
     in_python = tuple(i for i, e in enumerate(effects) if not _compiles(e))
     module = load(_source(effects, in_python, parts), effects)
-    return Compiled(module.tick, module.corrected, in_python)
+    return CompiledBank(module.tick, module.corrected, in_python)
 
 
-def python_columns(effect: JointEffect, q: Any, v: Any, a: Any, effort: Any, sign: Any, time: float) -> Any:
-    """Return the columns of an effect for all joints at once, shape (n, p)."""
+def python_columns(
+    effect: JointEffect, q: Array, v: Array, a: Array, effort: Array, sign: Array, time: float
+) -> Array:
+    """Return the columns of an effect for all joints at once, shape (n, p).
+
+    Args:
+        effect: The effect; its joint does not matter.
+        q: Positions [rad or m], shape (n,).
+        v: Velocities [rad/s or m/s], shape (n,).
+        a: Accelerations [rad/s² or m/s²], shape (n,).
+        effort: Torques [N·m or N], shape (n,).
+        sign: Smoothed sign of the velocity [1], shape (n,).
+        time: Time [s].
+    """
     x = JointState(q, v, a, effort, sign, np.full_like(q, time))
     return np.stack([np.broadcast_to(c, q.shape) for c in effect.columns(x)], axis=1)
 
@@ -158,7 +183,7 @@ def _tried(effect: JointEffect) -> bool:
     from cdia_pin.diagnosis.kernels import Signals
 
     if not effect.shape_values and vars(effect).keys() - {"joint"}:
-        return False  # reads attributes that are not numbers of its shape
+        return False  # it reads attributes other than the numbers of its shape
     shape: Any = namedtuple("Shape0", list(_shape(effect)))  # type: ignore[misc]
     values = shape(*_shape(effect).values())
     ones = np.ones(2)
@@ -179,7 +204,7 @@ def _shape_class(i: int, effect: JointEffect) -> str:
 
 
 def _source(effects: Sequence[JointEffect], in_python: Sequence[int], parts: Mapping[str, Shape]) -> str:
-    """Return the module's text, which depends on nothing but the effects and this package's own text."""
+    """Return the text of the generated module; it depends on the effects and this package's own text alone."""
     lines, fills, at = [], [], 0
     for i, effect in enumerate(effects):
         if i not in in_python:

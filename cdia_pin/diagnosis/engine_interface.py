@@ -1,4 +1,4 @@
-"""The interface of a scheme that watches an arm: what `Monitor` needs of it, and nothing more."""
+"""The interface of an engine: what `Monitor` needs of a scheme, and nothing more."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ Array = NDArray[np.float64]
 
 
 class BadSampleError(ModelError):
-    """A sample that no arm can have given: not finite, or not later than the last."""
+    """A sample that cannot be used: not finite, or not later than the last."""
 
 
 class Engine(Protocol):
-    """A scheme of detection, isolation, accommodation and idle monitoring."""
+    """A scheme of detection, isolation and accommodation, which also notices when a fault has cleared."""
 
     @property
     def events(self) -> list[Event]:
@@ -48,7 +48,8 @@ class Engine(Protocol):
 
         Args:
             tau: The nominal torque [N·m or N], shape (n,).
-            v_desired: Velocity asked for [rad/s or m/s], shape (n,): dry friction is compensated in its direction.
+            v_desired: Velocity in whose direction dry friction is compensated [rad/s or m/s], shape (n,); the
+                measured one if omitted.
         """
         ...
 
@@ -59,9 +60,9 @@ class Engine(Protocol):
 
     @property
     def decisions(self) -> tuple[Decision | None, ...]:
-        """The last decision on each joint, None before its first; empty of an engine that takes no such decisions."""
+        """The last decision on each joint, None before its first; empty for an engine without such decisions."""
         ...
 
     def reset(self) -> None:
-        """Return to the start, keeping what healthy runs taught."""
+        """Return to the start; what healthy runs taught stays."""
         ...
