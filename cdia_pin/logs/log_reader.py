@@ -15,7 +15,7 @@ from cdia_pin.logs.conversion import Conversion
 from cdia_pin.logs.gains import read_gains
 from cdia_pin.logs.joint_names import check_joint_map, joint_map_of
 from cdia_pin.logs.log import Log
-from cdia_pin.logs.picking import Picker
+from cdia_pin.logs.signal_picker import Picker
 from cdia_pin.logs.readers.dispatch import read_table
 from cdia_pin.logs.timestamps import in_seconds
 
