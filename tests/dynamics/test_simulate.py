@@ -307,7 +307,7 @@ def test_friction_that_is_not_sharp_is_noted(arm):
 
 
 def test_a_diverging_simulation_is_refused_with_joint_and_time(arm):
-    with pytest.raises(ModelError, match=r"diverged, \w+_joint is beyond all speeds at"):
+    with pytest.raises(ModelError, match=r"diverged: \w+_joint is faster than .* at"):
         simulate(plant(arm, "viscous_friction@elbow_joint: coefficient=-30"), swing(arm))
 
 
@@ -321,7 +321,7 @@ def test_an_arm_of_negative_inertia_is_refused(arm):
 def test_a_step_too_large_for_the_friction_is_refused(arm):
     model = plant(arm, "viscous_friction@wrist_3_joint: coefficient=20")
     assert simulate(model, swing(arm), duration=0.2).duration == pytest.approx(0.2)  # takes smaller steps
-    with pytest.raises(ModelError, match="a step lies within"):
+    with pytest.raises(ModelError, match="a step must be above 0"):
         simulate(model, swing(arm), step=5e-3)
     with pytest.raises(ModelError, match="too fast to simulate"):
         simulate(plant(arm, "viscous_friction@wrist_3_joint: coefficient=2000"), swing(arm))
