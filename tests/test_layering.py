@@ -27,7 +27,7 @@ ORDER = (
     "app",
     "cli",
 )
-COMMON = ("version", "errors", "progress", "resources", "display")  # below everything
+COMMON = ("version", "errors", "phrases", "progress", "resources", "display")  # below everything
 DOORS = ("__init__", "__main__")  # lead into the package from outside
 
 MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] != "_data")

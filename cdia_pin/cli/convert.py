@@ -34,7 +34,7 @@ def convert(
     What gains, joint map and --convert say is applied, so that the new file needs none of them.
     """
     from cdia_pin.logs import write_log
-    from cdia_pin.logs.writing import WRITABLE
+    from cdia_pin.logs.log_writer import WRITABLE
 
     if out.suffix.lower() not in WRITABLE:
         raise CommandError(f"cannot write {out}: the suffix must be one of {', '.join(WRITABLE)}")

@@ -98,7 +98,7 @@ def simulate(
     from cdia_pin.dynamics.trajectories import exciting_trajectory
     from cdia_pin.effects import parse_term
     from cdia_pin.logs import write_log
-    from cdia_pin.logs.writing import WRITABLE
+    from cdia_pin.logs.log_writer import WRITABLE
 
     if out.suffix.lower() not in WRITABLE:
         raise CommandError(f"cannot write {out}: the suffix must be one of {', '.join(WRITABLE)}")

@@ -1,4 +1,4 @@
-"""Read a log of a robot from any of the formats, in SI units and the robot's joint order."""
+"""Reader of a robot's logs in any of the formats, in SI units and the robot's joint order."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.columns import understand
-from cdia_pin.logs.conversion import Conversion
+from cdia_pin.logs.columns import sort_names
+from cdia_pin.logs.conversion import Conversion, GravityInEffort
 from cdia_pin.logs.gains import read_gains
 from cdia_pin.logs.joint_names import check_joint_map, joint_map_of
 from cdia_pin.logs.log import Log
-from cdia_pin.logs.picking import Picker
 from cdia_pin.logs.readers.dispatch import read_table
+from cdia_pin.logs.signal_picker import SignalPicker
 from cdia_pin.logs.timestamps import in_seconds
 
 if TYPE_CHECKING:
@@ -35,34 +35,33 @@ def read_log(
     convert: Conversion | Mapping[str, Any] | Sequence[str] | None = None,
     topic: str | None = None,
 ) -> Log:
-    """Read a log of a robot; the suffix of the file says its format.
+    """Read a log of a robot; the suffix of the file gives its format.
 
-    Everything the reader inferred or changed is a sentence in the log's ``notes``. A signal
-    that is missing is an error, except velocity, which is optional. Nothing is filled in.
+    Every inference and change is a sentence in the log's ``notes``. A missing signal is an error, except velocity,
+    which is optional. Missing values are not filled in.
 
     Args:
         path: CSV (``.csv``, ``.tsv``, ``.txt``), Parquet (``.parquet``, ``.pq``), ``.npz``, or a
             ROS 2 bag (``.db3``, ``.mcap`` or its directory) with sensor_msgs/JointState.
         robot: The robot; its joints are looked up by name and returned in its order.
-        gains: Drive gains {joint: N·m/A} or a JSON file with them, where the log has currents.
-        joint_map: {name in the log: joint of the robot} where names differ, or texts
-            ``name=joint`` of the command line.
-        convert: Units and signs that are not SI or not the URDF's, see ``Conversion``.
-        topic: JointState topic of a bag, where several have the robot's joints.
+        gains: Drive gains {joint: gain [N·m/A]}, or a JSON file with them, for a log with motor currents.
+        joint_map: {name in the log: joint of the robot} for names that differ, or texts ``name=joint``.
+        convert: Units and signs that are not SI or not those of the URDF, see ``Conversion``.
+        topic: JointState topic of a bag, if several topics have the robot's joints.
 
     Returns:
-        The log; times [s] as given (from the first sample where they counted from 1970).
+        The log. Its times are as given [s]; times since 1970 are counted from the first sample.
 
     Raises:
-        LogError: If the file cannot be read, lacks a signal or holds what cannot be used.
+        LogError: If the file cannot be read, lacks a signal, or has values that cannot be used.
     """
     path = Path(path)
     conversion = Conversion.of(convert)
     conversion.check_joints(robot.joints)
     renames = joint_map_of(joint_map)
     table, sha256 = read_table(path, robot.joints, renames, topic)
-    columns = understand((*table.columns, *table.not_numbers))
-    pick = Picker(table, columns, robot.joints, renames, path.name, list(table.notes))
+    columns = sort_names((*table.columns, *table.not_numbers))
+    pick = SignalPicker(table, columns, robot.joints, renames, path.name, list(table.notes))
     check_joint_map(pick.joint_map, pick.labels, robot.joints)
 
     position = pick.required("position") * conversion.position_scale(robot)
@@ -70,7 +69,7 @@ def read_log(
     if velocity is not None:
         velocity = velocity * conversion.velocity_scale(robot)
     effort = _effort(pick, gains, conversion) * conversion.effort_scale(robot)
-    if conversion.gravity == "compensated":
+    if conversion.gravity == GravityInEffort.COMPENSATED:
         effort = effort + robot.gravity(position)
     pick.note_what_was_ignored()
     unit = conversion.time or table.time_unit or columns.time.get(columns.time_column or "")
@@ -89,8 +88,8 @@ def read_log(
     )
 
 
-def _effort(pick: Picker, gains: Gains | None, conversion: Conversion) -> Array:
-    """Efforts as logged, or motor currents times drive gains, shape (N, n)."""
+def _effort(pick: SignalPicker, gains: Gains | None, conversion: Conversion) -> Array:
+    """Return the efforts as logged, or the motor currents times the drive gains, shape (N, n)."""
     has_current, has_effort = bool(pick.columns.labels("current")), bool(pick.columns.labels("effort"))
     if has_current and has_effort:
         pick.notes.append("the log has both effort and current; the effort is used")
@@ -99,7 +98,7 @@ def _effort(pick: Picker, gains: Gains | None, conversion: Conversion) -> Array:
             pick.notes.append("drive gains not used: the log has efforts (--convert torque=A applies them)")
         return pick.required("effort")
     if not has_effort and not has_current:
-        return pick.required("effort")  # says what is missing
+        return pick.required("effort")  # raises and names what is missing
     current = pick.required("effort" if has_effort else "current")
     if gains is None:
         example = ", ".join(f'"{j}": 10.0' for j in pick.joints[:2])
@@ -109,12 +108,14 @@ def _effort(pick: Picker, gains: Gains | None, conversion: Conversion) -> Array:
         )
     factors = read_gains(gains, pick.joints)
     said = ", ".join(f"{j} {k:g}" for j, k in zip(pick.joints, factors, strict=True))
-    pick.notes.append(f"effort is current times drive gain [N·m/A], no better than these gains: {said}")
+    pick.notes.append(
+        f"effort is current times drive gain [N·m/A] and no more accurate than these gains: {said}"
+    )
     return current * factors
 
 
 def _once(time: Array, signals: list[Array], source: str) -> tuple[NDArray[np.bool_], list[str]]:
-    """Mask of samples to keep: a row written twice counts once; raises LogError if the two differ."""
+    """Return the mask of samples to keep: a repeated row counts once, and raises LogError if its values differ."""
     keep = np.ones(len(time), dtype=bool)
     again = np.flatnonzero(np.diff(time) == 0) + 1
     for row in again:

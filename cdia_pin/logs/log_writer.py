@@ -1,4 +1,4 @@
-"""Write a log in the project's dialect, so that reading it gives the same numbers."""
+"""Writer of logs in the project's dialect; reading such a file gives the same numbers."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from cdia_pin.logs.log import Log
 Array = NDArray[np.float64]
 
 WRITABLE = (".csv", ".parquet", ".npz")
+"""Suffixes of the formats that can be written."""
 
 
 def write_log(log: Log, path: str | Path) -> Path:
-    """Write a log as CSV, Parquet or npz; the suffix says which.
+    """Write a log as CSV, Parquet or npz, according to the suffix.
 
-    Numbers are written with every digit. The log's notes and source are not written.
+    Numbers are written with all digits. The log's notes and source are not written.
 
     Args:
         log: The log [SI units].
@@ -47,7 +48,14 @@ def write_log(log: Log, path: str | Path) -> Path:
 
 
 def columns_of(log: Log) -> dict[str, Array]:
-    """Return the log as named columns: ``time``, then ``<signal>.<joint>``, each of shape (N,)."""
+    """Return a log as named columns.
+
+    Args:
+        log: The log [SI units].
+
+    Returns:
+        ``time``, then ``<signal>.<joint>``, each of shape (N,).
+    """
     columns = {"time": log.time}
     signals = {"position": log.position, "velocity": log.velocity, "effort": log.effort}
     for signal, values in signals.items():
@@ -68,7 +76,7 @@ def _write_arrow(log: Log, path: Path, suffix: str) -> None:
     from pyarrow import csv
 
     with path.open("wb") as file:
-        file.write((",".join(table.column_names) + "\n").encode())  # pyarrow would put it in quotes
+        file.write((",".join(table.column_names) + "\n").encode())  # pyarrow would put the names in quotes
         csv.write_csv(table, file, csv.WriteOptions(include_header=False))
 
 

@@ -1,7 +1,7 @@
-"""Which joints of a URDF are not part of the arm, and why.
+"""Joints of a URDF that are locked because they are not part of the arm.
 
-Fingers, wheels, a torso or a second arm do not move in our equation. They are held by name, never by
-number, and every one of them carries its reason.
+Fingers, wheels, a torso or a second arm do not move in the equation of motion. They are locked by name, never by
+number, and each of them carries its reason.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 from cdia_pin.errors import RobotError, unknown_name
-from cdia_pin.robot.model import LockedJoint
+from cdia_pin.robot.joints import LockedJoint
 from cdia_pin.robot.urdf import Urdf, UrdfJoint
 
 NOT_ARM = re.compile(r"finger|gripper|thumb|knuckle|jaw|claw|wheel|caster", re.IGNORECASE)
@@ -22,12 +22,12 @@ LockRequest = Mapping[str, "float | LockedJoint"] | Iterable[str]
 
 @dataclass(frozen=True)
 class LockRule:
-    """Joints of a catalogue robot that do not move.
+    """Joints that the catalogue locks.
 
     Attributes:
         joints: Names, or patterns of names such as ``hand_*``.
-        position: Where they are held [rad or m].
-        why: The reason, shown to the user.
+        position: Position at which they are locked [rad or m].
+        why: The reason, which is shown to the user.
     """
 
     joints: tuple[str, ...]
@@ -38,19 +38,19 @@ class LockRule:
 def locked_joints(
     urdf: Urdf, *, lock: LockRequest = (), keep: Iterable[str] = (), rules: Iterable[LockRule] = ()
 ) -> dict[str, LockedJoint]:
-    """Choose the joints that do not move: asked for, ruled by the catalogue, mimicking, or no part of an arm.
+    """Choose the locked joints: on request, by the catalogue, mimic joints, and joints named like a gripper or wheel.
 
     Args:
         urdf: The robot.
-        lock: Names or patterns to hold, with positions [rad or m] if a mapping.
-        keep: Names that must move although they look like a finger or a wheel.
-        rules: What the catalogue says of this robot.
+        lock: Names or patterns to lock; a mapping gives positions [rad or m].
+        keep: Names that must move although they are named like a finger or a wheel.
+        rules: Rules of the catalogue for this robot.
 
     Returns:
-        Held joints in the order of the file, each with its position and reason.
+        Locked joints in the order of the file, each with its position and reason.
 
     Raises:
-        RobotError: If a name is unknown, or a mimic joint is asked to move.
+        RobotError: If a name is unknown, or if ``keep`` names a mimic joint.
     """
     movable = {name: j for name, j in urdf.joints.items() if j.is_movable}
     kept = {name for pattern in keep for name in _matches(pattern, movable)}
@@ -65,7 +65,7 @@ def locked_joints(
     for name, joint in movable.items():
         if name not in kept and name not in held and joint.mimic is None and _is_no_arm(urdf, joint):
             word = NOT_ARM.search(name)
-            held[name] = _at(joint, None, f"its name says '{word[0].lower() if word else ''}'")
+            held[name] = _at(joint, None, f"its name contains '{word[0].lower() if word else ''}'")
     for name, joint in movable.items():
         if joint.mimic is None or name in held:
             continue
@@ -80,8 +80,12 @@ def locked_joints(
 def require_chain(urdf: Urdf, held: Mapping[str, LockedJoint]) -> None:
     """Refuse a robot whose moving joints branch.
 
+    Args:
+        urdf: The robot.
+        held: The locked joints, by name.
+
     Raises:
-        RobotError: Naming the branches and the ``lock=`` that would keep one of them.
+        RobotError: If they branch; the message names the branches and the ``lock=`` that keeps one of them.
     """
     children: dict[str | None, list[str]] = {}
     for name, joint in urdf.joints.items():
@@ -118,13 +122,13 @@ def _matches(pattern: str, movable: Mapping[str, UrdfJoint]) -> list[str]:
 
 
 def _is_no_arm(urdf: Urdf, joint: UrdfJoint) -> bool:
-    """Named like a finger or wheel, and nothing but such joints further out: a wrist is not a finger."""
+    """Tell whether this joint and all joints further out are named like a gripper or wheel: a wrist is not."""
     outer = [j for j in urdf.joints_below(joint.name) if j.is_movable]
     return all(NOT_ARM.search(j.name) or j.mimic is not None for j in (joint, *outer))
 
 
 def _at(joint: UrdfJoint, position: float | None, reason: str) -> LockedJoint:
-    """Hold a joint where asked, else at zero or the nearest position it can reach."""
+    """Lock a joint at the position given, else at zero or the nearest position within its range."""
     if position is None:
         position = min(max(0.0, joint.lower), joint.upper) if joint.lower < joint.upper else 0.0
     return LockedJoint(float(position), reason)
@@ -133,7 +137,7 @@ def _at(joint: UrdfJoint, position: float | None, reason: str) -> LockedJoint:
 def _mimicking(
     joint: UrdfJoint, movable: Mapping[str, UrdfJoint], held: Mapping[str, LockedJoint], seen: set[str]
 ) -> LockedJoint:
-    """Hold a mimic joint where the joint that it follows is held; at its offset if that one moves."""
+    """Lock a mimic joint according to the position of its locked leader, or at its offset if the leader moves."""
     mimic = joint.mimic
     assert mimic is not None
     if joint.name in seen:

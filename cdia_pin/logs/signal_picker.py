@@ -1,4 +1,4 @@
-"""Pick the columns of a signal out of a table, in the robot's joint order."""
+"""Selection of a signal's columns from a table, in the robot's joint order."""
 
 from __future__ import annotations
 
@@ -10,29 +10,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.columns import Columns, signal_of
+from cdia_pin.logs.columns import ColumnNames, signal_of
 from cdia_pin.logs.joint_names import match_joints
 from cdia_pin.logs.readers.table import Table
+from cdia_pin.phrases import some
 
 Array = NDArray[np.float64]
 
 
 @dataclass
-class Picker:
-    """Picks signals from a table and remembers how it did.
+class SignalPicker:
+    """Selects signals from a table and collects notes on its inferences.
 
     Attributes:
         table: Columns as read.
-        columns: What the columns hold.
+        columns: The sorted names of the columns.
         joints: Joints of the robot.
         joint_map: {name in the log: joint of the robot}.
         source: Name of the log, for messages.
-        notes: Sentences on what was inferred; grows.
-        used: Joint labels of the log that were used; grows.
+        notes: Sentences on inferences; signals that are selected add more.
+        used: Joint labels of the log that were used; signals that are selected add more.
     """
 
     table: Table
-    columns: Columns
+    columns: ColumnNames
     joints: Sequence[str]
     joint_map: Mapping[str, str]
     source: str
@@ -40,7 +41,17 @@ class Picker:
     used: set[str] = field(default_factory=set)
 
     def required(self, signal: str) -> Array:
-        """Return a signal [as logged], shape (N, n); raises LogError saying what is missing."""
+        """Return a signal that the log must have.
+
+        Args:
+            signal: ``position``, ``velocity``, ``effort`` or ``current``.
+
+        Returns:
+            Values [as logged], shape (N, n).
+
+        Raises:
+            LogError: If the log lacks it for a joint; the message names what is missing.
+        """
         labels = self.columns.labels(signal)
         if not labels:
             raise LogError(
@@ -57,15 +68,22 @@ class Picker:
         for name in self.columns.repeated:
             if signal_of(name) in {(signal, label) for label in found.labels}:
                 raise LogError(
-                    f"{self.source}: column '{name}' holds the {signal} of a joint that another has"
+                    f"{self.source}: column '{name}' holds the {signal} of a joint that another column has"
                 )
         self.used.update(found.labels)
         return self.table.stack([labels[label] for label in found.labels], self.source)
 
     def optional(self, signal: str) -> Array | None:
-        """Return a signal, or None with a note where a joint lacks it or it is empty."""
+        """Return a signal that the log may lack.
+
+        Args:
+            signal: ``position``, ``velocity``, ``effort`` or ``current``.
+
+        Returns:
+            Values [as logged], shape (N, n); None, with a note, if a joint lacks it or it is empty.
+        """
         if not self.columns.labels(signal):
-            self.notes.append(f"no {signal} recorded; it is derived from the positions where needed")
+            self.notes.append(f"no {signal} recorded; it is derived from the positions if needed")
             return None
         try:
             values = self.required(signal)
@@ -80,7 +98,7 @@ class Picker:
         return values
 
     def time(self) -> NDArray[Any]:
-        """Return the times as logged, shape (N,); raises LogError where there are none."""
+        """Return the times as logged, shape (N,); raises LogError if there are none."""
         name = self.columns.time_column
         if name is None:
             found = some([*self.table.columns, *self.table.not_numbers])
@@ -101,8 +119,3 @@ class Picker:
     def labels(self) -> list[str]:
         """Joint labels of the log, over all signals."""
         return list(dict.fromkeys(name for labels in self.columns.signals.values() for name in labels))
-
-
-def some(names: Sequence[str], most: int = 12) -> str:
-    """List names, cut where there are many."""
-    return ", ".join(names[:most]) + (f", … ({len(names)} in all)" if len(names) > most else "")
