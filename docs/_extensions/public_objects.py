@@ -20,6 +20,7 @@ import cdia_pin
 LOGGER = logging.getLogger(__name__)
 COMMANDS = {"app", "cli"}  # rooms without a Python interface for users
 NO_OBJECTS = {"effects", "__version__"}  # a module and a string
+LEAF = "cdia_pin.errors"  # a module with a page of its own
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
@@ -61,6 +62,8 @@ def names_of_rooms() -> Iterator[str]:
         if path.parent.name not in COMMANDS:
             room = import_module(f"cdia_pin.{path.parent.name}")
             yield from (f"{room.__name__}.{name}" for name in getattr(room, "__all__", ()))
+    errors = import_module(LEAF)
+    yield from (f"{LEAF}.{name}" for name, value in vars(errors).items() if LEAF == getattr(value, "__module__", ""))
 
 
 def missing(documented: set[str]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 from docutils import nodes
@@ -25,7 +26,7 @@ def linked(text: str, role: str) -> str:
 
 
 def _link_page(app: Sphinx, docname: str, source: list[str]) -> None:
-    if docname != PAGE and app.env.doc2path(docname).endswith(".md"):
+    if docname != PAGE and Path(app.env.doc2path(docname)).suffix == ".md":
         source[0] = linked(source[0], "{ref}")
 
 
