@@ -63,7 +63,9 @@ def names_of_rooms() -> Iterator[str]:
             room = import_module(f"cdia_pin.{path.parent.name}")
             yield from (f"{room.__name__}.{name}" for name in getattr(room, "__all__", ()))
     errors = import_module(LEAF)
-    yield from (f"{LEAF}.{name}" for name, value in vars(errors).items() if LEAF == getattr(value, "__module__", ""))
+    yield from (
+        f"{LEAF}.{name}" for name, value in vars(errors).items() if getattr(value, "__module__", "") == LEAF
+    )
 
 
 def missing(documented: set[str]) -> list[str]:
