@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from cdia_pin.changes.common_structure import common_effects, smooth_functions
 from cdia_pin.effects import Effect, LinkInertia, ToolWrench, ViscousMedium
 from cdia_pin.effects.state import State
-from cdia_pin.regression.design_matrix import Columns
+from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
-from cdia_pin.regression.fitting import Whitened
 from cdia_pin.regression.noise import fit_noise
-from cdia_pin.regression.shared_parameters import Part, Regression
+from cdia_pin.regression.normal_equations import NormalEquations
+from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
+from cdia_pin.regression.whitening import Whitening
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.candidates import LARGE_FAMILY, SCREENED, enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
@@ -88,7 +89,7 @@ class Differing:
     experiment: Experiment
     prediction: Prediction
     after: NDArray[np.bool_]
-    common: tuple[Part, ...]
+    common: tuple[ColumnGroup, ...]
     changes: dict[Difference, dict[int, Array]]
     searched: dict[str, int]
     noise: Array
@@ -112,7 +113,7 @@ class Differing:
             noise: Of each joint's compared torque [N·m or N], shape (n,).
             settings: What may have changed, and blocks of time per side.
         """
-        columns, robot = Columns(experiment), experiment.robot
+        columns, robot = DesignMatrix(experiment), experiment.robot
         ends = np.cumsum([0, *experiment.lengths])
         after = np.arange(ends[-1]) >= ends[before]
         logs = tuple(s.state.log for s in experiment.segments[before:])
@@ -146,7 +147,7 @@ class Differing:
         few = [c for c in self.changes if c.size < GENERIC_SIZE and self.searched[c.label] <= LARGE_FAMILY]
         return list({c.label: c for c in reversed(few)}.values())
 
-    def whitened(self, changed: Sequence[Difference]) -> Whitened:
+    def whitened(self, changed: Sequence[Difference]) -> Whitening:
         """Return the noise that the common structure and some changes leave."""
         x = self.experiment
         left, used = self.beside_common(changed)
@@ -154,7 +155,7 @@ class Differing:
         noise = [fit_noise(e, use, near, x.lengths, m) for e, use, near, m in parts]
         misfit = np.maximum(rms(left, x.informative) / self.noise, 1.0)
         noise = [replace(m, sigma=m.sigma * more) for m, more in zip(noise, misfit, strict=True)]
-        return Whitened.of(x, noise, self.edges)
+        return Whitening.of(x, noise, self.edges)
 
     def beside_common(self, changed: Sequence[Difference] = ()) -> tuple[Array, Array]:
         """Return the residual beside what is common and some changes (K, n), and how many parameters it took (n,)."""
@@ -162,45 +163,47 @@ class Differing:
         size = np.maximum(rms(residual, use), 1e-12)
         for _ in range(ROUNDS):  # what surprises nobody is told by the noise, and the noise by what it leaves
             scaled = lambda j, x, size=size: np.where(use[:, [j]], x / size[j], 0.0)  # noqa: E731
-            left, used = Regression.of([*self.common, *self._parts(changed)], residual, scaled).residual()
+            left, used = SharedRegression.of(
+                [*self.common, *self._parts(changed)], residual, scaled
+            ).residual()
             left = left * size
             size = np.maximum(rms(left, use), 1e-12)
         return left, used
 
-    def evidence(self, whitened: Whitened, found: Collection[Difference] = ()) -> Evidence:
+    def evidence(self, whitening: Whitening, found: Collection[Difference] = ()) -> Evidence:
         """Form the normal equations of all changes, what is common projected away.
 
         Args:
-            whitened: Noise and blocks.
+            whitening: Noise and blocks.
             found: Changes that are there in any case; of others with many shapes, only the best are.
         """
         robot, residual = self.experiment.robot, self.prediction.residual
-        effects = self._screened(whitened, found)
-        regression = Regression.of([*self.common, *self._parts(effects)], residual, whitened.joint)
+        effects = self._screened(whitening, found)
+        regression = SharedRegression.of([*self.common, *self._parts(effects)], residual, whitening.joint)
         rows, prior = regression.beside(len(regression.precision) - sum(e.size for e in effects))
         pairs = list(zip(self.edges[:-1], self.edges[1:], strict=True))
         blocks = np.stack([sum(r[start:stop].T @ r[start:stop] for r in rows) for start, stop in pairs])
         blocks += prior / len(blocks)
-        return replace(
-            Evidence(robot, effects, blocks, whitened.samples),
+        return Evidence(
+            NormalEquations(robot, effects, blocks, whitening.samples),
             searched=self.searched,
             needed=WORTH * np.array([np.sum(r[self.after, -1] ** 2) for r in rows]),
         )
 
-    def _parts(self, changes: Sequence[Difference]) -> list[Part]:
-        return [Part(self.changes[c], np.full(c.size, INF)) for c in changes]
+    def _parts(self, changes: Sequence[Difference]) -> list[ColumnGroup]:
+        return [ColumnGroup(self.changes[c], np.full(c.size, INF)) for c in changes]
 
-    def _screened(self, whitened: Whitened, found: Collection[Difference]) -> list[Difference]:
+    def _screened(self, whitening: Whitening, found: Collection[Difference]) -> list[Difference]:
         """Return the changes, of large families those shapes alone that fit best."""
         every = list(self.changes)
-        regression = Regression.of(
-            [*self.common, *self._parts(every)], self.prediction.residual, whitened.joint
+        regression = SharedRegression.of(
+            [*self.common, *self._parts(every)], self.prediction.residual, whitening.joint
         )
         first = len(regression.precision) - sum(c.size for c in every)
         gram = regression.gram[first:, first:] - regression.gram[first:, :first] @ regression.explained_by(
             first
         )
-        gains = Evidence(self.experiment.robot, every, gram[None], whitened.samples).gains(())
+        gains = NormalEquations(self.experiment.robot, every, gram[None], whitening.samples).gains(())
         kept: dict[str, list[Difference]] = {}
         for c in np.argsort(gains)[::-1]:
             family = kept.setdefault(every[c].label, [])

@@ -11,10 +11,9 @@ from cdia_pin.changes.finding import Finding
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, Drift, Term
 from cdia_pin.regression.experiment import Experiment, Prediction
-from cdia_pin.regression.fitting import Whitened
 from cdia_pin.regression.friction_memory import bent
+from cdia_pin.regression.regression import Regression
 from cdia_pin.robot.model import RobotModel
-from cdia_pin.selection.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -26,18 +25,15 @@ WORTH = 0.1  # least share of what is left of a joint that memory must explain
 LEAST_LEVEL = 0.01  # of the joint's RMS torque
 
 
-def recognised(
-    problem: Problem, model: Dynamics, whitened: Whitened, left: Sequence[str]
-) -> tuple[Finding, ...]:
+def recognised(regression: Regression, model: Dynamics, left: Sequence[str]) -> tuple[Finding, ...]:
     """Return what is recognised in a fitted model, and in what it leaves.
 
     Args:
-        problem: The logs.
+        regression: The conditioned logs and their noise.
         model: Fitted to them, with intervals.
-        whitened: Noise and blocks.
         left: Joints on which structure is left.
     """
-    return (*_drifts(model, left), *_memories(problem, model, whitened))
+    return (*_drifts(model, left), *_memories(regression, model))
 
 
 def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
@@ -69,24 +65,26 @@ def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
         )
 
 
-def _memories(problem: Problem, model: Dynamics, whitened: Whitened) -> Iterator[Finding]:
+def _memories(regression: Regression, model: Dynamics) -> Iterator[Finding]:
     """Yield a sentence for each joint whose torque after a reversal follows the distance travelled."""
-    experiment = problem.experiment
+    experiment, whitening = regression.experiment, regression.whitening
     prediction = experiment.predict(model)
     for j, joint in enumerate(model.robot.joints):
         if experiment.resting[j]:
             continue
-        own = [_columns(problem, prediction, t, j) for t in model.terms if j in t.effect.acts_on(model.robot)]
+        own = [
+            _columns(regression, prediction, t, j) for t in model.terms if j in t.effect.acts_on(model.robot)
+        ]
         # memory must be more than direction and speed
-        level = problem.columns.of(CoulombFriction(joint), prediction)[:, 0, :]
-        beside = whitened.joint(j, np.column_stack([*own, level, _of_speed(experiment, j)]))
-        y = whitened.joint(j, prediction.residual[:, j])
+        level = regression.design.of(CoulombFriction(joint), prediction)[:, 0, :]
+        beside = whitening.joint(j, np.column_stack([*own, level, _of_speed(experiment, j)]))
+        y = whitening.joint(j, prediction.residual[:, j])
         basis = _orthonormal(beside)
         left = y - basis @ (basis.T @ y)
         travel = max(float(np.ptp(s.motion.q[:, j])) for s in experiment.segments)
         gains, levels = [], []
         for reach in REACHES * travel:
-            z = whitened.joint(j, -bent(experiment, j, float(reach)))
+            z = whitening.joint(j, -bent(experiment, j, float(reach)))
             new = z - basis @ (basis.T @ z)
             size = float(new @ new)
             level_of = float(new @ left) / size if size > 1e-6 * float(z @ z) else 0.0
@@ -114,9 +112,9 @@ def _presliding(robot: RobotModel, joint: str, level: float, reach: float) -> Fi
     )
 
 
-def _columns(problem: Problem, prediction: Prediction, term: Term, j: int) -> Array:
-    x = problem.columns.of(term.effect, prediction, np.array(term.theta))
-    return x[:, term.effect.acts_on(problem.experiment.robot).index(j), :]
+def _columns(regression: Regression, prediction: Prediction, term: Term, j: int) -> Array:
+    x = regression.design.of(term.effect, prediction, np.array(term.theta))
+    return x[:, term.effect.acts_on(regression.experiment.robot).index(j), :]
 
 
 def _of_speed(experiment: Experiment, j: int) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -50,6 +50,14 @@ class Term:
             if name not in names:
                 raise EffectError(f"{effect.label}: " + unknown_name("parameter", name, names))
         return cls(effect, tuple(float(parameters.get(n, 0.0)) for n in names), profile)
+
+    def with_theta(self, theta: Sequence[float] | Array) -> Term:
+        """Return the term with other parameters, without intervals.
+
+        Args:
+            theta: Parameters in the effect's order and units, shape (p,).
+        """
+        return Term(self.effect, tuple(float(v) for v in theta), self.profile)
 
     @property
     def label(self) -> str:

@@ -17,8 +17,12 @@ Array = NDArray[np.float64]
 SAME_GRAVITY = 0.03  # [m/s²], by which gravity may differ and columns of bodies are kept
 
 
-class Columns:
-    """Columns of effects in the residual, computed once where they do not depend on the model's torque."""
+class DesignMatrix:
+    """Columns of effects in the residual, computed once where they do not depend on the model's torque.
+
+    Args:
+        experiment: The conditioned logs.
+    """
 
     def __init__(self, experiment: Experiment) -> None:
         self.experiment = experiment
@@ -27,10 +31,18 @@ class Columns:
         self._families: dict[Effect, tuple[NoiseModel, list[Effect], Array, Array]] = {}
 
     def of(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
-        """Return the columns of an effect, shape (K, len(acts_on), p).
+        """Return the columns of an effect.
 
         Those of the model's own effects are exact. For a candidate (θ omitted) a gain that changes along the motion
         is replaced by its mean, which is enough to rank it.
+
+        Args:
+            effect: The effect.
+            prediction: Of the model that it is part of, or a candidate for.
+            theta: Its parameters, where the model has it, shape (p,).
+
+        Returns:
+            Torque per unit of each parameter on each joint that it acts on, shape (K, len(acts_on), p).
         """
         exact = theta is not None
         joints = list(effect.acts_on(self.experiment.robot))

@@ -1,4 +1,4 @@
-"""Structure that is left: does anything smooth in the motion still explain the residual?"""
+"""LackOfFit that is left: does anything smooth in the motion still explain the residual?"""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ALARM = 1e-4  # probability of calling noise structure, per joint
 
 
 @dataclass(frozen=True)
-class Structure:
+class LackOfFit:
     """What smooth functions of the motion find in each joint's residual.
 
     Attributes:
@@ -74,9 +74,9 @@ def smooth_columns(experiment: Experiment, prediction: Prediction, j: int) -> Ar
     return np.column_stack([slow_columns(experiment, j), _bases(load[:, j], NEURONS), a, np.abs(a)])
 
 
-def look_for_structure(
+def lack_of_fit(
     experiment: Experiment, prediction: Prediction, own: list[Array], edges: NDArray[np.intp]
-) -> Structure:
+) -> LackOfFit:
     """Compare each joint's residual with smooth functions of the motion.
 
     Args:
@@ -120,7 +120,7 @@ def look_for_structure(
         sure = chance < ALARM and (improvement[j] > LEAST_IMPROVEMENT or plain > SURE_IMPROVEMENT)
         shown = sure or plain > PLAIN_IMPROVEMENT
         left[j] = shown and np.sqrt(max(np.mean(y[use] ** 2) - floor[j] ** 2, 0.0)) > smallest[j]
-    return Structure(left, improvement, tuple(outer), tuple(inner), floor)
+    return LackOfFit(left, improvement, tuple(outer), tuple(inner), floor)
 
 
 def _at_least(resolution: float, left: Array, by_acceleration: Array, use: NDArray[np.bool_]) -> Array:

@@ -21,7 +21,7 @@ from cdia_pin.effects import (
     ViscousFriction,
 )
 from cdia_pin.errors import EffectError, unknown_name
-from cdia_pin.regression.design_matrix import Columns
+from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.noise import NoiseModel
 from cdia_pin.selection.discovery_settings import DiscoverySettings
@@ -113,7 +113,7 @@ def _can_be_seen(effect: Effect, experiment: Experiment, rigid_share: Array) -> 
 
 def screen(
     families: Iterable[list[Effect]],
-    columns: Columns,
+    design: DesignMatrix,
     prediction: Prediction,
     noise: Sequence[NoiseModel],
     leftover: Array,
@@ -122,7 +122,7 @@ def screen(
 
     Args:
         families: From `enumerate_candidates`.
-        columns: Where columns come from.
+        design: Columns of effects.
         prediction: Of the present model.
         noise: Noise of each joint.
         leftover: Whitened residual of the present model, uninformative samples zero, shape (K, n).
@@ -132,8 +132,8 @@ def screen(
         if len(family) <= LARGE_FAMILY:
             out.extend(family)
             continue
-        (j,) = family[0].acts_on(columns.experiment.robot)
-        white, inverse = columns.family(family, prediction, noise[j])
+        (j,) = family[0].acts_on(design.experiment.robot)
+        white, inverse = design.family(family, prediction, noise[j])
         right = white @ leftover[:, j]
         best = np.argsort(np.einsum("cp,cpq,cq->c", right, inverse, right))[::-1]
         chosen: list[int] = []

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from cdia_pin.effects import Effect
 from cdia_pin.logs.conditioning import Conditioning
+from cdia_pin.selection.criterion import SelectionCriterion
 
 
 @dataclass(frozen=True)
@@ -17,8 +18,9 @@ class DiscoverySettings:
         effects: Names of the vocabulary that may be found; all but ``unknown`` and ``expression`` if None.
         extra: Effects of the user's own that may be found as well.
         per_log: Effects, by name or label, whose parameters are each log's own in any case.
-        most_effects: Search ends with this many effects in the model.
-        blocks: Contiguous blocks of time for held-out errors and intervals.
+        most_effects: The search ends with this many effects in the model.
+        blocks: Number of contiguous blocks of time for held-out errors and intervals.
+        criterion: What an effect must explain to be named.
     """
 
     conditioning: Conditioning = field(default_factory=Conditioning)
@@ -27,3 +29,4 @@ class DiscoverySettings:
     per_log: tuple[str, ...] = ()
     most_effects: int = 40
     blocks: int = 10
+    criterion: SelectionCriterion = field(default_factory=SelectionCriterion)

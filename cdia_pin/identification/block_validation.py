@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cdia_pin.identification.estimate import Estimate, Fitter, constrained, unconstrained
 from cdia_pin.identification.prior import precision
 from cdia_pin.regression.experiment import rms
-from cdia_pin.selection.evidence import Evidence
+from cdia_pin.regression.normal_equations import NormalEquations
 
 Array = NDArray[np.float64]
 
@@ -43,12 +43,12 @@ def choose_strength(fitter: Fitter, estimate: Estimate) -> float:
 
     Of models that predict alike the one nearest to the URDF is the safest where the motion says little.
     """
-    evidence = estimate.evidence
+    equations = estimate.equations
     errors = [
         block_errors(
-            evidence.total,
-            evidence.blocks,
-            precision(evidence, fitter.experiment, estimate.whitened, strength),
+            equations.total,
+            equations.blocks,
+            precision(equations, fitter.experiment, estimate.whitening, strength),
         )
         for strength in STRENGTHS
     ]
@@ -62,18 +62,18 @@ def held_out_rms(fitter: Fitter, estimate: Estimate) -> Array:
 
     Effects that are not linear are taken to first order around the fit to all blocks.
     """
-    experiment, evidence = fitter.experiment, estimate.evidence
+    experiment, equations = fitter.experiment, estimate.equations
     prediction = experiment.predict(estimate.model)
     out = prediction.residual.copy()
-    columns = [fitter.columns.of(t.effect, prediction, np.array(t.theta)) for t in estimate.model.terms]
-    for k, block in enumerate(evidence.blocks):
-        change = constrained(evidence, evidence.total - block, estimate.prior) - estimate.theta
+    columns = [fitter.design.of(t.effect, prediction, np.array(t.theta)) for t in estimate.model.terms]
+    for k, block in enumerate(equations.blocks):
+        change = constrained(equations, equations.total - block, estimate.prior) - estimate.theta
         rows = slice(fitter.edges[k], fitter.edges[k + 1])
-        for effect, span, x in zip(evidence.effects, evidence.spans, columns, strict=True):
+        for effect, span, x in zip(equations.effects, equations.parameters, columns, strict=True):
             out[rows, list(effect.acts_on(experiment.robot))] -= x[rows] @ change[span]
     return rms(out, experiment.informative)
 
 
-def of_effects(evidence: Evidence, chosen: Sequence[int]) -> NDArray[np.intp]:
+def of_effects(equations: NormalEquations, chosen: Sequence[int]) -> NDArray[np.intp]:
     """Return the columns of some effects and of the response."""
-    return np.append(evidence.columns(chosen), len(evidence.total) - 1)
+    return np.append(equations.columns(chosen), len(equations.total) - 1)

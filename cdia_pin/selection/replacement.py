@@ -1,4 +1,4 @@
-"""Explanations that are not linear, fitted at their own optimum: normal equations know them to first order only."""
+"""Replacement: effects that are not linear, fitted at their own optimum in the place of others."""
 
 from __future__ import annotations
 
@@ -8,44 +8,39 @@ import numpy as np
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
-from cdia_pin.regression.fitting import MOST_ITERATIONS, Whitened, refit
-from cdia_pin.selection.evidence import Evidence, Fit
-from cdia_pin.selection.problem import Problem
+from cdia_pin.regression.bounded_fit import bounded_fit
+from cdia_pin.regression.gauss_newton import MOST_ITERATIONS, refit
+from cdia_pin.selection.evidence import Evidence, SetFit
+from cdia_pin.selection.problem import WhitenedProblem
 
-NEARLY = (
-    0.9  # share of what an effect explains that another must explain to first order to be fitted as it is
-)
-
-Refit = Callable[[Sequence[int], int], Fit]  # indices of a set and of one more, fitted at their own optimum
+Refit = Callable[
+    [Sequence[int], int], SetFit
+]  # indices of a set and of one more, fitted at their own optimum
 
 
 def refitting(
-    problem: Problem,
-    model: Dynamics,
-    whitened: Whitened,
-    evidence: Evidence,
-    iterations: int = MOST_ITERATIONS,
+    problem: WhitenedProblem, model: Dynamics, evidence: Evidence, iterations: int = MOST_ITERATIONS
 ) -> Refit:
     """Return how another effect is fitted in the place of some of a model's, beside all the rest of it.
 
+    Normal equations describe an effect that is not linear to first order only.
+
     Args:
-        problem: Logs and candidates.
+        problem: Logs, candidates and noise.
         model: A fitted model.
-        whitened: Noise and blocks.
-        evidence: Normal equations of its effects and all candidates, whose indices and prices the fits have.
+        evidence: Evidence for its effects and all candidates, whose indices and penalties the fits have.
         iterations: Most of a refit.
     """
-    experiment, columns = problem.experiment, problem.columns
 
-    def refitted(rest: Sequence[int], other: int) -> Fit:
+    def refitted(rest: Sequence[int], other: int) -> SetFit:
         chosen = tuple(sorted((*rest, other)))
         present = {t.effect: t for t in model.terms}
         effects = [evidence.effects[c] for c in chosen]
         terms = tuple(present[e] if e in present else Term(e, (0.0,) * e.size) for e in effects)
-        _, at_optimum = refit(experiment, columns, Dynamics(model.robot, terms), whitened, iterations)
-        fit = at_optimum.fit(range(len(effects)), bodies=True)
-        cost = fit.chi2 + float(evidence.price[list(chosen)].sum())
-        return Fit(chosen, fit.theta, fit.chi2, cost, fit.possible, fit.physical)
+        _, equations = refit(problem.regression, Dynamics(model.robot, terms), iterations)
+        fit = bounded_fit(equations, range(len(effects)), bodies=True)
+        cost = fit.chi2 + evidence.penalty_of(chosen)
+        return SetFit(chosen, fit.theta, fit.chi2, cost, fit.possible, fit.physical)
 
     return refitted
 
@@ -58,8 +53,8 @@ def promising(
     Each comes with what it would lower chi2 by [1].
 
     Args:
-        evidence: Normal equations of all candidates.
-        rest: The set.
+        evidence: Evidence for all candidates.
+        rest: Indices of the set.
         enough: By how much an effect must lower chi2 [1].
     """
     gains = evidence.gains(rest)
