@@ -1,6 +1,5 @@
 """The files and names that the examples in the pages take for granted."""
 
-import os
 import shutil
 
 import pytest
@@ -36,10 +35,8 @@ def reader(tmp_path_factory):
 
 
 @pytest.fixture
-def place(reader):
-    """The folder, entered, and a copy of the names."""
-    folder, names = reader
-    before = os.getcwd()
-    os.chdir(folder)
-    yield dict(names)
-    os.chdir(before)
+def names(reader, monkeypatch):
+    """A copy of the names; the folder is the working directory."""
+    folder, given = reader
+    monkeypatch.chdir(folder)
+    return dict(given)
