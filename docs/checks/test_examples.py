@@ -1,9 +1,11 @@
 """The examples in README.md and in the pages run as they are printed.
 
-Blocks of `python` run page by page, one after another, with common names. Of blocks of `sh` every `cdia` command
-runs. A block that is to be read only says so: ```` ```python not-run ````.
+Blocks of `python` run page by page, one after another, with common names. The `cdia` commands in blocks of `sh` run
+as well: those of the README to their end unless they take long, all of them with CDIA_EVERY_EXAMPLE=1. A block that
+does not run says so: ```` ```python not-run ````.
 """
 
+import os
 import re
 import shlex
 from pathlib import Path
@@ -18,10 +20,9 @@ PAGES = [
     *(p for p in sorted((ROOT / "docs").glob("*.md")) if not p.name.startswith("results")),
 ]
 BLOCK = re.compile(r"^```(python|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
-SERVERS = (
-    "app",
-    "view",
-)  # wait for a browser until they are ended: the options are checked, nothing is served
+SERVERS = ("app", "view")  # wait for a browser until they are ended
+LONG = ("simulate", "study")  # take half a minute and more
+EVERY = "CDIA_EVERY_EXAMPLE" in os.environ
 INDENTED = re.compile(r"^    (cdia |from |import )", re.MULTILINE)
 
 
@@ -36,28 +37,30 @@ def commands(page: Path) -> list[list[str]]:
     return [given[1:] for given in words if given[:1] == ["cdia"]]
 
 
-COMMANDS = [
-    pytest.param(page, given, id=f"{page.stem}: {shlex.join(given)}")
-    for page in PAGES
-    for given in commands(page)
-]
+def runs(page: Path, given: list[str]) -> bool:
+    """Whether a command runs to its end; of the others only the options are read."""
+    return given[0] not in SERVERS and (EVERY or (page.name == "README.md" and given[0] not in LONG))
+
+
+COMMANDS = [(page, given) for page in PAGES for given in commands(page)]
 PYTHON = [pytest.param(page, id=page.stem) for page in PAGES if blocks(page, "python")]
 
 
 @pytest.mark.parametrize("page", PYTHON)
-def test_the_python_of_a_page_runs(page, place):
+def test_the_python_of_a_page_runs(page, names):
     for text in blocks(page, "python"):
-        exec(compile(text, str(page), "exec"), place)
+        exec(compile(text, str(page), "exec"), names)
 
 
-@pytest.mark.parametrize(("page", "given"), COMMANDS)
-def test_a_command_of_a_page_runs(page, given, place, capsys):
-    if given[0] in SERVERS:
+@pytest.mark.parametrize("k", range(len(COMMANDS)), ids=[f"{p.stem}: {shlex.join(g)}" for p, g in COMMANDS])
+def test_a_command_of_a_page_runs(k, names, capsys):
+    page, given = COMMANDS[k]
+    if not runs(page, given):
         given = [*given, "--help"]
     assert main(given) == 0, capsys.readouterr().err
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_examples_are_in_blocks_that_run(page):
-    found = INDENTED.search(page.read_text(encoding="utf-8"))
+    found = INDENTED.search(BLOCK.sub("", page.read_text(encoding="utf-8")))
     assert found is None, f"write it as a block of python or sh: {found.group()}"
