@@ -33,10 +33,6 @@ BELIEFS = (
     BelievedFaults(16.0, (replace(FRICTION, theta=(3.9,)),)),
     BelievedFaults(18.0, ()),
 )
-    BelievedFaults(14.0, (FRICTION,)),
-    BelievedFaults(16.0, (replace(FRICTION, theta=(3.9,)),)),
-    BelievedFaults(18.0, ()),
-)
 
 
 def a_run(count=500):
