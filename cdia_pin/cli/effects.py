@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_json
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 
     from cdia_pin.effects import Effect
 
-SCHEMA = "cdia-effects/1"
 EXAMPLE_ROBOT = "scara"  # ships; has turning and sliding joints, whose units differ
 
 
@@ -43,7 +43,7 @@ def effects(
     else:
         _show_all(console, entries)
     if json:
-        write_json({"schema": SCHEMA, "effects": entries}, json)
+        write_json({"schema": schemas.EFFECTS, "effects": entries}, json)
 
 
 def describe(kind: type[Effect]) -> dict[str, Any]:

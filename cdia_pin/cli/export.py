@@ -7,13 +7,12 @@ from typing import Annotated, Any
 
 import typer
 
+from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs
 from cdia_pin.cli.options import Json, Robot
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
-
-SCHEMA = "cdia-export/1"
 
 
 def export(
@@ -51,7 +50,7 @@ def export(
     if values.damping or values.friction:
         console.print("Friction in a URDF is for simulators: cdia takes it from the model, with --model.")
     document: dict[str, Any] = {
-        "schema": SCHEMA,
+        "schema": schemas.EXPORT,
         "robot": known.robot.name,
         "urdf": str(urdf),
         "written": values.written,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_json
@@ -14,8 +15,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from cdia_pin.robot import RobotModel
-
-SCHEMA = "cdia-robots/1"
 
 
 def robots(
@@ -38,7 +37,7 @@ def robots(
         entries = [_entry(load_robot(known)) for known in catalogue()]
         _show_all(console, entries)
     if json:
-        write_json({"schema": SCHEMA, "robots": entries}, json)
+        write_json({"schema": schemas.ROBOTS, "robots": entries}, json)
 
 
 def _entry(robot: RobotModel) -> dict[str, Any]:

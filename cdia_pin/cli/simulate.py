@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from cdia_pin import schemas
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs, show_inputs
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from cdia_pin.dynamics import Dynamics
     from cdia_pin.logs import Log
 
-SCHEMA = "cdia-events/1"
 RATE, CONTROL_RATE = 250.0, 1000.0  # [Hz]
 QUANTUM = 2e-5  # [rad or m], of the encoders of an arm with noise
 
@@ -132,7 +132,7 @@ def simulate(
     show_inputs(console, plant, [log], role="plant")
     _show(console, plant, log, tracking)
     document: dict[str, Any] = {
-        "schema": SCHEMA,
+        "schema": schemas.EVENTS,
         "robot": plant.robot.name,
         "joints": list(plant.robot.joints),
         "events": [],

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.diagnosis.journal import Belief, Journal, Look
 from cdia_pin.diagnosis.monitor import Monitor
-from cdia_pin.diagnosis.status import SCHEMA, Event, Stage, Status, fault_to_dict
-from cdia_pin.display import Displayed
+from cdia_pin.diagnosis.status import Event, Stage, Status, fault_to_dict
 from cdia_pin.effects import Term
 from cdia_pin.logs.log import Log
 from cdia_pin.robot.model import RobotModel
@@ -24,7 +24,7 @@ STORED = 100.0  # [Hz], ticks that are kept; an hour of seven joints is then 165
 
 
 @dataclass(frozen=True, eq=False)
-class MonitorRun(Displayed):
+class MonitorRun:
     """A replay or a closed loop as the monitor saw it, K ticks of n joints in the robot's order.
 
     Attributes:
@@ -87,7 +87,7 @@ class MonitorRun(Displayed):
     def to_dict(self) -> dict[str, Any]:
         """Return the run as files of the schema cdia-events/1 have it."""
         out: dict[str, Any] = {
-            "schema": SCHEMA,
+            "schema": schemas.EVENTS,
             "robot": self.robot.name,
             "joints": list(self.joints),
             "events": [e.to_dict(self.robot) for e in self.events],

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cdia_pin import schemas
 from cdia_pin.errors import CdiaError
 from cdia_pin.viewers.report_discovery import discovery_data
 from cdia_pin.viewers.report_series import SIGNALS, against, cloud, compact_one, end_to_end, over_time
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from cdia_pin.logs import LogCheck
     from cdia_pin.robot.model import RobotModel
 
-SCHEMA = "cdia-report/1"
 REGIONS = 12  # worst regions listed for a model
 
 
@@ -48,7 +48,7 @@ def report_data(
     robot = comparison.model.robot
     time, _ = end_to_end(comparison)
     return {
-        "schema": SCHEMA,
+        "schema": schemas.REPORT,
         "title": title or _title(robot, discovery),
         "command": command,
         "version": comparison.record["version"],

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.viewers.event_words import event_rows, fault_words
 from cdia_pin.viewers.page import write_page
 from cdia_pin.viewers.report_faults import against_motion, motion_of, presence
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
     from cdia_pin.effects import State, Term
 
 Array = NDArray[np.float64]
-
-SCHEMA = "cdia-monitor-report/1"
 
 
 def write_monitor_report(
@@ -84,7 +83,7 @@ def monitor_data(
     """Collect what the page shows, ready for JSON; the arguments are those of `write_monitor_report`."""
     x = motion_of(run)
     return {
-        "schema": SCHEMA,
+        "schema": schemas.MONITOR_REPORT,
         "title": title or f"{run.robot.name} under watch",
         "command": command,
         "version": run.record["version"],

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-Severity = Literal["ok", "info", "warning", "error"]
+from cdia_pin import schemas
 
-SCHEMA = "cdia-check/1"
+Severity = Literal["ok", "info", "warning", "error"]
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class LogCheck:
     def to_dict(self) -> dict[str, Any]:
         """Return the check for JSON, schema ``cdia-check/1``."""
         return {
-            "schema": SCHEMA,
+            "schema": schemas.CHECK,
             "source": self.source,
             "sha256": self.sha256,
             "robot": self.robot,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cdia_pin import schemas
 from cdia_pin.errors import CdiaError
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.viewers.scene.bodies import SceneMesh, bodies_of
@@ -20,7 +21,6 @@ from cdia_pin.viewers.words import joint_units, short_names
 
 Array = NDArray[np.float64]
 
-SCHEMA = "cdia-scene/1"
 HOLE = 0.02  # [m], of an arm without a shape, below which it is not filled
 TRIANGLES = 60_000  # of the whole picture; a Panda then takes 1.0 MB
 COARSE = 12_000  # of the picture where it moves and drawing is slow
@@ -76,7 +76,7 @@ class Scene:
         home = resting_pose(robot) if position is None else _pose(robot, position)
         short = short_names(robot.joints)
         return {
-            "schema": SCHEMA,
+            "schema": schemas.SCENE,
             "robot": robot.name,
             "joints": [
                 {
