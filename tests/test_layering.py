@@ -27,8 +27,8 @@ ORDER = (
     "app",
     "cli",
 )
-COMMON = ("version", "errors", "progress", "resources", "display")  # below everything
-DOORS = ("__init__", "__main__")  # lead into the package from outside
+COMMON = ("version", "schemas", "errors", "extras", "progress", "resources")  # below everything
+DOORS = ("__init__", "__main__", "ipython")  # lead into the package from outside
 
 MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] != "_data")
 

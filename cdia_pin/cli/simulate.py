@@ -13,7 +13,7 @@ from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs, show_inputs
 from cdia_pin.cli.monitor_options import MONITOR, Bank, Engine
 from cdia_pin.cli.options import Json, Report, Robot
-from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
 from cdia_pin.cli.simulation_options import SIMULATION, Duration, Fault, Seed
 from cdia_pin.version import __version__
 
@@ -104,6 +104,7 @@ def simulate(
         raise CommandError(f"cannot write {out}: the suffix must be one of {', '.join(WRITABLE)}")
     if seed < 0:
         raise CommandError(f"a seed is 0 or more, given {seed}")
+    require_report(report)
     require_writable(out, json, report)
     console = stdout(json)
     arm = load_inputs(robot, None).robot

@@ -14,6 +14,7 @@ from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 from cdia_pin.errors import unknown_name
+from cdia_pin.extras import require
 from cdia_pin.version import __version__
 
 if TYPE_CHECKING:
@@ -116,6 +117,7 @@ def _thesis(console: Console, asked: Request) -> None:
     preset = asked.preset or "both"
     if preset not in {*PRESETS, "both"}:
         raise CommandError(unknown_name("preset", preset, [*PRESETS, "both"]))
+    require("figures", "figures")
     out = _directory(asked)
     require_writable(asked.json, out / REPORT)
     with progress() as tell:
@@ -167,6 +169,7 @@ def _arms(console: Console, asked: Request) -> None:
 
     if asked.preset:
         raise CommandError("the study arms takes no --preset")
+    require("figures", "figures")
     out = _directory(asked)
     require_writable(asked.json, out / ARMS_REPORT)
     with progress() as tell:

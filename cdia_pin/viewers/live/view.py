@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cdia_pin.errors import CdiaError
+from cdia_pin.extras import require
 from cdia_pin.viewers.live.server import Stream, application
 from cdia_pin.viewers.scene import Scene, SceneStage, Timeline
 
@@ -41,6 +42,7 @@ class LiveView:
 
     Raises:
         CdiaError: If the port cannot be had.
+        MissingExtraError: If the server's packages are not installed.
     """
 
     def __init__(
@@ -55,6 +57,7 @@ class LiveView:
         title: str = "",
         port: int = 0,
     ) -> None:
+        require("view", "live views")
         import uvicorn
 
         live: dict[str, Any] = {"live": True, "follow": follow, "stages": [vars(s) for s in stages]}

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin import schemas
 from cdia_pin.errors import CdiaError
+from cdia_pin.extras import require
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.viewers.scene.bodies import SceneMesh, bodies_of
 from cdia_pin.viewers.scene.capsules import capsules
@@ -51,7 +52,11 @@ class Scene:
         Args:
             robot: The arm.
             triangles: About how many the picture may have.
+
+        Raises:
+            MissingExtraError: If what reads meshes is not installed.
         """
+        require("view", "pictures of an arm")
         chain = chain_of(robot)
         meshes, notes = bodies_of(robot, chain)
         bare = _bare(robot, chain, meshes)
