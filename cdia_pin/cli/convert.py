@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -44,7 +44,7 @@ def convert(
         reading = Reading(gains, joint_map, convert, topic)
         (read,), _ = read_logs([log], model.robot, reading, check=False, tell=tell)
     show_inputs(console, model, [read])
-    document: dict[str, Any] = {
+    document: dict[str, object] = {
         "schema": schemas.CONVERSION,
         "source": str(log),
         "sha256": read.sha256,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -49,7 +49,7 @@ def export(
         console.print(f"not in the URDF  {label}: {why}", markup=False)
     if values.damping or values.friction:
         console.print("Friction in a URDF is for simulators: cdia takes it from the model, with --model.")
-    document: dict[str, Any] = {
+    document: dict[str, object] = {
         "schema": schemas.EXPORT,
         "robot": known.robot.name,
         "urdf": str(urdf),

@@ -70,7 +70,7 @@ def require_report(report: Path | None) -> None:
         require("view", "reports")
 
 
-def write_json(document: Mapping[str, Any], file: str) -> None:
+def write_json(document: Mapping[str, object], file: str) -> None:
     """Write a document as JSON, to a file or, for ``-``, to stdout."""
     text = json.dumps(plain(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     if file == STDOUT:

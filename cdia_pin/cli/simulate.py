@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -132,7 +132,7 @@ def simulate(
     tracking = dict(zip(plant.robot.joints, error.tolist(), strict=True))
     show_inputs(console, plant, [log], role="plant")
     _show(console, plant, log, tracking)
-    document: dict[str, Any] = {
+    document: dict[str, object] = {
         "schema": schemas.EVENTS,
         "robot": plant.robot.name,
         "joints": list(plant.robot.joints),

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from cdia_pin.viewers.page import asset
 from cdia_pin.viewers.scene.assets import scene_assets
@@ -34,7 +35,7 @@ class Stream:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._news: asyncio.Event = asyncio.Event()
 
-    def add(self, message: dict[str, Any]) -> None:
+    def add(self, message: Mapping[str, object]) -> None:
         """Add a message; raises RuntimeError if nobody serves any more."""
         self._messages.append(json.dumps(message, separators=(",", ":"), allow_nan=False))
         if self._loop is not None:
@@ -57,7 +58,7 @@ class Stream:
                 await news.wait()
 
 
-def application(setup: dict[str, Any], stream: Stream) -> Starlette:
+def application(setup: Mapping[str, object], stream: Stream) -> Starlette:
     """Return the application.
 
     Args:
