@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1  # small matrices: threads only cost
 help:  ## show this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
 
-install: $(VENV)/.installed  ## the package and the command cdia, in .venv
+install: $(VENV)/.installed  ## the package with every extra and the command cdia, in .venv
 
 test: $(VENV)/.installed-dev  ## all tests
 	$(BIN)/python -m pytest -n $(JOBS)
@@ -47,7 +47,7 @@ $(BIN)/python:
 
 # The stamps keep the set-up from being done again; a changed pyproject.toml renews it.
 $(VENV)/.installed: pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable .
+	$(BIN)/python -m pip install --quiet --editable ".[all]"
 	@touch $@
 
 $(VENV)/.installed-docs: pyproject.toml | $(BIN)/python

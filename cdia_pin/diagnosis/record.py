@@ -9,11 +9,11 @@ from typing import Any, NotRequired, TypedDict, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.diagnosis.engines import EngineName
 from cdia_pin.diagnosis.journal import BelievedFaults, Journal, Look
 from cdia_pin.diagnosis.monitor import Monitor, MonitorRecord
-from cdia_pin.diagnosis.status import SCHEMA, Event, EventDict, FaultDict, Stage, Status, fault_to_dict
-from cdia_pin.display import Displayed
+from cdia_pin.diagnosis.status import Event, EventDict, FaultDict, Stage, Status, fault_to_dict
 from cdia_pin.effects import Term
 from cdia_pin.logs.log import Log
 from cdia_pin.robot.model import RobotModel
@@ -39,7 +39,7 @@ class MonitorDocument(TypedDict):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MonitorRun(Displayed):
+class MonitorRun:
     """A replay or a closed loop as the monitor recorded it: K ticks of n joints in the robot's order.
 
     Attributes:
@@ -108,7 +108,7 @@ class MonitorRun(Displayed):
         """Return the run as files of the schema cdia-events/1 have it."""
         tracking: dict[str, Any] = {} if self.desired is None else {"tracking_rms": self.tracking_rms()}
         out = {
-            "schema": SCHEMA,
+            "schema": schemas.EVENTS,
             "robot": self.robot.name,
             "joints": list(self.joints),
             "events": [e.to_dict(self.robot) for e in self.events],

@@ -14,8 +14,6 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-SCHEMA = "cdia-events/1"
-
 
 class Stage(StrEnum):
     """Stage of a joint between healthy and accommodated ([Thesis] fig. 6); later members are graver."""
