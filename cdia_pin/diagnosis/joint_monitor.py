@@ -189,7 +189,7 @@ class JointMonitor:
         self.isolation.drop_prior()
         self.beliefs.commit(belief)
         if belief.verdict is Verdict.AMBIGUOUS:
-            reason = what_separates([self.faults, *self.beliefs.alternatives])
+            reason = what_separates([self.faults, *self.beliefs.alternatives], self.observer.nominal.robot)
         return self._believed(t, reason)
 
     def _commit_unknown(self, t: float) -> list[Event]:

@@ -18,8 +18,8 @@ from cdia_pin.excitation.goals import Between, Goal, Parameters
 from cdia_pin.excitation.information import Information, planned, torque_rms
 from cdia_pin.excitation.limits import MotionLimits
 from cdia_pin.excitation.motion import Draw, within_room
-from cdia_pin.excitation.reasons import has_torque, why_alike, why_silent
-from cdia_pin.excitation.sides import side_of
+from cdia_pin.excitation.sides import Side, side_of
+from cdia_pin.identifiability.distinguishing_motions import weightless_remark, why_alike
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.log import Log
 from cdia_pin.regression.experiment import Experiment
@@ -90,12 +90,13 @@ class Question:
         asked = (*one_side.all_effects, *other.all_effects, *rest)
         info = self.information(self.everything, tuple(dict.fromkeys(asked)))
         for side in sides:
-            if not has_torque(side, info):
-                raise EffectError(why_silent(side, self.everything))
+            if not _has_torque(side, info):
+                remark = weightless_remark(side.effects, self.model.robot)
+                raise EffectError(f"{side.label} has no torque on any motion of this arm{remark}")
         known = np.concatenate([np.zeros(0), *(1.0 / e.prior_scale(self.model.robot) ** 2 for e in rest)])
         goal = Between.of(one_side, other, rest, known, self.parameters(self._common()), info)
         if not any(goal.tellable):
-            why = why_alike(one_side, other, self.everything)
+            why = why_alike(one_side.effects, other.effects, self.model.robot)
             raise EffectError(f"no motion of this arm tells {one_side.label} from {other.label}: {why}")
         return goal
 
@@ -121,6 +122,12 @@ class Question:
 
     def _anywhere(self, rng: np.random.Generator) -> Array:
         return within_room(rng.uniform(self.limits.lower, self.limits.upper), self.limits)
+
+
+def _has_torque(side: Side, everything: Information) -> bool:
+    """Tell whether an explanation gives any torque on any motion."""
+    at = everything.columns(side.shapes[0])
+    return bool(everything.gram[np.ix_(at, at)].any())
 
 
 def _listed(effects: Explanation) -> tuple[Effect, ...]:

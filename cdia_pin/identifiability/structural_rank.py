@@ -1,4 +1,4 @@
-"""Spans: what two effects have in common on any motion, whatever a log shows of them."""
+"""Structural rank: what effects have in common on any motion, whatever a log shows of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,12 @@ NEGLIGIBLE = 1e-5  # singular value beside the largest, of columns of unit norm,
 
 
 def rank(columns: Array, negligible: float = NEGLIGIBLE) -> int:
-    """Return how many directions columns (K, p) span, each scaled to unit norm."""
+    """Return how many directions columns span, each scaled to unit norm.
+
+    Args:
+        columns: Torque per unit of each parameter, shape (K, p).
+        negligible: Singular value that is rounding, over the largest [1].
+    """
     norm = np.linalg.norm(columns, axis=0)
     seen = columns[:, norm > NEGLIGIBLE * norm.max(initial=0.0)]
     values = (
@@ -62,12 +67,13 @@ def torque_elsewhere(robot: RobotModel, effect: Effect, covariance: Array) -> Ar
 @lru_cache(maxsize=512)
 def _columns(robot: RobotModel, effect: Effect) -> Array:
     """Return the torque per unit of each parameter at random states, all joints below each other, shape (K·n, p)."""
-    phi = effect.basis(_random_states(robot))
+    phi = effect.basis(random_states(robot))
     return phi.reshape(-1, phi.shape[2])
 
 
 @lru_cache(maxsize=8)
-def _random_states(robot: RobotModel) -> State:
+def random_states(robot: RobotModel) -> State:
+    """Return states that show all there is, always the same for one robot, shapes (K, n)."""
     rng = np.random.default_rng(0)
     lower, upper = np.maximum(robot.limits.lower, -REACH), np.minimum(robot.limits.upper, REACH)
     q = rng.uniform(lower, upper, (STATES, robot.n))
