@@ -23,6 +23,7 @@ from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.status import Event, EventStage, Stage, Verdict
 from cdia_pin.diagnosis.words import what_separates
 from cdia_pin.effects import Profile, Term, Unknown
+from cdia_pin.identifiability.distinguishing_motions import prepare
 
 TRIAL_TIME = 3.0  # [s]; a belief that fails sooner was wrong, one that fails later met a further fault
 MOST_FAILURES = 3  # wrong beliefs in a row, after which the fault is called unknown
@@ -60,6 +61,7 @@ class JointMonitor:
         self.j, self.observer, self.settings, self.unknown = j, observer, settings, unknown
         self.name, self.bank = observer.nominal.robot.joints[j], isolator.bank
         self.isolation = JointIsolation(j, observer, isolator, healthy)
+        prepare(observer.nominal.robot, self.name)
         self.reset()
 
     def reset(self) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import combinations
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,27 +46,26 @@ class MotionKind:
 def distinguishing_motion(explanations: Sequence[Sequence[Effect]], robot: RobotModel) -> str:
     """Return in words the simplest motion in which explanations clearly differ.
 
-    The separation of two explanations on a motion is the share of one's columns that the other's cannot imitate.
+    Whichever of two explanations is true must show what the other cannot imitate. The share of its columns that is left
+    is compared with the largest share of any motion; an explanation that the other always imitates does not count.
 
     Args:
         explanations: Each the effects that explain together.
         robot: The arm.
     """
     named = tuple(dict.fromkeys(j for effects in explanations for e in effects for j in e.scope))
-    scores = [
-        min(
-            (
-                _separation(one, other, states)
-                for one, other in combinations([tuple(e) for e in explanations], 2)
-            ),
-            default=0.0,
-        )
-        for states in (_states(robot, kind, named) for kind in range(len(KINDS)))
-    ]
-    best = max(scores)
-    if best <= NEGLIGIBLE:
+    motions = [_states(robot, kind, named) for kind in range(len(KINDS))]
+    bases = [[_basis(effects, x) for effects in explanations] for x in motions]
+    pairs = list(permutations(range(len(explanations)), 2))
+    shares = np.array(
+        [[_left(b[true], b[fitted]) for true, fitted in pairs] for b in bases]
+    )  # (kinds, pairs)
+    most = shares.max(axis=0, initial=0.0)
+    tellable = most > NEGLIGIBLE
+    if not tellable.any():
         return KINDS[-1].words
-    return next(k.words for k, score in zip(KINDS, scores, strict=True) if score >= ENOUGH * best)
+    scores = (shares[:, tellable] / most[tellable]).min(axis=1)
+    return next(k.words for k, score in zip(KINDS, scores, strict=True) if score >= ENOUGH * scores.max())
 
 
 def motion_between(one: Effect, other: Effect, robot: RobotModel) -> str:
@@ -80,6 +79,17 @@ def motion_between(one: Effect, other: Effect, robot: RobotModel) -> str:
     if are_alike(robot, one, other):
         return f"no motion of this arm does: {why_alike([one], [other], robot)}"
     return _motion_between(one, other, robot)
+
+
+def prepare(robot: RobotModel, joint: str) -> None:
+    """Compute the motions for explanations on one joint beforehand, so that a control loop need not wait for them.
+
+    Args:
+        robot: The arm.
+        joint: Name of the joint.
+    """
+    for kind in range(len(KINDS)):
+        _states(robot, kind, (joint,))
 
 
 def why_alike(one: Sequence[Effect], other: Sequence[Effect], robot: RobotModel) -> str:
@@ -176,12 +186,6 @@ def _states(robot: RobotModel, kind: int, named: tuple[str, ...]) -> State:
 @lru_cache(maxsize=4096)
 def _motion_between(one: Effect, other: Effect, robot: RobotModel) -> str:
     return distinguishing_motion([[one], [other]], robot)
-
-
-def _separation(one: Sequence[Effect], other: Sequence[Effect], x: State) -> float:
-    """Return the share of an explanation's columns that the other cannot imitate, the larger of both ways [1]."""
-    a, b = (_basis(effects, x) for effects in (one, other))
-    return max(_left(a, b), _left(b, a))
 
 
 def _basis(effects: Sequence[Effect], x: State) -> Array:
