@@ -20,12 +20,13 @@ from benchmarks.plant.run import Run
 from cdia_pin.discovery.comparison import compare
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect
-from cdia_pin.effects.inertia import Body
+from cdia_pin.effects.body import Body
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.regression.experiment import Experiment, Prediction
-from cdia_pin.regression.fitting import Whitened, gather
 from cdia_pin.regression.noise import fit_noise
+from cdia_pin.regression.regression import Regression
+from cdia_pin.regression.whitening import Whitening
 from cdia_pin.robot import RobotModel
 from cdia_pin.selection.candidates import screen
 from cdia_pin.selection.discovery_settings import DiscoverySettings
@@ -133,11 +134,12 @@ def _around(
         fit_noise(noise_alone[:, j], use[:, j], experiment.nearness[:, j], experiment.lengths, 0.0)
         for j in range(n)
     ]
-    whitened = Whitened.of(experiment, noise, problem.edges)
-    seen = np.column_stack([whitened.joint(j, missing[:, j]) for j in range(n)])
-    screened = screen(problem.families, problem.columns, bare, noise, seen)
+    whitening = Whitening.of(experiment, noise, problem.edges)
+    seen = np.column_stack([whitening.joint(j, missing[:, j]) for j in range(n)])
+    screened = screen(problem.families, problem.design, bare, noise, seen)
     effects = dict.fromkeys([*(t.effect for t in around.model.terms), *screened])
-    return gather(experiment, problem.columns, around, list(effects), whitened)
+    regression = Regression(problem.design, whitening)
+    return Evidence(regression.normal_equations(around, list(effects)), problem.settings.criterion)
 
 
 def _sight(evidence: Evidence, others: list[int], one: int) -> Sight:
@@ -146,7 +148,8 @@ def _sight(evidence: Evidence, others: list[int], one: int) -> Sight:
     rivals = [
         k
         for k, e in enumerate(evidence.effects)
-        if _physics(e, evidence.robot) not in hidden and evidence.freedom[k] <= evidence.freedom[one]
+        if _physics(e, evidence.robot) not in hidden
+        and evidence.effective_parameters[k] <= evidence.effective_parameters[one]
     ]
     bound = alone - evidence.gains(others)
     best, apart = "", np.inf

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from benchmarks.measured_logs.errors import Bench
 from cdia_pin import Dynamics, IdentificationSettings, identify
 from cdia_pin.effects import ActuatorGain, Effect, LoadFriction, RotorInertia, TorqueOffset
-from cdia_pin.effects.inertia import Body
+from cdia_pin.effects.body import Body
 from cdia_pin.regression.experiment import Experiment, rms
 
 Array = NDArray[np.float64]

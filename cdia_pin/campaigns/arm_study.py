@@ -13,6 +13,7 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
 from cdia_pin.campaigns.loop_comparison import LoopComparison, compare_loops, onset
 from cdia_pin.dynamics.dynamics import Dynamics
@@ -23,10 +24,9 @@ from cdia_pin.robot import load_robot
 
 Array = NDArray[np.float64]
 
-SCHEMA = "cdia-study-arms/1"
 ARMS = ("panda", "ur5", "xarm7")
 FIRST, SECOND, DURATION = 2.0, 5.0, 12.0  # [s], onset of the first and second faults, end of a run
-SETTLED = 3.0  # [s], from the last onset to the start of the comparison: the time of two isolations
+SETTLED = 3.0  # [s], from the last onset to the start of the comparison: time for both isolations
 LOSS = -0.3  # [1], lost share of the torque, as in the thesis
 FRICTION = 0.2  # [1], torque of each friction over the RMS torque of its joint
 
@@ -204,4 +204,4 @@ def to_dict(cases: Sequence[ArmCase]) -> ArmStudyRecord:
     Returns:
         Plain JSON.
     """
-    return {"schema": SCHEMA, "cases": [case.to_dict() for case in cases]}
+    return {"schema": schemas.STUDY_ARMS, "cases": [case.to_dict() for case in cases]}

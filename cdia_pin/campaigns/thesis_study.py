@@ -10,6 +10,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.campaigns.scara_run import UNITS, ScaraRun, Scenario, run
 from cdia_pin.campaigns.thesis_presets import (
     KNOWN,
@@ -30,9 +31,8 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-SCHEMA = "cdia-study-thesis/1"
-SETTLED = 2.0  # [s], from the last onset to the start of the comparison: the time of an isolation
-GRACE = 2.0  # [s], time for the isolation filters to learn; about one period of the slowest joint
+SETTLED = 2.0  # [s], from the last onset to the start of the comparison: time for an isolation
+GRACE = 2.0  # [s], time for the isolation filters to learn before their residuals count
 
 
 class LearningRule(StrEnum):
@@ -142,7 +142,7 @@ class ThesisStudy:
     def to_dict(self) -> ThesisStudyRecord:
         """Return the numbers as ``cdia study thesis --json`` writes them."""
         return {
-            "schema": SCHEMA,
+            "schema": schemas.STUDY_THESIS,
             "robot": "scara",
             "joints": list(self.joints),
             "units": dict(zip(self.joints, UNITS, strict=True)),

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.effects import Effect, LinkInertia
-from cdia_pin.regression.design_matrix import Columns
+from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.friction_memory import bent
-from cdia_pin.regression.shared_parameters import Part
+from cdia_pin.regression.shared_parameters import ColumnGroup
 from cdia_pin.selection.candidates import enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 
@@ -25,7 +25,9 @@ REACHES = (0.01, 0.03, 0.1, 0.3)  # of friction with memory, beside the joint's 
 SLOW = 0.05  # of a joint's usual speed, within which smooth functions may change with its direction
 
 
-def common_effects(experiment: Experiment, prediction: Prediction, columns: Columns) -> list[Part]:
+def common_effects(
+    experiment: Experiment, prediction: Prediction, columns: DesignMatrix
+) -> list[ColumnGroup]:
     """Return the vocabulary, each effect in a few of its shapes, as large as the joint's own torque."""
     robot = experiment.robot
     families = enumerate_candidates(experiment, prediction, DiscoverySettings())
@@ -38,7 +40,7 @@ def common_effects(experiment: Experiment, prediction: Prediction, columns: Colu
         x, joints = columns.of(effect, prediction, present.get(effect)), effect.acts_on(robot)
         of_unit = np.sqrt(np.mean(x**2, axis=0)) / torque[list(joints)][:, None]  # (joints, p)
         scale = np.minimum(effect.prior_scale(robot), 1.0 / np.maximum(of_unit.max(axis=0), 1e-12))
-        out.append(Part({j: x[:, i, :] for i, j in enumerate(joints)}, scale))
+        out.append(ColumnGroup({j: x[:, i, :] for i, j in enumerate(joints)}, scale))
     return out
 
 
@@ -47,7 +49,7 @@ def _few(family: list[Effect]) -> list[Effect]:
     return list(dict.fromkeys(family[k] for k in (0, len(family) // 2, -1)))
 
 
-def smooth_functions(experiment: Experiment, prediction: Prediction, size: Array) -> list[Part]:
+def smooth_functions(experiment: Experiment, prediction: Prediction, size: Array) -> list[ColumnGroup]:
     """Return smooth functions of each joint's motion and load, and of the other joints' positions.
 
     Args:
@@ -73,7 +75,7 @@ def smooth_functions(experiment: Experiment, prediction: Prediction, size: Array
         memory = [bent(experiment, j, r * max(travel, 1e-9)) for r in REACHES]
         raw = np.column_stack([raw, *memory])
         columns = raw / np.maximum(np.sqrt(np.mean(raw**2, axis=0)), 1e-9)
-        out.append(Part({j: columns}, np.full(columns.shape[1], max(float(size[j]), 1e-12))))
+        out.append(ColumnGroup({j: columns}, np.full(columns.shape[1], max(float(size[j]), 1e-12))))
     return out
 
 

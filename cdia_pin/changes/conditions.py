@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from cdia_pin.changes.changes_result import Changes
 from cdia_pin.changes.detection import what_changed
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import PerLog, Term, Varying
+from cdia_pin.effects import Channel, PerLog, Term, Varying
 from cdia_pin.logs.log import Log
 from cdia_pin.progress import Progress
 from cdia_pin.selection.discovery_settings import DiscoverySettings
@@ -42,7 +42,9 @@ def effects_that_differ(changes: Sequence[Changes]) -> tuple[str, ...]:
     An encoder's zero is not among them: it moves the arm, and has one value in a model.
     """
     terms = [c.term for found in changes for c in found.changes]
-    return tuple(dict.fromkeys(t.label for t in terms if not t.effect.shifts))
+    return tuple(
+        dict.fromkeys(t.label for t in terms if t.effect.traits.channel is not Channel.POSITION_READING)
+    )
 
 
 def with_parameters_per_log(model: Dynamics, logs: tuple[str, ...], asked: Sequence[str]) -> Dynamics:

@@ -15,14 +15,14 @@ from cdia_pin.changes.sizes import friction_before, sized, torque_of
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.errors import LogError
-from cdia_pin.identifiability.alternatives import Rivals
+from cdia_pin.identifiability.alternatives import Alternatives
 from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.identifiability.distinguishing_motions import motion_between
 from cdia_pin.logs.conditioning import Motion, condition
 from cdia_pin.logs.log import Log
 from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import Experiment, rms
-from cdia_pin.regression.fitting import Whitened
+from cdia_pin.regression.whitening import Whitening
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.evidence import Evidence
@@ -67,7 +67,7 @@ def what_changed(
         raise LogError("what changed is asked of at least one log before and one after")
     tell("conditioning", 0.0)
     motions = [condition(log, model.robot, settings.conditioning) for log in (*first, *last)]
-    experiment = Experiment.of(model.robot, motions)
+    experiment = Experiment.of(model.robot, motions, settings.rest)
     sides = [
         tuple(s.state.log for s in part)
         for part in (experiment.segments[: len(first)], experiment.segments[len(first) :])
@@ -113,7 +113,7 @@ def what_changed(
 
 def _search(
     differing: Differing, settings: DiscoverySettings, tell: Progress
-) -> tuple[tuple[Difference, ...], Whitened]:
+) -> tuple[tuple[Difference, ...], Whitening]:
     """Return the changes that no move improves, and the noise that they leave."""
     whitened = differing.whitened(differing.generic())
     found: tuple[Difference, ...] = ()
@@ -170,7 +170,7 @@ def _change(
         earlier.get(difference),
         torque_of(differing, difference, term),
         _missed(evidence, chosen, one) / 2,
-        tuple(_plain(c, term, evidence.robot) for c in Rivals(evidence, chosen).of(one)),
+        tuple(_plain(c, term, evidence.robot) for c in Alternatives(evidence, chosen).of(one)),
     )
 
 

@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.common_structure import common_effects, smooth_functions
-from cdia_pin.effects import Effect, LinkInertia, ToolWrench, ViscousMedium
+from cdia_pin.effects import Effect, LinkInertia, ToolWrench, Traits, ViscousMedium, WrappedEffect
+from cdia_pin.effects.rigid_body import RigidBody
 from cdia_pin.effects.state import State
-from cdia_pin.regression.design_matrix import Columns
+from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
-from cdia_pin.regression.fitting import Whitened
 from cdia_pin.regression.noise import fit_noise
-from cdia_pin.regression.shared_parameters import Part, Regression
+from cdia_pin.regression.normal_equations import NormalEquations
+from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
+from cdia_pin.regression.whitening import Whitening
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.candidates import LARGE_FAMILY, SCREENED, enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
@@ -24,7 +26,6 @@ from cdia_pin.selection.evidence import Evidence
 
 Array = NDArray[np.float64]
 
-WORTH = 0.05  # least share of what is left of a joint after that a change must explain
 GENERIC_SIZE = 10  # parameters from which an effect does not take part in the first guess of the noise
 # Links stay what they are, and a steady force on a tool is nearly always a weight: searched only if asked for.
 UNUSUAL = (LinkInertia, ToolWrench, ViscousMedium)
@@ -33,7 +34,7 @@ INF = float("inf")
 
 
 @dataclass(frozen=True)
-class Difference(Effect):
+class Difference(WrappedEffect):
     """An effect by which some logs differ from the others: its parameters may have either sign.
 
     Attributes:
@@ -44,30 +45,54 @@ class Difference(Effect):
     effect: Effect
     logs: tuple[str, ...]
 
-    def __post_init__(self) -> None:
-        for promise in ("name", "equation", "parameters", "shape", "scope_fields", "of_torque", "rarity"):
-            object.__setattr__(self, promise, getattr(self.effect, promise))
+    @property
+    def traits(self) -> Traits:
+        """Traits of the effect; a difference of friction may be negative, and then adds power."""
+        return replace(self.effect.traits, dissipative=False)
 
     @property
-    def scope(self) -> tuple[str, ...]:
-        """Joints named by the effect."""
-        return self.effect.scope
+    def bodies(self) -> tuple[RigidBody, ...]:
+        """None: a difference between two bodies need not be a possible body."""
+        return ()
 
     def basis(self, x: State) -> Array:
         """Return the effect's basis, zero in the other logs, shape (N, n, p)."""
-        return self.effect.basis(x) * float(x.log in self.logs)
+        return self.effect.basis(x) * self._presence(x)
 
-    def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
-        """Return the indices of the joints whose torque the effect can change."""
-        return self.effect.acts_on(robot)
+    def torque(self, x: State, theta: Array) -> Array:
+        """Return the effect's torque [N·m or N], zero in the other logs, shape (N, n)."""
+        return self.effect.torque(x, theta) * self._presence(x)
+
+    def jacobian(self, x: State, theta: Array) -> Array:
+        """Return the effect's ∂f/∂θ, zero in the other logs, shape (N, n, p)."""
+        return self.effect.jacobian(x, theta) * self._presence(x)
+
+    def shift(self, x: State, theta: Array) -> Array:
+        """Return the effect's shift [rad or m], zero in the other logs, shape (N, n)."""
+        return self.effect.shift(x, theta) * self._presence(x)
+
+    def gravity_change(self, x: State, theta: Array) -> Array:
+        """Return the effect's change of gravity [m/s²], zero in the other logs, shape (N, 3)."""
+        return self.effect.gravity_change(x, theta) * self._presence(x)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return no bounds."""
         return np.full(self.size, -INF), np.full(self.size, INF)
 
-    def prior_scale(self, robot: RobotModel) -> Array:
-        """Return the effect's scale."""
-        return self.effect.prior_scale(robot)
+    def is_physical(self, theta: Array, robot: RobotModel) -> bool:
+        """Tell that any difference can belong to a real arm."""
+        return True
+
+    def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
+        """Return the estimate as it is, shape (p,)."""
+        return np.array(theta, float)
+
+    def is_distinct(self, theta: Array) -> bool:
+        """Tell that any difference counts."""
+        return True
+
+    def _presence(self, x: State) -> float:
+        return float(x.log in self.logs)
 
 
 @dataclass(frozen=True)
@@ -82,16 +107,18 @@ class Differing:
         changes: What may differ, zero before.
         searched: In how many shapes each change, by label, is looked for.
         noise: Of each joint's compared torque, as far as it is rough [N·m or N], shape (n,).
+        settings: What may have changed, and what it must explain.
         edges: First sample of each block of time, none of which has samples of both sides, shape (B + 1,).
     """
 
     experiment: Experiment
     prediction: Prediction
     after: NDArray[np.bool_]
-    common: tuple[Part, ...]
+    common: tuple[ColumnGroup, ...]
     changes: dict[Difference, dict[int, Array]]
     searched: dict[str, int]
     noise: Array
+    settings: DiscoverySettings
     edges: NDArray[np.intp]
 
     @classmethod
@@ -112,7 +139,7 @@ class Differing:
             noise: Of each joint's compared torque [N·m or N], shape (n,).
             settings: What may have changed, and blocks of time per side.
         """
-        columns, robot = Columns(experiment), experiment.robot
+        columns, robot = DesignMatrix(experiment), experiment.robot
         ends = np.cumsum([0, *experiment.lengths])
         after = np.arange(ends[-1]) >= ends[before]
         logs = tuple(s.state.log for s in experiment.segments[before:])
@@ -135,6 +162,7 @@ class Differing:
             changes,
             {f[0].label: len(f) for f in families},
             noise,
+            settings,
             np.concatenate([edges[0][:-1], edges[1]]).astype(int),
         )
         left = rms(differing.beside_common(differing.generic())[0], experiment.informative)
@@ -146,15 +174,17 @@ class Differing:
         few = [c for c in self.changes if c.size < GENERIC_SIZE and self.searched[c.label] <= LARGE_FAMILY]
         return list({c.label: c for c in reversed(few)}.values())
 
-    def whitened(self, changed: Sequence[Difference]) -> Whitened:
+    def whitened(self, changed: Sequence[Difference]) -> Whitening:
         """Return the noise that the common structure and some changes leave."""
         x = self.experiment
         left, used = self.beside_common(changed)
         parts = zip(left.T, x.informative.T, x.nearness.T, used, strict=True)
-        noise = [fit_noise(e, use, near, x.lengths, m) for e, use, near, m in parts]
+        noise = [
+            fit_noise(e, use, near, x.lengths, m, settings=self.settings.noise) for e, use, near, m in parts
+        ]
         misfit = np.maximum(rms(left, x.informative) / self.noise, 1.0)
         noise = [replace(m, sigma=m.sigma * more) for m, more in zip(noise, misfit, strict=True)]
-        return Whitened.of(x, noise, self.edges)
+        return Whitening.of(x, noise, self.edges)
 
     def beside_common(self, changed: Sequence[Difference] = ()) -> tuple[Array, Array]:
         """Return the residual beside what is common and some changes (K, n), and how many parameters it took (n,)."""
@@ -162,45 +192,49 @@ class Differing:
         size = np.maximum(rms(residual, use), 1e-12)
         for _ in range(ROUNDS):  # what surprises nobody is told by the noise, and the noise by what it leaves
             scaled = lambda j, x, size=size: np.where(use[:, [j]], x / size[j], 0.0)  # noqa: E731
-            left, used = Regression.of([*self.common, *self._parts(changed)], residual, scaled).residual()
+            left, used = SharedRegression.of(
+                [*self.common, *self._parts(changed)], residual, scaled
+            ).residual()
             left = left * size
             size = np.maximum(rms(left, use), 1e-12)
         return left, used
 
-    def evidence(self, whitened: Whitened, found: Collection[Difference] = ()) -> Evidence:
+    def evidence(self, whitening: Whitening, found: Collection[Difference] = ()) -> Evidence:
         """Form the normal equations of all changes, what is common projected away.
 
         Args:
-            whitened: Noise and blocks.
+            whitening: Noise and blocks.
             found: Changes that are there in any case; of others with many shapes, only the best are.
         """
         robot, residual = self.experiment.robot, self.prediction.residual
-        effects = self._screened(whitened, found)
-        regression = Regression.of([*self.common, *self._parts(effects)], residual, whitened.joint)
+        effects = self._screened(whitening, found)
+        regression = SharedRegression.of([*self.common, *self._parts(effects)], residual, whitening.joint)
         rows, prior = regression.beside(len(regression.precision) - sum(e.size for e in effects))
         pairs = list(zip(self.edges[:-1], self.edges[1:], strict=True))
         blocks = np.stack([sum(r[start:stop].T @ r[start:stop] for r in rows) for start, stop in pairs])
         blocks += prior / len(blocks)
-        return replace(
-            Evidence(robot, effects, blocks, whitened.samples),
+        return Evidence(
+            NormalEquations(robot, effects, blocks, whitening.samples),
+            self.settings.criterion,
             searched=self.searched,
-            needed=WORTH * np.array([np.sum(r[self.after, -1] ** 2) for r in rows]),
+            needed=self.settings.criterion.least_share_of_change
+            * np.array([np.sum(r[self.after, -1] ** 2) for r in rows]),
         )
 
-    def _parts(self, changes: Sequence[Difference]) -> list[Part]:
-        return [Part(self.changes[c], np.full(c.size, INF)) for c in changes]
+    def _parts(self, changes: Sequence[Difference]) -> list[ColumnGroup]:
+        return [ColumnGroup(self.changes[c], np.full(c.size, INF)) for c in changes]
 
-    def _screened(self, whitened: Whitened, found: Collection[Difference]) -> list[Difference]:
+    def _screened(self, whitening: Whitening, found: Collection[Difference]) -> list[Difference]:
         """Return the changes, of large families those shapes alone that fit best."""
         every = list(self.changes)
-        regression = Regression.of(
-            [*self.common, *self._parts(every)], self.prediction.residual, whitened.joint
+        regression = SharedRegression.of(
+            [*self.common, *self._parts(every)], self.prediction.residual, whitening.joint
         )
         first = len(regression.precision) - sum(c.size for c in every)
         gram = regression.gram[first:, first:] - regression.gram[first:, :first] @ regression.explained_by(
             first
         )
-        gains = Evidence(self.experiment.robot, every, gram[None], whitened.samples).gains(())
+        gains = NormalEquations(self.experiment.robot, every, gram[None], whitening.samples).gains(())
         kept: dict[str, list[Difference]] = {}
         for c in np.argsort(gains)[::-1]:
             family = kept.setdefault(every[c].label, [])

@@ -18,7 +18,7 @@ def findings_of(changes: Sequence[Change], robot: RobotModel) -> tuple[Finding, 
     """Return what several changes have in common."""
     change_of: dict[str, float] = {}  # friction torque of each joint, relative to before where that is known
     for c in changes:
-        if c.term.effect.dissipative and c.term.effect.scope:
+        if c.term.effect.traits.dissipative and c.term.effect.scope:
             for joint in c.term.effect.scope:
                 size = float(c.torque_rms[robot.joint_index(joint)])
                 change_of[joint] = change_of.get(joint, 0.0) + size * float(np.sign(sum(c.term.theta)))
@@ -26,7 +26,7 @@ def findings_of(changes: Sequence[Change], robot: RobotModel) -> tuple[Finding, 
     if len(change_of) < max(FEWEST, MOST_JOINTS * robot.n) or len(signs) != 1:
         return ()
     fell = signs == {-1.0}
-    growth = [c.growth for c in changes if c.term.effect.dissipative and c.growth is not None]
+    growth = [c.growth for c in changes if c.term.effect.traits.dissipative and c.growth is not None]
     mean = float(np.median(growth)) if growth else float("nan")
     by = f" by {abs(100 * mean):.0f} % (median)" if growth else ""
     count = f"all {robot.n} joints" if len(change_of) == robot.n else f"{len(change_of)} of {robot.n} joints"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +10,12 @@ from numpy.typing import NDArray
 from cdia_pin.changes.evidence import Difference, Differing
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, Effect, LinkInertia, Term, TorqueOffset, ViscousFriction
-from cdia_pin.regression.design_matrix import Columns
+from cdia_pin.regression.bounded_fit import bounded_fit
+from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import rms
-from cdia_pin.regression.fitting import Whitened, gather, with_intervals
+from cdia_pin.regression.intervals import with_intervals
+from cdia_pin.regression.regression import Regression
+from cdia_pin.regression.whitening import Whitening
 from cdia_pin.selection.evidence import Evidence
 
 Array = NDArray[np.float64]
@@ -23,19 +25,12 @@ PLAIN = (CoulombFriction, ViscousFriction, TorqueOffset)  # with rigid bodies, w
 
 def sized(evidence: Evidence, chosen: tuple[int, ...]) -> list[Term]:
     """Return the differences of some effects, fitted together, with 95 % intervals, in the order given."""
-    columns = np.concatenate([evidence.spans[c] for c in chosen])
-    at = np.append(columns, -1)
-    alone = replace(
-        evidence,
-        effects=[evidence.effects[c] for c in chosen],
-        blocks=evidence.blocks[:, at][:, :, at],
-        needed=None,
-    )
-    theta, terms, start = alone.fit(range(len(chosen))).theta, [], 0
-    for difference in alone.effects:
+    alone = evidence.equations.restricted(chosen)
+    theta = bounded_fit(alone, range(len(chosen))).theta
+    terms = []
+    for difference, part in zip(alone.effects, alone.parameters.split(theta), strict=True):
         assert isinstance(difference, Difference)
-        terms.append(Term(difference.effect, tuple(theta[start : start + difference.size])))
-        start += difference.size
+        terms.append(Term(difference.effect, tuple(part)))
     return list(with_intervals(Dynamics(evidence.robot, tuple(terms)), alone).terms)
 
 
@@ -49,7 +44,7 @@ def torque_of(differing: Differing, difference: Difference, term: Term) -> Array
 
 
 def friction_before(
-    differing: Differing, changed: Sequence[Difference], whitened: Whitened
+    differing: Differing, changed: Sequence[Difference], whitening: Whitening
 ) -> dict[Difference, tuple[float, ...]]:
     """Return the parameters of each changed friction as they were before.
 
@@ -57,7 +52,7 @@ def friction_before(
     has its usual meaning: smooth functions of speed would have taken a part of it.
     """
     x, robot = differing.experiment, differing.experiment.robot
-    asked = [d for d in changed if d.effect.dissipative]
+    asked = [d for d in changed if d.effect.traits.dissipative]
     if not asked:
         return {}
     described = {j for d in asked if d.size > 1 for j in d.scope}
@@ -67,6 +62,6 @@ def friction_before(
     effects: list[Effect] = list(
         dict.fromkeys([*(d.effect for d in asked), *known, *bodies, *plain, *changed])
     )
-    together = gather(x, Columns(x), differing.prediction, effects, whitened)
-    theta = together.without(np.zeros_like(together.total), range(len(effects)))
-    return {d: tuple(float(v) for v in theta[together.spans[i]]) for i, d in enumerate(asked)}
+    together = Regression(DesignMatrix(x), whitening).normal_equations(differing.prediction, effects)
+    theta, _ = together.optimum(range(len(effects)))
+    return {d: tuple(float(v) for v in theta[together.parameters[i]]) for i, d in enumerate(asked)}

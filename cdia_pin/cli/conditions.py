@@ -45,7 +45,7 @@ def parse_per_log(
         EffectError: If an effect is not in the vocabulary.
         RobotError: If a joint is not of the robot.
     """
-    from cdia_pin.effects import EFFECTS, parse_effect
+    from cdia_pin.effects import EFFECTS, Channel, parse_effect
     from cdia_pin.errors import EffectError, unknown_name
 
     asked = tuple(part.strip() for text in texts or [] for part in text.split(",") if part.strip())
@@ -55,7 +55,8 @@ def parse_per_log(
         name = text.partition("@")[0]
         if name not in EFFECTS:
             raise EffectError(unknown_name("effect", name, EFFECTS))
-        if EFFECTS[name].shifts:
+        example = EFFECTS[name].from_scope(robot.joints[: len(EFFECTS[name].scope_fields)], {})
+        if example.traits.channel is Channel.POSITION_READING:
             raise CommandError(f"--per-log {text}: the zero of an encoder has one value in a model")
         if "@" in text:
             parse_effect(text, robot)

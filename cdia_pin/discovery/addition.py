@@ -11,7 +11,9 @@ from cdia_pin.effects import Effect, Expression, Term, Unknown
 from cdia_pin.errors import EffectError
 from cdia_pin.logs.log import Log, listed
 from cdia_pin.progress import Progress, silent
-from cdia_pin.regression.fitting import Whitened, refit
+from cdia_pin.regression.bounded_fit import bounded_fit
+from cdia_pin.regression.gauss_newton import refit
+from cdia_pin.regression.regression import Regression
 from cdia_pin.selection.candidates import per_log
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.problem import Problem
@@ -44,10 +46,10 @@ def add_effect(
         LogError: If a log is too short or of other joints.
         EffectError: If the effect cannot be seen in these logs.
     """
-    tell = progress or silent
-    tell("conditioning", 0.0)
+    report = progress or silent
+    report("conditioning", 0.0)
     problem = Problem.of(model, listed(logs), listed(holdout), settings or DiscoverySettings())
-    return add_effect_in(problem, model, effect, tell)
+    return add_effect_in(problem, model, effect, report)
 
 
 def add_effect_in(
@@ -64,12 +66,12 @@ def add_effect_in(
     Raises:
         EffectError: If the effect cannot be seen in these logs.
     """
-    tell = progress or silent
-    tell("looking at the noise", 0.1)
+    report = progress or silent
+    report("looking at the noise", 0.1)
     (effect,) = per_log([effect], problem.experiment, problem.settings.per_log)
     problem = problem.without_rest_of([effect, *(t.effect for t in model.terms)])
-    whitened = problem.first_noise(model)
-    tell(f"fitting {effect.label}", 0.3)
+    whitened = problem.with_first_noise(model)
+    report(f"fitting {effect.label}", 0.3)
     base = model.remove(effect.label) if effect.label in {t.label for t in model.terms} else model
     along = problem.experiment.along(problem.experiment.predict(model))
     trials = [effect] if isinstance(effect, Expression) else list(effect.shape_grid(along))
@@ -77,14 +79,13 @@ def add_effect_in(
         raise EffectError(f"{effect.label} cannot be seen in these logs: its joint hardly moves")
     if isinstance(effect, Unknown) or not effect.shape:
         trials = trials[:1]
-    fits = [_fitted(problem, base, e, whitened) for e in trials]
-    best = min(fits, key=lambda f: f[1])[0]
-    best = refine_shapes(problem.experiment, problem.columns, best, whitened, [t.label for t in base.terms])
-    whitened = problem.whitened(problem.structure(best))
-    return concluded(problem, base, best, whitened, (), tell, forced=(effect.label,))
+    best = min((_fitted(whitened.regression, base, e) for e in trials), key=lambda f: f[1])[0]
+    best = refine_shapes(whitened.regression, best, [t.label for t in base.terms])
+    whitened = problem.with_noise_of(problem.lack_of_fit(best))
+    return concluded(whitened, base, best, report, forced=(effect.label,))
 
 
-def _fitted(problem: Problem, base: Dynamics, effect: Effect, whitened: Whitened) -> tuple[Dynamics, float]:
-    trial = base.add(Term(effect, (0.0,) * effect.size))
-    trial, evidence = refit(problem.experiment, problem.columns, trial, whitened)
-    return trial, evidence.fit(range(len(trial.terms)), bodies=True).chi2
+def _fitted(regression: Regression, base: Dynamics, effect: Effect) -> tuple[Dynamics, float]:
+    """Return the base with an effect, fitted together, and the sum of squares that they leave [1]."""
+    trial, equations = refit(regression, base.add(Term(effect, (0.0,) * effect.size)))
+    return trial, bounded_fit(equations, range(len(trial.terms)), bodies=True).chi2

@@ -9,57 +9,58 @@ from cdia_pin.discovery.trace import trace
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
-from cdia_pin.regression.fitting import Whitened
-from cdia_pin.selection.problem import Problem
+from cdia_pin.selection.problem import WhitenedProblem
 from cdia_pin.version import __version__
 
 
 def concluded(
-    problem: Problem,
+    problem: WhitenedProblem,
     base: Dynamics,
     found: Dynamics,
-    whitened: Whitened,
-    ranking: tuple[Ranked, ...],
-    tell: Progress,
+    report: Progress,
+    *,
+    ranking: tuple[Ranked, ...] = (),
     forced: tuple[str, ...] = (),
     findings: tuple[Finding, ...] = (),
 ) -> Discovery:
     """Return the result of a discovery.
 
     Args:
-        problem: Logs and candidates.
+        problem: Logs, candidates and noise.
         base: The model that the discovery started from.
         found: The model that it ended with.
-        whitened: Noise and blocks.
+        report: Called with a sentence and the share done.
         ranking: What each candidate would explain by itself.
-        tell: Called with a sentence and the share done.
         forced: Labels of effects that stay in any case.
         findings: What is known of the logs besides.
     """
-    final, steps = trace(problem, base, found, whitened, forced)
-    structure = problem.structure(final)
-    tell("done", 1.0)
-    left = tuple(j for j, s in zip(base.robot.joints, structure.left, strict=True) if s)
-    experiment = problem.experiment
+    final, steps = trace(problem, base, found, forced)
+    logs, experiment, settings = problem.problem, problem.experiment, problem.settings
+    misfit = logs.lack_of_fit(final)
+    report("done", 1.0)
+    left = tuple(j for j, s in zip(base.robot.joints, misfit.left, strict=True) if s)
     return Discovery(
         model=final,
         verdict=_verdict(left, steps),
         trace=steps,
-        noise_floor=structure.floor,
+        noise_floor=misfit.floor,
         structure_left=left,
         torque_rms=rms(experiment.measured, experiment.informative),
         ranking=ranking,
         record={
             "version": __version__,
             "logs": [s.motion.record for s in experiment.segments],
-            "holdout": [s.motion.record for s in problem.held_out.segments] if problem.held_out else [],
-            "blocks": problem.settings.blocks,
-            "effects": list(problem.settings.effects) if problem.settings.effects else "all",
-            "extra": [e.to_dict() for e in problem.settings.extra],
-            "per_log": [*problem.settings.per_log, *problem.differing],
-            "most_effects": problem.settings.most_effects,
+            "holdout": [s.motion.record for s in logs.held_out.segments] if logs.held_out else [],
+            "blocks": settings.blocks,
+            "effects": list(settings.effects) if settings.effects else "all",
+            "extra": [e.to_dict() for e in settings.extra],
+            "per_log": [*settings.per_log, *logs.differing],
+            "most_effects": settings.most_effects,
         },
-        findings=(*findings, *recognised(problem, final, problem.whitened(structure), left)),
+        findings=(
+            *findings,
+            *recognised(logs.with_noise_of(misfit).regression, final, left, settings.memory),
+        ),
     )
 
 

@@ -12,10 +12,9 @@ from cdia_pin.discovery.ranking import rank
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.log import Log, listed
 from cdia_pin.progress import Progress, part, silent
-from cdia_pin.regression.fitting import Whitened
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.every_link import has_every_link, with_every_link
-from cdia_pin.selection.problem import Problem
+from cdia_pin.selection.problem import Problem, WhitenedProblem
 from cdia_pin.selection.search import Swaps, search
 
 PASSES = 5  # searches at most, each with the noise that the one before left, until nothing changes
@@ -46,14 +45,14 @@ def discover(
         LogError: If a log is too short or of other joints.
         EffectError: If the settings name an unknown effect.
     """
-    tell = progress or silent
-    tell("conditioning", 0.0)
+    report = progress or silent
+    report("conditioning", 0.0)
     settings, given = settings or DiscoverySettings(), listed(logs)
     # what differs between the logs is told first, beside all that they may have in common
-    changes = changes_between(model, given, settings, lambda sentence, share: tell(sentence, 0.05 * share))
+    changes = changes_between(model, given, settings, part(report, 0.0, 0.05))
     problem = Problem.of(model, given, listed(holdout), settings).with_parts(effects_that_differ(changes))
     findings = tuple(f for c in changes for f in c.findings)
-    return discover_in(problem, model, tell, findings=findings)
+    return discover_in(problem, model, report, findings=findings)
 
 
 def discover_in(
@@ -71,47 +70,41 @@ def discover_in(
         progress: Called with a sentence and the share done.
         findings: What is known of the logs besides, to be handed on.
     """
-    tell = progress or silent
+    report = progress or silent
     apart = (*problem.settings.per_log, *problem.differing)
     model = with_parameters_per_log(model, problem.experiment.logs, apart)
-    tell("looking at the noise", 0.05)
-    problem = problem.without_rest_of(t.effect for t in model.terms)
-    whitened = problem.first_noise(model)
-    problem, found, whitened = _searched(problem, model, whitened, part(tell, 0.1, 0.6))
-    richer = with_every_link(problem, found, whitened)
-    if richer is not None:
-        again = _searched(problem, richer, whitened, part(tell, 0.6, 0.8))
-        answer = _answer(model, *again, tell, findings)
+    report("looking at the noise", 0.05)
+    first = problem.without_rest_of(t.effect for t in model.terms).with_first_noise(model)
+    whitened, found = _searched(first, model, part(report, 0.1, 0.6))
+    with_links = with_every_link(whitened, found)
+    if with_links is not None:
+        answer = _answer(model, *_searched(whitened, with_links, part(report, 0.6, 0.8)), report, findings)
         if has_every_link(answer.model):
             return answer
-    return _answer(model, problem, found, whitened, tell, findings)
+    return _answer(model, whitened, found, report, findings)
 
 
 def _answer(
     model: Dynamics,
-    problem: Problem,
+    problem: WhitenedProblem,
     found: Dynamics,
-    whitened: Whitened,
-    tell: Progress,
+    report: Progress,
     findings: tuple[Finding, ...],
 ) -> Discovery:
-    tell("asking what each effect explains", 0.85)
-    ranking = rank(problem, model, whitened)
-    return concluded(problem, model, found, whitened, ranking, tell, findings=findings)
+    report("asking what each effect explains", 0.85)
+    return concluded(problem, model, found, report, ranking=rank(problem, model), findings=findings)
 
 
 def _searched(
-    problem: Problem, found: Dynamics, whitened: Whitened, tell: Progress
-) -> tuple[Problem, Dynamics, Whitened]:
+    problem: WhitenedProblem, found: Dynamics, report: Progress
+) -> tuple[WhitenedProblem, Dynamics]:
     """Search from a model, again and again with the noise that the search before left."""
     futile = Swaps()
     for k in range(PASSES):
         before = {t.label for t in found.terms}
-        lap = part(tell, k / PASSES, (k + 1) / PASSES)
         problem = problem.with_drift(found)
-        found = search(problem, found, whitened, futile, lap)
-        problem = problem.without_rest_of(t.effect for t in found.terms)
-        whitened = problem.whitened(problem.structure(found))
+        found = search(problem, found, futile, part(report, k / PASSES, (k + 1) / PASSES))
+        problem = problem.with_noise_left_by(found)
         if k > 0 and {t.label for t in found.terms} == before:
             break
-    return problem, found, whitened
+    return problem, found

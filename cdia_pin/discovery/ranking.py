@@ -10,42 +10,42 @@ from cdia_pin.discovery.discovery_result import Ranked
 from cdia_pin.discovery.trace import step_of
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
-from cdia_pin.identifiability.alternatives import Rivals
-from cdia_pin.regression.fitting import Whitened, refit, with_intervals
+from cdia_pin.identifiability.alternatives import Alternatives
+from cdia_pin.regression.gauss_newton import refit
+from cdia_pin.regression.intervals import with_intervals
 from cdia_pin.selection.evidence import Evidence
 from cdia_pin.selection.moves import ranked
-from cdia_pin.selection.problem import Problem
-from cdia_pin.selection.search import VISIBLE
+from cdia_pin.selection.problem import WhitenedProblem
 
 OVERALL = 3  # candidates of any scope that are fitted, beside the best of each joint
 LOOKED_AT = 40  # candidates from which these are taken
+ITERATIONS = 3  # of Gauss-Newton for each of them
 
 
-def rank(problem: Problem, model: Dynamics, whitened: Whitened) -> tuple[Ranked, ...]:
+def rank(problem: WhitenedProblem, model: Dynamics) -> tuple[Ranked, ...]:
     """Fit the most telling candidates one at a time beside a model: the best overall, and the best of each joint.
 
     Args:
-        problem: Logs and candidates.
+        problem: Logs, candidates and noise.
         model: The model as given.
-        whitened: Noise and blocks.
 
     Returns:
         The candidates that lower the held-out error of some joint, those that lower it most first.
     """
-    beside = problem.beside(problem.experiment.predict(model), whitened)
+    beside = problem.evidence(model)
     present = [i for i, e in enumerate(beside.effects) if e in {t.effect for t in model.terms}]
-    before = step_of(problem, None, model, whitened)
+    before = step_of(problem, None, model)
     out = []
     for c in _shortlist(beside, ranked(beside, present, LOOKED_AT)):
         effect = beside.effects[c]
-        trial, evidence = refit(
-            problem.experiment, problem.columns, model.add(Term(effect, (0.0,) * effect.size)), whitened, 3
-        )
-        term = with_intervals(trial, evidence).find(effect.label)
-        after = step_of(problem, term, trial, whitened)
-        if not (after.heldout_rms < (1 - VISIBLE) * before.heldout_rms).any():
+        alone = model.add(Term(effect, (0.0,) * effect.size))
+        trial, equations = refit(problem.regression, alone, ITERATIONS)
+        term = with_intervals(trial, equations).find(effect.label)
+        after = step_of(problem, term, trial)
+        least_fall = problem.settings.criterion.least_fall
+        if not (after.heldout_rms < (1 - least_fall) * before.heldout_rms).any():
             continue
-        confusions = Rivals(beside, [*present, c]).of(c)
+        confusions = Alternatives(beside, [*present, c], settings=problem.settings.alternatives).of(c)
         out.append(
             Ranked(term, before.heldout_rms, after.heldout_rms, _plausible(beside, [*present, c]), confusions)
         )
@@ -65,4 +65,4 @@ def _shortlist(beside: Evidence, candidates: Sequence[int]) -> list[int]:
 
 def _plausible(beside: Evidence, chosen: Sequence[int]) -> bool:
     """Tell whether the best fit is physical by itself, without being held at a bound."""
-    return beside.fit(chosen).chi2 <= beside.free_chi2(chosen) + 0.5 * float(beside.price[chosen[-1]])
+    return beside.fit(chosen).chi2 <= beside.free_chi2(chosen) + 0.5 * float(beside.penalty[chosen[-1]])

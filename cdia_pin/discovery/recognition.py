@@ -11,10 +11,10 @@ from cdia_pin.changes.finding import Finding
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, Drift, Term
 from cdia_pin.regression.experiment import Experiment, Prediction
-from cdia_pin.regression.fitting import Whitened
 from cdia_pin.regression.friction_memory import bent
+from cdia_pin.regression.regression import Regression
 from cdia_pin.robot.model import RobotModel
-from cdia_pin.selection.problem import Problem
+from cdia_pin.selection.discovery_settings import MemorySettings
 
 Array = NDArray[np.float64]
 
@@ -22,22 +22,20 @@ REACHES = np.geomspace(
     0.005, 0.5, 16
 )  # of friction with memory, beside the joint's travel; the first is too short
 NEURONS = 9  # radial bases over a joint's speed
-WORTH = 0.1  # least share of what is left of a joint that memory must explain
-LEAST_LEVEL = 0.01  # of the joint's RMS torque
 
 
 def recognised(
-    problem: Problem, model: Dynamics, whitened: Whitened, left: Sequence[str]
+    regression: Regression, model: Dynamics, left: Sequence[str], settings: MemorySettings
 ) -> tuple[Finding, ...]:
     """Return what is recognised in a fitted model, and in what it leaves.
 
     Args:
-        problem: The logs.
+        regression: The conditioned logs and their noise.
         model: Fitted to them, with intervals.
-        whitened: Noise and blocks.
         left: Joints on which structure is left.
+        settings: When friction counts as having memory.
     """
-    return (*_drifts(model, left), *_memories(problem, model, whitened))
+    return (*_drifts(model, left), *_memories(regression, model, settings))
 
 
 def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
@@ -52,7 +50,7 @@ def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
         parameter, unit = effect.effect.parameters[largest], effect.effect.units(robot)[largest]
         fell = abs(last[largest]) < abs(first[largest])
         meaning = ""
-        if effect.dissipative:
+        if effect.traits.dissipative:
             meaning = ", as in a drive that warms up" if fell else ", as in a drive that cools down"
         if set(joints) & set(left):
             meaning = "; structure is left there, so it may be something else that changes with time"
@@ -69,24 +67,26 @@ def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
         )
 
 
-def _memories(problem: Problem, model: Dynamics, whitened: Whitened) -> Iterator[Finding]:
+def _memories(regression: Regression, model: Dynamics, settings: MemorySettings) -> Iterator[Finding]:
     """Yield a sentence for each joint whose torque after a reversal follows the distance travelled."""
-    experiment = problem.experiment
+    experiment, whitening = regression.experiment, regression.whitening
     prediction = experiment.predict(model)
     for j, joint in enumerate(model.robot.joints):
         if experiment.resting[j]:
             continue
-        own = [_columns(problem, prediction, t, j) for t in model.terms if j in t.effect.acts_on(model.robot)]
+        own = [
+            _columns(regression, prediction, t, j) for t in model.terms if j in t.effect.acts_on(model.robot)
+        ]
         # memory must be more than direction and speed
-        level = problem.columns.of(CoulombFriction(joint), prediction)[:, 0, :]
-        beside = whitened.joint(j, np.column_stack([*own, level, _of_speed(experiment, j)]))
-        y = whitened.joint(j, prediction.residual[:, j])
+        level = regression.design.of(CoulombFriction(joint), prediction)[:, 0, :]
+        beside = whitening.joint(j, np.column_stack([*own, level, _of_speed(experiment, j)]))
+        y = whitening.joint(j, prediction.residual[:, j])
         basis = _orthonormal(beside)
         left = y - basis @ (basis.T @ y)
         travel = max(float(np.ptp(s.motion.q[:, j])) for s in experiment.segments)
         gains, levels = [], []
         for reach in REACHES * travel:
-            z = whitened.joint(j, -bent(experiment, j, float(reach)))
+            z = whitening.joint(j, -bent(experiment, j, float(reach)))
             new = z - basis @ (basis.T @ z)
             size = float(new @ new)
             level_of = float(new @ left) / size if size > 1e-6 * float(z @ z) else 0.0
@@ -95,9 +95,10 @@ def _memories(problem: Problem, model: Dynamics, whitened: Whitened) -> Iterator
         best = int(np.argmax(gains))
         torque = float(np.sqrt(np.mean(experiment.measured[:, j] ** 2)))
         enough = max(
-            WORTH * float(left @ left), 4 * np.log(max(len(y), 2)) + 2 * np.log(len(REACHES) * model.robot.n)
+            settings.least_share * float(left @ left),
+            4 * np.log(max(len(y), 2)) + 2 * np.log(len(REACHES) * model.robot.n),
         )
-        if best > 0 and gains[best] > enough and levels[best] > LEAST_LEVEL * torque:
+        if best > 0 and gains[best] > enough and levels[best] > settings.least_torque * torque:
             yield _presliding(model.robot, joint, levels[best], float(REACHES[best] * travel))
 
 
@@ -114,9 +115,9 @@ def _presliding(robot: RobotModel, joint: str, level: float, reach: float) -> Fi
     )
 
 
-def _columns(problem: Problem, prediction: Prediction, term: Term, j: int) -> Array:
-    x = problem.columns.of(term.effect, prediction, np.array(term.theta))
-    return x[:, term.effect.acts_on(problem.experiment.robot).index(j), :]
+def _columns(regression: Regression, prediction: Prediction, term: Term, j: int) -> Array:
+    x = regression.design.of(term.effect, prediction, np.array(term.theta))
+    return x[:, term.effect.acts_on(regression.experiment.robot).index(j), :]
 
 
 def _of_speed(experiment: Experiment, j: int) -> Array:

@@ -9,20 +9,20 @@ import numpy as np
 from cdia_pin.discovery.discovery_result import Step
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
-from cdia_pin.identifiability.alternatives import Rivals
+from cdia_pin.identifiability.alternatives import Alternatives
 from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.experiment import rms
-from cdia_pin.regression.fitting import Whitened, refit, with_intervals
-from cdia_pin.selection.problem import Problem
-from cdia_pin.selection.refits import refitting
+from cdia_pin.regression.gauss_newton import refit
+from cdia_pin.regression.intervals import with_intervals
+from cdia_pin.selection.problem import WhitenedProblem
+from cdia_pin.selection.replacement import refitting
 
-WORSE = 0.005  # share by which an effect may raise the held-out error, mean over the joints
 ITERATIONS = 2  # of the refits between the first and the last
 
 
 def trace(
-    problem: Problem, base: Dynamics, found: Dynamics, whitened: Whitened, forced: Collection[str] = ()
+    problem: WhitenedProblem, base: Dynamics, found: Dynamics, forced: Collection[str] = ()
 ) -> tuple[Dynamics, tuple[Step, ...]]:
     """Refit a found model with intervals, and say what each of its effects does to the error.
 
@@ -30,39 +30,39 @@ def trace(
     tell what it is. So is one whose only parameter has an interval with zero in it.
 
     Args:
-        problem: Logs and candidates.
+        problem: Logs, candidates and noise.
         base: The model that the discovery started from.
         found: The model that it ended with.
-        whitened: Noise and blocks.
         forced: Labels of effects that stay in any case.
 
     Returns:
         The model at its optimum, and the steps from the base to it.
     """
-    experiment, columns = problem.experiment, problem.columns
-    ordered = _ordered(problem, base, found, whitened)
+    ordered = _ordered(problem, base, found)
     known = {t.label for t in base.terms}
     model = Dynamics(base.robot, tuple(t for t in found.terms if t.label in known))
-    models, error = [], _mean_error(problem, base, whitened)
+    models, error = [], _mean_error(problem, base)
     for term in ordered:
-        trial, _ = refit(experiment, columns, model.add(term), whitened, ITERATIONS)
-        with_it = _mean_error(problem, trial, whitened)
-        if with_it < error * (1 + WORSE) or term.label in forced:
+        trial, _ = refit(problem.regression, model.add(term), ITERATIONS)
+        with_it = _mean_error(problem, trial)
+        if with_it < error * (1 + problem.settings.criterion.most_harm) or term.label in forced:
             model, error = trial, with_it
             models.append((term.label, trial))
-    final, evidence = refit(experiment, columns, model, whitened)
-    final = with_intervals(final, evidence)
+    final, equations = refit(problem.regression, model)
+    final = with_intervals(final, equations)
     in_doubt = [t for t in final.terms if t.label not in {*known, *forced} and _may_be_zero(t)]
     if in_doubt:
         least = min(in_doubt, key=_certainty)
-        return trace(problem, base, found.remove(least.label), whitened, forced)
-    beside = problem.beside(experiment.predict(final), whitened)
+        return trace(problem, base, found.remove(least.label), forced)
+    beside = problem.evidence(final)
     index = {e.label: i for i, e in enumerate(beside.effects) if e in {t.effect for t in final.terms}}
-    rivals = Rivals(beside, list(index.values()), refitting(problem, final, whitened, beside))
-    steps = [step_of(problem, None, base, whitened)]
+    alternatives = Alternatives(
+        beside, list(index.values()), refitting(problem, final, beside), problem.settings.alternatives
+    )
+    steps = [step_of(problem, None, base)]
     for k, (label, partial) in enumerate(models):
         shown = final if k == len(models) - 1 else partial
-        steps.append(step_of(problem, final.find(label), shown, whitened, rivals.of(index[label])))
+        steps.append(step_of(problem, final.find(label), shown, alternatives.of(index[label])))
     return final, tuple(steps)
 
 
@@ -78,10 +78,10 @@ def _certainty(term: Term) -> float:
     return abs(low + high) / max(high - low, 1e-300)
 
 
-def _ordered(problem: Problem, base: Dynamics, found: Dynamics, whitened: Whitened) -> list[Term]:
+def _ordered(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> list[Term]:
     """Return the terms that were found, each the most telling beside those before it."""
     known = {t.label for t in base.terms}
-    beside = problem.beside(problem.experiment.predict(found), whitened)
+    beside = problem.evidence(found)
     index = {e: i for i, e in enumerate(beside.effects)}
     chosen = [index[t.effect] for t in found.terms if t.label in known]
     pending, out = [t for t in found.terms if t.label not in known], []
@@ -94,27 +94,27 @@ def _ordered(problem: Problem, base: Dynamics, found: Dynamics, whitened: Whiten
     return out
 
 
-def _mean_error(problem: Problem, model: Dynamics, whitened: Whitened) -> float:
+def _mean_error(problem: WhitenedProblem, model: Dynamics) -> float:
     """Return the relative RMS of blocks that are predicted from the others, mean over the joints [1]."""
     experiment = problem.experiment
-    error = held_out_rms(experiment, problem.columns, experiment.predict(model), whitened)
+    error = held_out_rms(problem.regression, experiment.predict(model))
     return float(np.mean(error / np.maximum(rms(experiment.measured, experiment.informative), 1e-12)))
 
 
 def step_of(
-    problem: Problem,
+    problem: WhitenedProblem,
     term: Term | None,
     model: Dynamics,
-    whitened: Whitened,
     confusions: tuple[Confusion, ...] = (),
 ) -> Step:
     """Return the errors of a model as a step of the trace."""
     prediction = problem.experiment.predict(model)
     fitted = rms(prediction.residual, problem.experiment.informative)
-    if problem.held_out is not None:
-        unseen = rms(problem.held_out.predict(model).residual, problem.held_out.informative)
+    held_out = problem.problem.held_out
+    if held_out is not None:
+        unseen = rms(held_out.predict(model).residual, held_out.informative)
     elif term is None:
         unseen = fitted  # nothing was fitted
     else:
-        unseen = held_out_rms(problem.experiment, problem.columns, prediction, whitened)
+        unseen = held_out_rms(problem.regression, prediction)
     return Step(term, fitted, unseen, confusions)

@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cdia_pin.effects import State, Term, parse_effect
+from cdia_pin.effects import Channel, Signal, State, Term, parse_effect
 from cdia_pin.effects.state import DEFAULT_SIGN_WIDTH
 from cdia_pin.errors import ModelError
 from cdia_pin.phrases import shortened, some
@@ -127,7 +127,7 @@ class Dynamics:
         Returns:
             The state with shifted positions and changed gravity.
         """
-        shifting = [t for t in self.terms if t.effect.shifts]
+        shifting = self.on(Channel.POSITION_READING)
         return self.under_gravity(x.with_position(x.q + sum(t.shift(x) for t in shifting)) if shifting else x)
 
     def under_gravity(self, x: State) -> State:
@@ -139,8 +139,7 @@ class Dynamics:
         Returns:
             The state with changed gravity.
         """
-        changes = [t.gravity_change(x) for t in self.terms if t.effect.tilts]
-        return x.with_gravity_change(np.sum(changes, axis=0)) if changes else x
+        return x.with_gravity_change(self.gravity_change(x)) if self.turns_gravity else x
 
     def missing_torque(self, x: State) -> Array:
         """Compute f = Σ β Φ θ.
@@ -152,7 +151,8 @@ class Dynamics:
             f [N·m or N], shape (N, n).
         """
         at = self.true_state(x)
-        return x.rigid_torque - at.rigid_torque + _sum((t for t in self.terms if not t.effect.shifts), at)
+        others = (t for t in self.terms if t.effect.traits.channel is not Channel.POSITION_READING)
+        return x.rigid_torque - at.rigid_torque + _sum(others, at)
 
     def torques(self, x: State) -> Torques:
         """Solve for the actuator torque and the torque that is read, given the motion.
@@ -169,9 +169,9 @@ class Dynamics:
         """
         at = self.true_state(x)
         on_motion = self.on_motion
-        tau = at.rigid_torque - _sum((t for t in on_motion if not t.of_torque), at)
+        tau = at.rigid_torque - _sum((t for t in on_motion if Signal.TORQUE not in t.depends_on), at)
         gain = np.ones_like(tau)
-        driven = [t for t in on_motion if t.of_torque]
+        driven = [t for t in on_motion if Signal.TORQUE in t.depends_on]
         if driven:
             without = _sum(driven, at.with_effort(np.zeros_like(tau)))
             load = tau = tau - without
@@ -182,7 +182,7 @@ class Dynamics:
                 before, tau = tau, load / gain
                 if np.abs(tau - before).max() <= SOLVED * np.abs(tau).max():
                     break
-        reading = tau - _sum((t for t in self.terms if t.effect.reads), x.with_effort(tau))
+        reading = tau - _sum(self.on(Channel.TORQUE_READING), x.with_effort(tau))
         return Torques(tau, reading, gain)
 
     def inverse_dynamics(
@@ -243,13 +243,13 @@ class Dynamics:
             State.of(self.robot, q1, v1, still, effort=tau1, time=time, sign_width=sign_width)
         )
         push = tau1 + _sum(self.on_motion, x)[0]
-        if not any(t.effect.of_acceleration for t in self.on_motion):
+        if not self.inertial:
             return self.robot.forward_dynamics(x.q[0], v1, push)
         try:
             bias = self.robot.nonlinear_effects(x.q[0], v1)
             return np.linalg.solve(self._inertia(x), push - bias)
         except np.linalg.LinAlgError:
-            labels = ", ".join(t.label for t in self.on_motion if t.effect.of_acceleration)
+            labels = ", ".join(t.label for t in self.inertial)
             raise ModelError(f"the inertia of '{self.robot.name}' with {labels} is singular") from None
 
     def mass_matrix(self, x: State) -> Array:
@@ -267,24 +267,41 @@ class Dynamics:
         """Compute M − ∂f/∂q̈ of one sample at the true positions, shape (n, n)."""
         n = self.robot.n
         M = self.robot.mass_matrix(x.q[0])
-        inertial = [t for t in self.on_motion if t.effect.of_acceleration]
-        if inertial:
+        if self.inertial:
             a = np.vstack([np.zeros(n), np.eye(n)])
             q, v, effort, time = (np.repeat(s, n + 1, axis=0) for s in (x.q, x.v, x.effort, x.time))
-            f = _sum(inertial, replace(x, q=q, v=v, a=a, effort=effort, time=time))
+            f = _sum(self.inertial, replace(x, q=q, v=v, a=a, effort=effort, time=time))
             M = M - (f[1:] - f[0]).T
         return M
 
-    @cached_property
-    def gravity_change(self) -> Array:
-        """Change of gravity by the terms, as if always present [m/s²], shape (3,)."""
-        changes = (t.effect.gravity_change(self.robot, np.array(t.theta)) for t in self.terms)
-        return sum(changes, np.zeros(3))
+    def gravity_change(self, x: State) -> Array:
+        """Return by how much the terms turn gravity along a motion [m/s²], shape (N, 3)."""
+        return sum((t.gravity_change(x) for t in self._turning), np.zeros((len(x), 3)))
+
+    # ------------------------------------------------------------- terms by their physics
+
+    @property
+    def turns_gravity(self) -> bool:
+        """Whether bodies that the model adds feel another gravity than the robot's."""
+        return bool(self._turning)
+
+    def on(self, channel: Channel) -> tuple[Term, ...]:
+        """Return the terms that enter by a channel."""
+        return tuple(t for t in self.terms if t.effect.traits.channel is channel)
 
     @cached_property
     def on_motion(self) -> tuple[Term, ...]:
-        """Terms that act on the arm itself and not on its sensors."""
-        return tuple(t for t in self.terms if not (t.effect.reads or t.effect.shifts))
+        """Terms that act on the arm itself, not on its sensors."""
+        return self.on(Channel.JOINT_TORQUE)
+
+    @cached_property
+    def inertial(self) -> tuple[Term, ...]:
+        """Terms on the arm whose torque depends on its acceleration."""
+        return tuple(t for t in self.on_motion if Signal.ACCELERATION in t.depends_on)
+
+    @cached_property
+    def _turning(self) -> tuple[Term, ...]:
+        return tuple(t for t in self.terms if t.effect.traits.turns_gravity)
 
 
 def _sum(terms: Iterable[Term], x: State) -> Array:

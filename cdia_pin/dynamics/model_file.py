@@ -7,14 +7,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypedDict
 
+from cdia_pin import schemas
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.errors import CdiaError, ModelError
 from cdia_pin.robot import catalogue
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.version import __version__
-
-SCHEMA = "cdia-model/1"
 
 
 class ModelDocument(TypedDict):
@@ -53,7 +52,7 @@ def save_model(model: Dynamics, path: str | Path, *, record: Mapping[str, Any] |
     """
     path = Path(path)
     document: ModelDocument = {
-        "schema": SCHEMA,
+        "schema": schemas.MODEL,
         "version": __version__,
         "robot": model.robot.name,
         "joints": list(model.robot.joints),
@@ -91,8 +90,8 @@ def load_model(path: str | Path, robot: RobotModel) -> Dynamics:
         raise ModelError(f"cannot read the model {path}: {error.strerror}") from None
     except (ValueError, RecursionError) as error:
         raise ModelError(f"{path} is not a model: {error}") from None
-    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
-        raise ModelError(f'{path} is not a model: expected a JSON object with "schema": "{SCHEMA}"')
+    if not isinstance(document, dict) or document.get("schema") != schemas.MODEL:
+        raise ModelError(f'{path} is not a model: expected a JSON object with "schema": "{schemas.MODEL}"')
     _require_same_robot(document, path, robot)
     try:
         return Dynamics(robot, tuple(Term.from_dict(t) for t in document["terms"]))

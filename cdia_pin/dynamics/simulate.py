@@ -24,7 +24,7 @@ from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.dynamics.sensors import Sensors
 from cdia_pin.dynamics.smoothing import Stiffness
 from cdia_pin.dynamics.trajectories import Reference, Trajectory
-from cdia_pin.effects import State, Term
+from cdia_pin.effects import Channel, State, Term
 from cdia_pin.errors import ModelError
 from cdia_pin.logs.log import Log
 from cdia_pin.robot.model import RobotModel
@@ -222,9 +222,9 @@ def steps(
             k += 1
 
 
-def _acting(plant: Dynamics) -> tuple[Dynamics, list[Term]]:
+def _acting(plant: Dynamics) -> tuple[Dynamics, tuple[Term, ...]]:
     """Return the plant with the terms of its motion, and the terms that shift its position readings."""
-    return Dynamics(plant.robot, plant.on_motion), [t for t in plant.terms if t.effect.shifts]
+    return Dynamics(plant.robot, plant.on_motion), plant.on(Channel.POSITION_READING)
 
 
 def _require_bounded(robot: RobotModel, v: Array, t: float, step: float) -> None:
@@ -258,8 +258,8 @@ def record(
     """
     sensors = sensors or Sensors()
     x = run.state(plant)
-    position = run.q - _shift([t for t in plant.terms if t.effect.shifts], x)
-    effort = run.effort - sum(t.torque(x) for t in plant.terms if t.effect.reads)
+    position = run.q - _shift(plant.on(Channel.POSITION_READING), x)
+    effort = run.effort - sum(t.torque(x) for t in plant.on(Channel.TORQUE_READING))
     kept = np.s_[::every]
     return Log(
         joints=plant.robot.joints,

@@ -77,7 +77,7 @@ class Stiffness:
         moving = moving.with_effort(acting.torques(moving).actuator)
         M = np.array([acting.mass_matrix(_row(moving, k)) for k in range(POSTURES)])
         if np.linalg.eigvalsh(M + M.swapaxes(1, 2)).min() <= 0:
-            inertial = ", ".join(t.label for t in acting.terms if t.effect.of_acceleration) or "the URDF"
+            inertial = ", ".join(t.label for t in acting.inertial) or "the URDF"
             raise ModelError(f"'{robot.name}' has negative inertia along the motion because of {inertial}")
         inverse = np.linalg.inv(M)
         resting = replace(moving, v=np.zeros_like(v), a=np.zeros_like(a))

@@ -96,7 +96,7 @@ class UrdfValues:
                 self.friction[joint] = float(theta[0])
             case LinkInertia() | LinkInertias() as effect:
                 for body, part in effect.by_body(theta):
-                    joint = body.scope[0]
+                    joint = robot.joints[body.carrier(robot)]
                     known = self.inertial.get(joint, robot.inertial_parameters[robot.joint_index(joint)])
                     self.inertial[joint] = known + body.in_joint_frame(part, robot)
             case Payload():

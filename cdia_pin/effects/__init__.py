@@ -7,7 +7,7 @@ from typing import Any
 
 from cdia_pin.effects import arithmetic
 from cdia_pin.effects.actuation import ActuatorGain, JointSpring, PositionRipple, RotorInertia, TorqueOffset
-from cdia_pin.effects.effect import Effect, Parameter
+from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.environment import BaseTilt, ToolWrench, ViscousMedium
 from cdia_pin.effects.expression import Expression, from_expression
 from cdia_pin.effects.friction import (
@@ -19,9 +19,12 @@ from cdia_pin.effects.friction import (
     StribeckFriction,
     ViscousFriction,
 )
-from cdia_pin.effects.inertia import LinkInertia, LinkInertias, Payload
+from cdia_pin.effects.inertia import LinkInertia, Payload
 from cdia_pin.effects.joint_effect import JointEffect
+from cdia_pin.effects.link_inertias import LinkInertias
 from cdia_pin.effects.nonlinear_effect import NonlinearEffect
+from cdia_pin.effects.parameter import Parameter
+from cdia_pin.effects.plausibility import Plausibility
 from cdia_pin.effects.profile import (
     ALWAYS,
     Always,
@@ -37,8 +40,10 @@ from cdia_pin.effects.sensing import EffortDelay, EncoderOffset
 from cdia_pin.effects.specification import parse_term
 from cdia_pin.effects.state import JointState, State
 from cdia_pin.effects.term import Term
+from cdia_pin.effects.traits import Channel, Signal, Traits
 from cdia_pin.effects.unknown import Unknown
 from cdia_pin.effects.varying import Drift, PerLog, Varying, varied
+from cdia_pin.effects.wrapped import WrappedEffect
 from cdia_pin.errors import EffectError, unknown_name
 from cdia_pin.robot.model import RobotModel
 
@@ -125,11 +130,12 @@ def effect_from_dict(given: Mapping[str, Any]) -> Effect:
 
 
 __all__ = [
-    "ALWAYS", "EFFECTS", "ActuatorGain", "Always", "AsymmetricFriction", "BaseTilt", "Between",
-    "CoulombFriction", "CoupledFriction", "Drift", "Effect", "EffortDelay", "EncoderOffset", "Expression", "Incipient",
-    "Intermittent", "JointEffect", "JointSpring", "JointState", "LinkInertia", "LinkInertias", "LoadFriction",
-    "NonlinearEffect", "Parameter", "Payload", "PerLog", "PositionRipple", "Profile", "QuadraticFriction", "Region",
-    "RotorInertia", "State", "StribeckFriction", "Term", "ToolWrench", "TorqueOffset", "Unknown",
-    "Varying", "ViscousFriction", "ViscousMedium", "after", "effect_from_dict", "from_expression", "parse_effect",
-    "parse_term", "profile_from_dict", "register", "varied",
+    "ALWAYS", "EFFECTS", "ActuatorGain", "Always", "AsymmetricFriction", "BaseTilt", "Between", "Channel",
+    "CoulombFriction", "CoupledFriction", "Drift", "Effect", "EffortDelay", "EncoderOffset", "Expression",
+    "Incipient", "Intermittent", "JointEffect", "JointSpring", "JointState", "LinkInertia", "LinkInertias",
+    "LoadFriction", "NonlinearEffect", "Parameter", "Payload", "PerLog", "Plausibility", "PositionRipple",
+    "Profile", "QuadraticFriction", "Region", "RotorInertia", "Signal", "State", "StribeckFriction", "Term",
+    "ToolWrench", "TorqueOffset", "Traits", "Unknown", "Varying", "ViscousFriction", "ViscousMedium",
+    "WrappedEffect", "after", "effect_from_dict", "from_expression", "parse_effect", "parse_term",
+    "profile_from_dict", "register", "varied",
 ]  # fmt: skip

@@ -9,9 +9,10 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.effect import Parameter
 from cdia_pin.effects.joint_effect import JointEffect
+from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.state import JointState, State
+from cdia_pin.effects.traits import Signal, Traits
 
 Array = NDArray[np.float64]
 
@@ -28,7 +29,7 @@ class ActuatorGain(JointEffect):
 
     name: ClassVar[str] = "actuator_gain"
     equation: ClassVar[str] = "α τ"
-    of_torque: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits({Signal.TORQUE})
     parameters = (Parameter("gain", "1", lower=-0.999, upper=10.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -42,6 +43,7 @@ class TorqueOffset(JointEffect):
 
     name: ClassVar[str] = "torque_offset"
     equation: ClassVar[str] = "c"
+    traits: ClassVar[Traits] = Traits()
     parameters = (Parameter("offset", "{effort}"),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -55,7 +57,7 @@ class RotorInertia(JointEffect):
 
     name: ClassVar[str] = "rotor_inertia"
     equation: ClassVar[str] = "−I q̈"
-    of_acceleration: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits({Signal.ACCELERATION})
     parameters = (Parameter("inertia", "{inertia}", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -69,6 +71,7 @@ class JointSpring(JointEffect):
 
     name: ClassVar[str] = "joint_spring"
     equation: ClassVar[str] = "−k q + c"
+    traits: ClassVar[Traits] = Traits({Signal.POSITION})
     parameters = (Parameter("stiffness", "{effort}/{position}", lower=0.0), Parameter("preload", "{effort}"))
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -90,6 +93,7 @@ class PositionRipple(JointEffect):
 
     name: ClassVar[str] = "position_ripple"
     equation: ClassVar[str] = "a sin(w₀ q) + b cos(w₀ q)"
+    traits: ClassVar[Traits] = Traits({Signal.POSITION})
     parameters = (Parameter("sine", "{effort}"), Parameter("cosine", "{effort}"))
     shape = (Parameter("frequency", "1/{position}", lower=0.1, upper=1e3),)
 

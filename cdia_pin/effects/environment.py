@@ -8,9 +8,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.effect import Effect, Parameter
+from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.nonlinear_effect import NonlinearEffect
+from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.state import State
+from cdia_pin.effects.traits import Signal, Traits
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -32,11 +34,11 @@ class BaseTilt(NonlinearEffect):
     equation: ClassVar[str] = "−K(q) Δg,  |g + Δg| = |g|"
     parameters = (Parameter("tilt_x", "m/s²"), Parameter("tilt_y", "m/s²"))
     steps: ClassVar[tuple[float, ...]] = (1e-5, 1e-5)
-    tilts: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits({Signal.POSITION}, linear=False, turns_gravity=True)
 
     def torque(self, x: State, theta: Array) -> Array:
         """Return f [N·m or N] for the tilt θ = (tilt_x, tilt_y) [m/s²], shape (N, n)."""
-        return -x.gravity_regressor @ self.gravity_change(x.robot, theta)
+        return -x.gravity_regressor @ self.tilt(x.robot, theta)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return bounds within which gravity keeps its size [m/s²]."""
@@ -55,8 +57,12 @@ class BaseTilt(NonlinearEffect):
         _, most = self.bounds(robot)
         return np.asarray(theta) * (most[0] * (1 - 1e-12) / np.hypot(*theta))
 
-    def gravity_change(self, robot: RobotModel, theta: Array) -> Array:
-        """Return Δg [m/s²] of the tilt, shape (3,)."""
+    def gravity_change(self, x: State, theta: Array) -> Array:
+        """Return Δg [m/s²] of the tilt, alike at all samples, shape (N, 3)."""
+        return np.tile(self.tilt(x.robot, theta), (len(x), 1))
+
+    def tilt(self, robot: RobotModel, theta: Array) -> Array:
+        """Return Δg [m/s²] of the tilt θ = (tilt_x, tilt_y) [m/s²], shape (3,)."""
         gravity = robot.gravity_vector
         size = float(np.linalg.norm(gravity))
         if size == 0.0:
@@ -81,6 +87,7 @@ class ToolWrench(Effect):
 
     name: ClassVar[str] = "tool_wrench"
     equation: ClassVar[str] = "Jᵀ F"
+    traits: ClassVar[Traits] = Traits({Signal.POSITION})
     parameters = (
         *(Parameter(f"force_{axis}", "N") for axis in "xyz"),
         *(Parameter(f"torque_{axis}", "N·m") for axis in "xyz"),
@@ -101,7 +108,7 @@ class ViscousMedium(Effect):
 
     name: ClassVar[str] = "viscous_medium"
     equation: ClassVar[str] = "−d Σ wₗ JₗᵀJₗ q̇ + (m_d/m) G"
-    weighs: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits({Signal.POSITION, Signal.VELOCITY, Signal.GRAVITY})
     parameters = (Parameter("drag", "N·s/m", lower=0.0), Parameter("displaced_mass", "kg", lower=0.0))
 
     def basis(self, x: State) -> Array:

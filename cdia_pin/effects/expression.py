@@ -13,15 +13,26 @@ from numpy.typing import NDArray
 
 from cdia_pin.effects import arithmetic
 from cdia_pin.effects.arithmetic import CONSTANTS, FUNCTIONS, KNOWN, SIGN, SIGNALS, Values
-from cdia_pin.effects.effect import Effect, Parameter
+from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.joint_effect import JointEffect
+from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.state import JointState
+from cdia_pin.effects.traits import Signal, Traits
 from cdia_pin.errors import EffectError
 from cdia_pin.robot.model import RobotModel
 
 __all__ = ["CONSTANTS", "FUNCTIONS", "SIGNALS", "Expression", "from_expression"]
 
 Array = NDArray[np.float64]
+
+SIGNAL_OF = {
+    "q": Signal.POSITION,
+    "dq": Signal.VELOCITY,
+    "ddq": Signal.ACCELERATION,
+    "tau": Signal.TORQUE,
+    "t": Signal.TIME,
+    SIGN: Signal.DIRECTION,
+}  # by the name in the text
 
 
 @dataclass(frozen=True)
@@ -51,15 +62,10 @@ class Expression(JointEffect):
             raise EffectError(f"expression '{self.text}' is a bare parameter; known names are {KNOWN}")
         _check_linear(self)
 
-    @property
-    def of_torque(self) -> bool:  # type: ignore[override]
-        """Whether the expression names the torque."""
-        return "tau" in self._names
-
-    @property
-    def of_acceleration(self) -> bool:  # type: ignore[override]
-        """Whether the expression names the acceleration."""
-        return "ddq" in self._names
+    @cached_property
+    def traits(self) -> Traits:
+        """Depends on the signals that the text names."""
+        return Traits({signal for name, signal in SIGNAL_OF.items() if name in self._names})
 
     @property
     def label(self) -> str:
@@ -155,7 +161,7 @@ def _check_linear(expression: Expression) -> None:
                     f"expression '{text}' is not linear in {', '.join(free)}; known names are {KNOWN}, every "
                     "other name is a parameter"
                 )
-        if expression.of_acceleration:
+        if Signal.ACCELERATION in expression.traits.depends_on:
             one = rng.normal(size=len(free))
             bent = at(one, 2.0) + at(one, -3.0) - at(one, 1.0) - at(one, -2.0)  # zero for an affine ddq
             if not vanishes(bent, np.abs(at(one, 2.0)) + np.abs(at(one, -3.0))):

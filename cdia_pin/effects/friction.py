@@ -9,9 +9,11 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.effect import Effect, Parameter
+from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.joint_effect import JointEffect
+from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.state import JointState, State
+from cdia_pin.effects.traits import Signal, Traits
 from cdia_pin.errors import EffectError
 from cdia_pin.robot.model import RobotModel
 
@@ -26,7 +28,7 @@ class CoulombFriction(JointEffect):
 
     name: ClassVar[str] = "coulomb_friction"
     equation: ClassVar[str] = "−α sgn(q̇)"
-    dissipative: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits({Signal.DIRECTION}, dissipative=True)
     parameters = (Parameter("level", "{effort}", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -40,7 +42,7 @@ class ViscousFriction(JointEffect):
 
     name: ClassVar[str] = "viscous_friction"
     equation: ClassVar[str] = "−α q̇"
-    dissipative: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits({Signal.VELOCITY}, dissipative=True)
     parameters = (Parameter("coefficient", VISCOUS, lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -60,7 +62,7 @@ class StribeckFriction(JointEffect):
 
     name: ClassVar[str] = "stribeck_friction"
     equation: ClassVar[str] = "−(α₀ + α₁ exp(−β|q̇|)) sgn(q̇)"
-    dissipative: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits({Signal.VELOCITY, Signal.DIRECTION}, dissipative=True)
     parameters = (
         Parameter("level", "{effort}", lower=0.0),
         Parameter("breakaway", "{effort}", lower=0.0),
@@ -94,7 +96,7 @@ class AsymmetricFriction(JointEffect):
 
     name: ClassVar[str] = "asymmetric_friction"
     equation: ClassVar[str] = "−(α± sgn(q̇) + β± q̇)"
-    dissipative: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits({Signal.VELOCITY, Signal.DIRECTION}, dissipative=True)
     parameters = (
         Parameter("level_positive", "{effort}", lower=0.0),
         Parameter("level_negative", "{effort}", lower=0.0),
@@ -114,7 +116,7 @@ class QuadraticFriction(JointEffect):
 
     name: ClassVar[str] = "quadratic_friction"
     equation: ClassVar[str] = "−α |q̇| q̇"
-    dissipative: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits({Signal.VELOCITY}, dissipative=True)
     parameters = (Parameter("coefficient", "{effort}·s²/{position}²", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -128,8 +130,7 @@ class LoadFriction(JointEffect):
 
     name: ClassVar[str] = "load_friction"
     equation: ClassVar[str] = "−α |τ| sgn(q̇)"
-    dissipative: ClassVar[bool] = True
-    of_torque: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits({Signal.TORQUE, Signal.DIRECTION}, dissipative=True)
     parameters = (Parameter("coefficient", "1", lower=0.0, upper=1.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -151,7 +152,7 @@ class CoupledFriction(Effect):
 
     name: ClassVar[str] = "coupled_friction"
     equation: ClassVar[str] = "−c (q̇ᵢ + q̇ⱼ) − l sgn(q̇ᵢ + q̇ⱼ) on both joints"
-    dissipative: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits({Signal.VELOCITY, Signal.DIRECTION}, dissipative=True)
     scope_fields: ClassVar[tuple[str, ...]] = ("joint", "other")
     parameters = (Parameter("coefficient", VISCOUS, lower=0.0), Parameter("level", "{effort}", lower=0.0))
 

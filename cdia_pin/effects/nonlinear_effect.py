@@ -17,7 +17,6 @@ Array = NDArray[np.float64]
 class NonlinearEffect(Effect):
     """An effect whose torque is not linear in θ: a subclass gives `torque`, the rest is differentiated."""
 
-    linear: ClassVar[bool] = False
     steps: ClassVar[
         tuple[float, ...]
     ] = ()  # finite-difference step of each parameter, in its unit; 1e-5 if empty

@@ -12,11 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.effects.state import State
+from cdia_pin.effects.traits import Signal
 from cdia_pin.errors import EffectError, unknown_name
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 INF = float("inf")
+SIGNAL_OF_REGION = {
+    "position": Signal.POSITION,
+    "velocity": Signal.VELOCITY,
+    "speed": Signal.VELOCITY,
+    "effort": Signal.TORQUE,
+}
 
 
 class Profile(ABC):
@@ -34,9 +41,9 @@ class Profile(ABC):
                 raise EffectError(f"profile '{self.kind}': {name} must be a number, given {given!r}")
 
     @property
-    def of_torque(self) -> bool:
-        """Whether β depends on the actuator torque."""
-        return False
+    def depends_on(self) -> frozenset[Signal]:
+        """Signals that change β."""
+        return frozenset({Signal.TIME})
 
     def check(self, robot: RobotModel) -> None:  # noqa: B027  (most profiles name nothing)
         """Make sure that the robot has what the profile names; raises RobotError."""
@@ -56,6 +63,11 @@ class Always(Profile):
     """Present all the time."""
 
     kind: ClassVar[str] = "always"
+
+    @property
+    def depends_on(self) -> frozenset[Signal]:
+        """Nothing."""
+        return frozenset()
 
     def __call__(self, x: State) -> Array:
         """Return one at each sample."""
@@ -109,19 +121,18 @@ class Region(Profile):
 
     kind: ClassVar[str] = "region"
     words: ClassVar[tuple[str, ...]] = ("joint", "signal")
-    SIGNALS: ClassVar[tuple[str, ...]] = ("position", "velocity", "speed", "effort")
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.signal not in self.SIGNALS:
-            raise EffectError(unknown_name("signal of a region", self.signal, self.SIGNALS))
+        if self.signal not in SIGNAL_OF_REGION:
+            raise EffectError(unknown_name("signal of a region", self.signal, SIGNAL_OF_REGION))
         if not self.lower < self.upper:
             raise EffectError(f"a region must begin below its end, given {self.lower} to {self.upper}")
 
     @property
-    def of_torque(self) -> bool:
-        """Whether the region is one of torque."""
-        return self.signal == "effort"
+    def depends_on(self) -> frozenset[Signal]:
+        """The signal of the region."""
+        return frozenset({SIGNAL_OF_REGION[self.signal]})
 
     def check(self, robot: RobotModel) -> None:
         """Make sure that the joint is of the robot; raises RobotError."""

@@ -9,9 +9,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.effect import Parameter
 from cdia_pin.effects.nonlinear_effect import NonlinearEffect
+from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.state import State
+from cdia_pin.effects.traits import Channel, Signal, Traits
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -33,17 +34,22 @@ class EncoderOffset(NonlinearEffect):
     name: ClassVar[str] = "encoder_offset"
     equation: ClassVar[str] = "ID(q) − ID(q + δ)"
     scope_fields: ClassVar[tuple[str, ...]] = ("joint",)
-    of_acceleration: ClassVar[bool] = True
-    shifts: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits(
+        {Signal.POSITION, Signal.VELOCITY, Signal.ACCELERATION}, Channel.POSITION_READING, linear=False
+    )
     parameters = (Parameter("offset", "{position}", lower=-0.5, upper=0.5),)
     steps: ClassVar[tuple[float, ...]] = (1e-5,)
 
     def torque(self, x: State, theta: Array) -> Array:
         """Return f [N·m or N] for the offset θ = (δ,), shape (N, n)."""
-        return x.rigid_torque - x.with_position(x.q + self.shift(x.robot, theta)).rigid_torque
+        return x.rigid_torque - x.with_position(x.q + self.shift(x, theta)).rigid_torque
 
-    def shift(self, robot: RobotModel, theta: Array) -> Array:
-        """Return δ at the joint and zero elsewhere [rad or m], shape (n,)."""
+    def shift(self, x: State, theta: Array) -> Array:
+        """Return δ at the joint and zero elsewhere [rad or m], alike at all samples, shape (N, n)."""
+        return np.tile(self.offset(x.robot, theta), (len(x), 1))
+
+    def offset(self, robot: RobotModel, theta: Array) -> Array:
+        """Return δ of θ = (δ,) at the joint and zero elsewhere [rad or m], shape (n,)."""
         out = np.zeros(robot.n)
         out[robot.joint_index(self.joint)] = theta[0]
         return out
@@ -69,8 +75,7 @@ class EffortDelay(NonlinearEffect):
 
     name: ClassVar[str] = "effort_delay"
     equation: ClassVar[str] = "τ(t) − τ(t − d)"
-    reads: ClassVar[bool] = True
-    of_torque: ClassVar[bool] = True
+    traits: ClassVar[Traits] = Traits({Signal.TORQUE, Signal.TIME}, Channel.TORQUE_READING, linear=False)
     scope_fields: ClassVar[tuple[str, ...]] = ("joint",)
     parameters = (Parameter("delay", "s", lower=-0.2, upper=0.2),)
     steps: ClassVar[tuple[float, ...]] = (1e-4,)

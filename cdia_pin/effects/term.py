@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.profile import ALWAYS, Profile, profile_from_dict
 from cdia_pin.effects.state import State
+from cdia_pin.effects.traits import Signal
 from cdia_pin.errors import EffectError, unknown_name
 from cdia_pin.robot.model import RobotModel
 
@@ -51,15 +52,23 @@ class Term:
                 raise EffectError(f"{effect.label}: " + unknown_name("parameter", name, names))
         return cls(effect, tuple(float(parameters.get(n, 0.0)) for n in names), profile)
 
+    def with_theta(self, theta: Sequence[float] | Array) -> Term:
+        """Return the term with other parameters, without intervals.
+
+        Args:
+            theta: Parameters in the effect's order and units, shape (p,).
+        """
+        return Term(self.effect, tuple(float(v) for v in theta), self.profile)
+
     @property
     def label(self) -> str:
         """The effect's name and scope."""
         return self.effect.label
 
     @property
-    def of_torque(self) -> bool:
-        """Whether the term depends on the actuator torque."""
-        return self.effect.of_torque or self.profile.of_torque
+    def depends_on(self) -> frozenset[Signal]:
+        """Signals that change β Φ."""
+        return self.profile.depends_on.union(self.effect.traits.depends_on)
 
     def check(self, robot: RobotModel) -> None:
         """Make sure that the robot can have the term; raises RobotError or EffectError."""
@@ -78,11 +87,11 @@ class Term:
 
     def shift(self, x: State) -> Array:
         """Return by how much the arm is further than its encoders read [rad or m], shape (N, n)."""
-        return self.profile(x)[:, None] * self.effect.shift(x.robot, np.array(self.theta))
+        return self.profile(x)[:, None] * self.effect.shift(x, np.array(self.theta))
 
     def gravity_change(self, x: State) -> Array:
         """Return by how much gravity differs from the robot's [m/s²], shape (N, 3)."""
-        return self.profile(x)[:, None] * self.effect.gravity_change(x.robot, np.array(self.theta))
+        return self.profile(x)[:, None] * self.effect.gravity_change(x, np.array(self.theta))
 
     def jacobian(self, x: State) -> Array:
         """Return β ∂f/∂θ, shape (N, n, p)."""

@@ -10,9 +10,10 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.effect import Parameter
 from cdia_pin.effects.joint_effect import JointEffect
+from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.state import JointState, State
+from cdia_pin.effects.traits import Signal, Traits
 from cdia_pin.errors import EffectError
 
 Array = NDArray[np.float64]
@@ -39,7 +40,6 @@ class Unknown(JointEffect):
 
     name: ClassVar[str] = "unknown"
     equation: ClassVar[str] = "Σ lᵢ exp(−(q−aᵢ)²/σ²) + Σ sᵢ exp(−(q̇−bᵢ)²/ω²) + h τ"
-    of_torque: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         # JSON gives lists; a frozen effect is hashable only with tuples
@@ -51,6 +51,12 @@ class Unknown(JointEffect):
         for name in ("position_width", "velocity_width"):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise EffectError(f"{self.label}: {name} must be above 0, given {getattr(self, name)}")
+
+    @property
+    def traits(self) -> Traits:
+        """Depends on the torque, and on position and velocity where it has neurons in them."""
+        neurons = {Signal.POSITION: self.position_centres, Signal.VELOCITY: self.velocity_centres}
+        return Traits({Signal.TORQUE, *(signal for signal, centres in neurons.items() if centres)})
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]

@@ -11,48 +11,35 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.effect import Effect, Parameter
+from cdia_pin.effects.effect import Effect
+from cdia_pin.effects.parameter import Parameter
+from cdia_pin.effects.rigid_body import RigidBody
 from cdia_pin.effects.state import State
+from cdia_pin.effects.traits import Channel, Signal, Traits
+from cdia_pin.effects.wrapped import WrappedEffect
 from cdia_pin.errors import EffectError, unknown_name
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-PROMISES = (
-    "name",
-    "equation",
-    "scope_fields",
-    "linear",
-    "dissipative",
-    "of_torque",
-    "of_acceleration",
-    "reads",
-    "rarity",
-)
 
-
-class Varying(Effect):
+class Varying(WrappedEffect):
     """An effect that has its parameters several times: a subclass says where which of them hold.
 
     Subclasses are frozen dataclasses whose first field is the effect.
     """
 
-    effect: Effect
-
     kind: ClassVar[str]  # what the parameters vary with
 
     def __post_init__(self) -> None:
-        if self.effect.shifts:
+        if self.effect.traits.channel is Channel.POSITION_READING:
             raise EffectError(f"{self.effect.label}: the zero of an encoder cannot vary with {self.kind}")
-        for promise in PROMISES:
-            object.__setattr__(self, promise, getattr(self.effect, promise))
-        named = [replace(p, name=f"{p.name}[{part}]") for part in self.parts for p in self.effect.parameters]
-        object.__setattr__(self, "parameters", tuple(named))
 
     # ------------------------------------------------------------- what a subclass gives
 
@@ -69,7 +56,19 @@ class Varying(Effect):
     def variation(self) -> dict[str, Any]:
         """Return a JSON-ready description of how the parameters vary; `varied` reads it back."""
 
-    # ------------------------------------------------------------- physics
+    # ------------------------------------------------------------- what differs from the plain effect
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]
+        """The effect's parameters, once for each part."""
+        return tuple(
+            replace(p, name=f"{p.name}[{part}]") for part in self.parts for p in self.effect.parameters
+        )
+
+    @property
+    def bodies(self) -> tuple[RigidBody, ...]:
+        """The effect's bodies, once for each part: each of them is possible by itself."""
+        return self.effect.bodies * len(self.parts)
 
     def of_part(self, theta: Sequence[float] | Array, part: str) -> tuple[float, ...]:
         """Return the effect's parameters in one part, shape (p of the effect,)."""
@@ -82,7 +81,7 @@ class Varying(Effect):
     def torque(self, x: State, theta: Array) -> Array:
         """Return f [N·m or N] for parameters θ (p,), shape (N, n)."""
         w = self.weights(x)
-        if self.effect.linear:
+        if self.effect.traits.linear:
             return np.einsum("nip,np->ni", self.effect.basis(x), w @ self._split(theta))
         parts = [self.effect.torque(x, part) for part in self._split(theta)]
         return np.einsum("nk,kni->ni", w, np.stack(parts))
@@ -90,6 +89,11 @@ class Varying(Effect):
     def jacobian(self, x: State, theta: Array) -> Array:
         """Return ∂f/∂θ, shape (N, n, p)."""
         return self._weighted(x, [self.effect.jacobian(x, part) for part in self._split(theta)])
+
+    def gravity_change(self, x: State, theta: Array) -> Array:
+        """Return by how much gravity differs from the robot's in the parts that hold [m/s²], shape (N, 3)."""
+        parts = [self.effect.gravity_change(x, part) for part in self._split(theta)]
+        return np.einsum("nk,kng->ng", self.weights(x), np.stack(parts))
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return the effect's bounds, once for each part."""
@@ -112,25 +116,10 @@ class Varying(Effect):
         """Tell whether every part is more than a simpler effect."""
         return all(self.effect.is_distinct(part) for part in self._split(theta))
 
-    # ------------------------------------------------------------- scope and names
-
-    @property
-    def scope(self) -> tuple[str, ...]:
-        """Joints named by the effect."""
-        return self.effect.scope
-
     @property
     def label(self) -> str:
         """The effect's label and what its parameters vary with, ``coulomb_friction@elbow_joint[log]``."""
         return f"{self.effect.label}[{self.kind}]"
-
-    def check(self, robot: RobotModel) -> None:
-        """Make sure that the robot can have the effect."""
-        self.effect.check(robot)
-
-    def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
-        """Return the indices of the joints whose torque the effect can change."""
-        return self.effect.acts_on(robot)
 
     def units(self, robot: RobotModel) -> tuple[str, ...]:
         """Return the unit of each parameter on this robot."""
@@ -185,19 +174,6 @@ class PerLog(Varying):
         """Return the logs."""
         return {"with": self.kind, "logs": list(self.logs)}
 
-    @property
-    def shape_values(self) -> dict[str, float]:
-        """Values of the effect's shape parameters, alike in all logs."""
-        return self.effect.shape_values
-
-    def with_shape(self, **shape: float) -> Self:
-        """Return the effect with other shape parameters."""
-        return replace(self, effect=self.effect.with_shape(**shape))
-
-    def shape_grid(self, x: State) -> Sequence[Self]:
-        """Return the effect at the shapes worth trying on this motion."""
-        return [replace(self, effect=e) for e in self.effect.shape_grid(x)]
-
 
 @dataclass(frozen=True)
 class Drift(Varying):
@@ -218,8 +194,8 @@ class Drift(Varying):
     time_constant: float
 
     kind: ClassVar[str] = "time"
-    shape: ClassVar[tuple[Parameter, ...]] = (Parameter("time_constant", "s", lower=1e-3),)
-    parts: ClassVar[tuple[str, ...]] = ("start", "end")
+    shape = (Parameter("time_constant", "s", lower=1e-3),)
+    parts = ("start", "end")
 
     def __post_init__(self) -> None:
         if not (self.start < self.end and self.time_constant > 0):
@@ -238,6 +214,21 @@ class Drift(Varying):
     def variation(self) -> dict[str, Any]:
         """Return times and time constant [s]."""
         return {"with": self.kind, "start": self.start, "end": self.end, "time_constant": self.time_constant}
+
+    @property
+    def traits(self) -> Traits:
+        """Traits of the effect; it depends on time as well."""
+        inner = self.effect.traits
+        return replace(inner, depends_on={Signal.TIME, *inner.depends_on})
+
+    @property
+    def shape_values(self) -> dict[str, float]:
+        """The time constant [s]."""
+        return {"time_constant": self.time_constant}
+
+    def with_shape(self, **shape: float) -> Self:
+        """Return the drift with another time constant [s]."""
+        return replace(self, **shape)  # type: ignore[arg-type]
 
     def shape_grid(self, x: State) -> Sequence[Self]:
         """Return time constants from a quarter of the log's length to twice its length: a drift is slow."""

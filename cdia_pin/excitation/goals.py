@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cdia_pin.effects import Effect
 from cdia_pin.excitation.information import Information
 from cdia_pin.excitation.sides import Side, separation
+from cdia_pin.regression.scaled_gram import ScaledGram
 
 Array = NDArray[np.float64]
 
@@ -59,9 +60,9 @@ class Parameters(Goal):
         """
         at = everything.columns(wanted)
         gram = everything.gram[np.ix_(at, at)]
-        unit = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
-        unit[np.diag(gram) <= 0] = 0.0
-        values, vectors = np.linalg.eigh(gram * np.outer(unit, unit))
+        scaled = ScaledGram.of(gram)
+        unit = np.where(np.diag(gram) <= 0, 0.0, scaled.unit)
+        values, vectors = np.linalg.eigh(np.where(np.outer(unit, unit) > 0, scaled.matrix, 0.0))
         shown = values > UNSEEN * max(values[-1], 1e-300)
         return cls(tuple(wanted), unit[:, None] * vectors[:, shown])
 

@@ -11,13 +11,17 @@ from numpy.typing import NDArray
 from cdia_pin.dynamics import Dynamics, Trajectory
 from cdia_pin.effects import Effect
 from cdia_pin.logs.conditioning import MOTION_OVERSAMPLING, TORQUE_OVERSAMPLING, Motion
+from cdia_pin.logs.motion import MotionRecord
 from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
+from cdia_pin.regression.scaled_gram import ScaledGram
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
 CUTOFF = 4.0  # [Hz], of the filter through which a planned motion is looked at
 SAMPLES_PER_SECOND = 50.0  # [Hz], independent torque samples that a log is taken to give
+RANK_CUTOFF = 1e-12  # eigenvalues of scaled normal equations that count as zero, over the largest
 QUIETEST = 0.02  # a joint that carries little has noise as if it carried this share of the largest
 
 
@@ -47,15 +51,15 @@ class Information:
         """
         prediction = experiment.predict(model)
         present = {t.effect: np.array(t.theta) for t in model.terms}
-        ends = np.cumsum([0, *(e.size for e in effects)])
+        parameters = ParameterBlocks.of(effects)
         per_joint: list[list[tuple[Array, Array]]] = [[] for _ in range(experiment.robot.n)]
-        for effect, start in zip(effects, ends, strict=False):
+        for effect, own in zip(effects, parameters, strict=True):
             x = experiment.columns(effect, prediction, present.get(effect))
             for i, j in enumerate(effect.acts_on(experiment.robot)):
-                per_joint[j].append((np.arange(start, start + effect.size), x[:, i, :]))
+                per_joint[j].append((np.arange(own.start, own.stop), x[:, i, :]))
         rates = [s.motion.rate / s.motion.decimation for s in experiment.segments]
         weight = np.repeat(np.sqrt(SAMPLES_PER_SECOND / np.array(rates)), experiment.lengths)
-        gram = np.zeros((ends[-1], ends[-1]))
+        gram = np.zeros((parameters.total,) * 2)
         for j, parts in enumerate(per_joint):
             if parts:
                 at = np.concatenate([columns for columns, _ in parts])
@@ -66,10 +70,8 @@ class Information:
 
     def columns(self, effects: Sequence[Effect]) -> NDArray[np.intp]:
         """Return the columns of some of the effects."""
-        starts = dict(zip(self.effects, np.cumsum([0, *(e.size for e in self.effects)]), strict=False))
-        return np.concatenate([np.zeros(0, int), *(starts[e] + np.arange(e.size) for e in effects)]).astype(
-            int
-        )
+        at = {e: k for k, e in enumerate(self.effects)}
+        return ParameterBlocks.of(self.effects).indices([at[e] for e in effects])
 
     def unexplained(self, hidden: Sequence[Effect], others: Sequence[Effect], precision: Array) -> Array:
         """Return what other effects cannot explain of hidden ones, shape (p, p).
@@ -84,9 +86,7 @@ class Information:
         a, b = self.columns(hidden), self.columns(others)
         cross = self.gram[np.ix_(b, a)]
         own = self.gram[np.ix_(b, b)] + np.diag(precision)
-        unit = 1.0 / np.sqrt(np.maximum(np.diag(own), 1e-300))
-        scaled = np.linalg.pinv(own * np.outer(unit, unit), rcond=1e-12, hermitian=True)
-        explained = (unit[:, None] * cross).T @ scaled @ (unit[:, None] * cross)
+        explained = cross.T @ ScaledGram.of(own).pseudo_inverse(RANK_CUTOFF) @ cross
         return self.gram[np.ix_(a, a)] - explained
 
 
@@ -99,6 +99,7 @@ def planned(robot: RobotModel, *trajectories: Trajectory, cutoff: float = CUTOFF
         cutoff: Of the filter through which they are looked at [Hz].
     """
     rate = MOTION_OVERSAMPLING * cutoff
+    decimation = max(1, int(rate / (TORQUE_OVERSAMPLING * cutoff)))
     motions = []
     for k, trajectory in enumerate(trajectories):
         time = np.arange(0.0, trajectory.duration, 1.0 / rate)
@@ -113,14 +114,30 @@ def planned(robot: RobotModel, *trajectories: Trajectory, cutoff: float = CUTOFF
                 effort=np.zeros_like(q),
                 rate=rate,
                 cutoff=cutoff,
-                decimation=max(1, int(rate / (TORQUE_OVERSAMPLING * cutoff))),
+                decimation=decimation,
                 speed_noise=np.zeros(robot.n),
                 acceleration_noise=np.zeros(robot.n),
                 effort_step=np.zeros(robot.n),
-                record={"source": "planned", "trim": 0.0, "condition": f"planned {k}"},
+                record=_record(f"planned {k}", rate, cutoff, decimation),
             )
         )
     return Experiment.of(robot, motions)
+
+
+def _record(condition: str, rate: float, cutoff: float, decimation: int) -> MotionRecord:
+    return MotionRecord(
+        cutoff=cutoff,
+        trim=0.0,
+        source="planned",
+        condition=condition,
+        sha256="",
+        log_rate=rate,
+        motion_rate=rate,
+        compared_rate=rate / decimation,
+        velocity="planned",
+        acceleration_drowned=[],
+        notes=[],
+    )
 
 
 def torque_rms(experiment: Experiment, model: Dynamics) -> Array:

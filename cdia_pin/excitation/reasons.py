@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cdia_pin.effects.inertia import Body
+from cdia_pin.effects.body import Body
 from cdia_pin.excitation.information import Information
 from cdia_pin.excitation.sides import Side
 from cdia_pin.regression.experiment import Experiment

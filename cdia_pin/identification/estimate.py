@@ -10,12 +10,15 @@ from numpy.typing import NDArray
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.identification.prior import precision
 from cdia_pin.identification.terms import is_moving
-from cdia_pin.regression.design_matrix import Columns
+from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, rms
-from cdia_pin.regression.fitting import Whitened, gather, is_exact, with_parameters
+from cdia_pin.regression.gauss_newton import is_exact, with_parameters
 from cdia_pin.regression.noise import NoiseModel
+from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.physical_consistency import consistent_parameters
-from cdia_pin.selection.evidence import Evidence
+from cdia_pin.regression.regression import Regression
+from cdia_pin.regression.scaled_gram import ScaledGram
+from cdia_pin.regression.whitening import Whitening
 
 Array = NDArray[np.float64]
 
@@ -25,6 +28,7 @@ FIRST_ERROR = 0.05  # share of a joint's torque that is taken for its error befo
 FINEST_ERROR = 1e-6  # least error of a joint that moves, likewise
 STUCK_ERROR = 1.0  # of one that rests, all its samples together: what holds it may all be dry friction
 PATIENCE = 3  # rounds of weighting
+RIDGE = 1e-12  # beside a unit diagonal, for columns that repeat each other
 
 
 @dataclass(frozen=True)
@@ -33,16 +37,16 @@ class Estimate:
 
     Attributes:
         model: The model.
-        evidence: Normal equations of its terms there.
+        equations: Normal equations of its terms there.
         prior: Precision of the prior, shape (P, P).
-        whitened: Weight of each joint, samples that count, blocks of time.
+        whitening: Weight of each joint, samples that count, blocks of time.
         strength: How firmly bodies are held to the URDF [1].
     """
 
     model: Dynamics
-    evidence: Evidence
+    equations: NormalEquations
     prior: Array
-    whitened: Whitened
+    whitening: Whitening
     strength: float
 
     @property
@@ -61,11 +65,11 @@ class Fitter:
 
     def __init__(self, experiment: Experiment, blocks: int) -> None:
         self.experiment = experiment
-        self.columns = Columns(experiment)
+        self.design = DesignMatrix(experiment)
         self.used = experiment.moving | ~is_moving(experiment)
         self.edges = np.linspace(0, len(experiment.measured), blocks + 1).astype(int)
 
-    def weights(self, residual: Array) -> Whitened:
+    def weights(self, residual: Array) -> Whitening:
         """Weigh every joint by its own error: a wrist says as much of its torque as the shoulder of its.
 
         Errors are not whitened in time: what friction laws leave is slow, and a filter that takes slow errors for
@@ -75,55 +79,50 @@ class Fitter:
         share = np.where(is_moving(e), FINEST_ERROR, STUCK_ERROR * np.sqrt(len(residual)))
         sigma = np.maximum(rms(residual, self.used), share * rms(e.measured, self.used) + 1e-12)
         noise = [NoiseModel(np.zeros(0), np.full(len(residual), s), tuple(e.lengths)) for s in sigma]
-        return Whitened(tuple(noise), self.used, self.edges)
+        return Whitening(tuple(noise), self.used, self.edges)
 
-    def fit(self, model: Dynamics, strength: float, whitened: Whitened | None = None) -> Estimate:
+    def fit(self, model: Dynamics, strength: float, whitening: Whitening | None = None) -> Estimate:
         """Fit all parameters of a model, weights included unless they are given."""
-        rounds = 1 if whitened else PATIENCE
-        whitened = whitened or self.weights(FIRST_ERROR * self.experiment.measured)
+        rounds = 1 if whitening else PATIENCE
+        whitening = whitening or self.weights(FIRST_ERROR * self.experiment.measured)
         for k in range(rounds):
-            estimate = self._fit(model, strength, whitened)
+            estimate = self._fit(model, strength, whitening)
             model = estimate.model
             if k < rounds - 1:
-                whitened = self.weights(self.experiment.predict(model).residual)
+                whitening = self.weights(self.experiment.predict(model).residual)
         return estimate
 
-    def _fit(self, model: Dynamics, strength: float, whitened: Whitened) -> Estimate:
+    def _fit(self, model: Dynamics, strength: float, whitening: Whitening) -> Estimate:
         effects = [t.effect for t in model.terms]
         exact = all(map(is_exact, effects))
+        regression = Regression(self.design, whitening)
         before = np.concatenate([t.theta for t in model.terms])
         for _ in range(MOST_ITERATIONS):
-            evidence = gather(
-                self.experiment, self.columns, self.experiment.predict(model), effects, whitened
-            )
-            prior = precision(evidence, self.experiment, whitened, strength)
-            theta = constrained(evidence, evidence.total, prior)
+            equations = regression.normal_equations(model, effects)
+            prior = precision(equations, self.experiment, whitening, strength)
+            theta = constrained(equations, equations.total, prior)
             model = with_parameters(model, theta)
-            moved = np.linalg.norm((theta - before) * evidence.scale)
-            if exact or moved <= CONVERGED * np.linalg.norm(theta * evidence.scale):
+            moved = np.linalg.norm((theta - before) * equations.scale)
+            if exact or moved <= CONVERGED * np.linalg.norm(theta * equations.scale):
                 break
             before = theta
         if not exact:
-            evidence = gather(
-                self.experiment, self.columns, self.experiment.predict(model), effects, whitened
-            )
-        return Estimate(model, evidence, prior, whitened, strength)
+            equations = regression.normal_equations(model, effects)
+        return Estimate(model, equations, prior, whitening, strength)
 
 
-def constrained(evidence: Evidence, total: Array, prior: Array) -> Array:
+def constrained(equations: NormalEquations, total: Array, prior: Array) -> Array:
     """Return the most probable physical parameters, shape (P,).
 
     Args:
-        evidence: Whose effects and bounds count.
+        equations: Whose effects and bounds count.
         total: Normal equations, all blocks or some, shape (P + 1, P + 1).
         prior: Precision of the prior, shape (P, P).
     """
-    return consistent_parameters(total[:-1, :-1] + prior, total[:-1, -1], evidence.effects, evidence.robot)
+    return consistent_parameters(total[:-1, :-1] + prior, total[:-1, -1], equations.effects, equations.robot)
 
 
 def unconstrained(total: Array, prior: Array) -> Array:
     """Return the most probable parameters, physical or not, shape (P,)."""
     matrix = total[:-1, :-1] + prior
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    solved = np.linalg.solve(matrix * np.outer(unit, unit) + 1e-12 * np.eye(len(unit)), unit * total[:-1, -1])
-    return np.asarray(unit * solved)
+    return ScaledGram.of(matrix, RIDGE).solve(total[:-1, -1])

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.identification.base import base_parameters
-from cdia_pin.identification.crossvalidation import choose_strength, held_out_rms
+from cdia_pin.identification.block_validation import choose_strength, held_out_rms
 from cdia_pin.identification.estimate import Fitter
 from cdia_pin.identification.identification_result import Identification
 from cdia_pin.identification.identification_settings import IdentificationSettings
@@ -14,8 +14,8 @@ from cdia_pin.identification.intervals import of_bodies, quantile, uncertainty, 
 from cdia_pin.identification.refinement import refine
 from cdia_pin.identification.terms import full_model
 from cdia_pin.logs.conditioning import condition
-from cdia_pin.logs.log import Log
-from cdia_pin.progress import Progress
+from cdia_pin.logs.log import Log, listed
+from cdia_pin.progress import Progress, part, silent
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.version import __version__
 
@@ -50,28 +50,28 @@ def identify(
     Raises:
         LogError: If a log is too short or of other joints.
     """
-    tell = progress or _silent
+    report = progress or silent
     settings = settings or IdentificationSettings()
-    given, unseen = _listed(logs), _listed(holdout)
-    tell("conditioning", 0.0)
+    given, unseen = listed(logs), listed(holdout)
+    report("conditioning", 0.0)
     experiment, held_out = (
-        Experiment.of(model.robot, [condition(log, model.robot, settings.conditioning) for log in part])
-        if part
+        Experiment.of(model.robot, [condition(log, model.robot, settings.conditioning) for log in side])
+        if side
         else None
-        for part in (given, unseen)
+        for side in (given, unseen)
     )
     assert experiment is not None
     fitter = Fitter(experiment, settings.blocks)
-    tell("fitting links, friction and rotors", 0.1)
+    report("fitting links, friction and rotors", 0.1)
     estimate = fitter.fit(full_model(model, experiment), settings.strength or FIRST_STRENGTH)
     plain = {t.label for t in estimate.model.terms}
     if settings.refine:
-        tell("looking at friction", 0.2)
-        estimate = refine(fitter, estimate, lambda sentence, share: tell(sentence, 0.2 + 0.5 * share))
-    tell("choosing how firmly to hold links to the URDF", 0.7)
+        report("looking at friction", 0.2)
+        estimate = refine(fitter, estimate, part(report, 0.2, 0.7))
+    report("choosing how firmly to hold links to the URDF", 0.7)
     strength = choose_strength(fitter, estimate) if settings.strength is None else settings.strength
     estimate = fitter.fit(estimate.model, strength)
-    tell("predicting what was not fitted", 0.9)
+    report("predicting what was not fitted", 0.9)
     known = uncertainty(experiment, estimate)
     bodies = of_bodies(estimate)
     predicted = held_out or experiment
@@ -80,7 +80,7 @@ def identify(
         if held_out is None
         else rms(held_out.predict(estimate.model).residual, held_out.informative)
     )
-    tell("done", 1.0)
+    report("done", 1.0)
     return Identification(
         model=with_intervals(estimate, known.after),
         torque_rms=rms(experiment.measured, experiment.informative),
@@ -107,11 +107,3 @@ def identify(
             "refine": settings.refine,
         },
     )
-
-
-def _listed(logs: Log | Sequence[Log] | None) -> list[Log]:
-    return [] if logs is None else [logs] if isinstance(logs, Log) else list(logs)
-
-
-def _silent(sentence: str, share: float) -> None:
-    """Tell nobody."""

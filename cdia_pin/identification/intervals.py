@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
-from cdia_pin.effects.inertia import Body
+from cdia_pin.effects.body import Body
 from cdia_pin.identification.estimate import Estimate
 from cdia_pin.identification.prior import precision
 from cdia_pin.regression.experiment import Experiment
+from cdia_pin.regression.scaled_gram import ScaledGram
 
 Array = NDArray[np.float64]
 
+RANK_CUTOFF = 1e-13  # eigenvalues of scaled precisions that count as zero, over the largest
 LOOSE = 1.0  # strength of the URDF in intervals: a link may differ by as much as itself
 
 
@@ -43,10 +45,10 @@ def uncertainty(experiment: Experiment, estimate: Estimate) -> Uncertainty:
         experiment: The conditioned logs.
         estimate: The final estimate.
     """
-    evidence = estimate.evidence
-    loose = precision(evidence, experiment, estimate.whitened, min(estimate.strength, LOOSE))
-    after = _inverse(evidence.total[:-1, :-1] + loose)
-    scores = evidence.blocks[:, :-1, -1] - evidence.blocks[:, :-1, :-1] @ estimate.theta
+    equations = estimate.equations
+    loose = precision(equations, experiment, estimate.whitening, min(estimate.strength, LOOSE))
+    after = _inverse(equations.total[:-1, :-1] + loose)
+    scores = equations.blocks[:, :-1, -1] - equations.blocks[:, :-1, :-1] @ estimate.theta
     scores = scores - scores.mean(axis=0)  # zero but for the prior's pull
     count = len(scores)
     between = after @ (scores.T @ scores) @ after * count / (count - 1)
@@ -57,7 +59,7 @@ def with_intervals(estimate: Estimate, covariance: Array) -> Dynamics:
     """Return the model whose terms carry 95 % intervals."""
     half = quantile(estimate) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
     terms = []
-    for term, span in zip(estimate.model.terms, estimate.evidence.spans, strict=True):
+    for term, span in zip(estimate.model.terms, estimate.equations.parameters, strict=True):
         ci95 = tuple((v - float(h), v + float(h)) for v, h in zip(term.theta, half[span], strict=True))
         terms.append(Term(term.effect, term.theta, term.profile, ci95))
     return replace(estimate.model, terms=tuple(terms))
@@ -67,14 +69,14 @@ def quantile(estimate: Estimate) -> float:
     """Return half of a 95 % interval over the standard deviation, which so many blocks of time tell [1]."""
     from scipy.special import stdtrit
 
-    return float(stdtrit(len(estimate.evidence.blocks) - 1, 0.975))
+    return float(stdtrit(len(estimate.equations.blocks) - 1, 0.975))
 
 
 def of_bodies(estimate: Estimate) -> Array:
     """Return the map from all parameters to those of the links about their joints' frames, shape (10 n, P)."""
     robot = estimate.model.robot
     out = np.zeros((10 * robot.n, len(estimate.prior)))
-    for effect, span in zip(estimate.evidence.effects, estimate.evidence.spans, strict=True):
+    for effect, span in zip(estimate.equations.effects, estimate.equations.parameters, strict=True):
         if isinstance(effect, Body):
             j = effect.carrier(robot)
             out[10 * j : 10 * j + 10, span] = effect.to_joint_frame(robot)
@@ -82,6 +84,4 @@ def of_bodies(estimate: Estimate) -> Array:
 
 
 def _inverse(matrix: Array) -> Array:
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    scale = np.outer(unit, unit)
-    return np.asarray(np.linalg.pinv(matrix * scale, rcond=1e-13, hermitian=True) * scale)
+    return ScaledGram.of(matrix).pseudo_inverse(RANK_CUTOFF)

@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from cdia_pin.effects import RotorInertia
-from cdia_pin.effects.inertia import LEAST_MASS, LEAST_RADIUS, Body
+from cdia_pin.effects.body import Body
+from cdia_pin.effects.link_inertias import LEAST_MASS, LEAST_RADIUS
 from cdia_pin.regression.experiment import Experiment, rms
-from cdia_pin.regression.fitting import Whitened
+from cdia_pin.regression.normal_equations import NormalEquations
+from cdia_pin.regression.whitening import Whitening
 from cdia_pin.robot.inertia import pseudo_inertia
 from cdia_pin.robot.model import RobotModel
-from cdia_pin.selection.evidence import Evidence
 
 Array = NDArray[np.float64]
 
@@ -28,27 +29,29 @@ LARGEST_SHARE = (
 )
 
 
-def precision(evidence: Evidence, experiment: Experiment, whitened: Whitened, strength: float) -> Array:
+def precision(
+    equations: NormalEquations, experiment: Experiment, whitening: Whitening, strength: float
+) -> Array:
     """Return the precision of the prior, around the URDF without friction, shape (P, P).
 
     Bodies are held to the URDF's. What acts in a joint is not: its prior only keeps parameters from growing where the
     motion does not show them, as far as a torque like the joint's own, or a rotor like the arm behind it.
 
     Args:
-        evidence: Normal equations, for the effects and the size of their columns.
+        equations: Normal equations, for the effects and the size of their columns.
         experiment: The conditioned logs.
-        whitened: Noise of each joint.
+        whitening: Noise of each joint.
         strength: How firmly bodies are held to the URDF [1].
     """
     robot = experiment.robot
-    sigma = np.array([float(np.mean(m.sigma)) for m in whitened.noise])
-    count = whitened.used.sum(axis=0)
-    energy = count * (rms(experiment.measured, whitened.used) / sigma) ** 2  # whitened torque
+    sigma = np.array([float(np.mean(m.sigma)) for m in whitening.noise])
+    count = whitening.used.sum(axis=0)
+    energy = count * (rms(experiment.measured, whitening.used) / sigma) ** 2  # whitening torque
     inertia = _inertia(experiment)
     blocks = []
-    for effect, span in zip(evidence.effects, evidence.spans, strict=True):
+    for effect, span in zip(equations.effects, equations.parameters, strict=True):
         joints = list(effect.acts_on(robot))
-        own = np.diag(evidence.total)[span] / np.maximum(energy[joints].sum(), 1e-300)
+        own = np.diag(equations.total)[span] / np.maximum(energy[joints].sum(), 1e-300)
         if isinstance(effect, Body):
             blocks.append(strength * urdf_precision(effect, robot))
         elif isinstance(effect, RotorInertia):

@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.effects import Expression
-from cdia_pin.identification.crossvalidation import block_errors, is_better, of_effects
+from cdia_pin.identification.block_validation import block_errors, is_better, of_effects
 from cdia_pin.identification.estimate import Estimate, Fitter, unconstrained
 from cdia_pin.identification.prior import precision
 from cdia_pin.identification.terms import Refinement, refinements
 from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
-from cdia_pin.regression.fitting import gather
-from cdia_pin.selection.evidence import Evidence
+from cdia_pin.regression.normal_equations import NormalEquations
+from cdia_pin.regression.regression import Regression
 
 Array = NDArray[np.float64]
 
@@ -45,51 +45,51 @@ def refine(fitter: Fitter, estimate: Estimate, tell: Progress) -> Estimate:
 
 
 def _best_of_each_joint(fitter: Fitter, estimate: Estimate) -> list[Refinement]:
-    experiment, whitened = fitter.experiment, estimate.whitened
+    experiment, whitening = fitter.experiment, estimate.whitening
     laws = list(refinements(estimate.model, experiment))
     present = [t.effect for t in estimate.model.terms]
     effects = [*present, *(law.added for law in laws)]
-    evidence = gather(experiment, fitter.columns, experiment.predict(estimate.model), effects, whitened)
-    prior = precision(evidence, experiment, whitened, estimate.strength)
+    equations = Regression(fitter.design, whitening).normal_equations(estimate.model, effects)
+    prior = precision(equations, experiment, whitening, estimate.strength)
     base = range(len(present))
-    before = _errors(evidence, prior, list(base))
+    before = _errors(equations, prior, list(base))
     least = _least_gain(fitter, estimate, float(before.sum()))
     best: dict[str, tuple[float, Refinement]] = {}
     for i, law in enumerate(laws, start=len(present)):
         chosen = [k for k in base if present[k].label not in law.replaced] + [i]
-        after = _errors(evidence, prior, chosen)
+        after = _errors(equations, prior, chosen)
         gain = float(before.sum() - after.sum())
         joint = law.added.scope[0]
         if gain < least[joint] or gain <= best.get(joint, (0.0,))[0] or not is_better(after, before):
             continue
-        if _is_physical(evidence, prior, chosen, law):
+        if _is_physical(equations, prior, chosen, law):
             best[joint] = (gain, law)
     return [law for _, law in best.values()]
 
 
 def _least_gain(fitter: Fitter, estimate: Estimate, total: float) -> dict[str, float]:
     """Return the sum of squares that a law of each joint must explain [1]."""
-    experiment, whitened = fitter.experiment, estimate.whitened
-    sigma = np.array([float(np.mean(m.sigma)) for m in whitened.noise])
-    count = whitened.used.sum(axis=0)
-    visible = count * (LEAST_TORQUE * rms(experiment.measured, whitened.used) / sigma) ** 2
+    experiment, whitening = fitter.experiment, estimate.whitening
+    sigma = np.array([float(np.mean(m.sigma)) for m in whitening.noise])
+    count = whitening.used.sum(axis=0)
+    visible = count * (LEAST_TORQUE * rms(experiment.measured, whitening.used) / sigma) ** 2
     least = np.maximum(visible, LEAST_GAIN * total / experiment.robot.n)
     return dict(zip(experiment.robot.joints, least.tolist(), strict=True))
 
 
-def _errors(evidence: Evidence, prior: Array, chosen: Sequence[int]) -> Array:
-    at = of_effects(evidence, chosen)
+def _errors(equations: NormalEquations, prior: Array, chosen: Sequence[int]) -> Array:
+    at = of_effects(equations, chosen)
     p = at[:-1]
     return block_errors(
-        evidence.total[np.ix_(at, at)], evidence.blocks[:, at[:, None], at], prior[np.ix_(p, p)]
+        equations.total[np.ix_(at, at)], equations.blocks[:, at[:, None], at], prior[np.ix_(p, p)]
     )
 
 
-def _is_physical(evidence: Evidence, prior: Array, chosen: Sequence[int], law: Refinement) -> bool:
+def _is_physical(equations: NormalEquations, prior: Array, chosen: Sequence[int], law: Refinement) -> bool:
     """Tell whether the law's own best parameters are those of friction."""
-    at = of_effects(evidence, chosen)
+    at = of_effects(equations, chosen)
     p = at[:-1]
-    theta = unconstrained(evidence.total[np.ix_(at, at)], prior[np.ix_(p, p)])[-law.added.size :]
+    theta = unconstrained(equations.total[np.ix_(at, at)], prior[np.ix_(p, p)])[-law.added.size :]
     if isinstance(law.added, Expression):
         return bool((theta >= 0).all())
-    return law.added.is_physical(theta, evidence.robot) and law.added.is_distinct(theta)
+    return law.added.is_physical(theta, equations.robot) and law.added.is_distinct(theta)

@@ -85,10 +85,10 @@ def full_model(model: Dynamics, experiment: Experiment) -> Dynamics:
 
 def _one_by_one(model: Dynamics) -> Dynamics:
     """Return a model in which links that differ together are terms of their own."""
-    several = [t for t in model.terms if isinstance(t.effect, LinkInertias)]
-    for term in several:
+    several = [(t, t.effect) for t in model.terms if isinstance(t.effect, LinkInertias)]
+    for term, effect in several:
         model = model.remove(term.label)
-        for link, theta in term.effect.by_body(np.array(term.theta)):
+        for link, theta in effect.by_body(np.array(term.theta)):
             given = next((t for t in model.terms if t.effect == link), None)
             model = model.remove(link.label) if given else model
             total = theta + (np.array(given.theta) if given else 0.0)

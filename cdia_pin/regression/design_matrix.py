@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects import Effect
+from cdia_pin.effects import Channel, Effect, Signal
 from cdia_pin.regression.experiment import Experiment, Prediction
 from cdia_pin.regression.noise import NoiseModel
+from cdia_pin.regression.shape_slopes import Slope
 
 Array = NDArray[np.float64]
 
@@ -17,8 +18,12 @@ Array = NDArray[np.float64]
 SAME_GRAVITY = 0.03  # [m/s²], by which gravity may differ and columns of bodies are kept
 
 
-class Columns:
-    """Columns of effects in the residual, computed once where they do not depend on the model's torque."""
+class DesignMatrix:
+    """Columns of effects in the residual, computed once where they do not depend on the model's torque.
+
+    Args:
+        experiment: The conditioned logs.
+    """
 
     def __init__(self, experiment: Experiment) -> None:
         self.experiment = experiment
@@ -27,26 +32,41 @@ class Columns:
         self._families: dict[Effect, tuple[NoiseModel, list[Effect], Array, Array]] = {}
 
     def of(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
-        """Return the columns of an effect, shape (K, len(acts_on), p).
+        """Return the columns of an effect.
 
         Those of the model's own effects are exact. For a candidate (θ omitted) a gain that changes along the motion
         is replaced by its mean, which is enough to rank it.
+
+        Args:
+            effect: The effect.
+            prediction: Of the model that it is part of, or a candidate for.
+            theta: Its parameters, where the model has it, shape (p,).
+
+        Returns:
+            Torque per unit of each parameter on each joint that it acts on, shape (K, len(acts_on), p).
         """
         exact = theta is not None
         joints = list(effect.acts_on(self.experiment.robot))
         gain = np.concatenate([t.gain[:, joints] for t in prediction.torques])
-        constant = effect.reads or not np.ptp(gain, axis=0).any()
-        if effect.of_torque or (exact and not (constant and effect.linear)):
+        traits = effect.traits
+        of_reading = traits.channel is Channel.TORQUE_READING
+        constant = of_reading or not np.ptp(gain, axis=0).any()
+        # slopes hold for the present parameters alone: nothing to keep
+        if (
+            isinstance(effect, Slope)
+            or Signal.TORQUE in traits.depends_on
+            or (exact and not (constant and traits.linear))
+        ):
             return self.experiment.columns(effect, prediction, theta)
         fixed = self.fixed(effect, prediction)
-        return fixed if effect.reads or (gain == 1.0).all() else fixed / gain.mean(axis=0)[None, :, None]
+        return fixed if of_reading or (gain == 1.0).all() else fixed / gain.mean(axis=0)[None, :, None]
 
     def fixed(self, effect: Effect, prediction: Prediction) -> Array:
         """Return the columns of an effect of the motion alone, as in a model without gains."""
         known = self._fixed
-        if effect.weighs:
-            change = prediction.model.gravity_change
-            if np.linalg.norm(change - self._weighed[0]) > SAME_GRAVITY:
+        if Signal.GRAVITY in effect.traits.depends_on:
+            change = np.vstack([prediction.model.gravity_change(s.state) for s in self.experiment.segments])
+            if np.linalg.norm(change - self._weighed[0], axis=1).max() > SAME_GRAVITY:
                 self._weighed = (change, {})
             known = self._weighed[1]
         if effect not in known:

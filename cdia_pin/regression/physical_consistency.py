@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.effects import Effect
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
+from cdia_pin.regression.scaled_gram import ScaledGram
 from cdia_pin.robot.inertia import pseudo_inertia
 from cdia_pin.robot.model import RobotModel
 
@@ -34,7 +36,8 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
     import clarabel
     from scipy import sparse
 
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    scaled = ScaledGram.of(gram)
+    unit = scaled.unit
     # where there is no noise, the solver's numbers would be huge
     size = max(np.abs(unit * right).max() / LARGEST, 1.0)
     lower, upper = (np.concatenate(b) for b in zip(*(e.bounds(robot) for e in effects), strict=True))
@@ -46,20 +49,18 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
             rows.append(sign * eye[finite])
             offsets.append(sign * bound[finite])
             cones.append(clarabel.NonnegativeConeT(int(finite.sum())))
-    at = 0
-    for effect in effects:
+    for effect, own in zip(effects, ParameterBlocks.of(effects), strict=True):
         for i, body in enumerate(effect.bodies):
             block = np.zeros((10, len(right)))
             start = _triangle(pseudo_inertia(body.total(np.zeros(10), robot)))
             for k, one in enumerate(np.eye(10)):
-                block[:, at + 10 * i + k] = _triangle(pseudo_inertia(body.in_joint_frame(one, robot)))
+                block[:, own.start + 10 * i + k] = _triangle(pseudo_inertia(body.in_joint_frame(one, robot)))
             rows.append(-block)
             offsets.append(start - INSIDE * _triangle(np.eye(4)) * max(abs(start).max(), 1e-6))
             cones.append(clarabel.PSDTriangleConeT(4))
-        at += effect.size
     settings = clarabel.DefaultSettings()
     settings.verbose = False
-    problem = sparse.csc_matrix(np.triu(gram * np.outer(unit, unit)))
+    problem = sparse.csc_matrix(np.triu(scaled.matrix))
     constraints = sparse.csc_matrix(np.vstack(rows) * unit)
     solver = clarabel.DefaultSolver(
         problem, -unit * right / size, constraints, np.concatenate(offsets) / size, cones, settings

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Effect, Parameter, State
+from cdia_pin.effects import Effect, Parameter, State, Traits, WrappedEffect
 from cdia_pin.errors import EffectError
 from cdia_pin.robot.model import RobotModel
 
@@ -20,10 +19,10 @@ STEP = 1e-4  # [1], relative, to differentiate by a shape
 
 
 @dataclass(frozen=True)
-class Slope(Effect):
+class Slope(WrappedEffect):
     """The change of a term's torque with its shape, to first order: f = ∂(Φ θ)/∂s Δs.
 
-    Beside the term it is what makes a fit one of θ and s together.
+    Beside the term it makes a fit one of θ and s together.
 
     Attributes:
         effect: The term's effect.
@@ -35,18 +34,26 @@ class Slope(Effect):
     theta: tuple[float, ...]
     of_shape: str
 
-    name: ClassVar[str] = "slope"
-    equation: ClassVar[str] = "∂(Φ θ)/∂s Δs"
-    of_torque: ClassVar[bool] = True  # it hangs on the model's present parameters, as the torque does
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "reads", self.effect.reads)
-        object.__setattr__(self, "parameters", (Parameter(self.of_shape, ""),))
+    name = "slope"
+    equation = "∂(Φ θ)/∂s Δs"
+    shape = ()
+    bodies = ()
 
     @property
-    def scope(self) -> tuple[str, ...]:
-        """Joints named by the effect."""
-        return self.effect.scope
+    def traits(self) -> Traits:
+        """Signals and channel of the effect; a slope is linear, has either sign and leaves gravity as it is."""
+        return replace(self.effect.traits, linear=True, dissipative=False, turns_gravity=False)
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]
+        """Δs, in the unit of the shape."""
+        unit = next(p.unit for p in self.effect.shape if p.name == self.of_shape)
+        return (Parameter(self.of_shape, unit),)
+
+    @property
+    def label(self) -> str:
+        """The effect's label and the shape, ``stribeck_friction@elbow_joint: decay``."""
+        return f"{self.effect.label}: {self.of_shape}"
 
     def basis(self, x: State) -> Array:
         """Return ∂(Φ θ)/∂s by central differences, shape (N, n, 1); by one side at a bound of s."""
@@ -55,13 +62,15 @@ class Slope(Effect):
         apart = above.shape_values[self.of_shape] - below.shape_values[self.of_shape]
         return np.asarray((above.torque(x, theta) - below.torque(x, theta))[:, :, None] / apart)
 
-    def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
-        """Return the indices of the joints whose torque the effect can change."""
-        return self.effect.acts_on(robot)
-
     def prior_scale(self, robot: RobotModel) -> Array:
         """Return the shape's own value: it was searched for in a range, and is not further off than that."""
         return np.array([abs(self.effect.shape_values[self.of_shape])])
+
+    # all else that depends on the parameters is that of any linear effect without bounds
+    torque, jacobian, bounds, units = Effect.torque, Effect.jacobian, Effect.bounds, Effect.units
+    is_physical, nearest_physical = Effect.is_physical, Effect.nearest_physical
+    is_distinct, shift, gravity_change = Effect.is_distinct, Effect.shift, Effect.gravity_change
+    shape_values, with_shape, shape_grid = Effect.shape_values, Effect.with_shape, Effect.shape_grid
 
     def _at(self, value: float) -> Effect:
         try:

@@ -10,19 +10,23 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
+from cdia_pin.regression.scaled_gram import ScaledGram
+
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 WEAKEST = 1e-12  # precision of a prior that says nothing, for columns that are zero
+RIDGE = 1e-10  # beside a unit diagonal, for columns that repeat each other
 
 
 @dataclass(frozen=True)
-class Part:
+class ColumnGroup:
     """Columns of one set of parameters.
 
     Attributes:
         columns: By joint, shape (K, p) each.
-        scale: Size of each parameter that would surprise nobody, ``inf`` where unknown, shape (p,).
+        scale: Prior standard deviation of each parameter, ``inf`` where there is none, shape (p,).
     """
 
     columns: dict[int, Array]
@@ -30,7 +34,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Regression:
+class SharedRegression:
     """Rows of all joints, in units of their noise.
 
     Attributes:
@@ -44,24 +48,24 @@ class Regression:
     precision: Array
 
     @classmethod
-    def of(cls, parts: Sequence[Part], response: Array, scaled: Callable[[int, Array], Array]) -> Self:
+    def of(
+        cls, groups: Sequence[ColumnGroup], response: Array, scaled: Callable[[int, Array], Array]
+    ) -> Self:
         """Stack columns.
 
         Args:
-            parts: The parameters, one set after another.
+            groups: Columns of each set of parameters, one set after another.
             response: Torque of each joint [N·m or N], shape (K, n).
             scaled: Brings a joint's columns (K, …) into units of its noise.
         """
-        ends = np.cumsum([len(p.scale) for p in parts], dtype=int)
-        size = int(ends[-1]) if len(parts) else 0
+        blocks = ParameterBlocks(tuple(len(g.scale) for g in groups))
         rows, at = [], []
         for j in range(response.shape[1]):
-            own = [(p.columns[j], int(end)) for p, end in zip(parts, ends, strict=True) if j in p.columns]
+            own = [(g.columns[j], block) for g, block in zip(groups, blocks, strict=True) if j in g.columns]
             rows.append(scaled(j, np.column_stack([*(x for x, _ in own), response[:, j]])))
-            at.append(
-                np.concatenate([*(np.arange(end - x.shape[1], end) for x, end in own), [size]]).astype(int)
-            )
-        scale = np.concatenate([np.zeros(0), *(p.scale for p in parts)])
+            places = (np.arange(block.start, block.stop) for _, block in own)
+            at.append(np.concatenate([*places, [blocks.total]]).astype(int))
+        scale = np.concatenate([np.zeros(0), *(g.scale for g in groups)])
         return cls(tuple(rows), tuple(at), WEAKEST + 1.0 / scale**2)
 
     @cached_property
@@ -103,6 +107,4 @@ class Regression:
     def _inverse(self, first: int) -> Array:
         """Return the inverse of the normal equations of the first few parameters."""
         matrix = self.gram[:first, :first] + np.diag(self.precision[:first])
-        unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-        matrix = matrix * np.outer(unit, unit) + 1e-10 * np.eye(first)
-        return np.linalg.inv(matrix) * np.outer(unit, unit)
+        return ScaledGram.of(matrix, RIDGE).inverse()

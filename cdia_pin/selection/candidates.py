@@ -16,12 +16,13 @@ from cdia_pin.effects import (
     PerLog,
     PositionRipple,
     RotorInertia,
+    Signal,
     TorqueOffset,
     Unknown,
     ViscousFriction,
 )
 from cdia_pin.errors import EffectError, unknown_name
-from cdia_pin.regression.design_matrix import Columns
+from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.noise import NoiseModel
 from cdia_pin.selection.discovery_settings import DiscoverySettings
@@ -29,9 +30,6 @@ from cdia_pin.selection.discovery_settings import DiscoverySettings
 Array = NDArray[np.float64]
 
 LARGE_FAMILY = 12  # an effect with more shapes than that is screened before it is a candidate
-LEAST_RIGID_SHARE = (
-    0.2  # of a joint's torque that must be the rigid body's for a gain to be told from friction
-)
 SLOW = (CoulombFriction, ViscousFriction, TorqueOffset)  # what may drift within a log
 SCREENED = 2  # shapes that pass the screening
 
@@ -60,7 +58,7 @@ def enumerate_candidates(
             continue
         for scope in EFFECTS[name].scopes(robot):
             effect = EFFECTS[name].from_scope(scope, {})
-            if _can_be_seen(effect, experiment, rigid_share):
+            if _can_be_seen(effect, experiment, rigid_share >= settings.criterion.least_rigid_share):
                 families.append(list(effect.shape_grid(x)))
     for effect in settings.extra:
         families.extend([e] for e in _expanded(effect, experiment))
@@ -85,7 +83,7 @@ def drifting(effects: Iterable[Effect], experiment: Experiment) -> list[list[Eff
     time = experiment.segments[0].motion.time
     start, end = float(time[0]), float(time[-1])
     joints = dict.fromkeys(
-        j for e in effects if e.dissipative or isinstance(e, TorqueOffset) for j in e.scope
+        j for e in effects if e.traits.dissipative or isinstance(e, TorqueOffset) for j in e.scope
     )
     slow = [Drift(kind(j), start, end, end - start) for j in joints for kind in SLOW]
     return [list(e.shape_grid(experiment.segments[0].state)) for e in slow]
@@ -98,22 +96,22 @@ def _expanded(effect: Effect, experiment: Experiment) -> Iterator[Effect]:
         yield effect
 
 
-def _can_be_seen(effect: Effect, experiment: Experiment, rigid_share: Array) -> bool:
+def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool_]) -> bool:
     """Tell whether an effect can show on this motion.
 
     Effects of motion need a joint that moves; those of the torque one that carries something, for where all torque is
     friction, a gain is only another name for it.
     """
     joints = [experiment.robot.joint_index(j) for j in effect.scope]
-    if effect.of_torque and joints and (rigid_share[joints] < LEAST_RIGID_SHARE).any():
+    if Signal.TORQUE in effect.traits.depends_on and joints and not loaded[joints].all():
         return False
-    moves = effect.dissipative or isinstance(effect, RotorInertia | PositionRipple)
+    moves = effect.traits.dissipative or isinstance(effect, RotorInertia | PositionRipple)
     return not (moves and experiment.resting[joints].any())
 
 
 def screen(
     families: Iterable[list[Effect]],
-    columns: Columns,
+    design: DesignMatrix,
     prediction: Prediction,
     noise: Sequence[NoiseModel],
     leftover: Array,
@@ -122,7 +120,7 @@ def screen(
 
     Args:
         families: From `enumerate_candidates`.
-        columns: Where columns come from.
+        design: Columns of effects.
         prediction: Of the present model.
         noise: Noise of each joint.
         leftover: Whitened residual of the present model, uninformative samples zero, shape (K, n).
@@ -132,8 +130,8 @@ def screen(
         if len(family) <= LARGE_FAMILY:
             out.extend(family)
             continue
-        (j,) = family[0].acts_on(columns.experiment.robot)
-        white, inverse = columns.family(family, prediction, noise[j])
+        (j,) = family[0].acts_on(design.experiment.robot)
+        white, inverse = design.family(family, prediction, noise[j])
         right = white @ leftover[:, j]
         best = np.argsort(np.einsum("cp,cpq,cq->c", right, inverse, right))[::-1]
         chosen: list[int] = []

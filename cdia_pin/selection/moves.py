@@ -6,48 +6,44 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from cdia_pin.selection.evidence import Evidence, Fit
+from cdia_pin.selection.evidence import Evidence, SetFit
 
 Names = frozenset[str]
 
 LOCAL = 2  # joints that an effect may act on to be split or merged with its neighbours
 TRIED = 5  # candidates that are fitted after the gains have ranked them
-STAYS = 0.5  # of the least gain of a new effect: enough for one that is in the set
-CLEAR = 5.0  # times the least gain: such an effect needs no further proof
-HOLDS = 0.5  # least share of a gain that is left on held-out blocks
-EXCESS = 0.02  # of what is left beyond the noise: an exchange must gain more
-MARGIN = 1.0  # variances of the noise: a move must gain more
 
 
 def improve(
     evidence: Evidence, chosen: Sequence[int], allowed: Callable[[tuple[int, ...]], bool], *, most: int
-) -> Fit | None:
+) -> SetFit | None:
     """Return the best set that one move leads to, or None if no move lowers the cost.
 
     Dropping comes before the other moves, so that an effect which a later one made needless never guides the search.
 
     Args:
-        evidence: Normal equations of the candidates.
+        evidence: Evidence for the candidates.
         chosen: Indices of the present set.
         allowed: Tells which sets may be tried; the normal equations of some promise what they do not hold.
         most: Largest number of effects.
     """
-    now = evidence.fit(chosen, bodies=True)
+    criterion, now = evidence.criterion, evidence.fit(chosen, bodies=True)
     needless = [
         part for c in now.chosen if (part := _without(evidence, now, c)) is not None and allowed(part.chosen)
     ]
     if needless:
         return min(needless, key=lambda f: f.cost)
     if len(now.chosen) < most:
-        better = _cheapest(evidence, filter(allowed, _additions(evidence, now.chosen)), now.cost - MARGIN)
+        better = _cheapest(
+            evidence, filter(allowed, _additions(evidence, now.chosen)), now.cost - criterion.margin
+        )
         if better is not None and (not now.physical or holds(evidence, now, better)):
             return better
     exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
-    margin = max(
-        MARGIN, EXCESS * (now.chi2 - evidence.samples)
-    )  # far from the noise, small change is no change
-    freedom = lambda m: float(evidence.freedom[list(m)].sum())  # noqa: E731
-    simpler = [m for m in exchanges if len(m) <= len(now.chosen) or freedom(m) < freedom(now.chosen)]
+    # far from the noise, a small change is no change
+    margin = max(criterion.margin, criterion.exchange_share * (now.chi2 - evidence.samples))
+    count = lambda m: float(evidence.effective_parameters[list(m)].sum())  # noqa: E731
+    simpler = [m for m in exchanges if len(m) <= len(now.chosen) or count(m) < count(now.chosen)]
     better = _cheapest(evidence, simpler, now.cost - margin)
     if better is not None:
         return better
@@ -56,7 +52,7 @@ def improve(
     return _cheapest(evidence, exchanges, now.cost - margin - worth)
 
 
-def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float) -> Fit | None:
+def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float) -> SetFit | None:
     """Return the physical fit of least cost below a limit; sets whose bound is above the best are not fitted."""
     best = None
     for bound, chosen in sorted((evidence.bound(c), c) for c in {tuple(sorted(c)) for c in sets}):
@@ -70,7 +66,7 @@ def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float)
     return best
 
 
-def _without(evidence: Evidence, whole: Fit, lacking: int) -> Fit | None:
+def _without(evidence: Evidence, whole: SetFit, lacking: int) -> SetFit | None:
     """Return the fit without an effect that explains too little to be missed."""
     rest = tuple(c for c in whole.chosen if c != lacking)
     needed = missed(evidence, lacking)
@@ -82,16 +78,18 @@ def _without(evidence: Evidence, whole: Fit, lacking: int) -> Fit | None:
 
 def missed(evidence: Evidence, one: int) -> float:
     """Return what an effect of a set must explain to stay: less than to come, lest it come and go."""
-    return max(float(evidence.price[one]), STAYS * float(evidence.least_gain[one]))
+    stays = evidence.criterion.staying_share * float(evidence.least_gain[one])
+    return max(float(evidence.penalty[one]), stays)
 
 
-def holds(evidence: Evidence, before: Fit, after: Fit) -> bool:
+def holds(evidence: Evidence, before: SetFit, after: SetFit) -> bool:
     """Tell whether what an addition explains is explained in blocks of time that it was not fitted to as well."""
     gain = before.chi2 - after.chi2
     added = [c for c in after.chosen if c not in before.chosen]
-    if gain > CLEAR * max(evidence.least_gain[c] for c in added):
+    if gain > evidence.criterion.clear_gain * max(evidence.least_gain[c] for c in added):
         return True
-    return evidence.held_out(before.chosen) - evidence.held_out(after.chosen) > HOLDS * gain
+    unseen = evidence.equations.held_out(before.chosen) - evidence.equations.held_out(after.chosen)
+    return unseen > evidence.criterion.heldout_share * gain
 
 
 def names(evidence: Evidence, chosen: Sequence[int]) -> Names:
@@ -100,16 +98,16 @@ def names(evidence: Evidence, chosen: Sequence[int]) -> Names:
 
 
 def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float = 0.0) -> list[int]:
-    """Return the effects whose gain beside a set best repays their price, each in its best shape.
+    """Return the effects whose gain beside a set best repays their penalty, each in its best shape.
 
     Args:
-        evidence: Normal equations of the candidates.
-        chosen: The set.
+        evidence: Evidence for the candidates.
+        chosen: Indices of the set.
         count: How many to return.
-        spare: Cost that may be lost beyond the price.
+        spare: Cost that may be lost beyond the penalty.
     """
     gains = evidence.gains(chosen)
-    profit = np.where(gains > evidence.least_gain - spare, gains - evidence.price, -np.inf)
+    profit = np.where(gains > evidence.least_gain - spare, gains - evidence.penalty, -np.inf)
     taken = {evidence.effects[c].label for c in chosen}
     out: list[int] = []
     for c in np.argsort(profit)[::-1]:

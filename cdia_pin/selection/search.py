@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Effect, Term
-from cdia_pin.regression.fitting import Whitened, is_exact, refit
-from cdia_pin.selection.evidence import Evidence, Fit
-from cdia_pin.selection.moves import MARGIN, Names, improve, names
-from cdia_pin.selection.problem import Problem
-from cdia_pin.selection.refits import promising, refitting
+from cdia_pin.effects import ALWAYS, Effect, Signal, Term
+from cdia_pin.progress import Progress
+from cdia_pin.regression.gauss_newton import is_exact, refit
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
+from cdia_pin.selection.evidence import Evidence, SetFit
+from cdia_pin.selection.moves import Names, improve, names
+from cdia_pin.selection.problem import WhitenedProblem
+from cdia_pin.selection.replacement import promising, refitting
 from cdia_pin.selection.shapes import refine_shapes
 
 Array = NDArray[np.float64]
-Progress = Callable[[str, float], None]
 Swaps = set[tuple[str, str]]
 Allowed = Callable[[tuple[int, ...]], bool]
 
-ROUGHLY = 2  # iterations of a refit while searching
-VISIBLE = 0.04  # share by which an additional effect must lower the RMS of some joint, as a user sees it
+ROUGHLY = 2  # iterations of Gauss-Newton while searching; the end of the search has as many as it needs
 LIKELY = 0.5  # share of what an effect explains that another must, to first order, to be tried as it is
 MOST_REFITS = 8  # exchanges that are tried so from one model, those best to first order
 NEARBY = 5  # iterations of such a trial
@@ -32,7 +32,7 @@ MOST_MOVES = 120
 MOST_REJECTED = 6  # moves in a row that did not hold what they promised
 
 
-def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps, tell: Progress) -> Dynamics:
+def search(problem: WhitenedProblem, model: Dynamics, futile: Swaps, report: Progress) -> Dynamics:
     """Add, drop and exchange effects, refitting and differentiating anew after each move.
 
     A move is kept only if the cost falls at its own optimum, not just in the normal equations that proposed it, so
@@ -40,26 +40,25 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
     whatever company: a gain seems able to replace the friction in that torque, until the friction is gone.
 
     Args:
-        problem: Logs and candidates.
+        problem: Logs, candidates and noise.
         model: Where the search starts; its terms may be dropped.
-        whitened: Noise and blocks.
         futile: Swaps that failed before; those that fail here are added.
-        tell: Called with what changed and the share done.
+        report: Called with what changed and the share done.
 
     Returns:
         The model that no move improves.
     """
-    experiment, columns = problem.experiment, problem.columns
-    model, _ = refit(experiment, columns, model, whitened)
+    regression = problem.regression
+    model, _ = refit(regression, model)
     # beside the others, and in the noise known by now
-    now = fitted(problem, refine_shapes(experiment, columns, model, whitened), whitened)
+    now = fitted(problem, refine_shapes(regression, model))
     failed: set[Names] = set()
     rejected = 0
 
-    def beyond(now: Found) -> tuple[Allowed, Iterator[Fit]]:
+    def beyond(now: Found) -> tuple[Allowed, Iterator[SetFit]]:
         """Return which sets may be tried from a model, and exchanges that normal equations do not show."""
         present, before = names(now.evidence, now.fit.chosen), set(now.fit.chosen)
-        slight = {c for c in before if now.evidence.effects[c].slight}
+        slight = {c for c in before if now.evidence.effects[c].plausibility.collective}
 
         def allowed(chosen: tuple[int, ...]) -> bool:
             tried, after = names(now.evidence, chosen), set(chosen)
@@ -67,7 +66,7 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
                 return False
             return tried not in failed and not _swaps(present, tried) & futile
 
-        return allowed, _exchanges(problem, now, whitened, allowed)
+        return allowed, _exchanges(problem, now, allowed)
 
     allowed, exchanges = beyond(now)
     for moves in range(MOST_MOVES):
@@ -76,25 +75,25 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
         better = improve(now.evidence, now.fit.chosen, allowed, most=problem.settings.most_effects)
         better = better or next(exchanges, None)
         if better is None:
-            slimmer = _slimmed(problem, now, whitened)
+            slimmer = _slimmed(problem, now)
             if slimmer is None:
                 break
             now = slimmer
             allowed, exchanges = beyond(now)
             continue
         trial = _model_of(now.model, now.evidence, better.chosen, better.theta)
-        tell(_what_changed(now.model, trial), 1.0 - 0.9**moves)
+        report(_what_changed(now.model, trial), 1.0 - 0.9**moves)
         failed.add(names(now.evidence, better.chosen))
-        trial, _ = refit(experiment, columns, trial, whitened, ROUGHLY)
-        trial = refine_shapes(experiment, columns, trial, whitened, known=_labels(now.model))
-        then = fitted(problem, trial, whitened)
+        trial, _ = refit(regression, trial, ROUGHLY)
+        trial = refine_shapes(regression, trial, known=_labels(now.model))
+        then = fitted(problem, trial)
         grew = len(then.fit.theta) > len(now.fit.theta)
         if (
             not then.fit.physical
             or (grew and not _is_seen(problem, now.errors, then.errors))
             or then.fit.cost > now.fit.cost + _sacrifice(now.evidence, now.fit, better)
         ):
-            driven = {t.label for t in trial.terms if t.effect.of_torque}
+            driven = {t.label for t in trial.terms if Signal.TORQUE in t.effect.traits.depends_on}
             rejected += 1
             present = names(now.evidence, now.fit.chosen)
             futile.update(s for s in _swaps(present, frozenset(_labels(trial))) if s[0] in driven)
@@ -106,22 +105,34 @@ def search(problem: Problem, model: Dynamics, whitened: Whitened, futile: Swaps,
 
 @dataclass(frozen=True)
 class Found:
-    """A model, the normal equations of its effects and all candidates around it, its fit in them and its errors."""
+    """A fitted model with the evidence around it.
+
+    Attributes:
+        model: The model.
+        evidence: Evidence for its effects and all candidates.
+        fit: Fit of its effects in that evidence.
+        errors: RMS residual of each joint [N·m or N], shape (n,).
+    """
 
     model: Dynamics
     evidence: Evidence
-    fit: Fit
+    fit: SetFit
     errors: Array
 
 
-def fitted(problem: Problem, model: Dynamics, whitened: Whitened) -> Found:
-    """Return a model, which is at its optimum, with the normal equations of all candidates around it."""
-    evidence = problem.beside(problem.experiment.predict(model), whitened)
+def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:
+    """Return a model with the evidence for its effects and all candidates around it.
+
+    Args:
+        problem: Logs, candidates and noise.
+        model: A model at its optimum.
+    """
+    evidence = problem.evidence(model)
     fit = evidence.fit(_indices(evidence, model), bodies=True)
-    return Found(model, evidence, fit, problem.rms(model))
+    return Found(model, evidence, fit, problem.problem.rms(model))
 
 
-def _exchanges(problem: Problem, now: Found, whitened: Whitened, allowed: Allowed) -> Iterator[Fit]:
+def _exchanges(problem: WhitenedProblem, now: Found, allowed: Allowed) -> Iterator[SetFit]:
     """Yield better sets in which a large effect that is not linear, seen only at its own optimum, replaces another."""
     evidence = now.evidence
     pairs: list[tuple[float, tuple[int, ...], int]] = []
@@ -135,17 +146,17 @@ def _exchanges(problem: Problem, now: Found, whitened: Whitened, allowed: Allowe
 
         for other, gain in promising(evidence, rest, if_not_linear):
             if other != one:
-                cost = left - gain + evidence.price[other] - evidence.price[one]
+                cost = left - gain + evidence.penalty[other] - evidence.penalty[one]
                 pairs.append((float(cost), rest, other))
-    at_optimum = refitting(problem, now.model, whitened, evidence, NEARBY)
+    at_optimum = refitting(problem, now.model, evidence, NEARBY)
     tried = ((rest, other) for _, rest, other in sorted(pairs) if allowed((*rest, other)))
     for rest, other in islice(tried, MOST_REFITS):
         fit = at_optimum(rest, other)
-        if fit.physical and fit.cost < now.fit.cost - MARGIN:
+        if fit.physical and fit.cost < now.fit.cost - evidence.criterion.margin:
             yield fit
 
 
-def _slimmed(problem: Problem, now: Found, whitened: Whitened) -> Found | None:
+def _slimmed(problem: WhitenedProblem, now: Found) -> Found | None:
     """Return a model without an effect that stands for what the shape of another on its joint is wrong by."""
     evidence = now.evidence
     lost = {
@@ -157,20 +168,21 @@ def _slimmed(problem: Problem, now: Found, whitened: Whitened) -> Found | None:
         if not any(set(effect.scope) & set(e.scope) and worth < lost[e] for e in shaped):
             continue
         others = now.model.remove(effect.label)
-        trial, _ = refit(problem.experiment, problem.columns, others, whitened, ROUGHLY)
-        then = fitted(problem, refine_shapes(problem.experiment, problem.columns, trial, whitened), whitened)
-        if then.fit.physical and then.fit.cost < now.fit.cost - MARGIN:
+        trial, _ = refit(problem.regression, others, ROUGHLY)
+        then = fitted(problem, refine_shapes(problem.regression, trial))
+        if then.fit.physical and then.fit.cost < now.fit.cost - evidence.criterion.margin:
             return then
     return None
 
 
-def _is_seen(problem: Problem, before: Array, after: Array) -> bool:
+def _is_seen(problem: WhitenedProblem, before: Array, after: Array) -> bool:
     """Tell whether a user would see the RMS of some joint fall, by a torque that matters there."""
     fallen = np.sqrt(np.maximum(before**2 - after**2, 0.0))
-    return bool(((after < (1 - VISIBLE) * before) & (fallen > problem.smallest_torque)).any())
+    lower = after < (1 - problem.settings.criterion.least_fall) * before
+    return bool((lower & (fallen > problem.problem.smallest_torque)).any())
 
 
-def _sacrifice(evidence: Evidence, now: Fit, after: Fit) -> float:
+def _sacrifice(evidence: Evidence, now: SetFit, after: SetFit) -> float:
     """Return the cost that a move may add: none, or what an effect that is dropped would have had to earn."""
     dropped = set(now.chosen) - set(after.chosen)
     if not now.physical:
@@ -203,11 +215,8 @@ def _what_changed(before: Dynamics, after: Dynamics) -> str:
 
 def _model_of(model: Dynamics, evidence: Evidence, chosen: Sequence[int], theta: Array) -> Dynamics:
     profiles = {t.effect: t.profile for t in model.terms}
-    terms, at = [], 0
-    for c in chosen:
-        effect = evidence.effects[c]
-        values = tuple(float(v) for v in theta[at : at + effect.size])
-        term = Term(effect, values)
-        terms.append(replace(term, profile=profiles[effect]) if effect in profiles else term)
-        at += effect.size
+    effects = [evidence.effects[c] for c in chosen]
+    terms = []
+    for effect, part in zip(effects, ParameterBlocks.of(effects).split(theta), strict=True):
+        terms.append(Term(effect, tuple(float(v) for v in part), profiles.get(effect, ALWAYS)))
     return Dynamics(model.robot, tuple(terms))

@@ -1,4 +1,4 @@
-"""Shapes: the grid finds the ripple or the Stribeck speed roughly, this finds it well."""
+"""Shapes: the grid finds a ripple's frequency or a Stribeck speed roughly, this finds it well."""
 
 from __future__ import annotations
 
@@ -8,27 +8,23 @@ from dataclasses import replace
 import numpy as np
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Term
-from cdia_pin.regression.design_matrix import Columns
-from cdia_pin.regression.experiment import Experiment
-from cdia_pin.regression.fitting import Whitened, gather
+from cdia_pin.regression.bounded_fit import bounded_fit
+from cdia_pin.regression.regression import Regression
 
-ROUNDS = 7
-NARROWER = 0.35  # each round's steps beside those of the round before
+ROUNDS = 7  # of a parabola through three shapes
+NARROWER = 0.35  # each round's steps over those of the round before [1]
+FARTHEST = 1.5  # steps that one round may move [1]
 
 
-def refine_shapes(
-    experiment: Experiment, columns: Columns, model: Dynamics, whitened: Whitened, known: Collection[str] = ()
-) -> Dynamics:
+def refine_shapes(regression: Regression, model: Dynamics, known: Collection[str] = ()) -> Dynamics:
     """Return the model with the shape of its terms moved to where the others allow the best fit.
 
     Args:
-        experiment: The conditioned logs.
-        columns: Where columns come from.
+        regression: The conditioned logs and their noise.
         model: A fitted model.
-        whitened: Noise and blocks.
         known: Labels of terms whose shape is left as it is.
     """
+    experiment = regression.experiment
     for term in [t for t in model.terms if t.effect.shape and t.label not in known]:
         (name,) = term.effect.shape_values
         rest = [t.effect for t in model.terms if t.label != term.label]
@@ -40,14 +36,12 @@ def refine_shapes(
         for _ in range(ROUNDS):
             value = best.effect.shape_values[name]
             tries = [best.effect.with_shape(**{name: value + d}) for d in (-spread, 0.0, spread)]
-            prediction = experiment.predict(model.remove(term.label).add(best))
-            evidence = gather(experiment, columns, prediction, [*rest, *tries], whitened)
-            fits = [evidence.fit([*range(len(rest)), len(rest) + i]) for i in range(len(tries))]
-            step = float(np.clip(_bottom(*(f.chi2 for f in fits)), -1.5, 1.5)) * spread
+            equations = regression.normal_equations(model.remove(term.label).add(best), [*rest, *tries])
+            fits = [bounded_fit(equations, [*range(len(rest)), len(rest) + i]) for i in range(len(tries))]
+            step = float(np.clip(_bottom(*(f.chi2 for f in fits)), -FARTHEST, FARTHEST)) * spread
             moved = float(np.clip(value + step, min(grid, default=value), max(grid, default=value)))
-            best = replace(
-                best, effect=best.effect.with_shape(**{name: moved}), theta=_last(fits[1].theta, best)
-            )
+            theta = tuple(float(v) for v in fits[1].theta[-best.effect.size :])
+            best = replace(best, effect=best.effect.with_shape(**{name: moved}), theta=theta)
             spread *= NARROWER
         model = Dynamics(model.robot, tuple(best if t.label == term.label else t for t in model.terms))
     return model
@@ -65,7 +59,3 @@ def _bottom(left: float, middle: float, right: float) -> float:
     if curve <= 1e-9 * (abs(left) + abs(right)):
         return -1.0 if left < right else 1.0
     return 0.5 * (left - right) / curve
-
-
-def _last(theta: np.ndarray, term: Term) -> tuple[float, ...]:
-    return tuple(float(v) for v in theta[-term.effect.size :])

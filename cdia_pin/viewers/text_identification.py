@@ -9,7 +9,7 @@ from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.table import Table
 
-from cdia_pin.effects.inertia import Body
+from cdia_pin.effects.body import Body
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.report_discovery import parameters, shape_parameters
 from cdia_pin.viewers.words import (

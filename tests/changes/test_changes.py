@@ -10,7 +10,7 @@ from cdia_pin.changes.changes_result import Change
 from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.effects import Term, parse_effect
 from cdia_pin.errors import LogError
-from cdia_pin.regression.shared_parameters import Part, Regression
+from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from tests.hidden_plants import plant_of
 
 SECONDS = 24.0
@@ -132,8 +132,8 @@ def test_friction_that_falls_here_and_rises_there_is_no_temperature(ur5):
 
 def regression(rng, scale=np.inf):
     parts = [
-        Part({0: rng.standard_normal((80, 3)), 1: rng.standard_normal((80, 3))}, np.full(3, scale)),
-        Part({1: rng.standard_normal((80, 2))}, np.full(2, np.inf)),
+        ColumnGroup({0: rng.standard_normal((80, 3)), 1: rng.standard_normal((80, 3))}, np.full(3, scale)),
+        ColumnGroup({1: rng.standard_normal((80, 2))}, np.full(2, np.inf)),
     ]
     return parts, rng.standard_normal((80, 2))
 
@@ -148,7 +148,7 @@ def dense(parts):
 
 def test_joints_that_share_parameters_are_one_least_squares_problem():
     parts, y = regression(np.random.default_rng(1))
-    left, used = Regression.of(parts, y, lambda j, x: x).residual()
+    left, used = SharedRegression.of(parts, y, lambda j, x: x).residual()
     x = dense(parts)
     expected = y.T.ravel() - x @ np.linalg.lstsq(x, y.T.ravel())[0]
     np.testing.assert_allclose(left.T.ravel(), expected, atol=1e-8)
@@ -158,7 +158,7 @@ def test_joints_that_share_parameters_are_one_least_squares_problem():
 def test_what_is_common_is_projected_away():
     """Frisch, Waugh and Lovell: the rest regressed on the rest gives the same parameters."""
     parts, y = regression(np.random.default_rng(2))
-    rest, prior = Regression.of(parts, y, lambda j, x: x).beside(3)
+    rest, prior = SharedRegression.of(parts, y, lambda j, x: x).beside(3)
     gram = sum(r.T @ r for r in rest) + prior
     theta = np.linalg.solve(gram[:-1, :-1], gram[:-1, -1])
     np.testing.assert_allclose(theta, np.linalg.lstsq(dense(parts), y.T.ravel())[0][3:], atol=1e-8)
@@ -166,5 +166,5 @@ def test_what_is_common_is_projected_away():
 
 def test_parameters_that_would_surprise_are_held_back():
     parts, y = regression(np.random.default_rng(3), scale=1e-3)
-    _, used = Regression.of(parts, y, lambda j, x: x).residual()
+    _, used = SharedRegression.of(parts, y, lambda j, x: x).residual()
     assert used.sum() < 2.1

@@ -163,7 +163,7 @@ def test_tilted_gravity_keeps_its_size_in_any_direction():
     for gravity in ([0, 0, -9.81], [0, 0, 9.81], [9.81, 0, 0], [3.0, -8.0, 4.0]):
         arm = load_robot("ur5", gravity=gravity)
         term = parse_term("base_tilt: tilt_x=1, tilt_y=-2")
-        change = term.effect.gravity_change(arm, np.array(term.theta))
+        change = term.effect.tilt(arm, np.array(term.theta))
         assert np.linalg.norm(arm.gravity_vector + change) == pytest.approx(np.linalg.norm(gravity))
         assert term.effect.is_physical(np.array(term.theta), arm)
     weightless = load_robot("ur5", gravity=0.0)
@@ -180,7 +180,7 @@ def test_added_bodies_feel_a_tilt_too(arm):
     q, v, a = np.random.default_rng(0).standard_normal((3, 20, arm.n))
     pi = arm.inertial_parameters.copy()
     pi[arm.joint_index("elbow_joint")] += body.theta
-    slope = arm.gravity_vector + tilt.effect.gravity_change(arm, np.array(tilt.theta))
+    slope = arm.gravity_vector + tilt.effect.tilt(arm, np.array(tilt.theta))
     built = arm.with_inertial_parameters(pi).with_gravity(slope)
     added = Dynamics(arm, (tilt, body)).inverse_dynamics(q, v, a)
     np.testing.assert_allclose(added, built.inverse_dynamics(q, v, a), atol=1e-9)

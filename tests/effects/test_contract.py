@@ -15,6 +15,7 @@ import pytest
 from cdia_pin.dynamics import Dynamics, exciting_trajectory, simulate
 from cdia_pin.effects import (
     EFFECTS,
+    Channel,
     Effect,
     Expression,
     JointEffect,
@@ -22,8 +23,10 @@ from cdia_pin.effects import (
     LinkInertias,
     Parameter,
     Region,
+    Signal,
     State,
     Term,
+    Traits,
     after,
     effect_from_dict,
     parse_effect,
@@ -45,6 +48,7 @@ class HardeningSpring(JointEffect):
 
     name: ClassVar[str] = "hardening_spring"
     equation: ClassVar[str] = "−k (q − r)³"
+    traits: ClassVar[Traits] = Traits({Signal.POSITION})
     parameters = (Parameter("stiffness", "{effort}/{position}³", lower=0.0),)
     shape = (Parameter("rest", "{position}", lower=-7.0, upper=7.0),)
 
@@ -141,7 +145,8 @@ def test_no_parameters_no_torque(name, effect):
     x = state_of(name)
     zero = np.zeros(effect.size)
     np.testing.assert_allclose(effect.torque(x, zero), 0.0, atol=1e-12)
-    np.testing.assert_array_equal(effect.shift(x.robot, zero), 0.0)
+    np.testing.assert_array_equal(effect.shift(x, zero), 0.0)
+    np.testing.assert_array_equal(effect.gravity_change(x, zero), 0.0)
 
 
 @each()
@@ -150,7 +155,7 @@ def test_a_linear_effect_is_linear(name, effect):
     one, two = drawn(effect, robot, 1), drawn(effect, robot, 2)
     together = effect.torque(x, one - 2 * two)
     apart = effect.torque(x, one) - 2 * effect.torque(x, two)
-    if effect.linear:
+    if effect.traits.linear:
         np.testing.assert_allclose(together, apart, atol=1e-9 * scale(apart))
         np.testing.assert_allclose(effect.basis(x) @ one, effect.torque(x, one), atol=1e-9 * scale(apart))
 
@@ -175,7 +180,7 @@ def test_torque_appears_on_its_joints_and_nowhere_else(name, effect):
     np.testing.assert_array_equal(np.delete(f, acted, axis=1), 0.0)
 
 
-@each(lambda effect: effect.dissipative)
+@each(lambda effect: effect.traits.dissipative)
 def test_friction_never_adds_power(name, effect):
     robot = robot_of(name)
     rng = np.random.default_rng(5)
@@ -190,7 +195,9 @@ def test_friction_never_adds_power(name, effect):
     np.testing.assert_array_equal(effect.torque(at_rest, drawn(effect, robot)), 0.0)
 
 
-@each(lambda effect: not effect.reads)  # a late reading needs its neighbours in time
+@each(
+    lambda effect: effect.traits.channel is not Channel.TORQUE_READING
+)  # a late reading needs its neighbours in time
 def test_the_torque_of_a_trajectory_is_that_of_its_samples(name, effect):
     robot, x = robot_of(name), state_of(name)
     theta = drawn(effect, robot)
@@ -202,48 +209,78 @@ def test_the_torque_of_a_trajectory_is_that_of_its_samples(name, effect):
         np.testing.assert_allclose(effect.torque(one, theta)[0], f[k], atol=1e-9 * scale(f))
 
 
+def louder(signal: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Another signal of the same shape: larger, with another course."""
+    return 1.3 * signal + (0.2 + 0.1 * np.cos(3 * time))[:, None]
+
+
+CHANGED: dict[Signal, Callable[[State], State]] = {  # in one signal alone, all others as they were
+    Signal.POSITION: lambda x: x.with_position(louder(x.q, x.time)),
+    Signal.VELOCITY: lambda x: replace(x, v=2 * x.v, sign_width=2 * x.sign_width),
+    Signal.DIRECTION: lambda x: replace(x, sign_width=1e3 * x.sign_width),
+    Signal.ACCELERATION: lambda x: replace(x, a=louder(x.a, x.time)),
+    Signal.TORQUE: lambda x: x.with_effort(louder(x.effort, x.time)),
+    Signal.TIME: lambda x: replace(x, time=1.2 * x.time + 0.3),
+    Signal.GRAVITY: lambda x: x.with_gravity_change(np.tile([1.0, -2.0, 0.5], (len(x), 1))),
+}
+
+
+def changes_with(effect: Effect, signal: Signal, x: State) -> bool:
+    return not np.array_equal(effect.basis(CHANGED[signal](x)), effect.basis(x))
+
+
 @each()
-def test_it_depends_on_the_actuator_torque_exactly_if_it_says_so(name, effect):
+def test_a_signal_that_it_does_not_declare_leaves_it_as_it_is(name, effect):
+    changing = {s for s in Signal if changes_with(effect, s, state_of(name))}
+    assert changing <= effect.traits.depends_on
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda k: k.name)
+def test_each_signal_that_it_declares_changes_it_on_some_joint(kind):
+    x = state_of("ur5")
+    effects = [kind.from_scope(scope, {}) for scope in kind.scopes(x.robot)]
+    for signal in effects[0].traits.depends_on:
+        assert any(changes_with(e, signal, x) for e in effects), signal
+
+
+@each(lambda effect: Signal.TORQUE in effect.traits.depends_on)
+def test_it_is_in_proportion_to_the_torque_for_either_sign(name, effect):
+    """Models divide to solve for the torque; a distorted reading comes after that."""
+    if effect.traits.channel is Channel.TORQUE_READING:
+        return
     x = state_of(name)
     theta = drawn(effect, x.robot)
-    other = x.with_effort(x.effort + 1.0 + np.cos(3 * x.time)[:, None])
-    assert effect.of_torque == (not np.array_equal(effect.torque(other, theta), effect.torque(x, theta)))
-    if effect.of_torque and not effect.reads:  # in proportion for either sign: models divide to solve for it
-        none, once, thrice = (effect.torque(x.with_effort(k * x.effort), theta) for k in (0, 1, 3))
-        np.testing.assert_allclose(thrice - none, 3 * (once - none), atol=1e-9 * scale(thrice))
+    none, once, thrice = (effect.torque(x.with_effort(k * x.effort), theta) for k in (0, 1, 3))
+    np.testing.assert_allclose(thrice - none, 3 * (once - none), atol=1e-9 * scale(thrice))
 
 
 @each()
-def test_it_is_affine_in_the_acceleration_and_without_it_unless_it_says_so(name, effect):
+def test_it_is_affine_in_the_acceleration(name, effect):
     x = state_of(name)
     theta = drawn(effect, x.robot)
     none, once, thrice = (effect.torque(replace(x, a=k * x.a), theta) for k in (0, 1, 3))
-    if not effect.of_acceleration:
-        np.testing.assert_array_equal(none, once)
     np.testing.assert_allclose(thrice - none, 3 * (once - none), atol=1e-8 * scale(thrice))
 
 
 @each()
 def test_it_shifts_the_encoders_exactly_if_it_says_so(name, effect):
-    robot = robot_of(name)
-    assert effect.shifts == bool(effect.shift(robot, drawn(effect, robot)).any())
+    x = state_of(name)
+    shifts = bool(effect.shift(x, drawn(effect, x.robot)).any())
+    assert shifts == (effect.traits.channel is Channel.POSITION_READING)
 
 
 @each()
-def test_it_tilts_gravity_exactly_if_it_says_so(name, effect):
-    robot = robot_of(name)
-    assert effect.tilts == bool(effect.gravity_change(robot, drawn(effect, robot)).any())
+def test_it_turns_gravity_exactly_if_it_says_so(name, effect):
+    x = state_of(name)
+    assert effect.traits.turns_gravity == bool(effect.gravity_change(x, drawn(effect, x.robot)).any())
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda k: k.name)
-def test_its_flags_say_no_more_than_is_true_on_some_joint(kind):
+def test_what_it_calls_not_linear_is_not_linear_on_some_joint(kind):
     x = state_of("ur5")
     effects = [kind.from_scope(scope, {}) for scope in kind.scopes(x.robot)]
-    drawings = [(e, drawn(e, x.robot, 1), drawn(e, x.robot, 2)) for e in effects]
-    if any(e.of_acceleration for e in effects):
-        heavier = replace(x, a=2 * x.a)
-        assert any(not np.array_equal(e.torque(heavier, one), e.torque(x, one)) for e, one, _ in drawings)
-    if not all(e.linear for e in effects):
+    if not all(e.traits.linear for e in effects):
+        drawings = [(e, drawn(e, x.robot, 1), drawn(e, x.robot, 2)) for e in effects]
         bent = [e.torque(x, one + two) - e.torque(x, one) - e.torque(x, two) for e, one, two in drawings]
         assert np.abs(bent).max() > 1e-3
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import CoulombFriction, Expression, State, Term, from_expression, parse_effect
+from cdia_pin.effects import CoulombFriction, Expression, Signal, State, Term, from_expression, parse_effect
 from cdia_pin.errors import EffectError
 from cdia_pin.robot import load_robot
 
@@ -54,10 +54,9 @@ def test_every_other_name_is_a_parameter(state):
 
 
 def test_it_says_what_it_depends_on():
-    assert from_expression("k*tau").of_torque
-    assert from_expression("k*ddq").of_acceleration
-    assert not from_expression("k*q*dq*t").of_torque
-    assert not from_expression("k*q*dq*t").of_acceleration
+    assert from_expression("k*tau").traits.depends_on == {Signal.TORQUE}
+    assert from_expression("k*ddq*sign(dq)").traits.depends_on == {Signal.ACCELERATION, Signal.DIRECTION}
+    assert from_expression("k*q*dq*t").traits.depends_on == {Signal.POSITION, Signal.VELOCITY, Signal.TIME}
 
 
 def test_a_label_is_read_back():

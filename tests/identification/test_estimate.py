@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, load_robot
-from cdia_pin.effects.inertia import Body
-from cdia_pin.identification.crossvalidation import STRENGTHS, choose_strength, held_out_rms
+from cdia_pin.effects.body import Body
+from cdia_pin.identification.block_validation import STRENGTHS, choose_strength, held_out_rms
 from cdia_pin.identification.estimate import Fitter, unconstrained
 from cdia_pin.identification.terms import full_model
 from cdia_pin.regression.experiment import Experiment
@@ -38,19 +38,21 @@ def impossible(robot):
 
 
 def cost(estimate, theta):
-    total = estimate.evidence.total
+    total = estimate.equations.total
     v = np.append(theta, -1.0)
     return float(v @ total @ v + theta @ estimate.prior @ theta)
 
 
 def is_possible(estimate, theta):
-    robot, evidence = estimate.model.robot, estimate.evidence
-    return all(e.is_physical(theta[s], robot) for e, s in zip(evidence.effects, evidence.spans, strict=True))
+    robot, evidence = estimate.model.robot, estimate.equations
+    return all(
+        e.is_physical(theta[s], robot) for e, s in zip(evidence.effects, evidence.parameters, strict=True)
+    )
 
 
 def test_no_possible_parameters_cost_less(robot):
     _, estimate = fitted(robot, make(robot, impossible(robot), noise=1e-3))
-    free = unconstrained(estimate.evidence.total, estimate.prior)
+    free = unconstrained(estimate.equations.total, estimate.prior)
     assert not is_possible(estimate, free)  # else there is nothing to hold
     assert is_possible(estimate, estimate.theta)
     least, rng = cost(estimate, estimate.theta), np.random.default_rng(0)
@@ -60,7 +62,7 @@ def test_no_possible_parameters_cost_less(robot):
     tried = 0
     for _ in range(500):
         step = 10.0 ** rng.uniform(-6, 0)
-        away = rng.normal(size=len(free)) / np.sqrt(np.diag(estimate.prior) + estimate.evidence.scale**2)
+        away = rng.normal(size=len(free)) / np.sqrt(np.diag(estimate.prior) + estimate.equations.scale**2)
         toward = rng.uniform() * (free - estimate.theta) + rng.uniform() * (inside - estimate.theta)
         theta = estimate.theta + step * (0.01 * away + toward)
         if is_possible(estimate, theta):
@@ -73,7 +75,7 @@ def test_where_nothing_holds_it_is_plain_least_squares(robot):
     _, estimate = fitted(
         robot, make(robot, lambda q, v, a: -0.3 * np.tanh(v / 1e-3) - 0.2 * v, noise=1e-2), 1.0
     )
-    free = unconstrained(estimate.evidence.total, estimate.prior)
+    free = unconstrained(estimate.equations.total, estimate.prior)
     assert is_possible(estimate, free)  # else something holds
     assert cost(estimate, estimate.theta) == pytest.approx(cost(estimate, free), rel=1e-4)
 

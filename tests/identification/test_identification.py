@@ -8,7 +8,7 @@ import pytest
 from benchmarks.plant import Fault, Fourier, single, slow, small
 from cdia_pin import Dynamics, load_model, load_robot, save_model, write_corrected_urdf
 from cdia_pin.effects import Payload, Term
-from cdia_pin.effects.inertia import Body
+from cdia_pin.effects.body import Body
 from cdia_pin.errors import LogError
 from cdia_pin.identification import IdentificationSettings, identify
 from cdia_pin.identification.base import base_reduction

@@ -21,13 +21,17 @@ from cdia_pin.effects import (
     ViscousFriction,
     parse_effect,
 )
+from cdia_pin.regression.bounded_fit import bounded_fit
 from cdia_pin.regression.cross_validation import held_out_rms
-from cdia_pin.regression.design_matrix import Columns
+from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, rms
-from cdia_pin.regression.fitting import Whitened, gather, refit, with_intervals, with_parameters
+from cdia_pin.regression.gauss_newton import refit, with_parameters
+from cdia_pin.regression.intervals import with_intervals
 from cdia_pin.regression.noise import NoiseModel
+from cdia_pin.regression.normal_equations import NormalEquations
+from cdia_pin.regression.regression import Regression
 from cdia_pin.regression.shape_slopes import slopes
-from cdia_pin.selection.evidence import Evidence
+from cdia_pin.regression.whitening import Whitening
 from tests.made_logs import autoregressive, conditioned, make, motion
 
 COULOMB, VISCOUS, OFFSET = (
@@ -47,13 +51,13 @@ def friction(q, v, a):
 
 
 def prepared(robot, missing, *, noise=0.005, seed=0, order=0, duration=20.0):
-    """An experiment, its columns, and whitening by known noise."""
+    """The regression of a made log, whitened by known noise."""
     made = make(robot, missing, seed=seed, noise=noise, duration=duration)
     experiment = Experiment.of(robot, [conditioned(robot, made)])
     count = len(experiment.measured)
     model = NoiseModel(np.full(order, 0.3 / max(order, 1)), np.full(count, max(noise, 1e-4)), (count,))
     edges = np.linspace(0, count, BLOCKS + 1).astype(int)
-    return experiment, Columns(experiment), Whitened.of(experiment, [model] * robot.n, edges)
+    return Regression(DesignMatrix(experiment), Whitening.of(experiment, [model] * robot.n, edges))
 
 
 def model_with(robot, *effects, theta=None):
@@ -61,20 +65,21 @@ def model_with(robot, *effects, theta=None):
     return Dynamics(robot, tuple(Term(e, v) for e, v in zip(effects, values, strict=True)))
 
 
-def stacked(experiment, columns, whitened, effects):
+def stacked(regression, effects):
     """Whitened columns (S, P) and response (S,) of all joints, written out."""
-    bare = experiment.predict(Dynamics(experiment.robot))
+    experiment = regression.experiment
+    bare = regression.experiment.predict(Dynamics(experiment.robot))
     x, y = [], []
     for j in range(experiment.robot.n):
-        rows = np.zeros((len(experiment.measured), sum(e.size for e in effects)))
+        rows = np.zeros((len(regression.experiment.measured), sum(e.size for e in effects)))
         at = 0
         for effect in effects:
             acts = list(effect.acts_on(experiment.robot))
             if j in acts:
-                rows[:, at : at + effect.size] = columns.of(effect, bare)[:, acts.index(j), :]
+                rows[:, at : at + effect.size] = regression.design.of(effect, bare)[:, acts.index(j), :]
             at += effect.size
-        x.append(whitened.joint(j, rows))
-        y.append(whitened.joint(j, bare.residual[:, j]))
+        x.append(regression.whitening.joint(j, rows))
+        y.append(regression.whitening.joint(j, bare.residual[:, j]))
     return np.vstack(x), np.concatenate(y)
 
 
@@ -83,10 +88,10 @@ def stacked(experiment, columns, whitened, effects):
 
 @pytest.mark.parametrize("order", [0, 3])
 def test_a_refit_of_linear_effects_is_least_squares(order, pendulum):
-    experiment, columns, whitened = prepared(pendulum, friction, order=order)
+    regression = prepared(pendulum, friction, order=order)
     effects = [COULOMB, VISCOUS, OFFSET]
-    model, _ = refit(experiment, columns, model_with(pendulum, *effects), whitened)
-    x, y = stacked(experiment, columns, whitened, effects)
+    model, _ = refit(regression, model_with(pendulum, *effects))
+    x, y = stacked(regression, effects)
     expected = np.linalg.lstsq(x, y, rcond=None)[0]
     np.testing.assert_allclose(np.concatenate([t.theta for t in model.terms]), expected, rtol=1e-5)
     np.testing.assert_allclose(expected, [0.08, 0.05, 0.1], rtol=0.03)
@@ -94,9 +99,9 @@ def test_a_refit_of_linear_effects_is_least_squares(order, pendulum):
 
 def test_all_effects_are_fitted_together_and_not_one_to_what_the_other_left(pendulum):
     """Coulomb alone takes some of the viscous torque; beside it each gets its own."""
-    experiment, columns, whitened = prepared(pendulum, friction)
-    alone, _ = refit(experiment, columns, model_with(pendulum, COULOMB, OFFSET), whitened)
-    both, _ = refit(experiment, columns, alone.add(Term(VISCOUS, (0.0,))), whitened)
+    regression = prepared(pendulum, friction)
+    alone, _ = refit(regression, model_with(pendulum, COULOMB, OFFSET))
+    both, _ = refit(regression, alone.add(Term(VISCOUS, (0.0,))))
     level = lambda m: m.find(COULOMB.label).theta[0]  # noqa: E731
     assert level(alone) > 1.2 * 0.08
     assert level(both) == pytest.approx(0.08, rel=0.03)
@@ -121,28 +126,28 @@ def test_wherever_it_starts_a_refit_ends_at_the_truth(effects, truth, starts, pe
     experiment = Experiment.of(pendulum, [conditioned(pendulum, replace(made, log=log))])
     count = len(experiment.measured)
     noise = NoiseModel(np.zeros(0), np.full(count, 1e-3), (count,))
-    whitened = Whitened.of(experiment, [noise] * 2, np.linspace(0, count, BLOCKS + 1).astype(int))
+    whitening = Whitening.of(experiment, [noise] * 2, np.linspace(0, count, BLOCKS + 1).astype(int))
     found = []
     for start in starts:
         model = with_parameters(model_with(pendulum, *effects), np.array(start))
-        model, _ = refit(experiment, Columns(experiment), model, whitened)
+        model, _ = refit(Regression(DesignMatrix(experiment), whitening), model)
         found.append(np.concatenate([t.theta for t in model.terms]))
     np.testing.assert_allclose(found[0], found[1], rtol=1e-3, atol=1e-6)
     np.testing.assert_allclose(found[0], truth, rtol=0.03, atol=1e-6)
 
 
 def test_a_refit_of_an_optimum_stays_there(pendulum):
-    experiment, columns, whitened = prepared(pendulum, friction)
+    regression = prepared(pendulum, friction)
     effects = [ActuatorGain("joint1"), COULOMB, VISCOUS]
-    once, _ = refit(experiment, columns, model_with(pendulum, *effects), whitened)
-    again, _ = refit(experiment, columns, once, whitened)
+    once, _ = refit(regression, model_with(pendulum, *effects))
+    again, _ = refit(regression, once)
     for a, b in zip(once.terms, again.terms, strict=True):
         np.testing.assert_allclose(a.theta, b.theta, rtol=1e-3)
 
 
 def test_friction_that_adds_power_is_held_at_none(pendulum):
-    experiment, columns, whitened = prepared(pendulum, lambda q, v, a: -friction(q, v, a))
-    model, _ = refit(experiment, columns, model_with(pendulum, COULOMB, VISCOUS, OFFSET), whitened)
+    regression = prepared(pendulum, lambda q, v, a: -friction(q, v, a))
+    model, _ = refit(regression, model_with(pendulum, COULOMB, VISCOUS, OFFSET))
     assert model.find(COULOMB.label).theta == (0.0,)
     assert model.find(VISCOUS.label).theta == (0.0,)
     assert model.find(OFFSET.label).theta[0] == pytest.approx(-0.1, rel=0.1)
@@ -150,12 +155,12 @@ def test_friction_that_adds_power_is_held_at_none(pendulum):
 
 def test_what_happens_near_rest_is_no_evidence(pendulum):
     """A sample that does not count must not reach others through the whitening filter either."""
-    experiment, columns, whitened = prepared(pendulum, friction, order=6)
-    prediction = experiment.predict(Dynamics(pendulum))
-    strange = np.where(experiment.informative, prediction.residual, prediction.residual + 5.0)
+    regression = prepared(pendulum, friction, order=6)
+    prediction = regression.experiment.predict(Dynamics(pendulum))
+    strange = np.where(regression.experiment.informative, prediction.residual, prediction.residual + 5.0)
     effects = [COULOMB, VISCOUS, OFFSET]
     as_it_is, disturbed = (
-        gather(experiment, columns, replace(prediction, residual=r), effects, whitened)
+        regression.normal_equations(replace(prediction, residual=r), effects)
         for r in (prediction.residual, strange)
     )
     np.testing.assert_allclose(disturbed.total, as_it_is.total, rtol=1e-6, atol=1e-6 * as_it_is.total.max())
@@ -165,48 +170,50 @@ def test_what_happens_near_rest_is_no_evidence(pendulum):
 
 
 def test_held_out_error_is_that_of_fits_to_the_other_blocks(pendulum):
-    experiment, columns, whitened = prepared(pendulum, friction, seed=5)
+    regression = prepared(pendulum, friction, seed=5)
     effects = [COULOMB, VISCOUS, OFFSET, PositionRipple("joint2")]
-    model, _ = refit(experiment, columns, model_with(pendulum, *effects), whitened)
-    prediction = experiment.predict(model)
-    x, y = stacked(experiment, columns, whitened, effects)
-    count = len(experiment.measured)
-    block = np.tile(np.digitize(np.arange(count), whitened.edges[1:-1]), pendulum.n)
-    bare = experiment.predict(Dynamics(pendulum)).residual
+    model, _ = refit(regression, model_with(pendulum, *effects))
+    prediction = regression.experiment.predict(model)
+    x, y = stacked(regression, effects)
+    count = len(regression.experiment.measured)
+    block = np.tile(np.digitize(np.arange(count), regression.whitening.edges[1:-1]), pendulum.n)
+    bare = regression.experiment.predict(Dynamics(pendulum)).residual
     expected = bare.copy()
-    for b, (start, stop) in enumerate(zip(whitened.edges[:-1], whitened.edges[1:], strict=True)):
+    for b, (start, stop) in enumerate(
+        zip(regression.whitening.edges[:-1], regression.whitening.edges[1:], strict=True)
+    ):
         theta = np.linalg.lstsq(x[block != b], y[block != b], rcond=None)[0]
         at = 0
         for effect in effects:
-            part = columns.of(effect, prediction)[start:stop] @ theta[at : at + effect.size]
+            part = regression.design.of(effect, prediction)[start:stop] @ theta[at : at + effect.size]
             expected[start:stop, list(effect.acts_on(pendulum))] -= part
             at += effect.size
     np.testing.assert_allclose(
-        held_out_rms(experiment, columns, prediction, whitened),
-        rms(expected, experiment.informative),
+        held_out_rms(regression, prediction),
+        rms(expected, regression.experiment.informative),
         rtol=1e-4,
     )
 
 
 def test_held_out_error_is_above_the_fitted_error(pendulum):
-    experiment, columns, whitened = prepared(pendulum, friction, seed=6)
-    model, _ = refit(experiment, columns, model_with(pendulum, COULOMB, VISCOUS, OFFSET), whitened)
-    prediction = experiment.predict(model)
-    fitted = rms(prediction.residual, experiment.informative)
-    unseen = held_out_rms(experiment, columns, prediction, whitened)
+    regression = prepared(pendulum, friction, seed=6)
+    model, _ = refit(regression, model_with(pendulum, COULOMB, VISCOUS, OFFSET))
+    prediction = regression.experiment.predict(model)
+    fitted = rms(prediction.residual, regression.experiment.informative)
+    unseen = held_out_rms(regression, prediction)
     assert (unseen >= fitted * (1 - 1e-9)).all()
     assert (unseen < 1.1 * fitted).all()
 
 
 def test_blocks_are_contiguous_and_hold_every_sample(pendulum):
-    experiment, columns, whitened = prepared(pendulum, friction)
-    assert whitened.edges[0] == 0
-    assert whitened.edges[-1] == len(experiment.measured)
-    assert (np.diff(whitened.edges) > 0).all()
-    evidence = gather(experiment, columns, experiment.predict(Dynamics(pendulum)), [COULOMB], whitened)
-    x, y = stacked(experiment, columns, whitened, [COULOMB])
+    regression = prepared(pendulum, friction)
+    assert regression.whitening.edges[0] == 0
+    assert regression.whitening.edges[-1] == len(regression.experiment.measured)
+    assert (np.diff(regression.whitening.edges) > 0).all()
+    equations = regression.normal_equations(Dynamics(pendulum), [COULOMB])
+    x, y = stacked(regression, [COULOMB])
     whole = np.column_stack([x, y])
-    np.testing.assert_allclose(evidence.total, whole.T @ whole, rtol=1e-9)
+    np.testing.assert_allclose(equations.total, whole.T @ whole, rtol=1e-9)
 
 
 # ---------------------------------------------------------------- intervals
@@ -222,9 +229,9 @@ def drawn(robot, count, rng, colour=()):
     whole = np.column_stack([x, y])
     edges = np.linspace(0, count, BLOCKS + 1).astype(int)
     blocks = np.array([whole[a:b].T @ whole[a:b] for a, b in itertools.pairwise(edges)])
-    evidence = Evidence(robot, PAIR, blocks, count)
-    model = with_parameters(model_with(robot, *PAIR), evidence.fit([0, 1]).theta)
-    return with_intervals(model, evidence)
+    equations = NormalEquations(robot, PAIR, blocks, count)
+    model = with_parameters(model_with(robot, *PAIR), bounded_fit(equations, [0, 1]).theta)
+    return with_intervals(model, equations)
 
 
 def covered(model):
@@ -257,9 +264,9 @@ def test_intervals_shrink_with_the_root_of_the_samples(pendulum):
 def test_intervals_of_a_longer_log_are_narrower(pendulum):
     half = []
     for duration in (15.0, 60.0):
-        experiment, columns, whitened = prepared(pendulum, friction, duration=duration, seed=8)
-        model, evidence = refit(experiment, columns, model_with(pendulum, COULOMB, VISCOUS, OFFSET), whitened)
-        half.append(widths(with_intervals(model, evidence)))
+        regression = prepared(pendulum, friction, duration=duration, seed=8)
+        model, equations = refit(regression, model_with(pendulum, COULOMB, VISCOUS, OFFSET))
+        half.append(widths(with_intervals(model, equations)))
     assert np.median(half[0] / half[1]) == pytest.approx(2.0, rel=0.4)
 
 
@@ -270,28 +277,25 @@ def test_intervals_hold_the_estimate_at_their_middle(pendulum):
 
 
 def test_a_model_without_terms_needs_no_intervals(pendulum):
-    evidence = Evidence(pendulum, [], np.ones((BLOCKS, 1, 1)), 100)
-    assert with_intervals(Dynamics(pendulum), evidence).terms == ()
+    equations = NormalEquations(pendulum, [], np.ones((BLOCKS, 1, 1)), 100)
+    assert with_intervals(Dynamics(pendulum), equations).terms == ()
 
 
 def test_profiles_of_terms_are_kept(pendulum):
     from cdia_pin.effects import after
 
-    experiment, columns, whitened = prepared(pendulum, friction)
+    regression = prepared(pendulum, friction)
     model = Dynamics(pendulum, (Term(CoulombFriction("joint1"), (0.0,), after(5.0)),))
-    fitted, evidence = refit(experiment, columns, model, whitened)
-    assert with_intervals(fitted, evidence).terms[0].profile == after(5.0)
+    fitted, equations = refit(regression, model)
+    assert with_intervals(fitted, equations).terms[0].profile == after(5.0)
 
 
 def test_viscous_friction_is_told_from_none(pendulum):
-    experiment, columns, whitened = prepared(pendulum, friction)
-    model, evidence = refit(
-        experiment,
-        columns,
-        model_with(pendulum, COULOMB, OFFSET, VISCOUS, ViscousFriction("joint2")),
-        whitened,
+    regression = prepared(pendulum, friction)
+    model, equations = refit(
+        regression, model_with(pendulum, COULOMB, OFFSET, VISCOUS, ViscousFriction("joint2"))
     )
-    one, none = (with_intervals(model, evidence).find(f"viscous_friction@joint{k}").ci95[0] for k in (1, 2))
+    one, none = (with_intervals(model, equations).find(f"viscous_friction@joint{k}").ci95[0] for k in (1, 2))
     assert one[0] > 0.02
     assert none[0] <= 0.0 <= none[1] + 1e-3
 

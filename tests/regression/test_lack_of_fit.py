@@ -37,7 +37,7 @@ def problem_of(robot, made):
 
 
 def structure_of(robot, made, *terms):
-    return problem_of(robot, made).structure(Dynamics(robot, terms))
+    return problem_of(robot, made).lack_of_fit(Dynamics(robot, terms))
 
 
 @pytest.mark.parametrize("what", SMOOTH)
@@ -62,19 +62,19 @@ def test_what_the_model_holds_is_no_structure(pendulum):
     made = make(pendulum, on_first(lambda q, v, a: -0.05 * v[:, 0] + 0.1), noise=NOISE, seed=4)
     assert structure_of(pendulum, made).left[0]
     terms = [Term(parse_effect(f"{n}@joint1"), (0.0,)) for n in ("viscous_friction", "torque_offset")]
-    from cdia_pin.regression.fitting import refit
+    from cdia_pin.regression.gauss_newton import refit
 
     problem = problem_of(pendulum, made)
     model = Dynamics(pendulum, tuple(terms))
-    fitted, _ = refit(problem.experiment, problem.columns, model, problem.first_noise(model))
-    assert not problem.structure(fitted).left.any()
+    fitted, _ = refit(problem.with_first_noise(model).regression, model)
+    assert not problem.lack_of_fit(fitted).left.any()
 
 
 def test_the_floor_is_the_noise_that_passes_the_filter(pendulum):
     """White noise of 100 Hz, twice through a low-pass of 8 Hz: the floor is known beforehand."""
     made = make(pendulum, on_first(SMOOTH["of the position"]), noise=NOISE, seed=5)
     problem = problem_of(pendulum, made)
-    floor = problem.structure(Dynamics(pendulum)).floor
+    floor = problem.lack_of_fit(Dynamics(pendulum)).floor
     noise = NOISE * np.random.default_rng(9).standard_normal(made.q.shape)
     from cdia_pin.logs.derivatives import zero_phase
 
@@ -106,7 +106,7 @@ def test_the_first_estimate_of_the_noise_is_not_fooled_by_a_large_missing_torque
     plain = make(pendulum, noise=NOISE, seed=8)
     rough = make(pendulum, on_first(lambda q, v, a: -0.5 * v[:, 0] - 0.3), noise=NOISE, seed=8)
     sigma = [
-        np.median(problem_of(pendulum, m).first_noise(Dynamics(pendulum)).noise[0].sigma)
+        np.median(problem_of(pendulum, m).with_first_noise(Dynamics(pendulum)).whitening.noise[0].sigma)
         for m in (plain, rough)
     ]
     assert sigma[0] * 0.8 < sigma[1] < sigma[0] * 2

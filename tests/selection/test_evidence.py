@@ -18,11 +18,14 @@ from cdia_pin.effects import (
     TorqueOffset,
     ViscousFriction,
 )
+from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.physical_consistency import consistent_parameters
 from cdia_pin.robot.inertia import parameters_of, pseudo_inertia
+from cdia_pin.selection.criterion import SelectionCriterion
 from cdia_pin.selection.evidence import Evidence, needed_gain
 
 JOINT = "joint1"
+LEAST_SHARE = SelectionCriterion().least_share
 FREE = [TorqueOffset(JOINT), PositionRipple(JOINT), TorqueOffset("joint2"), PositionRipple("joint2")]
 BOUND = [CoulombFriction(JOINT), ViscousFriction(JOINT), QuadraticFriction(JOINT), JointSpring(JOINT)]
 SAMPLES, BLOCKS = 400, 5
@@ -48,7 +51,7 @@ def problem(robot, effects, theta=None, *, seed=0, noise=1.0, mix=0.5):
     y = y + noise * rng.standard_normal(SAMPLES)
     whole = np.column_stack([x, y])
     blocks = np.array([whole[a:b].T @ whole[a:b] for a, b in pairwise(EDGES)])
-    return Evidence(robot, effects, blocks, SAMPLES), x, y
+    return Evidence(NormalEquations(robot, effects, blocks, SAMPLES)), x, y
 
 
 def left(x, y):
@@ -65,11 +68,11 @@ def subsets(count):
 @pytest.mark.parametrize("chosen", subsets(len(FREE)), ids=str)
 def test_a_fit_is_least_squares(pendulum, chosen):
     evidence, x, y = problem(pendulum, FREE)
-    at = evidence.columns(chosen)
+    at = evidence.equations.columns(chosen)
     fit = evidence.fit(chosen)
     np.testing.assert_allclose(fit.theta, np.linalg.lstsq(x[:, at], y, rcond=None)[0], rtol=1e-6, atol=1e-8)
     assert fit.chi2 == pytest.approx(left(x[:, at], y), rel=1e-8)
-    assert fit.cost == pytest.approx(fit.chi2 + evidence.price[chosen].sum())
+    assert fit.cost == pytest.approx(fit.chi2 + evidence.penalty[chosen].sum())
     assert fit.physical
 
 
@@ -105,7 +108,7 @@ def test_no_physical_fit_costs_less_than_its_bound(pendulum):
         for chosen in subsets(len(BOUND)):
             assert evidence.bound(chosen) <= evidence.fit(chosen).cost + 1e-6
             assert evidence.bound(chosen) == pytest.approx(
-                evidence.free_chi2(chosen) + evidence.price[chosen].sum()
+                evidence.free_chi2(chosen) + evidence.penalty[chosen].sum()
             )
 
 
@@ -117,7 +120,7 @@ def test_a_set_in_which_one_effect_repeats_another_is_not_accepted(pendulum):
         [-np.sign(v), np.ones(SAMPLES), -1.0 * (v > 0), v < 0, -np.maximum(v, 0), -np.minimum(v, 0)]
     )
     whole = np.column_stack([x, x @ [2.0, 1.0, 0, 0, 0, 0] + rng.standard_normal(SAMPLES)])
-    evidence = Evidence(pendulum, effects, (whole.T @ whole)[None], SAMPLES)
+    evidence = Evidence(NormalEquations(pendulum, effects, (whole.T @ whole)[None], SAMPLES))
     assert evidence.fit([0, 1]).physical
     assert evidence.fit([2]).physical
     assert not evidence.fit([0, 1, 2]).physical
@@ -131,9 +134,9 @@ def test_a_set_in_which_one_effect_repeats_another_is_not_accepted(pendulum):
 def test_gains_are_what_each_candidate_would_take_from_the_sum_of_squares(pendulum, chosen):
     evidence, x, y = problem(pendulum, FREE, seed=3)
     gains = evidence.gains(chosen)
-    before = left(x[:, evidence.columns(chosen)], y)
+    before = left(x[:, evidence.equations.columns(chosen)], y)
     for c in range(len(FREE)):
-        after = left(x[:, evidence.columns([*chosen, c])], y) if c not in chosen else before
+        after = left(x[:, evidence.equations.columns([*chosen, c])], y) if c not in chosen else before
         assert gains[c] == pytest.approx(before - after, rel=2e-3, abs=1e-6 * before), c
 
 
@@ -142,7 +145,7 @@ def test_a_candidate_that_the_set_spans_gains_nothing(pendulum):
     x = rng.standard_normal((SAMPLES, 2))
     whole = np.column_stack([x[:, 0], x @ [1.0, 2.0], x[:, 1], 3 * x[:, 0] + rng.standard_normal(SAMPLES)])
     effects = [TorqueOffset(JOINT), TorqueOffset("joint2"), CoulombFriction(JOINT)]
-    evidence = Evidence(pendulum, effects, (whole.T @ whole)[None], SAMPLES)
+    evidence = Evidence(NormalEquations(pendulum, effects, (whole.T @ whole)[None], SAMPLES))
     assert evidence.gains([0, 2])[1] < 1e-3 * evidence.gains([])[1]
 
 
@@ -152,33 +155,33 @@ def test_a_candidate_that_the_set_spans_gains_nothing(pendulum):
 @pytest.mark.parametrize("chosen", [[0], [0, 1], [0, 1, 2, 3]], ids=str)
 def test_held_out_error_is_that_of_fits_to_the_other_blocks(pendulum, chosen):
     evidence, x, y = problem(pendulum, FREE, seed=5)
-    at, expected = evidence.columns(chosen), 0.0
+    at, expected = evidence.equations.columns(chosen), 0.0
     for start, stop in pairwise(EDGES):
         rest = np.r_[0:start, stop:SAMPLES]
         theta = np.linalg.lstsq(x[np.ix_(rest, at)], y[rest], rcond=None)[0]
         expected += float(np.sum((y[start:stop] - x[start:stop][:, at] @ theta) ** 2))
-    assert evidence.held_out(chosen) == pytest.approx(expected, rel=1e-6)
+    assert evidence.equations.held_out(chosen) == pytest.approx(expected, rel=1e-6)
 
 
 def test_an_effect_of_noise_alone_does_not_pay_on_held_out_blocks(pendulum):
     worse = 0
     for seed in range(20):
         evidence, *_ = problem(pendulum, FREE, theta=[2.0, 0, 0, 0, 0, 0], seed=seed, mix=0.0)
-        worse += evidence.held_out([0, 1, 2, 3]) > evidence.held_out([0])
+        worse += evidence.equations.held_out([0, 1, 2, 3]) > evidence.equations.held_out([0])
     assert worse >= 15
 
 
-# ---------------------------------------------------------------- prices
+# ---------------------------------------------------------------- penalties
 
 
-def test_each_parameter_has_its_price(pendulum):
+def test_each_parameter_has_a_penalty(pendulum):
     evidence, *_ = problem(pendulum, [CoulombFriction(JOINT), AsymmetricFriction(JOINT)])
-    coulomb, asymmetric = evidence.price
+    coulomb, asymmetric = evidence.penalty
     assert asymmetric > 2 * coulomb > 0
 
 
-def test_noise_rarely_pays_the_price(pendulum):
-    """Over 200 draws of noise alone hardly a candidate is worth its price: clean data must give none."""
+def test_noise_never_pays_the_penalty(pendulum):
+    """Over 200 draws of noise alone hardly a candidate is worth its penalty: clean data must give none."""
     effects = [*FREE, *BOUND]
     paid = 0
     for seed in range(200):
@@ -189,8 +192,8 @@ def test_noise_rarely_pays_the_price(pendulum):
 
 def test_an_effect_must_matter_beside_the_residual_and_beside_the_torque():
     left_over = np.array([1000.0, 1000.0])
-    dominated = needed_gain(left_over, np.array([1.0, 1.0]), np.array([0.015, 0.015]))
-    tiny = needed_gain(left_over, np.array([1e-3, 1e-3]), np.array([0.015, 0.15]))
+    dominated = needed_gain(left_over, np.array([1.0, 1.0]), np.array([0.015, 0.015]), LEAST_SHARE)
+    tiny = needed_gain(left_over, np.array([1e-3, 1e-3]), np.array([0.015, 0.15]), LEAST_SHARE)
     assert (dominated >= 0.05 * left_over).all() and (dominated <= 0.2 * left_over).all()
     assert (tiny > left_over).all()  # nothing in so small a residual is worth a name
     assert tiny[1] == pytest.approx(100 * tiny[0])
@@ -251,6 +254,6 @@ def test_bodies_and_friction_are_held_to_their_bounds_together(pendulum):
 def test_fits_with_bodies_return_possible_ones(pendulum):
     effect, theta, x = bodies(pendulum, tail_mass=-2.0)
     whole = np.column_stack([x, x @ theta + 0.1 * np.random.default_rng(4).standard_normal(500)])
-    evidence = Evidence(pendulum, [effect], (whole.T @ whole)[None], 500)
+    evidence = Evidence(NormalEquations(pendulum, [effect], (whole.T @ whole)[None], 500))
     fit = evidence.fit([0], bodies=True)
     assert effect.is_physical(fit.theta, pendulum)

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects import JointEffect, JointState, Term, Unknown
+from cdia_pin.effects import Channel, JointEffect, JointState, Signal, Term, Unknown
 from cdia_pin.errors import EffectError
 from cdia_pin.robot.model import RobotModel
 
@@ -63,7 +63,7 @@ class KnownEffects:
                 if isinstance(entry, type) and issubclass(entry, JointEffect)
                 else entry
             )
-            if not isinstance(effect, JointEffect) or effect.reads or effect.shifts:
+            if not isinstance(effect, JointEffect) or effect.traits.channel is not Channel.JOINT_TORQUE:
                 raise EffectError(f"a bank holds effects on the torque of one joint, given {entry!r}")
             effects.append(replace(effect, joint=robot.joints[0]))
         if len(set(effects)) < len(effects):
@@ -79,7 +79,9 @@ class KnownEffects:
     @cached_property
     def of_torque(self) -> NDArray[np.bool_]:
         """Which columns are in proportion to the torque, shape (P,)."""
-        return np.array([self.effects[i].of_torque for i in self.of_type], dtype=bool)
+        return np.array(
+            [Signal.TORQUE in self.effects[i].traits.depends_on for i in self.of_type], dtype=bool
+        )
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:

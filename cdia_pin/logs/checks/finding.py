@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypedDict
 
+from cdia_pin import schemas
 from cdia_pin.phrases import shortened
-
-SCHEMA = "cdia-check/1"
 
 
 class Severity(StrEnum):
@@ -145,7 +144,7 @@ class LogCheck:
     def to_dict(self) -> CheckRecord:
         """Return the check for JSON, schema ``cdia-check/1``."""
         return {
-            "schema": SCHEMA,
+            "schema": schemas.CHECK,
             "source": self.source,
             "sha256": self.sha256,
             "robot": self.robot,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
+from cdia_pin.extras import require
 from cdia_pin.logs.joint_names import match_joints
 from cdia_pin.logs.readers.table import Table
 
@@ -148,6 +149,7 @@ def _choose(
 
 def _joint_states(path: Path, source: str) -> tuple[list[_Topic], list[str]]:
     """Return all JointState messages by topic, and the other topics with their types."""
+    require("ros", "ROS 2 bags")
     from rosbags.rosbag2 import Reader
     from rosbags.typesys import Stores, get_typestore
 

@@ -1,0 +1,166 @@
+"""Effects made of another effect: the whole contract is that of the inner one, a subclass changes what differs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects.effect import Effect
+from cdia_pin.effects.parameter import Parameter
+from cdia_pin.effects.plausibility import Plausibility
+from cdia_pin.effects.rigid_body import RigidBody
+from cdia_pin.effects.state import State
+from cdia_pin.effects.traits import Traits
+from cdia_pin.errors import EffectError
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+
+class WrappedEffect(Effect):
+    """An effect made of another one, whose contract it has in all that a subclass does not override.
+
+    Subclasses are frozen dataclasses whose first field is the inner effect.
+    """
+
+    effect: Effect
+
+    def __post_init__(self) -> None:
+        """The inner effect has checked its shape itself."""
+
+    # ------------------------------------------------------------- what it is
+
+    @property
+    def name(self) -> str:  # type: ignore[override]
+        """Name of the inner effect."""
+        return self.effect.name
+
+    @property
+    def equation(self) -> str:  # type: ignore[override]
+        """Equation of the inner effect."""
+        return self.effect.equation
+
+    @property
+    def traits(self) -> Traits:
+        """Traits of the inner effect."""
+        return self.effect.traits
+
+    @property
+    def plausibility(self) -> Plausibility:  # type: ignore[override]
+        """Plausibility of the inner effect."""
+        return self.effect.plausibility
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]
+        """Parameters of the inner effect."""
+        return self.effect.parameters
+
+    @property
+    def shape(self) -> tuple[Parameter, ...]:  # type: ignore[override]
+        """Shape parameters of the inner effect."""
+        return self.effect.shape
+
+    @property
+    def bodies(self) -> tuple[RigidBody, ...]:
+        """Rigid bodies of the inner effect."""
+        return self.effect.bodies
+
+    # ------------------------------------------------------------- physics
+
+    def basis(self, x: State) -> Array:
+        """Return Φ, shape (N, n, p)."""
+        return self.effect.basis(x)
+
+    def torque(self, x: State, theta: Array) -> Array:
+        """Return f [N·m or N] for parameters θ (p,), shape (N, n)."""
+        return self.effect.torque(x, theta)
+
+    def jacobian(self, x: State, theta: Array) -> Array:
+        """Return ∂f/∂θ for parameters θ (p,), shape (N, n, p)."""
+        return self.effect.jacobian(x, theta)
+
+    def shift(self, x: State, theta: Array) -> Array:
+        """Return by how much the arm is further than its encoders read [rad or m], shape (N, n)."""
+        return self.effect.shift(x, theta)
+
+    def gravity_change(self, x: State, theta: Array) -> Array:
+        """Return by how much gravity differs from the robot's [m/s²], shape (N, 3)."""
+        return self.effect.gravity_change(x, theta)
+
+    def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
+        """Return the smallest and largest physical parameters, each shape (p,)."""
+        return self.effect.bounds(robot)
+
+    def is_physical(self, theta: Array, robot: RobotModel) -> bool:
+        """Tell whether the parameters, taken together, can belong to a real arm."""
+        return self.effect.is_physical(theta, robot)
+
+    def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
+        """Return the physical parameters next to an estimate, shape (p,)."""
+        return self.effect.nearest_physical(theta, robot)
+
+    def prior_scale(self, robot: RobotModel) -> Array:
+        """Return the prior standard deviation of each parameter, shape (p,)."""
+        return self.effect.prior_scale(robot)
+
+    def is_distinct(self, theta: Array) -> bool:
+        """Tell whether the parameters make it more than a simpler effect with another name."""
+        return self.effect.is_distinct(theta)
+
+    # ------------------------------------------------------------- scope and names
+
+    @property
+    def scope_fields(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Fields of the inner effect that name joints."""
+        return self.effect.scope_fields
+
+    @property
+    def scope(self) -> tuple[str, ...]:
+        """Joints that the inner effect names."""
+        return self.effect.scope
+
+    @property
+    def label(self) -> str:
+        """Label of the inner effect."""
+        return self.effect.label
+
+    def check(self, robot: RobotModel) -> None:
+        """Make sure that the robot can have the inner effect."""
+        self.effect.check(robot)
+
+    def joints(self, robot: RobotModel) -> tuple[str, ...]:
+        """Return the joints that the inner effect names; all of them for an effect of the whole arm."""
+        return self.effect.joints(robot)
+
+    def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
+        """Return the indices of the joints whose torque the inner effect can change."""
+        return self.effect.acts_on(robot)
+
+    def units(self, robot: RobotModel) -> tuple[str, ...]:
+        """Return the unit of each parameter on this robot."""
+        return self.effect.units(robot)
+
+    @property
+    def shape_values(self) -> dict[str, float]:
+        """Values of the inner effect's shape parameters."""
+        return self.effect.shape_values
+
+    def with_shape(self, **shape: float) -> Self:
+        """Return the effect with other shape parameters of the inner effect."""
+        return replace(self, effect=self.effect.with_shape(**shape))  # type: ignore[type-var]
+
+    def shape_grid(self, x: State) -> Sequence[Self]:
+        """Return the effect at the shapes of the inner effect that are worth trying on this motion."""
+        return [replace(self, effect=e) for e in self.effect.shape_grid(x)]  # type: ignore[type-var]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Refuse to write what no file can hold; a subclass with a form in files overrides it.
+
+        Raises:
+            EffectError: Always.
+        """
+        raise EffectError(f"{self.label}: a {type(self).__name__} has no form in a file")

@@ -1,0 +1,104 @@
+"""A fit within physical bounds: parameters that a real arm can have."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.regression.normal_equations import NormalEquations
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
+from cdia_pin.regression.physical_consistency import consistent_parameters
+
+Array = NDArray[np.float64]
+
+MOST_INFLATION = 1e5  # of a parameter's variance by the others, beyond which it repeats them [1]
+REPAIRS = 4  # rounds in which parameters that pass a bound are held there
+
+
+@dataclass(frozen=True)
+class BoundedFit:
+    """A set of effects fitted together, with parameters within their bounds.
+
+    Attributes:
+        theta: Parameters of the set, one effect after another, shape (p,).
+        chi2: Sum of squares that is left, in variances of the noise [1].
+        possible: Whether the parameters are within their bounds.
+        physical: Whether they are, none repeats the others, and each effect is more than a simpler one.
+    """
+
+    theta: Array
+    chi2: float
+    possible: bool
+    physical: bool
+
+
+def bounded_fit(equations: NormalEquations, chosen: Sequence[int], *, bodies: bool = False) -> BoundedFit:
+    """Fit a set of effects together, and hold parameters at the bounds that they would pass.
+
+    Args:
+        equations: Normal equations of the effects.
+        chosen: Indices of the set.
+        bodies: Whether rigid bodies are made physically consistent too, which takes a hundred times longer.
+    """
+    theta, _ = equations.optimum(chosen)
+    if chosen and not _in_bounds(equations, chosen, theta):
+        theta = _bounded(equations, chosen, theta)
+    if bodies and not _are_consistent(equations, chosen, theta):
+        theta = consistent_parameters(
+            equations.with_prior(chosen),
+            equations.total[equations.columns(chosen), -1],
+            [equations.effects[c] for c in chosen],
+            equations.robot,
+        )
+    possible = _in_bounds(equations, chosen, theta)
+    physical = (
+        possible
+        and not equations.is_redundant(chosen, MOST_INFLATION)
+        and _are_distinct(equations, chosen, theta)
+    )
+    return BoundedFit(theta, equations.chi2(equations.columns(chosen), theta), possible, physical)
+
+
+def _bounds(equations: NormalEquations, chosen: Sequence[int]) -> tuple[Array, Array]:
+    lower, upper = (np.concatenate(b) for b in zip(*(equations.bounds[c] for c in chosen), strict=True))
+    return lower, upper
+
+
+def _bounded(equations: NormalEquations, chosen: Sequence[int], theta: Array) -> Array:
+    """Return parameters within their bounds, those that would pass them held there."""
+    lower, upper = _bounds(equations, chosen)
+    columns = equations.columns(chosen)
+    free = np.ones(len(columns), bool)
+    for _ in range(REPAIRS):
+        inside = np.clip(theta, lower, upper)
+        if not ((inside != theta) & free).any():
+            break
+        free &= inside == theta
+        theta = equations.solve(columns, free, inside)
+    return np.clip(theta, lower, upper)
+
+
+def _in_bounds(equations: NormalEquations, chosen: Sequence[int], theta: Array) -> bool:
+    if not chosen:
+        return True
+    lower, upper = _bounds(equations, chosen)
+    return bool(np.all(theta >= lower) and np.all(theta <= upper))
+
+
+def _are_distinct(equations: NormalEquations, chosen: Sequence[int], theta: Array) -> bool:
+    """Tell whether every effect of a set is more than a simpler one of the vocabulary."""
+    effects = [equations.effects[c] for c in chosen]
+    parts = ParameterBlocks.of(effects).split(theta)
+    return all(e.is_distinct(part) for e, part in zip(effects, parts, strict=True))
+
+
+def _are_consistent(equations: NormalEquations, chosen: Sequence[int], theta: Array) -> bool:
+    """Tell whether a real arm can have the rigid bodies of a set."""
+    effects = [equations.effects[c] for c in chosen]
+    parts = ParameterBlocks.of(effects).split(theta)
+    return all(
+        e.is_physical(part, equations.robot) for e, part in zip(effects, parts, strict=True) if e.bodies
+    )

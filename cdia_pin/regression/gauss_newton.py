@@ -1,0 +1,65 @@
+"""Gauss-Newton: all terms of a model fitted together, to their common optimum."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Effect, Signal
+from cdia_pin.regression.bounded_fit import bounded_fit
+from cdia_pin.regression.normal_equations import NormalEquations
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
+from cdia_pin.regression.regression import Regression
+from cdia_pin.regression.shape_slopes import slopes
+
+Array = NDArray[np.float64]
+
+MOST_ITERATIONS = 20
+CONVERGED = 0.1  # standard deviations by which no parameter moves any more
+
+
+def is_exact(effect: Effect) -> bool:
+    """Tell whether normal equations describe an effect exactly, however large it is."""
+    return effect.traits.linear and Signal.TORQUE not in effect.traits.depends_on
+
+
+def refit(
+    regression: Regression, model: Dynamics, iterations: int = MOST_ITERATIONS
+) -> tuple[Dynamics, NormalEquations]:
+    """Fit all terms of a model together by the method of Gauss and Newton.
+
+    Args:
+        regression: The conditioned logs and their noise.
+        model: Its terms' parameters are where the iteration starts.
+        iterations: Most of them.
+
+    Returns:
+        The model at the optimum, and the normal equations there: of its terms, then of the slopes of their shapes.
+    """
+    effects = [t.effect for t in model.terms]
+    exact = all(map(is_exact, effects))
+    for _ in range(1 if exact else iterations):
+        equations = regression.normal_equations(model, effects)
+        before = np.concatenate([t.theta for t in model.terms]) if model.terms else np.zeros(0)
+        theta = bounded_fit(equations, range(len(effects)), bodies=True).theta
+        model = with_parameters(model, theta)
+        moved = np.abs(theta - before) * equations.scale  # in standard deviations of a lone parameter
+        if not len(moved) or moved.max() < CONVERGED:
+            break
+    of_shapes = list(slopes(model))
+    if of_shapes or (effects and not exact):
+        equations = regression.normal_equations(model, [*effects, *of_shapes])
+    return model, equations
+
+
+def with_parameters(model: Dynamics, theta: Array) -> Dynamics:
+    """Return a model with the parameters of all its terms set.
+
+    Args:
+        model: The model.
+        theta: Parameters, one term after another, shape (P,).
+    """
+    parts = ParameterBlocks.of(t.effect for t in model.terms).split(theta)
+    terms = (t.with_theta(part) for t, part in zip(model.terms, parts, strict=True))
+    return Dynamics(model.robot, tuple(terms))
