@@ -1,1 +1,1 @@
-"""Studies and campaigns: many runs, or one that is looked at closely; what they return is numbers."""
+"""Studies and campaigns: many runs, or one closed loop in detail; their results are numbers."""

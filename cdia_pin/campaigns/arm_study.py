@@ -1,69 +1,113 @@
-"""The thesis' accommodation study in spirit, on arms of today: nominal control, with faults, and with a monitor.
+"""An accommodation study like the thesis', on arms of today: healthy, with faults, and with a monitor.
 
 Faults act on all joints at once, as in [Thesis] §4.3, each in proportion to the torque of its joint. The plant's
-inertias are not the model's, its sensors round and are noisy, and the monitor has learned from other motions.
+inertias differ from the model's, its sensors have noise and rounding, and the monitor has learned from other motions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin import schemas
 from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
-from cdia_pin.campaigns.loop_comparison import Comparison, compare_loops, onset
+from cdia_pin.campaigns.loop_comparison import LoopComparison, compare_loops, onset
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import ActuatorGain, CoulombFriction, Term, ViscousFriction, after
+from cdia_pin.phrases import shortened
+from cdia_pin.progress import Progress, silent
 from cdia_pin.robot import load_robot
 
 Array = NDArray[np.float64]
-Tell = Callable[[str, float], None]
 
 ARMS = ("panda", "ur5", "xarm7")
-FIRST, SECOND, DURATION = 2.0, 5.0, 12.0  # [s]
-SETTLED = 3.0  # [s] after the last fault began, from which tracking is compared
-LOSS = -0.3  # [1], share of the torque
+FIRST, SECOND, DURATION = 2.0, 5.0, 12.0  # [s], onset of the first and second faults, end of a run
+SETTLED = 3.0  # [s], from the last onset to the start of the comparison: time for both isolations
+LOSS = -0.3  # [1], lost share of the torque, as in the thesis
 FRICTION = 0.2  # [1], torque of each friction over the RMS torque of its joint
 
 
-@dataclass(frozen=True, eq=False)
+class ArmCaseRecord(TypedDict):
+    """A case in JSON.
+
+    Attributes:
+        arm: Name of the robot.
+        case: Name of the case.
+        joints: Names of the joints.
+        since: Start of the comparison of tracking [s].
+        tracking_rms: RMS tracking error by run and joint [rad or m].
+        faults: Records of the true faults.
+        named: Number of faults that are believed at the end by their right name and joint.
+        of: Number of true faults.
+        wrong: Labels of faults that are believed at the end and are not true.
+        events: Records of the monitor's events.
+    """
+
+    arm: str
+    case: str
+    joints: list[str]
+    since: float
+    tracking_rms: dict[str, dict[str, float]]
+    faults: Sequence[Mapping[str, object]]
+    named: int
+    of: int
+    wrong: list[str]
+    events: Sequence[Mapping[str, object]]
+
+
+class ArmStudyRecord(TypedDict):
+    """The study in JSON, schema ``cdia-study-arms/1``.
+
+    Attributes:
+        schema: Name of the schema.
+        cases: Records of the cases.
+    """
+
+    schema: str
+    cases: list[ArmCaseRecord]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class ArmCase:
     """One fault on one arm.
 
     Attributes:
         arm: Name of the robot.
-        name: What breaks.
-        faults: The truth.
-        compared: Healthy, faulty and under the monitor.
+        name: Kind of fault.
+        faults: The true faults.
+        compared: The runs: healthy, with faults, and with faults under the monitor.
     """
 
     arm: str
     name: str
     faults: tuple[Term, ...]
-    compared: Comparison
+    compared: LoopComparison
+
+    def __repr__(self) -> str:
+        return f"ArmCase({shortened(self.arm)}, {shortened(self.name)}, {len(self.faults)} faults)"
 
     def tracking(self) -> dict[str, Array]:
-        """Return the RMS of the tracking error of each run [rad or m], shape (n,), by its name."""
+        """Return the RMS tracking error of each run by its name [rad or m], shape (n,) each."""
         return self.compared.tracking()
 
     def named(self) -> tuple[int, int]:
-        """Return how many faults are believed at the end by their right name and joint, and how many there were."""
+        """Count the faults that are believed at the end by their right name and joint, and all true faults."""
         run = self.compared.monitored.monitored
         believed = set() if run is None else {t.label for t in run.faults}
         true = {t.label for t in self.faults}
         return len(believed & true), len(true)
 
     def wrong(self) -> tuple[str, ...]:
-        """Return what is believed at the end and was not there."""
+        """Return the labels of faults that are believed at the end and are not true."""
         run = self.compared.monitored.monitored
         true = {t.label for t in self.faults}
         return () if run is None else tuple(t.label for t in run.faults if t.label not in true)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> ArmCaseRecord:
         """Return the numbers as ``cdia study arms --json`` writes them."""
         robot = self.compared.loop.robot
         run = self.compared.monitored.monitored
@@ -91,16 +135,19 @@ def arm_study(
     settings: LoopSettings | None = None,
     duration: float = DURATION,
     cases: Sequence[str] | None = None,
-    progress: Tell = lambda sentence, share: None,
+    progress: Progress = silent,
 ) -> tuple[ArmCase, ...]:
     """Run every case on every arm.
 
     Args:
         arms: Names of robots.
-        settings: Of the loops.
+        settings: Settings of the loops.
         duration: Length of a run [s].
-        cases: Which of `arm_faults`; all if omitted.
-        progress: Told what is being done, and the share that is done.
+        cases: Names of cases of `arm_faults`; all if omitted.
+        progress: Called with the current work and the share that is done [1].
+
+    Returns:
+        The cases, arm by arm.
     """
     out = []
     for i, arm in enumerate(arms):
@@ -117,8 +164,8 @@ def arm_study(
     return tuple(out)
 
 
-def _part(progress: Tell, about: str, begin: float, width: float) -> Tell:
-    """Return what tells of a part of the work."""
+def _part(progress: Progress, about: str, begin: float, width: float) -> Progress:
+    """Return the progress of a part of the work."""
     return lambda sentence, share: progress(about + sentence, begin + width * share)
 
 
@@ -126,8 +173,11 @@ def arm_faults(loop: ClosedLoop, duration: float) -> dict[str, tuple[Term, ...]]
     """Return the faults of each case, in proportion to the torques of a motion.
 
     Args:
-        loop: Whose motion number 0 sets the sizes.
-        duration: Its length [s].
+        loop: The loop; its motion number 0 gives the torques.
+        duration: Length of that motion [s].
+
+    Returns:
+        True faults by the name of the case.
     """
     robot = loop.model.robot
     asked = loop.motion(0, duration)(np.linspace(0.0, duration, 1000))
@@ -145,6 +195,13 @@ def arm_faults(loop: ClosedLoop, duration: float) -> dict[str, tuple[Term, ...]]
     }
 
 
-def to_dict(cases: Sequence[ArmCase]) -> dict[str, Any]:
-    """Return a study as ``cdia study arms --json`` writes it."""
+def to_dict(cases: Sequence[ArmCase]) -> ArmStudyRecord:
+    """Return a study as ``cdia study arms --json`` writes it.
+
+    Args:
+        cases: Results of `arm_study`.
+
+    Returns:
+        Plain JSON.
+    """
     return {"schema": schemas.STUDY_ARMS, "cases": [case.to_dict() for case in cases]}

@@ -1,22 +1,22 @@
-"""A closed loop around an arm with faults: nominal control, a monitor that watches and corrects it, or neither.
+"""A closed loop around an arm with faults: nominal control, with or without a monitor that compensates.
 
-The plant's bodies differ from the model's by a few percent, its positions are read in steps, its velocities and
-torques with noise. The monitor learns from healthy runs of the same plant on other motions.
+The plant's bodies differ from the model's by a few percent. Its positions are rounded, its velocities and torques
+have noise. The monitor learns from healthy runs of the same plant on other motions.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.campaigns.model_error import with_model_error
 from cdia_pin.campaigns.monitored_control import MonitoredControl, Tick
-from cdia_pin.diagnosis import DEFAULT_BANK, Bank, Monitor, MonitorRun, Recorder
+from cdia_pin.diagnosis import DEFAULT_BANK, Bank, Monitor, MonitorRun, MonitorSettings, Recorder
+from cdia_pin.diagnosis.thesis import ThesisSettings
 from cdia_pin.dynamics.controllers import ComputedTorque
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.dynamics.simulate import Run, run_plant, steps
@@ -25,26 +25,27 @@ from cdia_pin.dynamics.trajectories import Trajectory, exciting_trajectory
 from cdia_pin.effects import JointEffect, Term
 from cdia_pin.errors import ModelError
 from cdia_pin.logs.log import Log
+from cdia_pin.phrases import shortened
+from cdia_pin.progress import Progress, silent
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
-Tell = Callable[[str, float], None]
 
-ENCODER, SLIDE_ENCODER = 2e-5, 2e-6  # [rad], [m], step of a position as it is read
-VELOCITY, SLIDE_VELOCITY = 1e-3, 1e-4  # [rad/s], [m/s], deviation of a velocity's noise
+ENCODER, SLIDE_ENCODER = 2e-5, 2e-6  # [rad], [m], step of the position readings: an encoder of 18 bits
+VELOCITY, SLIDE_VELOCITY = 1e-3, 1e-4  # [rad/s], [m/s], standard deviation of the velocity noise
 
 
 @dataclass(frozen=True)
 class LoopSettings:
-    """What a closed loop is like.
+    """Settings of a closed loop.
 
     Attributes:
-        rate: Ticks of control per second; a torque is held from one to the next [Hz].
-        noise: Noise of the measured torques over their RMS; with any, positions and velocities have theirs [1].
+        rate: Control ticks per second [Hz]; a torque is held from one tick to the next.
+        noise: Noise of the measured torques over their RMS [1]. With 0, positions and velocities are exact too.
         model_error: Largest relative error of the model's inertias [1].
-        healthy_runs: Runs that a monitor learns from.
-        healthy_duration: Length of each [s].
-        seed: Of motions, noise and model error.
+        healthy_runs: Number of runs from which a monitor learns.
+        healthy_duration: Length of each of these runs [s].
+        seed: Seed of motions, noise and model error.
     """
 
     rate: float = 1000.0
@@ -64,15 +65,15 @@ class LoopSettings:
             raise ModelError(f"a seed is 0 or more, given {self.seed}")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LoopRun:
     """One run of the loop.
 
     Attributes:
-        run: What really happened, at every step of the integration.
-        log: What the controller saw, at every tick; with each sample the torque that acted since the one before.
-        error: Position less desired position, as it really was, at every tick [rad or m], shape (K, n).
-        monitored: What the monitor said; None without one.
+        run: True motion and torques, at every step of the integration.
+        log: Readings of the controller, at every tick; each sample has the torque since the sample before.
+        error: True position minus desired position at every tick [rad or m], shape (K, n).
+        monitored: Output of the monitor; None without one.
     """
 
     run: Run
@@ -80,26 +81,37 @@ class LoopRun:
     error: Array
     monitored: MonitorRun | None = None
 
+    def __repr__(self) -> str:
+        watched = "monitored" if self.monitored is not None else "without a monitor"
+        return f"LoopRun({self.error.shape[1]} joints, {len(self.log.time)} ticks, {watched})"
+
     def tracking(self, since: float = -np.inf) -> Array:
-        """Return the RMS of the tracking error from a time on [rad or m], shape (n,)."""
+        """Compute the RMS tracking error.
+
+        Args:
+            since: Time from which samples count [s].
+
+        Returns:
+            RMS error of each joint [rad or m], shape (n,).
+        """
         return np.asarray(np.sqrt(np.mean(self.error[self.log.time >= since] ** 2, axis=0)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ClosedLoop:
-    """A plant, the model that its controller has of it, and their sensors.
+    """A plant, the controller's model of it, and its sensors.
 
     Attributes:
-        model: What the controller and the monitor know.
+        model: Model of the controller and of the monitor.
         settings: Rate, noise, error of the model.
-        robot: The bodies that the plant really has.
-        effort_noise: Deviation of the measured torques' noise [N·m or N], shape (n,).
+        robot: Robot with the true bodies of the plant.
+        effort_noise: Standard deviation of the torque noise [N·m or N], shape (n,).
     """
 
     model: Dynamics
     settings: LoopSettings = field(default_factory=LoopSettings)
     robot: RobotModel = field(init=False)
-    effort_noise: Array = field(init=False, repr=False, compare=False)
+    effort_noise: Array = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
         s, robot = self.settings, self.model.robot
@@ -109,8 +121,21 @@ class ClosedLoop:
         torque = robot.inverse_dynamics(motion.q, motion.v, motion.a)
         object.__setattr__(self, "effort_noise", s.noise * np.sqrt(np.mean(torque**2, axis=0)))
 
+    def __repr__(self) -> str:
+        return (
+            f"ClosedLoop({shortened(self.robot.name)}, {self.settings.rate:g} Hz, seed {self.settings.seed})"
+        )
+
     def motion(self, number: int, duration: float) -> Trajectory:
-        """Return one of the loop's motions; different numbers, different motions."""
+        """Return one of the loop's motions.
+
+        Args:
+            number: Number of the motion; each number gives another motion.
+            duration: Length [s].
+
+        Returns:
+            A random exciting motion.
+        """
         return exciting_trajectory(
             self.model.robot, np.random.default_rng([self.settings.seed, 2, number]), duration=duration
         )
@@ -120,16 +145,19 @@ class ClosedLoop:
         *,
         bank: Bank | Iterable[str | JointEffect] = DEFAULT_BANK,
         engine: str = "momentum",
-        settings: Any = None,
-        progress: Tell = lambda sentence, share: None,
+        settings: MonitorSettings | ThesisSettings | None = None,
+        progress: Progress = silent,
     ) -> Monitor:
-        """Return a monitor that has learned from healthy runs, on motions that are used for nothing else.
+        """Return a monitor that has learned from healthy runs, on motions that are not used otherwise.
 
         Args:
-            bank: Known effects that are asked of every joint.
+            bank: Known effects that are hypotheses on every joint.
             engine: ``momentum`` or ``thesis``.
-            settings: Of the engine.
-            progress: Told what is done, and the share that is done.
+            settings: Settings of the engine; its defaults if omitted.
+            progress: Called with the current work and the share that is done [1].
+
+        Returns:
+            The monitor, ready for its first tick.
         """
         s = self.settings
         runs = []
@@ -151,14 +179,17 @@ class ClosedLoop:
         """Let the plant follow a motion.
 
         Args:
-            motion: Asked for.
-            faults: What the plant has and the model has not.
-            monitor: Watches, and corrects if its settings say so.
-            noise: Number of the noise; the same number, the same noise.
-            progress: Told the share that is done, now and then.
+            motion: The desired motion.
+            faults: True faults, which the model lacks.
+            monitor: Monitors the run, and compensates if its settings allow it; None for no monitor.
+            noise: Number of the noise; the same number gives the same noise.
+            progress: Called with the share that is done [1], now and then.
+
+        Returns:
+            True motion, readings and the output of the monitor.
 
         Raises:
-            ModelError: If the arm runs away.
+            ModelError: If the simulation diverges.
         """
         plant = self._plant(faults)
         stiffness, inner = self._steps(plant, motion)
@@ -176,7 +207,7 @@ class ClosedLoop:
         time, q, v, tau = (np.array(column) for column in zip(*seen, strict=True))
         source = f"closed loop of {plant.robot.name}, motion seed {self.settings.seed}"
         log = Log(plant.robot.joints, time, q, tau, v, source=source)
-        monitored = None if recorder is None else recorder.finish(loop=vars(self.settings))
+        monitored = None if recorder is None else recorder.finish(loop=asdict(self.settings))
         return LoopRun(run, log, run.q[::inner][: len(time)] - motion(time).q, monitored)
 
     def ticks(
@@ -188,20 +219,20 @@ class ClosedLoop:
         acts: Callable[[Term], bool] = lambda fault: True,
         noise: int = 0,
     ) -> Iterator[Tick]:
-        """Let the plant follow a motion tick by tick, for as long as ticks are asked for.
+        """Let the plant follow a motion tick by tick, without an end.
 
         Args:
-            motion: Asked for.
-            faults: What the plant may have and the model has not.
-            monitor: Watches, and corrects if its settings say so.
-            acts: Tells which of the faults act now, so that they can be switched while the arm moves.
-            noise: Number of the noise.
+            motion: The desired motion.
+            faults: True faults, which the model lacks.
+            monitor: Monitors the run, and compensates if its settings allow it; None for no monitor.
+            acts: Returns True for a fault that acts now, so that faults can be switched while the arm moves.
+            noise: Number of the noise; the same number gives the same noise.
 
         Yields:
-            Every tick, as soon as it has happened.
+            Every tick, as soon as it is computed.
 
         Raises:
-            ModelError: If the arm runs away.
+            ModelError: If the simulation diverges.
         """
         whole = self._plant(faults)
         stiffness, inner = self._steps(whole, motion)
@@ -224,7 +255,7 @@ class ClosedLoop:
         return Dynamics(self.robot, (*self.model.terms, *faults))  # a fault adds to a term of the same name
 
     def _steps(self, plant: Dynamics, motion: Trajectory) -> tuple[Stiffness, int]:
-        """Return how stiff a plant is, and the steps of its integration in a tick."""
+        """Return the stiffness of a plant, and the number of integration steps per tick."""
         stiffness = Stiffness.of(plant, motion)
         return stiffness, int(np.ceil(1.0 / self.settings.rate / stiffness.step(None) - 1e-9))
 
@@ -237,7 +268,7 @@ class ClosedLoop:
     def _readings(
         self, rng: np.random.Generator
     ) -> Callable[[Array, Array, Array], tuple[Array, Array, Array]]:
-        """Return what reads positions, velocities and torques."""
+        """Return the function that turns true positions, velocities and torques into readings."""
         slides = self.robot.is_prismatic
         if not self.settings.noise:
             return lambda q, v, tau: (q.copy(), v.copy(), tau.copy())

@@ -1,4 +1,4 @@
-"""The same motion healthy, with faults, and with faults under a monitor."""
+"""Comparison of a motion without faults, with faults, and with faults under a monitor."""
 
 from __future__ import annotations
 
@@ -12,21 +12,22 @@ from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopRun
 from cdia_pin.diagnosis import Monitor
 from cdia_pin.effects import Term
 from cdia_pin.errors import ModelError
+from cdia_pin.phrases import shortened
+from cdia_pin.progress import Progress, silent
 
 Array = NDArray[np.float64]
-Tell = Callable[[str, float], None]
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """The same motion three times.
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopComparison:
+    """Three runs of the same motion.
 
     Attributes:
         loop: Plant and sensors.
-        since: From when on tracking is compared [s].
-        healthy: Without faults.
-        faulty: With them, uncorrected; None where the arm ran away.
-        monitored: With them and a monitor; the same as `faulty` if it only watches.
+        since: Start of the comparison of tracking [s].
+        healthy: Run without faults.
+        faulty: Run with faults and without compensation; None if it diverged.
+        monitored: Run with faults and a monitor; the same as `faulty` if the monitor does not compensate.
     """
 
     loop: ClosedLoop
@@ -35,8 +36,11 @@ class Comparison:
     faulty: LoopRun | None
     monitored: LoopRun
 
+    def __repr__(self) -> str:
+        return f"LoopComparison({shortened(self.loop.robot.name)}, {', '.join(self.tracking())})"
+
     def tracking(self) -> dict[str, Array]:
-        """Return the RMS of the tracking error of each run [rad or m], shape (n,) each; inf where it ran away."""
+        """Return the RMS tracking error of each run by its name [rad or m], shape (n,) each; inf if it diverged."""
         lost = np.full(self.loop.robot.n, np.inf)
         runs = {"healthy": self.healthy, "faulty": self.faulty}
         if self.monitored is not self.faulty:
@@ -51,20 +55,23 @@ def compare_loops(
     duration: float,
     *,
     since: float | None = None,
-    progress: Tell = lambda sentence, share: None,
-) -> Comparison:
+    progress: Progress = silent,
+) -> LoopComparison:
     """Run a motion without faults, with them, and with them under a monitor.
 
     Args:
         loop: Plant and sensors.
-        monitor: Of `ClosedLoop.monitor`.
-        faults: What breaks.
+        monitor: Result of `ClosedLoop.monitor`.
+        faults: True faults.
         duration: Length of the motion [s].
-        since: From when on tracking is compared [s]; when the first fault begins if omitted.
-        progress: Told what is done, and the share that is done.
+        since: Start of the comparison of tracking [s]; the onset of the first fault if omitted.
+        progress: Called with the current work and the share that is done [1].
+
+    Returns:
+        The three runs.
 
     Raises:
-        ModelError: If the arm runs away, healthy or under the monitor.
+        ModelError: If the run without faults or the run under the monitor diverges.
     """
     motion = loop.motion(0, duration)
     since = onset(faults) if since is None else since
@@ -76,16 +83,23 @@ def compare_loops(
     faulty: LoopRun | None
     if not monitor.record["settings"]["accommodate"]:
         faulty = loop.run(motion, faults, monitor, progress=tell("with faults, watched", 1))
-        return Comparison(loop, since, healthy, faulty, faulty)
+        return LoopComparison(loop, since, healthy, faulty, faulty)
     try:
-        faulty = loop.run(motion, faults, progress=tell("with faults, uncorrected", 1))
-    except ModelError:  # it runs away
+        faulty = loop.run(motion, faults, progress=tell("with faults, not compensated", 1))
+    except ModelError:  # the simulation diverged
         faulty = None
     monitored = loop.run(motion, faults, monitor, progress=tell("with faults, under the monitor", 2))
-    return Comparison(loop, since, healthy, faulty, monitored)
+    return LoopComparison(loop, since, healthy, faulty, monitored)
 
 
 def onset(faults: Sequence[Term]) -> float:
-    """Return when the first fault begins [s]; 0 where one is always there, or none."""
+    """Return the onset of the first fault.
+
+    Args:
+        faults: True faults.
+
+    Returns:
+        Time [s]; 0 without faults, or if one is always present.
+    """
     starts = [float(getattr(f.profile, "start", 0.0)) for f in faults]
     return max(0.0, min(starts, default=0.0))

@@ -1,4 +1,4 @@
-"""An arm whose bodies are not quite what its file says: the error that every model of a real arm has."""
+"""Errors of a model's inertias, as every model of a real arm has them."""
 
 from __future__ import annotations
 
@@ -10,21 +10,24 @@ from cdia_pin.robot.model import RobotModel
 
 
 def with_model_error(robot: RobotModel, size: float, rng: np.random.Generator) -> RobotModel:
-    """Return an arm whose inertias differ from those of the file, and are as physical.
+    """Return an arm whose inertias differ from those of the file and are physically consistent.
 
-    Mass and the tensor about the centre of mass are multiplied by 1 ± size, each body by factors of its own; the
-    centre of mass moves in a random direction by up to ``size`` of its distance from the joint.
+    The mass and the tensor about the centre of mass of each body are multiplied by random factors within 1 ± size.
+    The centre of mass moves in a random direction by up to ``size`` of its distance from the joint.
 
     Args:
         robot: The arm of the file.
         size: Largest relative error [1].
         rng: Source of the errors.
 
+    Returns:
+        A new arm; the given one is not changed.
+
     Raises:
-        RobotError: If the size is not within 0 and 0.5.
+        RobotError: If the size is not between 0 and 0.5.
     """
     if not 0 <= size <= 0.5:
-        raise RobotError(f"a model error lies within 0 and 0.5, given {size}")
+        raise RobotError(f"a model error must be between 0 and 0.5, given {size}")
     bodies = []
     for body in robot.inertial_parameters:
         heavier, further, wider = rng.uniform(-size, size, 3)

@@ -1,4 +1,4 @@
-"""Computed torque with a monitor that watches and corrects it, as a control program would have it."""
+"""Computed torque with a monitor that compensates faults, as in a control program."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ Array = NDArray[np.float64]
 
 
 class Tick(NamedTuple):
-    """What a controller read, asked for and was told at one of its ticks; arrays have shape (n,).
+    """Readings, desired position and status of a controller at one tick; arrays have shape (n,).
 
     Attributes:
         time: Time [s].
         q: Positions as read [rad or m].
         v: Velocities as read [rad/s or m/s].
-        effort: Torque that has acted since the last tick, as read [N·m or N].
-        desired: Position asked for [rad or m].
-        status: What the monitor said; None without one.
+        effort: Torque since the last tick, as read [N·m or N].
+        desired: Desired position [rad or m].
+        status: Output of the monitor; None without one.
     """
 
     time: float
@@ -34,16 +34,19 @@ class Tick(NamedTuple):
     desired: Array
     status: Status | None
 
+    def __repr__(self) -> str:
+        return f"Tick(time={self.time:.6g}, {len(self.q)} joints)"
+
 
 class MonitoredControl:
-    """Computed torque at the rate of its ticks, watched and corrected by a monitor if there is one.
+    """Computed torque at the rate of its ticks, with or without a monitor that compensates faults.
 
     Args:
-        nominal: The control of the healthy arm.
-        rate: Ticks per second; between them the torque is held [Hz].
-        read: Makes a reading of position, velocity and torque, each of shape (n,).
-        monitor: Is returned to its start; None for nominal control alone.
-        watch: Told each tick.
+        nominal: Control law of the healthy arm.
+        rate: Ticks per second [Hz]; the torque is held between them.
+        read: Turns true position, velocity and torque, each of shape (n,), into readings.
+        monitor: The monitor, which is reset; None for nominal control alone.
+        watch: Called with each tick.
     """
 
     def __init__(
@@ -62,7 +65,17 @@ class MonitoredControl:
             monitor.reset()
 
     def __call__(self, t: float, q: Array, v: Array, reference: Reference) -> Array:
-        """Return the torque to command [N·m or N], shape (n,)."""
+        """Compute the torque to command.
+
+        Args:
+            t: Time [s].
+            q: True positions [rad or m], shape (n,).
+            v: True velocities [rad/s or m/s], shape (n,).
+            reference: The desired motion at that time.
+
+        Returns:
+            Torques [N·m or N], shape (n,); those of the last tick between two ticks.
+        """
         if t < self._ticks * self._period - 1e-9:
             return self._torque
         self._ticks += 1

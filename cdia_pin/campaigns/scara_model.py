@@ -1,9 +1,9 @@
-"""Does the SCARA arm that ships equal the thesis' closed form, and how far off is the form as printed?"""
+"""Comparison of the SCARA arm's URDF with the thesis' dynamics in closed form, corrected and as printed."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,18 +13,39 @@ from cdia_pin.robot import load_robot, scara
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-11  # of the corrected form against Pinocchio, in the unit of each term
-SPEED = np.pi * np.array([10 / 3, 5, 55 / 3, 1.2 / np.pi])  # [rad/s, rad/s, rad/s, m/s], Table 1
+TOLERANCE = 1e-11  # [unit of each term], between the corrected form and Pinocchio: rounding errors only
+SPEED = np.pi * np.array([10 / 3, 5, 55 / 3, 1.2 / np.pi])  # [rad/s, rad/s, rad/s, m/s], limits of Table 1
+
+
+class AgreementRecord(TypedDict):
+    """An agreement in JSON; keys as the attributes of `Agreement`."""
+
+    term: str
+    unit: str
+    corrected: float
+    printed: float
+
+
+class ScaraModelRecord(TypedDict):
+    """The study in JSON, schema ``cdia-study-scara-model/1``; keys as the attributes of `ScaraModelStudy`."""
+
+    schema: str
+    robot: str
+    states: int
+    seed: int
+    tolerance: float
+    agrees: bool
+    terms: list[AgreementRecord]
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """How one term of the dynamics agrees with Pinocchio's on the URDF.
+    """Difference of one term of the dynamics from Pinocchio's on the URDF.
 
     Attributes:
-        term: Name.
-        unit: Of the differences.
-        corrected: Largest difference of the closed form that ships.
+        term: Name of the term.
+        unit: Unit of the differences.
+        corrected: Largest difference of the corrected closed form.
         printed: Largest difference of the form as the thesis prints it.
     """
 
@@ -33,14 +54,18 @@ class Agreement:
     corrected: float
     printed: float
 
+    def to_dict(self) -> AgreementRecord:
+        """Return the agreement for JSON."""
+        return {"term": self.term, "unit": self.unit, "corrected": self.corrected, "printed": self.printed}
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class ScaraModelStudy:
     """Result of `scara_model_study`.
 
     Attributes:
-        states: How many states were drawn.
-        seed: Of the states.
+        states: Number of random states.
+        seed: Seed of the states.
         agreements: M, V, G, then the power balance.
     """
 
@@ -48,12 +73,15 @@ class ScaraModelStudy:
     seed: int
     agreements: tuple[Agreement, ...]
 
+    def __repr__(self) -> str:
+        return f"ScaraModelStudy({self.states} states, seed {self.seed}, agrees={self.agrees})"
+
     @property
     def agrees(self) -> bool:
-        """Whether M, V and G that ship are those of the URDF."""
+        """True if M, V and G of the corrected closed form are those of the URDF."""
         return all(a.corrected <= TOLERANCE for a in self.agreements[:3])
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> ScaraModelRecord:
         """Return the result as ``cdia study scara-model --json`` writes it."""
         return {
             "schema": schemas.STUDY_SCARA_MODEL,
@@ -62,7 +90,7 @@ class ScaraModelStudy:
             "seed": self.seed,
             "tolerance": TOLERANCE,
             "agrees": self.agrees,
-            "terms": [a.__dict__ for a in self.agreements],
+            "terms": [a.to_dict() for a in self.agreements],
         }
 
 
@@ -72,8 +100,11 @@ def scara_model_study(states: int = 10_000, seed: int = 0) -> ScaraModelStudy:
     The power balance is q̇ᵀ(½ Ṁ q̇ − V) = 0, with Ṁ = Σ ∂M/∂qₖ q̇ₖ of the form's own M and V [W].
 
     Args:
-        states: How many to draw.
-        seed: Of the draw.
+        states: Number of random states.
+        seed: Seed of the states.
+
+    Returns:
+        Largest differences of each term.
     """
     arm = load_robot("scara")
     rng = np.random.default_rng(seed)
@@ -100,13 +131,13 @@ def scara_model_study(states: int = 10_000, seed: int = 0) -> ScaraModelStudy:
 
 
 def _power(q: Array, v: Array, V: Array) -> Array:
-    """q̇ᵀ(½ Ṁ q̇ − V) [W], (N,): M depends on cos θ₂ alone, so Ṁ is that part with its derivative put in."""
+    """Compute q̇ᵀ(½ Ṁ q̇ − V) [W], shape (N,); M is linear in cos θ₂, so Ṁ is its slope times d(cos θ₂)/dt."""
     quarter = np.array([0.0, 0.5 * np.pi, 0.0, 0.0])
     straight = np.zeros_like(q)
     at_quarter = scara.mass_matrix(straight + quarter)
     of_cosine = scara.mass_matrix(straight) - at_quarter  # M = at_quarter + of_cosine · cos θ₂
     rate = -(np.sin(q[:, 1]) * v[:, 1])[:, None, None] * of_cosine
-    return np.einsum("ni,nij,nj->n", 0.5 * v, rate, v) - np.einsum("ni,ni->n", v, V)
+    return np.asarray(np.einsum("ni,nij,nj->n", 0.5 * v, rate, v) - np.einsum("ni,ni->n", v, V))
 
 
 def _largest(difference: Array) -> float:

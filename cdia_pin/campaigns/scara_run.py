@@ -1,7 +1,7 @@
-"""The thesis' SCARA arm on its trajectory: closed form, classical Runge–Kutta, faults of any size.
+"""Simulation of the thesis' SCARA arm on its trajectory: closed form, classical Runge–Kutta, faults of any size.
 
-Neither model nor integrator are those of the engine under study: the arm moves by its closed form instead of
-Pinocchio's, and its torque is held between ticks while a fourth-order method takes several steps.
+Model and integrator differ from those of the engine under study: the arm moves by its closed form and not by
+Pinocchio's algorithms, and its torque is held between ticks while a fourth-order method takes several steps.
 """
 
 from __future__ import annotations
@@ -23,21 +23,22 @@ Array = NDArray[np.float64]
 UNITS = ("rad", "rad", "rad", "m")
 AMPLITUDE = np.pi * np.array([5 / 6, 7 / 9, 1 / 2, 0.2 / np.pi])  # [rad, rad, rad, m]
 FREQUENCY = np.pi * np.array([1 / 3, 1 / 3, 1 / 3, 1.2 / np.pi])  # [rad/s]
-STIFFNESS = np.array([30.0, 60.0, 90.0, 60.0])  # K_p [1/s²]
-DAMPING = np.array([10.0, 25.0, 45.0, 25.0])  # K_v [1/s]
+STIFFNESS = np.array([30.0, 60.0, 90.0, 60.0])  # K_p [1/s²], of the thesis' appendix
+DAMPING = np.array([10.0, 25.0, 45.0, 25.0])  # K_v [1/s], of the thesis' appendix
 PRINTED_START = np.pi * np.array([1 / 2, -2 / 3, -1 / 2, -0.1 / np.pi])  # [rad, rad, rad, m]
-FASTEST = 1e4  # [rad/s or m/s], beyond which a run has diverged
+FASTEST = 1e4  # [rad/s or m/s], a run with a larger speed has diverged: no arm is nearly as fast
+WATCHED = 50  # [ticks], between two calls of ``until``
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Fault:
     """A known effect on all joints at once, between two times.
 
     Attributes:
-        effect: One of its type; its joint does not matter.
-        theta: Parameters, one row per joint, (n, p).
-        start: When it begins [s].
-        end: When it is gone [s].
+        effect: The effect; its joint is ignored.
+        theta: Parameters [units of the effect], one row per joint, shape (n, p).
+        start: Onset [s].
+        end: End [s].
     """
 
     effect: JointEffect
@@ -45,22 +46,34 @@ class Fault:
     start: float
     end: float = np.inf
 
+    def __repr__(self) -> str:
+        return (
+            f"Fault({self.effect.name} on {len(self.theta)} joints, from {self.start:g} s to {self.end:g} s)"
+        )
+
     def torque(self, x: JointState) -> Array:
-        """Return f [N·m or N] of all joints, for signals of shape (n,)."""
-        return (np.stack(self.effect.columns(x), axis=-1) * self.theta).sum(axis=-1)
+        """Compute the torque f of the fault on all joints.
+
+        Args:
+            x: Signals of one sample, shape (n,) each.
+
+        Returns:
+            f [N·m or N], shape (n,).
+        """
+        return np.asarray((np.stack(self.effect.columns(x), axis=-1) * self.theta).sum(axis=-1))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Scenario:
-    """What happens to the arm.
+    """Faults and conditions of a run.
 
     Attributes:
-        faults: What breaks, and when.
-        unmodelled: Size of η = size · ½(cos 5q + sin 15q̇) [N·m or N], shape (4,); always there.
-        start: Positions at the beginning [rad, rad, rad, m]; on the trajectory, in motion, if None.
+        faults: The faults, with their times.
+        unmodelled: Size of η = size · ½(cos 5q + sin 15q̇) [N·m or N], shape (4,); η is always present.
+        start: Positions at the beginning [rad, rad, rad, m], shape (4,); None to start on the trajectory, moving.
         duration: Length [s].
         tick: Time between samples, over which the torque is held [s].
-        substeps: Runge–Kutta steps per tick.
+        substeps: Runge–Kutta steps per tick [1].
         sign_width: Speed below which the plant's sgn q̇ is smoothed [rad/s or m/s].
     """
 
@@ -72,27 +85,30 @@ class Scenario:
     substeps: int = 1
     sign_width: float = 0.01
 
+    def __repr__(self) -> str:
+        return f"Scenario({len(self.faults)} faults, {self.duration:g} s)"
+
     @property
     def healthy(self) -> Scenario:
-        """The same without faults."""
+        """The same conditions without faults."""
         return replace(self, faults=())
 
 
-@dataclass(frozen=True, eq=False)
-class Run:
-    """What happened, (K,) samples.
+@dataclass(frozen=True, eq=False, repr=False)
+class ScaraRun:
+    """A run of the SCARA arm, K samples.
 
     Attributes:
-        time: [s], shape (K,).
+        time: Time [s], shape (K,).
         q: Positions [rad or m], shape (K, 4).
         v: Velocities [rad/s or m/s], shape (K, 4).
         q_error: q − q_d [rad or m], shape (K, 4).
         v_error: q̇ − q̇_d [rad/s or m/s], shape (K, 4).
         effort: Torque from each sample on [N·m or N], shape (K, 4).
-        residual: Velocity estimation error of the observer [rad/s or m/s], shape (K, 4); zero without engine.
-        threshold: Its threshold, same unit, shape (K, 4).
-        stages: Gravest stage at each sample.
-        events: What the engine said.
+        residual: Velocity estimation error of the observer [rad/s or m/s], shape (K, 4); zero without an engine.
+        threshold: Detection threshold of the residual [rad/s or m/s], shape (K, 4).
+        stages: Gravest stage at each sample; empty without an engine.
+        events: Events of the engine.
     """
 
     time: Array
@@ -106,31 +122,53 @@ class Run:
     stages: tuple[Stage, ...]
     events: tuple[Event, ...]
 
+    def __repr__(self) -> str:
+        return f"ScaraRun({len(self.time)} samples, {self.time[-1]:.4g} s, {len(self.events)} events)"
+
     def tracking(self, start: float, end: float = np.inf) -> Array:
-        """Return the RMS of the position error between two times [rad or m], shape (4,)."""
+        """Compute the RMS position error between two times.
+
+        Args:
+            start: First time [s].
+            end: Last time [s].
+
+        Returns:
+            RMS error [rad, rad, rad, m], shape (4,).
+        """
         kept = (self.time >= start) & (self.time <= end)
         rms: Array = np.sqrt(np.mean(self.q_error[kept] ** 2, axis=0, dtype=np.float64))
         return rms
 
 
 def desired(t: float) -> tuple[Array, Array, Array]:
-    """Return q_d, q̇_d, q̈_d of the appendix [rad or m, per s, per s²], each (4,)."""
+    """Compute the desired motion q_d, q̇_d, q̈_d of the appendix.
+
+    Args:
+        t: Time [s].
+
+    Returns:
+        Positions [rad or m], velocities [1/s] and accelerations [1/s²] of these, shape (4,) each.
+    """
     s, c = np.sin(FREQUENCY * t), np.cos(FREQUENCY * t)
-    return AMPLITUDE * s, AMPLITUDE * FREQUENCY * c, -AMPLITUDE * FREQUENCY**2 * s
+    q, v, a = AMPLITUDE * s, AMPLITUDE * FREQUENCY * c, -AMPLITUDE * FREQUENCY**2 * s
+    return q, v, a
 
 
 def run(
     scenario: Scenario, engine: ThesisEngine | None = None, until: Callable[[], bool] = lambda: False
-) -> Run:
-    """Let the arm follow the trajectory under computed torque, corrected by an engine if there is one.
+) -> ScaraRun:
+    """Let the arm follow the trajectory under computed torque, with or without an engine that compensates.
 
     Args:
-        scenario: What happens.
-        engine: Watches, and corrects if its settings say so.
-        until: Ends the run early where true; asked now and then.
+        scenario: Faults and conditions.
+        engine: Monitors the run, and compensates if its settings allow it; None for no engine.
+        until: Ends the run early if it returns True; called now and then.
+
+    Returns:
+        Motion, tracking errors and the output of the engine.
 
     Raises:
-        ModelError: If the arm runs away.
+        ModelError: If the run diverges.
     """
     count = round(scenario.duration / scenario.tick) + 1
     time = np.arange(count, dtype=np.float64) * scenario.tick
@@ -157,16 +195,18 @@ def run(
             out[name][k] = value
         q, v = _advance(scenario, t, q, v, tau)
         if not np.abs(v).max() < FASTEST:
-            raise ModelError(f"the SCARA arm ran away at {t:.3g} s")
-        if k % 50 == 0 and until():
+            raise ModelError(f"the simulation of the SCARA arm diverged at {t:.3g} s")
+        if k % WATCHED == 0 and until():
             count = k + 1
             break
     signals: dict[str, Array] = {name: signal[:count] for name, signal in out.items()}
-    return Run(time[:count], **signals, stages=tuple(stages), events=tuple(engine.events) if engine else ())
+    return ScaraRun(
+        time[:count], **signals, stages=tuple(stages), events=tuple(engine.events) if engine else ()
+    )
 
 
 def _advance(scenario: Scenario, t: float, q: Array, v: Array, tau: Array) -> tuple[Array, Array]:
-    """Advance over a tick by classical Runge–Kutta, the torque held."""
+    """Integrate over one tick by classical Runge–Kutta, with constant torque."""
     h = scenario.tick / scenario.substeps
     present = [f for f in scenario.faults if f.start - 1e-9 <= t < f.end]
     for i in range(scenario.substeps):

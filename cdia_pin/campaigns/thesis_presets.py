@@ -1,4 +1,4 @@
-"""Faults, gains and bounds of the thesis' numerical study: as its appendix prints them, and of physical size."""
+"""Faults, gains and bounds of the thesis' numerical studies: as its appendix prints them, and of physical size."""
 
 from __future__ import annotations
 
@@ -17,33 +17,34 @@ from cdia_pin.effects import (
     StribeckFriction,
     ViscousFriction,
 )
+from cdia_pin.phrases import shortened
 from cdia_pin.robot import RobotModel
 
 Array = NDArray[np.float64]
 
-J = "joint1"  # any: a fault of a study is on all joints
-FIRST, SECOND = 2.0, 4.0  # [s], when the component fault and the actuator fault begin
+J = "joint1"  # any joint: a fault of a study is on all joints
+FIRST, SECOND = 2.0, 4.0  # [s], onset of the component fault and of the actuator fault
 RANGE = np.pi * np.array([5 / 6, 7 / 9, 3 / 2, 0.2 / np.pi])  # [rad, rad, rad, m], Table 1
 SPEED = np.pi * np.array([10 / 3, 5, 55 / 3, 1.2 / np.pi])  # [rad/s, rad/s, rad/s, m/s], Table 1
 
 COULOMB = np.array([20.0, 10.0, 0.01, 20.0])  # [N·m, N·m, N·m, N], an eighth to a half of the torque RMS
 VISCOUS = np.array([15.0, 8.0, 0.01, 30.0])  # [N·m·s/rad, …, N·s/m]
 UNMODELLED = np.array([1.0, 0.3, 0.001, 1.0])  # [N·m, N·m, N·m, N], 0.3 to 3 % of the torque RMS
-KNOWN_BOUND = tuple(1.2 * UNMODELLED)  # η₀, what the engine is told
-LOSS = -0.3  # [1], share of the torque
+KNOWN_BOUND = tuple(1.2 * UNMODELLED)  # [N·m, N·m, N·m, N], η₀, the bound that the engine knows
+LOSS = -0.3  # [1], lost share of the torque
 RIPPLE = PositionRipple(J, frequency=3.0)
 KNOWN: tuple[JointEffect, ...] = (ActuatorGain(J), CoulombFriction(J), RIPPLE)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Preset:
     """A study of the observer of detection and approximation.
 
     Attributes:
         name: ``literal`` or ``physical``.
-        about: What it is, and what it is not.
-        cases: Scenarios by name; the last one has figures of its own.
-        settings: Of the engine.
+        about: Description of its faults, gains and limits.
+        cases: Scenarios by name; the last one has its own figures.
+        settings: Settings of the engine.
     """
 
     name: str
@@ -51,9 +52,19 @@ class Preset:
     cases: dict[str, Scenario]
     settings: ThesisSettings = field(default_factory=ThesisSettings)
 
+    def __repr__(self) -> str:
+        return f"Preset({shortened(self.name)}, {len(self.cases)} cases)"
+
 
 def physical(robot: RobotModel) -> Preset:
-    """Return faults that an arm can have, with gains that scale with its inertia."""
+    """Return faults of a realistic size, with gains that scale with the arm's inertia.
+
+    Args:
+        robot: The SCARA arm.
+
+    Returns:
+        Four cases and the settings of the engine.
+    """
     coulomb = Fault(CoulombFriction(J), COULOMB[:, None], FIRST)
     viscous = Fault(ViscousFriction(J), VISCOUS[:, None], FIRST)
     loss = Fault(ActuatorGain(J), np.full((4, 1), LOSS), FIRST)
@@ -66,8 +77,8 @@ def physical(robot: RobotModel) -> Preset:
     }
     return Preset(
         "physical",
-        "Faults of a size that an arm can have, unmodelled torques of some percent of the arm's own, gains that "
-        "scale with the inertia of each joint.",
+        "Faults of a realistic size, unmodelled torques of a few percent of the arm's torques, gains that scale "
+        "with the inertia of each joint.",
         {name: Scenario(faults, UNMODELLED, duration=8.0) for name, faults in cases.items()},
         ThesisSettings(unmodelled=KNOWN_BOUND),
     )
@@ -76,9 +87,15 @@ def physical(robot: RobotModel) -> Preset:
 def literal(robot: RobotModel) -> Preset:
     """Return the faults and gains of the appendix.
 
-    Its signs are turned to ours, f = −Fc − Fa τ. Its component fault is a Coulomb torque that drives the motion, a
-    viscous one of 2000 N·m·s/rad and a slow ripple; its actuator fault multiplies the torques by 8, 11, 11 and 1.9.
-    Its neurons are 32 rad wide. Corrected are only the threshold, and the weights where the residual is small.
+    The signs are changed to f = −Fc − Fa τ. The component fault is a Coulomb torque that drives the motion, a viscous
+    torque of 2000 N·m·s/rad and a slow ripple. The actuator fault multiplies the torques by 8, 11, 11 and 1.9. The
+    neurons are 32 rad wide. Only the threshold is corrected, and the weights at small residuals.
+
+    Args:
+        robot: The SCARA arm.
+
+    Returns:
+        Three cases and the settings of the engine.
     """
     size = np.array([1e2, 1e2, 1e-2, 1e1])
     gain = Fault(ActuatorGain(J), np.array([[7.0], [10.0], [10.0], [0.9]]), SECOND)
@@ -95,9 +112,9 @@ def literal(robot: RobotModel) -> Preset:
     places, width = np.linspace(-1.0, 1.0, 7), np.full(4, 1e-3**-0.5)
     return Preset(
         "literal",
-        "Faults, gains and neurons as the appendix prints them, with the threshold corrected and the horizon "
-        "extended: the printed 2 s end before the faults begin. The printed actuator fault is a gain, not a loss; "
-        "the printed friction drives the motion.",
+        "Faults, gains and neurons as the appendix prints them, with a corrected threshold and a longer duration: "
+        "the printed 2 s end before the faults begin. The printed actuator fault is a gain and not a loss; the "
+        "printed friction drives the motion.",
         {
             name: Scenario(
                 faults, 2 * np.array([1e-4, 1e-4, 1e-3, 1e-6]), start=PRINTED_START, duration=10.0, substeps=2
@@ -116,7 +133,7 @@ PRESETS = {"literal": literal, "physical": physical}
 
 
 def isolation_faults() -> dict[str, Fault]:
-    """Return one fault of each of the three types that the thesis' bank knows (§4.3), by name."""
+    """Return one fault of each of the three types of the thesis' bank (§4.3), by name."""
     ripple = np.column_stack([1.5 * COULOMB, 0.5 * COULOMB])
     return {
         "actuator_gain": Fault(KNOWN[0], np.full((4, 1), LOSS), FIRST),

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from enum import StrEnum
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin import schemas
-from cdia_pin.campaigns.scara_run import UNITS, Run, Scenario, run
+from cdia_pin.campaigns.scara_run import UNITS, ScaraRun, Scenario, run
 from cdia_pin.campaigns.thesis_presets import (
     KNOWN,
     KNOWN_BOUND,
@@ -20,98 +20,113 @@ from cdia_pin.campaigns.thesis_presets import (
     Preset,
     isolation_faults,
 )
+from cdia_pin.campaigns.thesis_records import ThesisStudyRecord
+from cdia_pin.diagnosis.status import Verdict
 from cdia_pin.diagnosis.thesis import ThesisEngine, ThesisSettings
 from cdia_pin.errors import ModelError, unknown_name
+from cdia_pin.phrases import shortened
+from cdia_pin.progress import Progress, silent
 from cdia_pin.robot import load_robot
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
-Tell = Callable[[str, float], None]
 
-SETTLED = 2.0  # [s] after the last fault began, from which tracking is compared
-GRACE = 2.0  # [s], in which filters may learn, where they may
-NO_GRACE, WITH_GRACE = "as printed", f"with {GRACE:g} s to learn"
+SETTLED = 2.0  # [s], from the last onset to the start of the comparison: time for an isolation
+GRACE = 2.0  # [s], time for the isolation filters to learn before their residuals count
 
 
-@dataclass(frozen=True, eq=False)
+class LearningRule(StrEnum):
+    """Whether isolation filters have time to learn before they are compared with their thresholds."""
+
+    NO_GRACE = "as printed"
+    WITH_GRACE = "with 2 s to learn"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Case:
-    """One scenario, three times.
+    """Three runs of one scenario.
 
     Attributes:
-        name: What breaks.
-        began: When the first fault begins [s].
-        since: From when on tracking is compared [s].
-        healthy: Without fault.
-        faulty: Without correction.
-        accommodated: With the engine.
+        name: Kind of fault.
+        began: Onset of the first fault [s].
+        since: Start of the comparison of tracking [s].
+        healthy: Run without faults.
+        faulty: Run with faults and without compensation.
+        accommodated: Run with faults and the engine.
     """
 
     name: str
     began: float
     since: float
-    healthy: Run
-    faulty: Run
-    accommodated: Run
+    healthy: ScaraRun
+    faulty: ScaraRun
+    accommodated: ScaraRun
+
+    def __repr__(self) -> str:
+        return f"Case({shortened(self.name)}, faults from {self.began:g} s)"
 
     def tracking(self) -> dict[str, Array]:
-        """Return the RMS of the position error of each run [rad or m], shape (4,) each."""
+        """Return the RMS position error of each run by its name [rad or m], shape (4,) each."""
         runs = {"healthy": self.healthy, "faulty": self.faulty, "accommodated": self.accommodated}
         return {name: r.tracking(self.since) for name, r in runs.items()}
 
     @property
     def worse(self) -> tuple[int, ...]:
-        """Indices of the joints that track no better accommodated than faulty."""
+        """Indices of the joints that track no better with the engine than without it."""
         rms = self.tracking()
         return tuple(np.flatnonzero(rms["accommodated"] >= rms["faulty"]).tolist())
 
     @property
     def detected_after(self) -> float | None:
-        """Time from the first fault to its detection [s]; None if there was none."""
+        """Time from the first onset to its detection [s]; None if there was none."""
         times = [e.time for e in self.accommodated.events if e.stage == "detection"]
         return times[0] - self.began if times else None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Isolation:
-    """What the bank said of one combination of faults.
+    """Result of the isolation of one combination of faults.
 
     Attributes:
-        true: Effects that were there.
+        true: Names of the true effects.
         rule: Whether filters had time to learn.
-        verdict: ``unique``, ``ambiguous``, ``unknown``, or ``none`` if nothing was said.
-        first: Effects of the survivor with the fewest, as the engine prefers it; empty if none survived.
-        survivors: How many combinations survived, of seven.
-        after: Time from fault to verdict [s]; None if nothing was said.
+        verdict: Verdict of the isolation; ``none`` without one.
+        first: Names of the effects of the smallest combination that was not excluded; empty without one.
+        survivors: Number of combinations that were not excluded, of seven.
+        after: Time from the onset to the verdict [s]; None without a verdict.
     """
 
     true: tuple[str, ...]
-    rule: str
-    verdict: str
+    rule: LearningRule
+    verdict: Verdict
     first: tuple[str, ...]
     survivors: int
     after: float | None
 
+    def __repr__(self) -> str:
+        return f"Isolation({shortened(' + '.join(self.true), 80)}, {self.rule}: {self.verdict})"
+
     @property
     def isolated(self) -> bool:
-        """Whether the true combination, and no other, was named."""
-        return self.verdict == "unique" and self.first == self.true
+        """True if the true combination, and no other, was not excluded."""
+        return self.verdict is Verdict.UNIQUE and self.first == self.true
 
     @property
     def preferred(self) -> bool:
-        """Whether the true combination is the smallest that survived."""
+        """True if the true combination is the smallest that was not excluded."""
         return bool(self.first) and self.first == self.true
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ThesisStudy:
     """Result of `thesis_study`.
 
     Attributes:
         joints: Names of the joints.
-        presets: What was asked for, by name.
+        presets: Presets by name.
         cases: Runs of each preset.
-        isolations: Verdicts, one per combination of faults and rule.
-        isolation_case: The single Coulomb fault with a bank, for the figures.
+        isolations: Results of isolation, one per combination of faults and rule.
+        isolation_case: Runs of a single Coulomb fault with a bank, for the figures.
     """
 
     joints: tuple[str, ...]
@@ -120,7 +135,11 @@ class ThesisStudy:
     isolations: tuple[Isolation, ...]
     isolation_case: Case
 
-    def to_dict(self) -> dict[str, Any]:
+    def __repr__(self) -> str:
+        count = sum(len(cases) for cases in self.cases.values())
+        return f"ThesisStudy({len(self.presets)} presets, {count} cases, {len(self.isolations)} isolations)"
+
+    def to_dict(self) -> ThesisStudyRecord:
         """Return the numbers as ``cdia study thesis --json`` writes them."""
         return {
             "schema": schemas.STUDY_THESIS,
@@ -147,19 +166,22 @@ class ThesisStudy:
                 for name, cases in self.cases.items()
             },
             "isolation": [
-                {**i.__dict__, "isolated": i.isolated, "preferred": i.preferred} for i in self.isolations
+                {**asdict(i), "isolated": i.isolated, "preferred": i.preferred} for i in self.isolations
             ],
         }
 
 
 def thesis_study(
-    presets: tuple[str, ...] = ("literal", "physical"), progress: Tell = lambda sentence, share: None
+    presets: tuple[str, ...] = ("literal", "physical"), progress: Progress = silent
 ) -> ThesisStudy:
     """Run both studies.
 
     Args:
-        presets: Of the first study; the second has one of its own.
-        progress: Told what is being done, and the share that is done.
+        presets: Names of the presets of the first study; the second study has its own faults.
+        progress: Called with the current work and the share that is done [1].
+
+    Returns:
+        Results of both studies.
 
     Raises:
         ModelError: If a preset is unknown.
@@ -191,21 +213,30 @@ def thesis_study(
         isolations.append(_isolate(robot, true, rule, scenario))
     tell("isolation: figures")
     scenario = _scenario(("coulomb_friction",))
-    shown = run_case("Coulomb friction, with a bank", scenario, _engine(robot, WITH_GRACE))
+    shown = run_case("Coulomb friction, with a bank", scenario, _engine(robot, LearningRule.WITH_GRACE))
     return ThesisStudy(robot.joints, chosen, cases, tuple(isolations), shown)
 
 
 def run_case(name: str, scenario: Scenario, engine: ThesisEngine) -> Case:
-    """Run a scenario without fault, with it, and with the engine."""
+    """Run a scenario without faults, with faults, and with faults and the engine.
+
+    Args:
+        name: Kind of fault.
+        scenario: Faults and conditions.
+        engine: The engine at its start.
+
+    Returns:
+        The three runs.
+    """
     began = [f.start for f in scenario.faults]
     return Case(
         name, min(began), max(began) + SETTLED, run(scenario.healthy), run(scenario), run(scenario, engine)
     )
 
 
-def _mixtures() -> Iterator[tuple[tuple[str, ...], str, Scenario]]:
+def _mixtures() -> Iterator[tuple[tuple[str, ...], LearningRule, Scenario]]:
     names = tuple(isolation_faults())
-    for rule in (NO_GRACE, WITH_GRACE):
+    for rule in LearningRule:
         for size in range(1, len(names) + 1):
             for true in combinations(names, size):
                 yield true, rule, _scenario(true)
@@ -216,22 +247,22 @@ def _scenario(true: tuple[str, ...]) -> Scenario:
     return Scenario(tuple(faults[name] for name in true), UNMODELLED, duration=8.0)
 
 
-def _engine(robot: RobotModel, rule: str) -> ThesisEngine:
-    grace = GRACE if rule == WITH_GRACE else 0.0
+def _engine(robot: RobotModel, rule: LearningRule) -> ThesisEngine:
+    grace = GRACE if rule is LearningRule.WITH_GRACE else 0.0
     return ThesisEngine(robot, KNOWN, ThesisSettings(unmodelled=KNOWN_BOUND, grace=grace))
 
 
-def _isolate(robot: RobotModel, true: tuple[str, ...], rule: str, scenario: Scenario) -> Isolation:
-    """Run one combination of faults until the bank has said what it says first."""
+def _isolate(robot: RobotModel, true: tuple[str, ...], rule: LearningRule, scenario: Scenario) -> Isolation:
+    """Run one combination of faults until the first verdict of the bank."""
     engine = _engine(robot, rule)
     run(scenario, engine, until=lambda: any(e.stage == "isolation" for e in engine.events))
     said = [e for e in engine.events if e.stage == "isolation"]
     if not said:
-        return Isolation(true, rule, "none", (), 0, None)
+        return Isolation(true, rule, Verdict.NONE, (), 0, None)
     first = said[0]
     order = [e.name for e in KNOWN]
     named = tuple(sorted({t.effect.name for t in first.faults}, key=order.index))
-    survivors = len(first.alternatives) + 1 if first.verdict in {"unique", "ambiguous"} else 0
+    survivors = len(first.alternatives) + 1 if first.verdict in {Verdict.UNIQUE, Verdict.AMBIGUOUS} else 0
     return Isolation(
-        true, rule, str(first.verdict), named, survivors, first.time - min(f.start for f in scenario.faults)
+        true, rule, first.verdict, named, survivors, first.time - min(f.start for f in scenario.faults)
     )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cdia_pin.campaigns.scara_run import UNITS, Run
+from cdia_pin.campaigns.scara_run import UNITS, ScaraRun
 from cdia_pin.campaigns.thesis_study import Case, ThesisStudy
 from cdia_pin.extras import require
 
@@ -63,7 +63,7 @@ def thesis_pictures(study: ThesisStudy) -> Iterator[Picture]:
 
 def _of_case(study: ThesisStudy, stem: str, case: Case) -> Iterator[Picture]:
     runs = {"healthy": case.healthy, "faulty": case.faulty, "accommodated": case.accommodated}
-    errors: tuple[tuple[str, str, str, Callable[[Run], Array]], ...] = (
+    errors: tuple[tuple[str, str, str, Callable[[ScaraRun], Array]], ...] = (
         ("position", "q − q_d", "", lambda r: r.q_error),
         ("velocity", "q̇ − q̇_d", "/s", lambda r: r.v_error),
     )
@@ -110,7 +110,7 @@ def _grid(study: ThesisStudy, case: Case, draw: Callable[[Axes, int], None], sym
     return out.getvalue()
 
 
-def _errors(runs: dict[str, Run], signal: Callable[[Run], Array], axes: Axes, j: int) -> None:
+def _errors(runs: dict[str, ScaraRun], signal: Callable[[ScaraRun], Array], axes: Axes, j: int) -> None:
     for kind, one in runs.items():
         thin = max(len(one.time) // POINTS, 1)
         axes.plot(one.time[::thin], signal(one)[::thin, j], label=kind, **STYLES[kind])  # type: ignore[arg-type]
@@ -119,7 +119,7 @@ def _errors(runs: dict[str, Run], signal: Callable[[Run], Array], axes: Axes, j:
     scale(axes, j, linear, np.array([np.abs(signal(r)).max(axis=0) for r in runs.values()]).max(axis=0))
 
 
-def _estimation(run: Run, axes: Axes, j: int) -> None:
+def _estimation(run: ScaraRun, axes: Axes, j: int) -> None:
     thin = max(len(run.time) // POINTS, 1)
     time, bound = run.time[::thin], run.threshold[::thin, j]
     axes.fill_between(time, -bound, bound, color=BAND, alpha=0.3, linewidth=0, label="± threshold", zorder=1)

@@ -52,7 +52,7 @@ def test_a_body_of_zero_mass_stays_unchanged():
 
 @pytest.mark.parametrize("size", [-0.1, 0.6, np.nan])
 def test_an_impossible_model_error_is_refused(robot, size):
-    with pytest.raises(CdiaError, match=r"within 0 and 0\.5"):
+    with pytest.raises(CdiaError, match=r"between 0 and 0\.5"):
         with_model_error(robot, size, np.random.default_rng(0))
 
 

@@ -102,7 +102,7 @@ def small(arm):
         mixtures = [
             (true, rule, replace(scenario, tick=2e-3))
             for true, rule, scenario in study._mixtures()
-            if rule == study.NO_GRACE and len(true) == 1
+            if rule == study.LearningRule.NO_GRACE and len(true) == 1
         ]
         patch.setattr(study, "_mixtures", lambda: iter(mixtures))
         scenario = study._scenario
