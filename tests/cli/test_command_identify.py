@@ -23,7 +23,7 @@ def test_it_shows_errors_friction_and_base_parameters(outcome):
     said = outcome[0].out
     for words in ("torque RMS", "held out", "coulomb friction", "rotor inertia", "base parameter", "told"):
         assert words in said
-    assert "Every link is a body that can exist." in said
+    assert "Every link is physically consistent." in said
     assert "other.csv" in said
 
 

@@ -114,8 +114,8 @@ def test_hypotheses_live_from_the_detection_until_they_are_excluded(run):
     rows = {row["effect"]: row["spans"] for row in first["hypotheses"]}
     assert list(rows) == ["coulomb friction", "load friction", "none of these"]
     begin = first["stages"][1][0]
-    assert rows["coulomb friction"] == [[begin, 13.5, "open"], [13.5, 18.0, "leading"]]
-    assert rows["load friction"] == [[begin, 13.5, "open"], [13.5, 15.0, "possible"]]
+    assert rows["coulomb friction"] == [(begin, 13.5, "open"), (13.5, 18.0, "leading")]
+    assert rows["load friction"] == [(begin, 13.5, "open"), (13.5, 15.0, "possible")]
     assert rows["none of these"] == []
     assert all(j["hypotheses"] == [] for j in others)
 
@@ -172,7 +172,7 @@ def test_what_is_unknown_is_not_told_by_its_weights(run):
     unknown = Term(Unknown(joint="joint2"), tuple(np.zeros(Unknown(joint="joint2").size)))
     event = Event(1.0, "isolation", ("joint2",), Verdict.UNKNOWN, (unknown,))
     (row,) = event_rows([event], run.robot)
-    assert row.said == ("a torque without a name, as its neurons have learned it",)
+    assert row.said == ("unknown fault; its torque was learned",)
 
 
 def test_the_terminal_says_the_same(run):
@@ -192,7 +192,7 @@ def test_the_terminal_says_the_same(run):
 
 def test_the_summary_is_a_sentence(run):
     said = run_summary(run)
-    assert said.startswith("In 10 s joint1 left the threshold, the first at 13.000 s.")
+    assert said.startswith("In 10 s the residual left its threshold on joint1, first at 13.000 s.")
     assert "coulomb friction on joint1" in said
     assert run_summary(replace(run, events=(), faults=())) == "No joint left its threshold in 10 s."
 
@@ -210,4 +210,4 @@ def test_a_browser_draws_it(page, tmp_path):
     out = subprocess.run(command, capture_output=True, text=True, timeout=180, check=False).stdout
     assert out.count('class="strip"') == 4
     assert out.count('class="uplot') >= 3
-    assert "ran away" in out
+    assert "diverged" in out
