@@ -184,7 +184,7 @@ def test_the_terminal_says_the_same(run):
     console.print(tracking_table(run.robot, {"healthy": np.ones(4), "accommodated": 2 * np.ones(4)}, 3.0))
     text = " ".join(console.export_text().split())
     assert "one of several: coulomb friction: level 4.00 ± 0.20 N·m" in text
-    assert "or else load friction" in text
+    assert "or load friction" in text
     assert "<differently>" in text
     assert "2.00 ×" in text
     assert "1000 mrad" in text
@@ -194,7 +194,7 @@ def test_the_summary_is_a_sentence(run):
     said = run_summary(run)
     assert said.startswith("In 10 s the residual left its threshold on joint1, first at 13.000 s.")
     assert "coulomb friction on joint1" in said
-    assert run_summary(replace(run, events=(), faults=())) == "No joint left its threshold in 10 s."
+    assert run_summary(replace(run, events=(), faults=())) == "No residual left its threshold in 10 s."
 
 
 def test_every_stage_has_a_colour_of_its_own():

@@ -109,7 +109,7 @@ def test_explained_names_the_effect_and_the_doubt(doubtful):
 
 def test_unexplained_names_the_joints(doubtful):
     found = replace(doubtful, verdict="unexplained", structure_left=("joint1",))
-    assert "on joint1 structure is left" in verdict_sentences(found)[0]
+    assert "the residual on joint1 has structure" in verdict_sentences(found)[0]
     alone = replace(found, trace=found.trace[:1], structure_left=found.model.robot.joints)
     assert (
         verdict_sentences(alone)[0] == "The residual on all 4 joints has structure that no effect explains."
