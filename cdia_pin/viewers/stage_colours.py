@@ -15,8 +15,8 @@ STAGE_COLOURS: dict[Stage, str] = {
 STAGE_WORDS: dict[Stage, str] = {
     Stage.HEALTHY: "",
     Stage.SUSPECT: "residual above its threshold, but not yet for long enough",
-    Stage.DETECTED: "fault detected, not isolated yet",
-    Stage.ISOLATED: "isolated, not compensated",
+    Stage.DETECTED: "not isolated yet",
+    Stage.ISOLATED: "not compensated",
     Stage.ACCOMMODATED: "compensated",
     Stage.IDLE: "cleared, kept in memory",
 }

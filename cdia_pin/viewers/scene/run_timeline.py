@@ -99,7 +99,7 @@ def event_label(event: Event, robot: RobotModel) -> str:
     short = short_names(robot.joints)
     where = "all joints" if len(event.joints) == robot.n > 1 else listed(short[j] for j in event.joints)
     if event.stage == "detection":
-        return f"{where}: fault detected, not isolated yet"
+        return f"{where}: fault not isolated yet"
     if event.stage == "idle":
         return f"{where}: fault cleared, kept in memory"
     if not event.faults:
