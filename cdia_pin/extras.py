@@ -17,6 +17,9 @@ EXTRAS: Mapping[str, tuple[str, ...]] = MappingProxyType({
 })  # fmt: skip
 
 
+NAMED = 2  # missing modules that a message names before it counts the others
+
+
 class MissingExtraError(CdiaError, ImportError):
     """A part of the package needs an extra that is not installed."""
 
@@ -41,6 +44,8 @@ def require(extra: str, purpose: str) -> None:
         MissingExtraError: If a module is missing; the message ends with the line that installs the extra.
     """
     if missing := missing_modules(extra):
+        more = f" and {len(missing) - NAMED} more" if len(missing) > NAMED else ""
+        named = f"{', '.join(missing[:NAMED])}{more}"
         raise MissingExtraError(
-            f'{purpose} need {", ".join(missing)}, not installed here: pip install "cdia-pin[{extra}]"'
+            f'{purpose} need {named}, not installed here: pip install "cdia-pin[{extra}]"'
         )

@@ -23,7 +23,7 @@ class ArmElement(Element, component="assets/arm.js", default_classes="arm-box"):
     """The picture of an arm; a click on a link chooses its joint.
 
     Args:
-        choose: Told the joint whose link was clicked, or None for none.
+        choose: Called with the joint whose link was clicked, or None for none.
     """
 
     def __init__(self, choose: Callable[[str | None], Any]) -> None:
@@ -38,20 +38,34 @@ class ArmElement(Element, component="assets/arm.js", default_classes="arm-box"):
         Args:
             scene: Of `Scene.to_dict`.
             stages: What colours mean.
-            reach: Positions that the picture is to hold, where no motion is known yet [rad or m].
+            reach: Positions that the picture must hold, where no motion is known yet [rad or m], shape (K, n).
         """
         self.run_method("draw", scene, stages, reach)
 
     def play(self, timeline: TimelineDocument, variant: int) -> None:
-        """Show a motion, of `Timeline.to_dict`, by the reckoning of one of its models."""
+        """Show a motion.
+
+        Args:
+            timeline: The motion and its tracks.
+            variant: Index of the track that colours it.
+        """
         self.run_method("play", timeline, variant)
 
     def append(self, piece: Frame, stages: list[StageDocument]) -> None:
-        """Show a piece of the timeline of an arm that moves now."""
+        """Show a piece of the timeline of a moving arm.
+
+        Args:
+            piece: New frames.
+            stages: What colours mean.
+        """
         self.run_method("append", piece, stages)
 
     def select(self, joint: str | None) -> None:
-        """Highlight the link of a joint."""
+        """Highlight the link of a joint.
+
+        Args:
+            joint: Name; None for no link.
+        """
         self.run_method("select", joint)
 
 
@@ -59,15 +73,19 @@ class ChartsElement(Element, component="assets/charts.js", default_classes="char
     """The charts of one joint."""
 
     def draw(self, joint: JointReport) -> None:
-        """Draw what `picture.joint` returns."""
+        """Draw the charts of a joint.
+
+        Args:
+            joint: Of `picture.joint`.
+        """
         self.run_method("draw", joint)
 
 
 class LiveElement(Element, component="assets/live.js", default_classes="live-box"):
-    """Tiles and a chart of an arm that moves now; a press on a tile chooses its joint.
+    """Tiles and a chart of a moving arm; a press on a tile chooses its joint.
 
     Args:
-        choose: Told the joint whose tile was pressed.
+        choose: Called with the joint whose tile was pressed.
     """
 
     def __init__(self, choose: Callable[[str], Any]) -> None:
@@ -75,13 +93,26 @@ class LiveElement(Element, component="assets/live.js", default_classes="live-box
         self.on("joint", lambda event: choose(event.args))
 
     def begin(self, joints: list[JointTile], stages: list[StageDocument]) -> None:
-        """Begin anew with the joints of an arm."""
+        """Begin anew with the joints of an arm.
+
+        Args:
+            joints: One tile each.
+            stages: What colours mean.
+        """
         self.run_method("begin", joints, stages)
 
     def push(self, piece: Frame) -> None:
-        """Show what `LiveRun.take` returned."""
+        """Show new frames.
+
+        Args:
+            piece: Of `LiveRun.take`.
+        """
         self.run_method("push", piece)
 
     def select(self, joint: str) -> None:
-        """Show the residual of a joint."""
+        """Show the residual of a joint.
+
+        Args:
+            joint: Name.
+        """
         self.run_method("select", joint)

@@ -1,4 +1,4 @@
-"""What a session leaves behind, as the bytes of files: model, corrected URDF and report."""
+"""The files that a session exports, as bytes: model, corrected URDF, report and Python lines."""
 
 from __future__ import annotations
 
@@ -16,7 +16,11 @@ from cdia_pin.viewers import write_report
 
 
 def model_file(session: Session) -> bytes:
-    """Return the present model as `save_model` writes it."""
+    """Return the present model as `save_model` writes it.
+
+    Args:
+        session: The session.
+    """
     fitted = session.present.fitted
     record = fitted.record if fitted else session.present.comparison.record
     return written("model.json", lambda path: save_model(session.present.model, path, record=record))
@@ -39,7 +43,11 @@ def urdf_file(session: Session) -> bytes:
 
 
 def report_file(session: Session) -> bytes:
-    """Return the report on the present model beside the model as given."""
+    """Return the report on the present model beside the model as given.
+
+    Args:
+        session: The session.
+    """
     first, present, inputs = session.history.first, session.present, session.inputs
     improved = None if present is first else present.comparison
     return written(
@@ -56,12 +64,21 @@ def report_file(session: Session) -> bytes:
 
 
 def python_file(session: Session) -> bytes:
-    """Return the Python lines that end with the same model."""
+    """Return the Python lines that lead to the same model.
+
+    Args:
+        session: The session.
+    """
     return python_lines(session).encode()
 
 
 def written(name: str, write: Callable[[Path], object]) -> bytes:
-    """Return what `write` writes to a path of this name."""
+    """Return the bytes that a function writes to a file.
+
+    Args:
+        name: Of the file.
+        write: Called with a path of this name.
+    """
     with tempfile.TemporaryDirectory(prefix="cdia-") as folder:
         path = Path(folder) / name
         write(path)

@@ -1,4 +1,4 @@
-"""The first page: from a log to what the model lacks, step by step beside the arm."""
+"""The first page: from a log to the missing effects, step by step beside the arm."""
 
 from __future__ import annotations
 
@@ -81,7 +81,11 @@ class FindPage:
     # ------------------------------------------------------------- what can be done
 
     async def load(self, asked: Request) -> None:
-        """Load a robot and a log; what was loaded before is kept where that fails."""
+        """Load a robot and a log; if that fails, the present session stays.
+
+        Args:
+            asked: Robot, log and how to read it.
+        """
 
         def work(tell: Progress) -> tuple[Session, SceneDocument, TimelineDocument]:
             session = Session.load(asked, tell)
@@ -105,18 +109,22 @@ class FindPage:
             await self.search()
 
     async def convert(self, option: str) -> None:
-        """Load the log again with a conversion."""
+        """Load the log again with a conversion.
+
+        Args:
+            option: Such as ``angle=deg``.
+        """
         if self.session is not None:
             await self.load(self.session.inputs.request.converted(option))
 
     async def search(self) -> None:
-        """Look for what the present model lacks."""
+        """Search for the effects that the present model lacks."""
         asked = self.session
         if asked is None:
             return
         self._searching = True
         self._show("missing")
-        done = await self._runner.run("Looking for what is missing", asked.search)
+        done = await self._runner.run("Searching for missing effects", asked.search)
         self._searching = self._runner.job is not None
         if done is not None and self.session is asked:
             self.session = done
@@ -124,31 +132,47 @@ class FindPage:
         self._show("missing")
 
     async def preview(self, text: str) -> None:
-        """Show what an effect would do."""
+        """Show the error with one more effect.
+
+        Args:
+            text: Such as ``coulomb_friction@elbow_joint``.
+        """
         await self._step(f"Fitting {text}", lambda s, tell: s.with_preview(text, tell), "missing")
 
     async def add(self, text: str) -> None:
-        """Add an effect, then look for what is still missing."""
+        """Add an effect, then search again.
+
+        Args:
+            text: Such as ``coulomb_friction@elbow_joint``.
+        """
         if await self._step(f"Adding {text}", lambda s, tell: s.add(text, tell), "missing"):
             await self.search()
 
     async def add_found(self) -> None:
-        """Add all that the search would add, then look for what is still missing."""
+        """Add all effects of the search, then search again."""
         if await self._step("Adding", lambda s, tell: s.add_found(), "missing"):
             await self.search()
 
     async def drop_preview(self) -> None:
         """Forget the preview."""
-        await self._step("Leaving it", lambda s, tell: s.without_preview(), "missing")
+        await self._step("Discarding the preview", lambda s, tell: s.without_preview(), "missing")
 
     async def goto(self, at: int) -> None:
-        """Return to a model of the history."""
+        """Return to a model of the history.
+
+        Args:
+            at: Its index.
+        """
         done = await self._step("Returning", lambda s, tell: s.goto(at), "missing")
         if done and self.session is not None and self.session.found is None:
             await self.search()
 
     def choose(self, joint: str | None) -> None:
-        """Show a joint: its tile, its link and its charts."""
+        """Show a joint: its tile, its link and its charts.
+
+        Args:
+            joint: Name.
+        """
         if self.session is None or joint not in self.session.inputs.robot.joints:
             return
         self.joint = joint
@@ -157,7 +181,11 @@ class FindPage:
         self._charts.draw(picture.joint(self.session, joint))
 
     async def export(self, what: str) -> None:
-        """Download a file."""
+        """Download a file.
+
+        Args:
+            what: A key of `FILES`.
+        """
         session = self.session
         if session is None:
             return
@@ -169,7 +197,11 @@ class FindPage:
             self._runner.say(f"{name} is downloaded.")
 
     async def design(self, doubt: Doubt) -> None:
-        """Design a motion that tells two effects apart, and download it."""
+        """Design a motion that distinguishes two effects, and download it.
+
+        Args:
+            doubt: The two effects.
+        """
         session = self.session
         if session is None:
             return

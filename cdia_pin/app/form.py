@@ -1,4 +1,4 @@
-"""What is typed into the form of the first step, as a request and back."""
+"""The form of the first step, as a request and back."""
 
 from __future__ import annotations
 
@@ -43,11 +43,15 @@ class Form:
 
     @property
     def plain(self) -> bool:
-        """Whether nothing is said about names, units and gains."""
+        """Whether names, units and gains are left as they are."""
         return self.units == UNITS and not any(any(row.values()) for row in self.joints.values())
 
     def take(self, asked: Request) -> None:
-        """Fill the form with a request."""
+        """Fill the form with a request.
+
+        Args:
+            asked: The request.
+        """
         given = dict(asked.convert)
         self.robot, self.log, self.model = asked.robot, str(asked.log), asked.model
         self.units = {key: given.pop(key, usual) or usual for key, usual in UNITS.items()}
@@ -64,14 +68,20 @@ class Form:
         self.others = given
 
     def note(self, joint: str, key: str, value: Cell) -> None:
-        """Take note of a cell of the table of joints."""
+        """Set a cell of the table of joints.
+
+        Args:
+            joint: Row.
+            key: Column: ``label``, ``gain``, ``reduction``, ``flip_position`` or ``flip_effort``.
+            value: Text or mark.
+        """
         self.joints.setdefault(joint, {})[key] = value
 
     def request(self) -> Request:
-        """Return what is asked for.
+        """Return the form as a request.
 
         Raises:
-            LogError: If a number is none.
+            LogError: If a number cannot be read.
         """
         convert: dict[str, object] = {k: v for k, v in self.units.items() if v != UNITS[k]} | self.others
         convert |= {flip: tuple(self._column(flip)) for flip in FLIPS if self._column(flip)}

@@ -91,14 +91,26 @@ class History:
         return self.at < len(self.versions) - 1
 
     def then(self, version: Version) -> History:
-        """Return the history with a version after the present one; what had been undone is forgotten."""
+        """Return the history with a version after the present one; undone versions are dropped.
+
+        Args:
+            version: The new one.
+        """
         return History((*self.path, version), self.at + 1)
 
     def with_found(self, found: Discovery) -> History:
-        """Return the history with what a search beside the present model found."""
+        """Return the history with the outcome of a search beside the present model.
+
+        Args:
+            found: The outcome.
+        """
         k, present = self.at, replace(self.present, found=found)
         return replace(self, versions=(*self.versions[:k], present, *self.versions[k + 1 :]))
 
     def goto(self, at: int) -> History:
-        """Return the history with another version present; the nearest there is."""
+        """Return the history with another version present.
+
+        Args:
+            at: Its index; the nearest one if there is none.
+        """
         return replace(self, at=min(max(at, 0), len(self.versions) - 1))

@@ -1,4 +1,4 @@
-"""What a session works on: a robot, a log and how it was read."""
+"""The inputs of a session: a robot, a log and how it was read."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from cdia_pin.robot import RobotModel, load_robot
 
 @dataclass(frozen=True)
 class Request:
-    """What was asked for; the fields are those of `load_robot`, `load_model` and `read_log`.
+    """A robot, a log and how to read it; the fields are those of `load_robot`, `load_model` and `read_log`.
 
     Attributes:
         robot: Name of the catalogue, or path of a URDF.
         log: Path of the log.
-        model: Path of a model saved before; None for the URDF alone.
+        model: Path of a saved model; None for the URDF alone.
         joint_map: Name in the log → joint of the robot.
         convert: Units and signs that are not SI or not the URDF's.
         gains: Drive gains [N·m/A] by joint, where the log has motor currents.
-        name: What the log is called, where its path says nothing, as of an upload.
+        name: Name of the log where its path says nothing, as for an upload.
     """
 
     robot: str
@@ -79,8 +79,12 @@ class Inputs:
     def load(cls, asked: Request, tell: Progress) -> Inputs:
         """Read and check everything.
 
+        Args:
+            asked: What to read.
+            tell: Reports progress.
+
         Raises:
-            CdiaError: If a file is not what it must be; its message says what to do.
+            CdiaError: If a file cannot be used; its message says what to do.
         """
         if not asked.robot:
             raise LogError("name a robot of the catalogue, or give the path of a URDF")

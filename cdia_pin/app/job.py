@@ -1,4 +1,4 @@
-"""Long work beside a page that stays alive: in a thread, with its progress, and cancelled at the next word."""
+"""Long work in a thread, beside a page that stays alive: with progress, and cancelled at its next report."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ T = TypeVar("T")
 
 
 class Cancelled(Exception):  # noqa: N818  (nothing went wrong)
-    """The work is no longer wanted."""
+    """The work was cancelled."""
 
 
 class Job(Generic[T]):
     """One piece of work in a thread of its own.
 
-    Its thread ends by itself at the next word of its progress after `cancel`; whoever waits is free at once.
+    After `cancel`, the thread ends at the next report of its progress; whoever waits is free at once.
 
     Args:
-        work: Given a function that it tells its progress; returns the result.
+        work: Called with a function that takes its progress; returns the result.
 
     Attributes:
         said: What is being done.
@@ -38,26 +38,29 @@ class Job(Generic[T]):
         threading.Thread(target=self._run, name="cdia job", daemon=True).start()
 
     def cancel(self) -> None:
-        """Say that the result is no longer wanted."""
+        """Drop the result."""
         self._cancelled = True
         self._ended.set()
 
     @property
     def ended(self) -> bool:
-        """Whether there is a result, an error or nobody who wants one."""
+        """Whether there is a result or an error, or the work was cancelled."""
         return self._ended.is_set()
 
     @property
     def cancelled(self) -> bool:
-        """Whether nobody wants the result."""
+        """Whether the work was cancelled."""
         return self._cancelled
 
     def result(self, timeout: float | None = None) -> T:
         """Wait for the result.
 
+        Args:
+            timeout: How long to wait [s]; None for ever.
+
         Raises:
-            Cancelled: If it was cancelled.
-            TimeoutError: If it takes longer than `timeout` [s].
+            Cancelled: If the work was cancelled.
+            TimeoutError: If it takes longer.
             Exception: What the work raised.
         """
         if not self._ended.wait(timeout):

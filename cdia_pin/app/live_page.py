@@ -1,4 +1,4 @@
-"""The second page: faults are switched while an arm moves, or a log is watched as it would have been."""
+"""The second page: faults are switched while an arm moves, or a log is monitored as it would have been live."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ WHAT = {"simulate": "Simulate", "replay": "Replay a log"}
 
 
 class LivePage:
-    """One tab: what moves in it, and the elements that show it."""
+    """One tab: the moving arm, and the elements that show it."""
 
     def __init__(self) -> None:
         self._run: LiveRun | None = None
         self._form = {"what": "simulate", "robot": "ur5", "log": "", "faults": "", "accommodate": True}
         self._events: list[Event] = []
-        self._chosen = False  # whether somebody chose a joint; until then the last event does
+        self._chosen = False  # whether the user chose a joint; until then the last event does
         self._stages = [s.to_dict() for s in monitor_stages()]
         with node("div", classes="page"):
             with node("div", classes="steps"):
                 self._runner = Runner()
                 self._what = PageStep(1, "What moves", "what")
                 self._faults = PageStep(2, "Faults", "faults")
-                self._said = PageStep(3, "What the monitor says", "events")
+                self._said = PageStep(3, "Events of the monitor", "events")
             with node("div", classes="stage", data_state="waiting") as self._stage:
                 self._arm = ArmElement(self._choose)
                 self._arm.props["data-mark"] = "arm"
@@ -102,13 +102,17 @@ class LivePage:
         self._show_form()
 
     def pause(self) -> None:
-        """Let what moves wait, or go on."""
+        """Pause, or go on."""
         if self._run is not None:
             self._run.pause(not self._run.paused)
             self._show_form()
 
     def switch(self, fault: Term) -> None:
-        """Switch a fault on or off."""
+        """Switch a fault on or off.
+
+        Args:
+            fault: One of the source's.
+        """
         run = self._run
         if run is None:
             return
@@ -209,7 +213,7 @@ class LivePage:
                 return
             source = run.source
             if not source.faults:
-                node("p", "A log has the faults that it has.", "soft")
+                node("p", "The faults of a log cannot be switched.", "soft")
             for k, fault in enumerate(source.faults):
                 acts = fault in source.acting
                 words = fault_words(fault, source.robot, joint=True)
@@ -233,7 +237,7 @@ class LivePage:
                 return
             rows = event_rows(self._events, run.source.robot)
             if not rows:
-                node("p", "Nothing yet: the arm is as it should be.", "soft")
+                node("p", "No event yet: the arm is healthy.", "soft")
             with node("div", classes="events", role="log", aria_label="events"):
                 for row in reversed(rows):
                     with node("div", classes="event", data_mark="event", data_stage=row.stage):

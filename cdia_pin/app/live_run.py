@@ -1,4 +1,4 @@
-"""`LiveRun`: an arm that moves in a thread, at the pace of a clock, and what there is to see of it."""
+"""`LiveRun`: an arm that moves in a thread at the pace of a clock, and the frames of its picture."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class LiveRun:
 
     Args:
         source: What moves.
-        replay: Whether what is asked for is unknown, as in a log.
+        replay: Whether desired positions are unknown, as in a log.
 
     Attributes:
         error: Why it ended, in a sentence; empty if it did not fail.
-        speed: Time that passed for the arm over time that passed [1].
+        speed: Time of the arm over time of the clock [1].
     """
 
     def __init__(self, source: Source, *, replay: bool = False) -> None:
@@ -52,16 +52,20 @@ class LiveRun:
         return not self._goes.is_set()
 
     def stop(self) -> None:
-        """End it."""
+        """End the run."""
         self._stop.set()
         self._goes.set()
 
     def pause(self, waits: bool) -> None:
-        """Let it wait, or go on."""
+        """Pause, or go on.
+
+        Args:
+            waits: Whether to pause.
+        """
         self._goes.clear() if waits else self._goes.set()
 
     def take(self) -> tuple[Frame, list[Event]]:
-        """Return what is new since it was last asked: frames as a piece of a timeline, and events."""
+        """Return what is new since the last call: frames as a piece of a timeline, and events."""
         frames, self._frames = self._frames, []
         events, self._events = self._events, []
         piece: dict[str, list[object]] = {}

@@ -1,4 +1,4 @@
-"""What the second page watches: an arm that is simulated, with faults to switch, or a log as it would have been."""
+"""Sources of the second page: a simulated arm with faults to switch, or a log as a monitor would have seen it."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ POSES = 60  # that a picture is to hold
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """An arm that moves, and who watches it.
+    """A moving arm and its monitor.
 
     Attributes:
         robot: The arm.
-        monitor: Who watches.
-        ticks: What happens, each tick with what the monitor says.
-        reach: Positions on its way, from the first on, for a picture that holds them all [rad or m], shape (K, n).
-        faults: What can be switched on and off.
-        acting: Those of them that act now; whoever switches them changes this set.
-        notes: What should be known besides, in sentences.
+        monitor: Its monitor.
+        ticks: Samples, each with the monitor's status.
+        reach: Positions on the way, from the first on, for a picture that holds them all [rad or m], shape (K, n).
+        faults: Faults that can be switched on and off.
+        acting: Faults that act now; whoever switches one changes this set.
+        notes: What a reader should know besides, in sentences.
     """
 
     robot: RobotModel
@@ -52,16 +52,16 @@ class Source:
 
 
 def simulated(robot: str, faults: Sequence[str], accommodate: bool, tell: Progress) -> Source:
-    """Prepare a closed loop without end whose faults are switched by hand, none of them at first.
+    """Prepare an endless closed loop whose faults are switched by hand, none of them at first.
 
     Args:
         robot: Name of the catalogue, or path of a URDF.
-        faults: Such as ``coulomb_friction@elbow_joint: level=5``; the usual ones, sized to the arm, if there are none.
+        faults: Such as ``coulomb_friction@elbow_joint: level=5``; if empty, usual ones, sized to the arm.
         accommodate: Whether the monitor corrects the control.
-        tell: Told what is done while the monitor learns from healthy runs.
+        tell: Reports progress while the monitor learns from healthy runs.
 
     Raises:
-        CdiaError: If there is no such robot, or a fault is none of its.
+        CdiaError: If there is no such robot, or a fault does not fit it.
     """
     tell("reading the robot", 0.0)
     loop = ClosedLoop(Dynamics(load_robot(robot)), LoopSettings(rate=RATE))
@@ -79,7 +79,11 @@ def simulated(robot: str, faults: Sequence[str], accommodate: bool, tell: Progre
 
 
 def usual_faults(loop: ClosedLoop) -> list[str]:
-    """Return a fault on each of the first joints, of a share of the torque that it needs."""
+    """Return a fault on each of up to four joints, sized by the torque that the joint needs.
+
+    Args:
+        loop: The closed loop.
+    """
     joints, slides = loop.robot.joints, loop.robot.is_prismatic
     motion = loop.motion(0, MOTION)(np.linspace(0.0, MOTION, 400))
     torque = np.sqrt(np.mean(loop.robot.inverse_dynamics(*motion) ** 2, axis=0))
@@ -105,7 +109,7 @@ def replayed(robot: str, path: Path, tell: Progress) -> Source:
     Args:
         robot: Name of the catalogue, or path of a URDF.
         path: The log.
-        tell: Told what is done.
+        tell: Reports progress.
 
     Raises:
         CdiaError: If the log cannot be read, or is too short.

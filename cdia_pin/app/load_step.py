@@ -1,4 +1,4 @@
-"""The first step: a robot and a log, by path or upload, and what the log's names and numbers mean."""
+"""The first step: a robot and a log, by path or upload, with names, units and gains."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ CHOICES = {
         "Torques",
         {"Nm": "N·m", "Nmm": "N·mm", "A": "A"} | {u: u for u in TORQUES if u not in "NmmA"},
     ),
-    "time": ("Times", {"": "found out", **{u: u for u in SECONDS}}),
+    "time": ("Times", {"": "automatic", **{u: u for u in SECONDS}}),
 }
 COLUMNS = {"label": "name in the log", "gain": "gain [N·m/A]", "reduction": "gear ratio"}
 FLIPS = {"flip_position": "flip q", "flip_effort": "flip τ"}
 
 
 class LoadStep:
-    """The form of the first step; it keeps what was typed while the rest of the page changes.
+    """The form of the first step; it keeps its texts while the rest of the page changes.
 
     Args:
-        load: Told what was asked for.
-        refuse: Told in a sentence why something cannot be taken.
+        load: Called with the request.
+        refuse: Called with a sentence that says why something cannot be used.
     """
 
     def __init__(self, load: Callable[[Request], Any], refuse: Callable[[str], None]) -> None:
@@ -91,10 +91,10 @@ class LoadStep:
             if robot is not None:
                 self._table(robot)
             else:
-                node("p", "Its joints can be named here once the robot is loaded.", "soft")
+                node("p", "Load the robot first to name its joints here.", "soft")
         with node("div", classes="actions"):
             button("Load", self._submit, mark="load", classes="primary")
-            button("Try the log that ships", self._try, mark="demo")
+            button("Try the demo log", self._try, mark="demo")
 
     def _table(self, robot: RobotModel) -> None:
         with node("div", classes="scroll"), node("table", classes="mapping"):

@@ -1,4 +1,4 @@
-"""The step that names what is missing: ranked effects, their doubles, the history and the next motion."""
+"""The step of the missing effects: ranking, confusions, history and the next motion."""
 
 from __future__ import annotations
 
@@ -14,36 +14,58 @@ from cdia_pin.effects import EFFECTS
 from cdia_pin.viewers import verdict_sentences
 from cdia_pin.viewers.words import percent
 
-FIRST = 3  # suggestions that are shown at once, beside all that the search would add
+FIRST = 3  # suggestions that are not folded; those of the search never are
 
 
 class MissingActions(Protocol):
-    """What can be asked of the page."""
+    """What the step can ask of its page."""
 
     def search(self) -> Any:
-        """Look for what is missing."""
+        """Search for the missing effects."""
 
     def preview(self, text: str) -> Any:
-        """Show what an effect would do."""
+        """Show the error with one more effect.
+
+        Args:
+            text: Such as ``coulomb_friction@elbow_joint``.
+        """
 
     def add(self, text: str) -> Any:
-        """Add an effect."""
+        """Add an effect.
+
+        Args:
+            text: Such as ``coulomb_friction@elbow_joint``.
+        """
 
     def add_found(self) -> Any:
-        """Add all that the search would add."""
+        """Add all effects of the search."""
 
     def drop_preview(self) -> Any:
         """Forget the preview."""
 
     def goto(self, at: int) -> Any:
-        """Return to a model of the history."""
+        """Return to a model of the history.
+
+        Args:
+            at: Its index.
+        """
 
     def design(self, doubt: Doubt) -> Any:
-        """Design a motion that tells two effects apart, and download it."""
+        """Design a motion that distinguishes two effects, and download it.
+
+        Args:
+            doubt: The two effects.
+        """
 
 
 def missing_step(session: Session, do: MissingActions, searching: bool) -> None:
-    """Show history, suggestions, an effect of one's own, and the next motion."""
+    """Show history, suggestions, an effect of the user's own, and the next motion.
+
+    Args:
+        session: The session.
+        do: The page.
+        searching: Whether a search is running.
+    """
     _history(session, do)
     if session.preview is not None:
         _preview(session, do)
@@ -52,9 +74,9 @@ def missing_step(session: Session, do: MissingActions, searching: bool) -> None:
         node("p", verdict_sentences(found)[0], "verdict", data_mark="verdict", data_verdict=found.verdict)
         _suggestions(session, do)
     elif searching:
-        node("p", "What explains this error? The search is on its way.", "soft")
+        node("p", "The search is running.", "soft")
     else:
-        button("Look for what is missing", do.search, mark="search", classes="primary")
+        button("Search for missing effects", do.search, mark="search", classes="primary")
     _own(session, do)
     _next_motion(session, do)
 
@@ -96,7 +118,7 @@ def _preview(session: Session, do: MissingActions) -> None:
             fall(session.present.error, preview.error)
         with node("div", classes="actions"):
             button("Add it", lambda: do.add(text), mark="add-preview", classes="primary")
-            button("Leave it", do.drop_preview, mark="drop-preview")
+            button("Discard", do.drop_preview, mark="drop-preview")
 
 
 def _suggestions(session: Session, do: MissingActions) -> None:
@@ -105,14 +127,16 @@ def _suggestions(session: Session, do: MissingActions) -> None:
     chosen = [r for r in rows if r.chosen]
     others = [r for r in rows if not r.chosen]
     if len(chosen) > 1:
-        button(f"Add all {len(chosen)} of the search", do.add_found, mark="add-found", classes="primary")
+        button(
+            f"Add all {len(chosen)} found by the search", do.add_found, mark="add-found", classes="primary"
+        )
     for row in chosen:
         _row(row, do)
     few = others[: max(FIRST - len(chosen), 0)]
     for row in few:
         _row(row, do)
     if len(others) > len(few):
-        with folded(f"{len(others) - len(few)} others that would explain a part of it", mark="others"):
+        with folded(f"{len(others) - len(few)} others that explain part of the error", mark="others"):
             for row in others[len(few) :]:
                 _row(row, do)
 
@@ -125,7 +149,7 @@ def _row(row: Suggestion, do: MissingActions) -> None:
                 node("span", f" {row.where}", "soft")
             fall(row.before, row.after)
         if row.chosen:
-            node("span", "the search adds it", "chip good")
+            node("span", "found by the search", "chip good")
         if not row.plausible:
             node("span", "held at a bound: not plausible", "chip warn")
         more = f", and {row.more} more" if row.more else ""
@@ -148,7 +172,7 @@ def _few(names: list[str]) -> str:
 
 def _own(session: Session, do: MissingActions) -> None:
     joints = session.inputs.robot.joints
-    with folded("Another effect, or one of your own", mark="own"):
+    with folded("Another effect, or your own", mark="own"):
         with node("datalist", id="effects"):
             for name in EFFECTS:
                 if name not in {"expression"}:
@@ -170,7 +194,7 @@ def _own(session: Session, do: MissingActions) -> None:
 
 
 def _next_motion(session: Session, do: MissingActions) -> None:
-    """Say what to record next, and offer to design it."""
+    """Show which motion to record next, and offer to design it."""
     rows = doubts(session)
     if not rows:
         return
@@ -178,7 +202,7 @@ def _next_motion(session: Session, do: MissingActions) -> None:
         node("h3", "The next motion to record")
         for k, doubt in enumerate(rows):
             with node("p"):
-                node("span", f"To tell {doubt.pair}: ", "soft")
+                node("span", f"To distinguish {doubt.pair}: ", "soft")
                 node("span", doubt.motion + ".")
             if doubt.tellable:
                 button(

@@ -1,4 +1,4 @@
-"""The next motion to record: which effects a log tells poorly from others, and a motion designed to tell them."""
+"""The next motion to record: effects that a log cannot distinguish well, and a motion designed to do so."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from cdia_pin.viewers.words import confusion_words, effect_name, few, listed, wh
 
 @dataclass(frozen=True)
 class Doubt:
-    """An effect that the log tells poorly from another.
+    """An effect that the log cannot distinguish well from another.
 
     Attributes:
         one: The effect that was found.
-        other: What else could explain the same, one effect or several together.
-        others: All that could, in words.
-        motion: What would tell the two apart, in words.
+        other: Another explanation: one effect or several together.
+        others: All other explanations in words.
+        motion: The motion that would distinguish the two, in words.
         tellable: Whether any motion of this arm can.
     """
 
@@ -41,7 +41,11 @@ class Doubt:
 
 
 def doubts(session: Session) -> list[Doubt]:
-    """Return what a log tells poorly: effects of the model first, then those that a search would add."""
+    """Return the effects in doubt: those of the model first, then those that the search would add.
+
+    Args:
+        session: The session.
+    """
     out = {term.label: (term, confusions) for term, confusions in _doubtful(session)}
     return [_doubt(term, confusions, session.inputs.robot) for term, confusions in out.values()]
 
@@ -61,11 +65,19 @@ def _doubtful(session: Session) -> Iterator[tuple[Term, tuple[Confusion, ...]]]:
 
 
 def designed(session: Session, doubt: Doubt, tell: Progress) -> tuple[bytes, str]:
-    """Return a motion that tells the two apart, as the bytes of a CSV file, and what it gains in words.
+    """Design a motion that distinguishes two effects.
+
+    Args:
+        session: The session.
+        doubt: The two effects.
+        tell: Reports progress.
+
+    Returns:
+        The motion as the bytes of a CSV file, and its gain in words.
 
     Raises:
-        EffectError: If no motion of this arm does.
-        RobotError: If its limits leave no room for one.
+        EffectError: If no motion of this arm distinguishes them.
+        RobotError: If the limits of the arm leave no room for a motion.
     """
     motion = excite(
         session.present.model, between=(doubt.one, doubt.other), after=session.inputs.log, progress=tell
@@ -74,6 +86,6 @@ def designed(session: Session, doubt: Doubt, tell: Progress) -> tuple[bytes, str
     enough = "" if gain.enough else ", which may not be enough"
     return (
         written("motion.csv", motion.to_csv),
-        f"a log of this motion tells them by {gain.after:.3g} standard deviations, this one by "
-        f"{gain.before:.2g}{enough}. Look at it before the arm is driven: what surrounds the arm is not known.",
+        f"in a log of this motion the two differ by {gain.after:.3g} standard deviations, in this log by "
+        f"{gain.before:.2g}{enough}. Check the motion before you run it: obstacles around the arm are not known.",
     )

@@ -1,4 +1,4 @@
-"""Scripts and styles that the pages ask for: those of the reports, meshcat's viewer, and the app's own."""
+"""Scripts and styles of the pages: those of the reports, meshcat's viewer, and the app's own."""
 
 from __future__ import annotations
 
@@ -19,7 +19,14 @@ Cdia.clock = (() => { let clock = null; return () => (clock = clock || new Chart
 
 @cache
 def served(name: str) -> tuple[str, str]:
-    """Return kind and text of what is served under a name; raises KeyError if there is none."""
+    """Return media type and text of a file.
+
+    Args:
+        name: A key of `SERVED`.
+
+    Raises:
+        KeyError: If there is none.
+    """
     kind, text = SERVED[name]
     return kind, text()
 
@@ -31,12 +38,21 @@ def style() -> str:
 
 
 def own(name: str) -> str:
-    """Return the text of one of the app's own assets."""
+    """Return the text of one of the app's own assets.
+
+    Args:
+        name: Of a file in ``app/assets``.
+    """
     return (files("cdia_pin.app") / "assets" / name).read_text(encoding="utf-8")
 
 
 def shared(name: str, defines: str) -> str:
-    """Return a script of the reports that defines a constant, so that modules see it too."""
+    """Return a script of the reports, with its constant visible to modules.
+
+    Args:
+        name: Of a file in ``viewers/assets``.
+        defines: The constant that it defines.
+    """
     return f"{asset(name)}\nglobalThis.{defines} = {defines};\n"
 
 

@@ -13,7 +13,14 @@ Handler = Callable[[], Any]
 
 
 def node(tag: str, text: str = "", classes: str = "", **attributes: str | float | bool) -> TextElement:
-    """Make an HTML element; ``aria_label`` is the attribute ``aria-label``."""
+    """Make an HTML element.
+
+    Args:
+        tag: Of the element.
+        text: Its text.
+        classes: Of the style sheet.
+        **attributes: ``aria_label`` is the attribute ``aria-label``.
+    """
     made = TextElement(tag=tag, text=text).classes(classes)
     for name, value in attributes.items():
         made.props[name.rstrip("_").replace("_", "-")] = value
@@ -43,7 +50,13 @@ def button(
 
 @contextmanager
 def folded(summary: str, *, mark: str, open_: bool = False) -> Iterator[Element]:
-    """Make a part that is folded away until its summary is pressed."""
+    """Make a part that is folded until its summary is pressed.
+
+    Args:
+        summary: Its text.
+        mark: Its ``data-mark``, by which it is found.
+        open_: Whether it is open at first.
+    """
     with node("details", data_mark=mark) as made:
         if open_:
             made.props["open"] = True
@@ -53,7 +66,7 @@ def folded(summary: str, *, mark: str, open_: bool = False) -> Iterator[Element]
 
 
 class PageStep:
-    """One of the steps down the page: a number, a heading and what is filled in.
+    """One of the steps down the page: a number, a heading and a body.
 
     Args:
         number: Its place.
@@ -69,7 +82,7 @@ class PageStep:
             self.body = node("div", classes="body")
 
     def focus(self) -> None:
-        """Move the keyboard to the heading, as after a button that was pressed has gone."""
+        """Move the keyboard focus to the heading, for the button that had it is gone."""
         self.heading.client.run_javascript(
             f"getHtmlElement({self.heading.id})?.focus({{preventScroll: true}})"
         )

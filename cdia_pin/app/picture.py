@@ -1,4 +1,4 @@
-"""What the page draws of a session: the arm's motion and a joint's signals, thinned to what can be seen."""
+"""What the page draws of a session: the motion of the arm and the signals of a joint, thinned to what can be seen."""
 
 from __future__ import annotations
 
@@ -14,13 +14,21 @@ POINTS = 1600  # samples of a curve
 
 
 def improved(session: Session) -> Comparison | None:
-    """Return the comparison that stands beside that of the model as given: the preview's, or the present one."""
+    """Return the comparison that stands beside that of the model as given: of the preview, or of the present model.
+
+    Args:
+        session: The session.
+    """
     shown = session.preview or session.present
     return None if shown is session.history.first else shown.comparison
 
 
 def timeline(session: Session) -> TimelineDocument:
-    """Return the motion of the log for the browser, coloured by the error before and after."""
+    """Return the motion of the log for the browser, coloured by the error before and after.
+
+    Args:
+        session: The session.
+    """
     whole = thinned(timeline_of_comparison(session.history.first.comparison, improved(session)), FRAMES)
     names = ("as given", "preview" if session.preview else "improved")
     tracks = tuple(replace(track, name=name) for track, name in zip(whole.tracks, names, strict=False))
@@ -28,7 +36,12 @@ def timeline(session: Session) -> TimelineDocument:
 
 
 def thinned(whole: Timeline, most: int) -> Timeline:
-    """Return a timeline with at most so many frames."""
+    """Return a timeline with fewer frames.
+
+    Args:
+        whole: The timeline.
+        most: Most frames.
+    """
     every = slice(None, None, -(-len(whole.time) // most))
     tracks = tuple(
         replace(t, stage=t.stage[every], level=t.level[every], torque=t.torque[every]) for t in whole.tracks
@@ -40,6 +53,11 @@ def thinned(whole: Timeline, most: int) -> Timeline:
 
 
 def joint(session: Session, name: str) -> JointReport:
-    """Return the signals of one joint for its charts."""
+    """Return the signals of one joint for its charts.
+
+    Args:
+        session: The session.
+        name: Of the joint.
+    """
     j = session.inputs.robot.joint_index(name)
     return joint_data(j, session.history.first.comparison, improved(session), None, POINTS)

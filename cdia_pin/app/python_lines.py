@@ -1,4 +1,4 @@
-"""The Python lines that do what was done in a session."""
+"""The Python lines that repeat a session."""
 
 from __future__ import annotations
 
@@ -21,7 +21,11 @@ PUBLIC = (
 
 
 def python_lines(session: Session) -> str:
-    """Return a script that reads the same files, ends with the same model and writes what the app exports."""
+    """Return a script that reads the same files, leads to the same model and writes what the app exports.
+
+    Args:
+        session: The session.
+    """
     asked, steps = session.inputs.request, session.history.path[1:]
     body = "\n".join([*_loading(asked), *(line for v in steps for line in _adding(v)), *_writing(session)])
     used = [name for name in PUBLIC if f"{name}(" in body]

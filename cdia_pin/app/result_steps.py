@@ -1,4 +1,4 @@
-"""The steps that show results: check, compare, missing effects, export."""
+"""The steps that show results: check, compare, export."""
 
 from __future__ import annotations
 
@@ -22,20 +22,37 @@ MARKS = {"ok": "✓", "info": "·", "warning": "!", "error": "✕"}
 
 
 class ResultActions(Protocol):
-    """What can be asked of the page."""
+    """What the steps can ask of their page."""
 
     def convert(self, option: str) -> Any:
-        """Load the log again with a conversion."""
+        """Load the log again with a conversion.
+
+        Args:
+            option: Such as ``angle=deg``.
+        """
 
     def choose(self, joint: str) -> Any:
-        """Show a joint."""
+        """Show a joint.
+
+        Args:
+            joint: Name.
+        """
 
     def export(self, what: str) -> Any:
-        """Download a file."""
+        """Download a file.
+
+        Args:
+            what: Which one: model, urdf, report or python.
+        """
 
 
 def check_step(check: LogCheck, do: ResultActions) -> None:
-    """Show what `check_log` says, what needs attention first."""
+    """Show the findings of a check, problems first.
+
+    Args:
+        check: The outcome of ``check_log``.
+        do: The page.
+    """
     problems = check.problems
     rest = [f for f in check.findings if f not in problems]
     if not problems:
@@ -62,15 +79,20 @@ def _finding(finding: Finding, do: ResultActions) -> None:
 
 
 def compare_step(session: Session, do: ResultActions) -> None:
-    """Show where the present model fails."""
+    """Show where the present model fails.
+
+    Args:
+        session: The session.
+        do: The page.
+    """
     comparison = session.present.comparison
     short = short_names(comparison.model.robot.joints)
     with node("p"):
-        node("span", "The model misses ")
+        node("span", "The error of the model is ")
         node(
             "b", percent(session.present.error), data_mark="error", data_value=f"{session.present.error:.6f}"
         )
-        node("span", " of the measured torque (RMS, mean over the joints). It is worst at")
+        node("span", " of the measured torque (RMS, mean over the joints). It is largest at")
     with node("ul", classes="regions"):
         for region in comparison.worst_regions[:REGIONS]:
             with node("li"):
@@ -79,7 +101,12 @@ def compare_step(session: Session, do: ResultActions) -> None:
 
 
 def export_step(session: Session, do: ResultActions) -> None:
-    """Offer the files, and the lines that make them."""
+    """Offer the files, and the Python lines that make them.
+
+    Args:
+        session: The session.
+        do: The page.
+    """
     with node("div", classes="actions"):
         for what, name in (
             ("model", "Model (.json)"),
@@ -95,7 +122,12 @@ def export_step(session: Session, do: ResultActions) -> None:
 
 
 def fall(before: float, after: float) -> None:
-    """Write an error that falls: ``48 % → 8.2 %``."""
+    """Show an error that falls: ``48 % → 8.2 %``.
+
+    Args:
+        before: Share of the torque RMS [1].
+        after: The same after a step [1].
+    """
     with node("span", classes="fall"):
         node("span", percent(before), "b")
         node("span", " → ", "soft", aria_label="falls to")
@@ -103,7 +135,11 @@ def fall(before: float, after: float) -> None:
 
 
 def name_of(version: Version) -> str:
-    """Return what a version of the history is called."""
+    """Return the name of a version of the history.
+
+    Args:
+        version: One of them.
+    """
     if not version.added:
         return "as given"
     return "+ " + ", ".join(text.replace("_", " ").replace("@", " on ") for text in version.added)

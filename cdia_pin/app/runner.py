@@ -17,7 +17,7 @@ LOOK = 0.05  # [s], between looks at a job
 
 
 class Runner:
-    """Shows the job that runs. A new one takes the place of the one before, whose result is dropped."""
+    """Shows the running job. A new job replaces it and drops its result."""
 
     def __init__(self) -> None:
         self.job: Job[Any] | None = None
@@ -30,21 +30,28 @@ class Runner:
         self._hide()
 
     def cancel(self) -> None:
-        """Drop what is being done."""
+        """Cancel the running job."""
         if self.job is not None:
             self.job.cancel()
 
     def say(self, sentence: str) -> None:
-        """Announce what has happened."""
+        """Announce what has happened.
+
+        Args:
+            sentence: The announcement.
+        """
         self.wrong.text = ""
         self.said.text = sentence
 
     async def run(self, sentence: str, work: Callable[[Progress], T]) -> T | None:
-        """Do work beside the page; return None if it failed, which is said, or was cancelled.
+        """Do work beside the page.
 
         Args:
-            sentence: What it is.
-            work: Given a function that it tells its progress.
+            sentence: What the work is.
+            work: Called with a function that takes its progress.
+
+        Returns:
+            The result; None if the work was cancelled, or failed, which the page then says.
         """
         self.cancel()
         self.job = job = Job(work)

@@ -18,8 +18,8 @@ from cdia_pin.errors import CdiaError
 
 HOST = "127.0.0.1"
 PORT = 8400
-RECONNECT = 60.0  # [s], for which a tab that is cut off keeps its work
-PAGES = {"/": "Find what is missing", "/live": "While it moves"}
+RECONNECT = 60.0  # [s], for which a disconnected tab keeps its session
+PAGES = {"/": "Find missing effects", "/live": "While it moves"}
 ICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32"><rect width="32" height="32" rx="7" fill="#0072b2"/>'
     '<path d="M8 25V15l8-6 7 5" fill="none" stroke="#fff" stroke-width="3.2" stroke-linejoin="round"/>'
@@ -53,12 +53,12 @@ def serve(start: Request | None = None, *, port: int | None = None, show: bool =
         tailwind=False,
         show_welcome_message=False,
         reconnect_timeout=RECONNECT,
-        timeout_graceful_shutdown=1,  # [s]: an open tab does not keep it
+        timeout_graceful_shutdown=1,  # [s]: an open tab does not delay the end
     )
 
 
 async def _announce(port: int) -> None:
-    """Say where the app is, once it answers, and make ready."""
+    """Print the address once the app answers, and import the pages."""
     while True:
         try:
             _, writer = await asyncio.open_connection(HOST, port)
@@ -67,13 +67,17 @@ async def _announce(port: int) -> None:
             continue
         writer.close()
         print(f"cdia app: http://{HOST}:{port}  (Ctrl-C ends it)", flush=True)
-        for page in ("find_page", "live_page"):  # so that the first tab need not wait for it
+        for page in ("find_page", "live_page"):  # the first tab need not wait for the import
             await asyncio.to_thread(import_module, f"cdia_pin.app.{page}")
         return
 
 
 def build(start: Request | None) -> None:
-    """Declare pages and files."""
+    """Declare pages and files.
+
+    Args:
+        start: What every new tab loads at once; None for an empty form.
+    """
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=[HOST, "localhost"])
     for name in SERVED:
         app.get(f"/cdia/{name}")(_sender(name))
@@ -114,7 +118,14 @@ def _frame(here: str) -> None:
 
 
 def free_port(asked: int | None) -> int:
-    """Return the port asked for, or the usual one if it is free, or any that is; raises CdiaError if it is taken."""
+    """Return a port on 127.0.0.1.
+
+    Args:
+        asked: The port to use; None for the usual one or, if that is taken, any free one.
+
+    Raises:
+        CdiaError: If the port cannot be used.
+    """
     for port in [asked] if asked is not None else [PORT, 0]:
         with socket.socket() as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

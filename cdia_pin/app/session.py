@@ -9,26 +9,22 @@ from cdia_pin.app.inputs import Inputs, Request
 from cdia_pin.discovery import Discovery, add_effect_in, compare_in, discover_in
 from cdia_pin.effects import parse_effect
 from cdia_pin.errors import CdiaError
-from cdia_pin.progress import Progress
+from cdia_pin.progress import Progress, silent
 from cdia_pin.selection import DiscoverySettings, Problem
-
-
-def silent(sentence: str, share: float) -> None:
-    """Tell nobody."""
 
 
 @dataclass(frozen=True, eq=False)
 class Session:
-    """One log of one arm in work, from loading to export.
+    """One log of one arm, from loading to export.
 
-    Every step returns the next session and leaves this one as it is: what fails, or is cancelled by an exception out of
-    `tell`, has changed nothing.
+    Every step returns a new session and leaves this one as it is, so that a failed or cancelled step changes
+    nothing.
 
     Attributes:
         inputs: What was loaded.
-        problem: The log, conditioned once for all questions.
+        problem: The log, conditioned once for all steps.
         history: The models.
-        preview: What adding one effect would give; None without one.
+        preview: The model with one more effect; None without a preview.
     """
 
     inputs: Inputs
@@ -39,6 +35,10 @@ class Session:
     @classmethod
     def load(cls, asked: Request, tell: Progress = silent) -> Session:
         """Load a robot and a log, check them and compare them.
+
+        Args:
+            asked: What to load.
+            tell: Reports progress.
 
         Raises:
             CdiaError: If they cannot be read or used.
@@ -57,43 +57,51 @@ class Session:
 
     @property
     def found(self) -> Discovery | None:
-        """What a search beside the present model found; None before one was made."""
+        """The outcome of the search beside the present model; None before a search."""
         return self.present.found
 
     def search(self, tell: Progress = silent) -> Session:
-        """Find what the present model lacks: what explains most by itself, and what a search would add."""
+        """Find what the present model lacks: the ranking of single effects, and the effects that the search would add.
+
+        Args:
+            tell: Reports progress.
+        """
         model = self.present.model
         found = discover_in(self.problem.around(model), model, tell)
         return replace(self, history=self.history.with_found(found))
 
     def with_preview(self, text: str, tell: Progress = silent) -> Session:
-        """See what one effect would do, without adding it.
+        """Fit one more effect without adding it.
 
         Args:
-            text: As in ``coulomb_friction@elbow_joint``, or an expression.
-            tell: Told what is done.
+            text: Such as ``coulomb_friction@elbow_joint``, or an expression.
+            tell: Reports progress.
 
         Raises:
-            CdiaError: If there is no such effect, or it cannot be seen in the log.
+            CdiaError: If there is no such effect, or the log does not show it.
         """
         return replace(self, preview=self._with(text, tell))
 
     def without_preview(self) -> Session:
-        """Forget the preview."""
+        """Drop the preview."""
         return replace(self, preview=None)
 
     def add(self, text: str, tell: Progress = silent) -> Session:
-        """Add one effect, fitted together with what the model has; what was previewed is not fitted again.
+        """Add one effect, fitted together with those of the model; a preview is not fitted again.
+
+        Args:
+            text: Such as ``coulomb_friction@elbow_joint``, or an expression.
+            tell: Reports progress.
 
         Raises:
-            CdiaError: If there is no such effect, or it cannot be seen in the log.
+            CdiaError: If there is no such effect, or the log does not show it.
         """
         ready = self.preview
         version = ready if ready is not None and ready.added == (text,) else self._with(text, tell)
         return replace(self, history=self.history.then(version), preview=None)
 
     def add_found(self) -> Session:
-        """Add all effects that the search would add.
+        """Add all effects of the search.
 
         Raises:
             CdiaError: If there was no search, or it found nothing.
@@ -106,7 +114,11 @@ class Session:
         return replace(self, history=self.history.then(version), preview=None)
 
     def goto(self, at: int) -> Session:
-        """Return to a model of the history; none that came after it is forgotten until another is added."""
+        """Return to a model of the history; later models stay until another one is added.
+
+        Args:
+            at: Its index.
+        """
         return replace(self, history=self.history.goto(at), preview=None)
 
     def undo(self) -> Session:

@@ -1,4 +1,4 @@
-"""What a search suggests to add, with its evidence, in words and numbers that a page shows."""
+"""The suggestions of a search, in words and numbers that a page shows."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ class Suggestion:
         text: As `Session.add` takes it.
         name: In words.
         where: Joints, or ``whole arm``.
-        numbers: Its most telling parameters, each with unit and interval.
+        numbers: Its most significant parameters, each with unit and interval.
         more: How many parameters are not shown.
         before: Error on data that was not fitted, over torque RMS, mean over the joints [1].
         after: The same with it.
         chosen: Whether the search would add it, together with those before it in the list.
         plausible: Whether its fit is physical without being held at a bound.
-        confusions: Other explanations, in words, each with the motion that would tell them apart.
+        confusions: Other explanations in words, each with the motion that would distinguish them.
     """
 
     text: str
@@ -46,7 +46,11 @@ class Suggestion:
 
 
 def suggestions(found: Discovery) -> list[Suggestion]:
-    """Return what a search would add, in its order, then what else would lower the error by itself."""
+    """Return the effects of the search in its order, then others that would lower the error alone.
+
+    Args:
+        found: The outcome of the search.
+    """
     out = [
         _suggestion(
             step.term,

@@ -16,9 +16,9 @@ def tiles(session: Session, chosen: str, choose: Callable[[str], Any]) -> None:
     """Show the joints; each tile is a button that chooses its joint.
 
     Args:
-        session: What is shown; the preview in place of the present model, if there is one.
+        session: Its preview is shown in place of the present model, if there is one.
         chosen: Name of the joint that is chosen.
-        choose: Told the joint whose tile is pressed.
+        choose: Called with the joint whose tile is pressed.
     """
     before, after = session.history.first.comparison, improved(session)
     robot = session.inputs.robot

@@ -1,4 +1,4 @@
-"""The command ``cdia``: one file a command; it reads options, calls the library and shows what it returns."""
+"""The command ``cdia``: one file per command, which reads options, calls the library and shows the result."""
 
 from cdia_pin.cli.program import main
 

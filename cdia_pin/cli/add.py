@@ -63,7 +63,7 @@ def add(
 ) -> None:
     """Add one effect to a model, fitted to the logs, and show the error before and after.
 
-    What the model has already is fitted again together with it.
+    The terms of the model are fitted again together with it.
     """
     unseen = holdout or []
     files = DiscoveryFiles(save, json, report)

@@ -1,4 +1,4 @@
-"""``cdia app``: find what is missing, and watch an arm, in the browser."""
+"""``cdia app``: find missing effects, and watch an arm, in the browser."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def app(
     ] = None,
     open_: Annotated[bool, typer.Option("--open/--no-open", help="Open a browser.")] = True,
 ) -> None:
-    """Serve the app on this machine: load, check, compare, add what is missing, export; watch faults live.
+    """Serve the app on this machine: load, check, compare, add missing effects, export; watch faults live.
 
-    It asks nothing of the network, and only this machine can reach it.
+    It needs no network, and only this machine can reach it.
     """
     require("app", "the pages of cdia app")
     require("view", "the pages of cdia app")

@@ -1,4 +1,4 @@
-"""``cdia check``: what a log holds, and whether it can be trusted."""
+"""``cdia check``: what a log holds, and whether it can be used."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def check(
 ) -> None:
     """Check a log against a robot: rate, gaps, units, sign, joint order, effort kind, saturation, excitation.
 
-    Every inference is a sentence with its numbers and what to do about it.
+    Every finding is a sentence with its numbers and advice.
     """
     require_writable(json, inputs=[log])
     console = stdout(json)

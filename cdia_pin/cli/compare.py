@@ -41,7 +41,8 @@ def compare(
     changes: Annotated[
         bool,
         typer.Option(
-            "--changes/--no-changes", help="Of several logs, say what changed from the first to each other."
+            "--changes/--no-changes",
+            help="With several logs, list what changed from the first to each other.",
         ),
     ] = True,
     condition: Conditions = None,
@@ -56,7 +57,7 @@ def compare(
 ) -> None:
     """Show where a model fails: joint, and region of position, speed, acceleration, load and time.
 
-    Of several logs of one arm, show the error in each and what changed from the first to the others: a payload,
+    With several logs of one arm, show the error in each and what changed from the first to the others: a payload,
     friction that grew, drives that warmed up. Their motions may differ.
     """
     require_report(report)

@@ -1,4 +1,4 @@
-"""The option ``--condition``: which logs were recorded alike, cold or warm, loaded or not."""
+"""The options ``--condition`` and ``--per-log``: logs recorded alike, and effects with parameters per log."""
 
 from __future__ import annotations
 
@@ -40,8 +40,14 @@ def parse_per_log(
 ) -> tuple[str, ...]:
     """Return the names or labels of effects that have parameters per log.
 
+    Args:
+        texts: Values of the option, each one effect or several with commas.
+        logs: The logs that are fitted.
+        conditions: Condition of each log that has one, by its path.
+        robot: Checks the joint names.
+
     Raises:
-        CommandError: If there is only one log or condition, or the zero of an encoder is asked for.
+        CommandError: If there is only one log or condition, or the effect is an encoder offset.
         EffectError: If an effect is not in the vocabulary.
         RobotError: If a joint is not of the robot.
     """
@@ -65,6 +71,10 @@ def parse_per_log(
 
 def parse_conditions(texts: Sequence[str] | None, logs: Sequence[Path]) -> dict[Path, str]:
     """Return the condition of each log that has one, by its path.
+
+    Args:
+        texts: Values of the option, ``NAME=LOG,LOG``.
+        logs: The logs that are given.
 
     Raises:
         CommandError: If a text is not NAME=LOG, names a log that is not given, or a log has two conditions.

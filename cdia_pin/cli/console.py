@@ -1,4 +1,4 @@
-"""What a person sees: results on stdout, warnings and progress on stderr."""
+"""Results on stdout, warnings and progress on stderr."""
 
 from __future__ import annotations
 
@@ -15,9 +15,12 @@ Tell = Callable[[str, float], None]
 
 
 def stdout(json: str | None = None) -> Console:
-    """Return the console for results; silent where stdout carries JSON.
+    """Return the console for results.
 
-    A reader that closes the pipe (``| head``) silences it too. The command goes on: files are still written.
+    If a reader closes the pipe (``| head``), the console becomes silent; the command goes on and writes its files.
+
+    Args:
+        json: Value of the option ``--json``; with ``-`` stdout carries JSON and the console is silent.
     """
     from rich.console import Console
 
@@ -30,12 +33,16 @@ def stdout(json: str | None = None) -> Console:
 
 
 def close_stdout() -> None:
-    """Let what is still to be printed vanish, once its reader is gone."""
+    """Send what is still to be printed nowhere, once the reader of stdout is gone."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def warn(message: str) -> None:
-    """Print one line on stderr."""
+    """Print one line on stderr.
+
+    Args:
+        message: The warning.
+    """
     print(f"cdia: warning: {' '.join(message.split())}", file=sys.stderr)
 
 

@@ -30,7 +30,7 @@ def convert(
 ) -> None:
     """Write a log with the robot's joint names in SI units, as CSV, Parquet or npz.
 
-    What gains, joint map and --convert say is applied, so that the new file needs none of them.
+    Gains, joint map and --convert are applied, so that the new file needs none of them.
     """
     from cdia_pin.logs import write_log
     from cdia_pin.logs.log_writer import WRITABLE

@@ -1,4 +1,4 @@
-"""``cdia demo``: the main job on a log that ships."""
+"""``cdia demo``: the main job on the demo log."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def demo(
     report: Report = None,
     json: Json = None,
 ) -> None:
-    """Find two effects hidden in a log that ships, add them, watch the error fall: under a minute.
+    """Find two effects that are hidden in the demo log, add them, and see the error fall, in under a minute.
 
-    Each step names the command that does the same on your own log.
+    Each step names the command that does the same for your own log.
     """
     from cdia_pin.resources import logs_dir
 

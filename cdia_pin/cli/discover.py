@@ -1,4 +1,4 @@
-"""``cdia discover``: which physical effects a model lacks."""
+"""``cdia discover``: the physical effects that a model lacks."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def discover(
 ) -> None:
     """Find the physical effects that a model lacks, with their numbers, and add them.
 
-    The error is shown step by step, also on data that was not fitted, beside the floor that noise sets.
+    The error is shown step by step, also on data that was not fitted, beside the noise floor.
     """
     unseen = holdout or []
     files = DiscoveryFiles(save, json, report)
@@ -115,7 +115,15 @@ def discover(
 
 
 def named_effects(text: str | None) -> tuple[str, ...] | None:
-    """Effects named with commas between them; raises EffectError before a log is read."""
+    """Return effects named with commas between them, checked before a log is read.
+
+    Args:
+        text: Value of the option; None for all effects.
+
+    Raises:
+        EffectError: If one is not in the vocabulary.
+        CommandError: If it names none.
+    """
     from cdia_pin.effects import EFFECTS
     from cdia_pin.errors import EffectError, unknown_name
 
@@ -131,7 +139,16 @@ def named_effects(text: str | None) -> tuple[str, ...] | None:
 
 
 def own_effects(texts: list[str], robot: RobotModel) -> tuple[Effect, ...]:
-    """A user's own effects; raises EffectError or RobotError before a log is read."""
+    """Return a user's own effects, checked before a log is read.
+
+    Args:
+        texts: Expressions, each with ``@JOINT`` or for every joint.
+        robot: Checks the joint names.
+
+    Raises:
+        EffectError: If an expression cannot be read.
+        RobotError: If a joint is not of the robot.
+    """
     from cdia_pin.effects import from_expression
 
     out = []

@@ -1,4 +1,4 @@
-"""What ``discover``, ``add`` and ``demo`` write of a discovery."""
+"""The files of a discovery, shared by ``discover``, ``add`` and ``demo``."""
 
 from __future__ import annotations
 

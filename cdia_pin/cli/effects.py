@@ -71,7 +71,11 @@ def effects(
 
 
 def describe(kind: type[Effect]) -> EffectEntry:
-    """Return everything about an effect; units on a turning and on a sliding joint."""
+    """Return everything about an effect, with its units on a turning and on a sliding joint.
+
+    Args:
+        kind: Class of the effect.
+    """
     from cdia_pin.robot import load_robot
 
     robot = load_robot(EXAMPLE_ROBOT)

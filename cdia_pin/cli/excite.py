@@ -1,4 +1,4 @@
-"""``cdia excite``: a safe motion that makes parameters, or two confusable effects, visible."""
+"""``cdia excite``: a safe motion that makes parameters identifiable, or distinguishes two effects."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from cdia_pin.robot import RobotModel
 
 LIMITS = "Limits"
-QUESTION = "What it is for"
+QUESTION = "Purpose"
 
 
 def excite(
@@ -35,7 +35,7 @@ def excite(
             "--between",
             metavar="A B",
             show_default=False,
-            help="Two explanations to be told apart, EFFECT@JOINT each, or several with commas.",
+            help="Two explanations to distinguish, EFFECT@JOINT each, or several with commas.",
             rich_help_panel=QUESTION,
         ),
     ] = None,
@@ -45,8 +45,8 @@ def excite(
             "--effects",
             metavar="A,B",
             show_default=False,
-            help="Effects whose parameters are to be seen, EFFECT@JOINT each; the model's, or friction and inertia "
-            "of all joints, if left out.",
+            help="Effects whose parameters should be identifiable, EFFECT@JOINT each; those of the model, or "
+            "friction and inertia of all joints, if left out.",
             rich_help_panel=QUESTION,
         ),
     ] = None,
@@ -57,7 +57,7 @@ def excite(
             "--after",
             metavar="LOG",
             show_default=False,
-            help="Log that there is already, to measure the gain against; may be repeated.",
+            help="Existing log, to measure the gain against; may be repeated.",
             rich_help_panel=QUESTION,
         ),
     ] = None,
@@ -105,7 +105,7 @@ def excite(
             "--srdf",
             metavar="FILE",
             show_default=False,
-            help="SRDF whose disabled pairs of links are not looked at; neighbours never are.",
+            help="SRDF whose disabled pairs of links are not checked; neighbours never are.",
             rich_help_panel=LIMITS,
         ),
     ] = None,
@@ -121,13 +121,13 @@ def excite(
     ] = None,
     json: Json = None,
 ) -> None:
-    """Design a motion, at rest at both ends, that makes parameters or two confusable effects visible in a log.
+    """Design a motion that makes parameters identifiable, or distinguishes two effects, in a log of it.
 
-    It keeps within the limits of position, speed, acceleration and effort, and touches neither itself nor the floor.
-    What else surrounds the arm is not known: look at the motion before you drive it.
+    It begins and ends at rest, keeps the limits of position, speed, acceleration and effort, and touches neither the
+    arm itself nor the floor. Other obstacles are not known: check the motion before you run it.
     """
     if between and effects:
-        raise CommandError("--between and --effects ask two questions: give one of them")
+        raise CommandError("--between and --effects are two purposes: give one of them")
     require_writable(out, ros, json, inputs=after or [])
     console = stdout(json)
     known = load_inputs(robot, model)
@@ -173,14 +173,31 @@ def excite(
 
 
 def named(text: str, robot: RobotModel) -> list[Effect]:
-    """Effects with commas between them; raises EffectError or RobotError."""
+    """Return effects with commas between them.
+
+    Args:
+        text: Such as ``payload,coulomb_friction@elbow_joint``.
+        robot: Checks the joint names.
+
+    Raises:
+        EffectError: If one is not in the vocabulary.
+        RobotError: If a joint is not of the robot.
+    """
     from cdia_pin.effects import parse_effect
 
     return [parse_effect(part.strip(), robot) for part in text.split(",")]
 
 
 def accelerations(texts: list[str], robot: RobotModel) -> float | dict[str, float] | None:
-    """Largest accelerations, of all joints or by joint; None where none is given."""
+    """Return largest accelerations [rad/s² or m/s²], of all joints or by joint; None where none is given.
+
+    Args:
+        texts: Values of the option, ``A`` or ``JOINT=A``.
+        robot: Checks the joint names.
+
+    Raises:
+        CommandError: If one has no number.
+    """
     whole, by_joint = None, {}
     for text in texts:
         joint, equals, number = text.rpartition("=")
@@ -199,7 +216,14 @@ def accelerations(texts: list[str], robot: RobotModel) -> float | dict[str, floa
 
 
 def floor_height(text: str) -> float | Literal["base"] | None:
-    """Height of the floor [m], ``base``, or None for none."""
+    """Return the height of the floor [m], ``base``, or None for none.
+
+    Args:
+        text: Value of the option.
+
+    Raises:
+        CommandError: If it is neither a number, ``base`` nor ``none``.
+    """
     word = text.strip().lower()
     if word == "base":
         return "base"

@@ -1,4 +1,4 @@
-"""``cdia export``: what was found, written back into a URDF."""
+"""``cdia export``: the terms of a model, written into a URDF."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def export(
 ) -> None:
     """Write a corrected URDF: payload, link inertias, joint damping and friction.
 
-    Says which terms of the model have no place in a URDF.
+    It names the terms of the model that a URDF cannot hold.
     """
     from cdia_pin.dynamics.urdf_terms import UrdfValues
     from cdia_pin.robot import write_corrected_urdf
@@ -39,16 +39,18 @@ def export(
     console = stdout(json)
     known = load_inputs(robot, model)
     if not known.terms:
-        raise CommandError(f"{model} has no terms: the corrected URDF would be the one there is")
+        raise CommandError(f"{model} has no terms: the corrected URDF would equal the present one")
     values = UrdfValues.of(known.terms, known.robot)
     if not values.written:
-        raise CommandError(f"no term of {model} has a place in a URDF: {', '.join(values.left_out)}")
+        raise CommandError(f"a URDF can hold no term of {model}: {', '.join(values.left_out)}")
     for label in values.written:
         console.print(f"in the URDF      {label}", markup=False)
     for label, why in values.left_out.items():
         console.print(f"not in the URDF  {label}: {why}", markup=False)
     if values.damping or values.friction:
-        console.print("Friction in a URDF is for simulators: cdia takes it from the model, with --model.")
+        console.print(
+            "Friction in a URDF is for simulators: cdia takes friction from the model, with --model."
+        )
     document: dict[str, object] = {
         "schema": schemas.EXPORT,
         "robot": known.robot.name,

@@ -1,4 +1,4 @@
-"""Errors of the command line itself; those of the library pass through as they are."""
+"""Errors of the command line itself; errors of the library pass through as they are."""
 
 from __future__ import annotations
 
@@ -6,9 +6,13 @@ from cdia_pin.errors import CdiaError
 
 
 class CommandError(CdiaError):
-    """An option, or a file that a command is to write, is not what it must be."""
+    """An option, or an output file of a command, cannot be used."""
 
 
 def one_line(error: BaseException) -> str:
-    """Return an error's message as one line."""
+    """Return an error's message as one line.
+
+    Args:
+        error: Any exception.
+    """
     return " ".join(str(error).split()) or type(error).__name__

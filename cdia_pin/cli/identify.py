@@ -53,7 +53,7 @@ def identify(
         bool,
         typer.Option(
             "--refine/--plain",
-            help="Let friction follow richer laws than Coulomb's and viscous friction where the log asks for it.",
+            help="Use richer friction laws than Coulomb and viscous friction where the log supports them.",
             rich_help_panel=FITTING,
         ),
     ] = True,
@@ -70,7 +70,7 @@ def identify(
 ) -> None:
     """Identify the inertial parameters of all links, friction and rotors together.
 
-    Links stay bodies that can exist, and stay as the URDF has them where the motion does not tell.
+    Links stay physically consistent; parameters that the motion does not identify keep the values of the URDF.
     """
     unseen = holdout or []
     require_writable(save, urdf, json, inputs=[*logs, *unseen])

@@ -1,4 +1,4 @@
-"""What a command works on, from its options: robot, model and logs."""
+"""The inputs of a command, from its options: robot, model and logs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,12 @@ class Reading:
     conditions: Mapping[Path, str] = field(default_factory=dict)
 
     def read(self, path: Path, robot: RobotModel) -> Log:
-        """Read one log."""
+        """Read one log.
+
+        Args:
+            path: The file.
+            robot: Whose log it is.
+        """
         from cdia_pin.logs import read_log
 
         log = read_log(
@@ -47,7 +52,12 @@ class Reading:
 
 
 def load_inputs(robot: str, model: Path | None) -> Dynamics:
-    """Load the robot, with the terms of a saved model if there is one."""
+    """Load the robot, with the terms of a saved model if there is one.
+
+    Args:
+        robot: Name of the catalogue, or path of a URDF.
+        model: File of the model; None for the URDF alone.
+    """
     from cdia_pin.dynamics import Dynamics, load_model
     from cdia_pin.robot import load_robot
 
@@ -60,17 +70,17 @@ def load_inputs(robot: str, model: Path | None) -> Dynamics:
 def read_logs(
     paths: Sequence[Path], robot: RobotModel, reading: Reading, *, check: bool, tell: Tell
 ) -> tuple[list[Log], list[LogCheck]]:
-    """Read logs and, unless told not to, warn on stderr where one does not look as it should.
+    """Read logs and check them, with a warning on stderr where a check finds a problem.
 
     Args:
         paths: Files.
         robot: Whose logs they are.
         reading: How to read them.
         check: Whether to check them.
-        tell: Shows progress.
+        tell: Reports progress.
 
     Returns:
-        The logs, and their checks where they were made.
+        The logs, and their checks if they were made.
     """
     from cdia_pin.logs import check_log
 
@@ -87,7 +97,11 @@ def read_logs(
 
 
 def require_unseen(held_out: Sequence[Path], logs: Sequence[Path]) -> None:
-    """Refuse a log that is to be fitted and held out at once.
+    """Refuse a log that is both fitted and held out.
+
+    Args:
+        held_out: Logs to predict.
+        logs: Logs to fit.
 
     Raises:
         CommandError: If there is one.
@@ -117,7 +131,16 @@ def show_inputs(
     notes: bool = True,
     role: str = "model",
 ) -> None:
-    """Print which robot, model and logs a result is of, with what the reader inferred."""
+    """Print robot, model and logs of a result, with the notes of the reader.
+
+    Args:
+        console: Where.
+        model: The robot and its terms.
+        logs: Logs that were fitted or checked.
+        held_out: Logs that were predicted.
+        notes: Whether to print the reader's notes.
+        role: What the model is called.
+    """
     from rich.table import Table
     from rich.text import Text
 

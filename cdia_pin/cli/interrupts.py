@@ -1,6 +1,6 @@
-"""Ctrl-C that ends a command even if somebody else's code swallows it.
+"""Ctrl-C that ends a command even if other code swallows it.
 
-Python raises KeyboardInterrupt wherever the program happens to be. In a destructor or a callback from C, of which a
+Python raises KeyboardInterrupt wherever the program happens to be. In a destructor or in a callback from C, of which a
 compiler runs thousands, the exception is printed or dropped and the program goes on: the first Ctrl-C is lost.
 """
 

@@ -68,15 +68,15 @@ def monitor(
     report: Report = None,
     json: Json = None,
 ) -> None:
-    """Watch a log as a monitor would have live: detect, isolate and accommodate faults, note when they are gone.
+    """Monitor a log as if it were live: detect, isolate and accommodate faults, and note when they are cleared.
 
-    Thresholds are learned from healthy runs at the rate of LOG; from the first part of LOG if there are none.
+    Thresholds are learned from healthy runs at the rate of LOG; without any, from the first part of LOG.
     """
     given = [log, *(healthy or [])]
     require_report(report)
     require_writable(save, json, report, inputs=[*given, *([model] if model else [])])
     if healthy_until is not None and (healthy or threshold):
-        raise CommandError("--healthy-until is of LOG itself: leave out --healthy and --threshold")
+        raise CommandError("--healthy-until concerns LOG itself: leave out --healthy and --threshold")
     console = stdout(json)
     known = load_inputs(robot, model)
     bounds = thresholds(threshold)
@@ -129,7 +129,12 @@ def monitor(
 
 
 def show_run(console: Console, found: MonitorRun) -> None:
-    """Print what a monitor said, and what it believes at the end."""
+    """Print the events of a monitor and the faults at the end.
+
+    Args:
+        console: Where.
+        found: The run.
+    """
     from cdia_pin.viewers import events_table, joints_table, run_summary
 
     if found.events:

@@ -17,7 +17,7 @@ Healthy = Annotated[
         "--healthy",
         metavar="LOG",
         show_default=False,
-        help="Run of the healthy arm, to learn thresholds from; may be repeated.",
+        help="Run of the healthy arm, from which thresholds are learned; may be repeated.",
         rich_help_panel=MONITOR,
     ),
 ]
@@ -27,7 +27,7 @@ Bank = Annotated[
         "--bank",
         metavar="EFFECT",
         show_default=False,
-        help="Known effect that is asked of every joint, such as 'position_ripple: frequency=7'; may be repeated. "
+        help="Known effect that is tested on every joint, such as 'position_ripple: frequency=7'; may be repeated. "
         "Six common ones if left out.",
         rich_help_panel=MONITOR,
     ),
@@ -37,7 +37,7 @@ Engine = Annotated[
     typer.Option(
         "--engine",
         metavar="NAME",
-        help="momentum, or thesis, its scheme with the equations corrected.",
+        help="momentum, or thesis: the scheme of the thesis with corrected equations.",
         rich_help_panel=MONITOR,
     ),
 ]
@@ -54,7 +54,10 @@ Threshold = Annotated[
 
 
 def thresholds(texts: list[str] | None) -> dict[str, float] | None:
-    """Return ``JOINT=VALUE`` as numbers; several may stand in one text, with commas.
+    """Return the thresholds of the option ``--threshold`` by joint [N·m or N]; None without any.
+
+    Args:
+        texts: ``JOINT=VALUE``; several may stand in one text, with commas.
 
     Raises:
         CommandError: If a text is something else.

@@ -84,7 +84,7 @@ JointMap = Annotated[
         "--joint-map",
         metavar="NAME=JOINT",
         show_default=False,
-        help="What the log calls a joint; several with commas or repeated.",
+        help="Name of a joint in the log; several with commas or repeated.",
         rich_help_panel=READING,
     ),
 ]
@@ -124,7 +124,7 @@ Json = Annotated[
         "--json",
         metavar="FILE",
         show_default=False,
-        help="Write the result as JSON; - is stdout, and silences all else there.",
+        help="Write the result as JSON; - is stdout, and silences everything else there.",
         rich_help_panel=OUTPUT,
     ),
 ]
@@ -141,6 +141,10 @@ Report = Annotated[
 
 
 def examples(*commands: str) -> str:
-    """Return the epilog of a command's help: lines that can be typed."""
+    """Return the epilog of a command's help.
+
+    Args:
+        *commands: Lines that can be typed.
+    """
     lines = "\n\n".join(f"  [cyan]{command}[/cyan]" for command in commands)
     return f"[bold]{'Example' if len(commands) == 1 else 'Examples'}[/bold]\n\n{lines}"

@@ -1,4 +1,4 @@
-"""Files that a command writes: looked at before the work, written after it, so that nothing is lost."""
+"""Output files of a command: checked before the work, written after it, so that no result is lost."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STDOUT = "-"
 
 
 def require_writable(*files: str | Path | None, inputs: Iterable[str | Path] = ()) -> None:
-    """Refuse files that cannot be written before time is spent on what goes into them.
+    """Refuse files that cannot be written, before time is spent on their contents.
 
     Args:
         *files: To be written; None and ``-`` are skipped.
@@ -61,7 +61,10 @@ def _probe(path: Path) -> None:
 
 
 def require_report(report: Path | None) -> None:
-    """Refuse a report that nothing here can draw, before time is spent on what goes into it.
+    """Refuse a report that cannot be drawn here, before time is spent on its contents.
+
+    Args:
+        report: Its file; None without one.
 
     Raises:
         MissingExtraError: If a report is wanted and the extra ``view`` is not installed.
@@ -71,7 +74,15 @@ def require_report(report: Path | None) -> None:
 
 
 def write_json(document: Mapping[str, object], file: str) -> None:
-    """Write a document as JSON, to a file or, for ``-``, to stdout."""
+    """Write a document as JSON.
+
+    Args:
+        document: With its schema.
+        file: Where; ``-`` is stdout.
+
+    Raises:
+        CommandError: If the file cannot be written.
+    """
     text = json.dumps(plain(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     if file == STDOUT:
         try:
@@ -87,7 +98,11 @@ def write_json(document: Mapping[str, object], file: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON has it; numbers that are not finite become null."""
+    """Return a value as JSON has it.
+
+    Args:
+        value: Numbers that are not finite become null, NumPy's arrays lists.
+    """
     if isinstance(value, Mapping):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple | set | frozenset):
@@ -102,7 +117,7 @@ def plain(value: Any) -> Any:
 
 
 def write_all(console: Console, *writers: tuple[str | Path | None, Callable[[str], object]]) -> None:
-    """Write every output that was asked for, also where another fails, and name what was written.
+    """Write every output that was asked for, even if another one fails, and name the files.
 
     Args:
         console: Where the files are named.

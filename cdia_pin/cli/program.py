@@ -1,4 +1,4 @@
-"""The program: its commands, and what becomes of an error."""
+"""The program: its commands, and the exit code and message of an error."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # typer does not 
 
 
 class Commands(TyperGroup):
-    """The commands; a name that is none of them gets the nearest ones."""
+    """The commands; an unknown name is answered with the nearest ones."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that the first argument names."""
@@ -71,7 +71,11 @@ def cdia(
     ctx: typer.Context,
     version: Annotated[bool, typer.Option("--version", help="Show the version and leave.")] = False,
 ) -> None:
-    """Find which physical effect a robot arm's model is missing, add it, watch the error fall."""
+    """CDIA: Change Detection, Isolation and Accommodation for robot arms.
+
+    Find which physical effect the model of an arm lacks, add it, and see the error fall; or monitor the arm while it
+    moves.
+    """
     if version:
         typer.echo(f"cdia-pin {__version__}")
     elif ctx.invoked_subcommand is None:
@@ -79,7 +83,11 @@ def cdia(
 
 
 def unwrapped(text: str) -> str:
-    """Return a docstring with a line for each paragraph, for a terminal to wrap at its own width."""
+    """Return a docstring with one line per paragraph, for a terminal to wrap at its own width.
+
+    Args:
+        text: The docstring.
+    """
     return "\n\n".join(" ".join(paragraph.split()) for paragraph in inspect.cleandoc(text).split("\n\n"))
 
 

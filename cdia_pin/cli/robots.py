@@ -1,4 +1,4 @@
-"""``cdia robots``: the arms known by name, or one arm's joints."""
+"""``cdia robots``: the catalogue of arms, or the joints of one arm."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def robots(
     ] = None,
     json: Json = None,
 ) -> None:
-    """List the robots known by name; with a name or a URDF file, its joints and limits."""
+    """List the robots of the catalogue; with a name or a URDF file, show its joints and limits."""
     from cdia_pin.robot import catalogue, load_robot
 
     require_writable(json)

@@ -65,7 +65,7 @@ def simulate(
         typer.Option(
             "--accommodate/--no-accommodate",
             show_default=False,
-            help="Let a monitor watch and correct the control, or only watch; no monitor if left out.",
+            help="Add a monitor that corrects the control, or only watches; no monitor if left out.",
             rich_help_panel=MONITOR,
         ),
     ] = None,
@@ -76,17 +76,17 @@ def simulate(
         typer.Option(
             "--model-error",
             metavar="SHARE",
-            help="Largest relative error of the inertias that the control knows, where a monitor runs: without "
-            "any, thresholds would be those of noise alone.",
+            help="Largest relative error of the inertias that the control knows, where a monitor runs; without "
+            "any error, thresholds would be those of noise alone.",
             rich_help_panel=MONITOR,
         ),
     ] = 0.03,
     report: Report = None,
     json: Json = None,
 ) -> None:
-    """Simulate an arm with faults on an exciting motion, under computed torque that does not know of them.
+    """Simulate an arm with faults on an exciting motion, under computed torque that does not know them.
 
-    With --accommodate a monitor learns from healthy runs on other motions, then watches this one and corrects it.
+    With --accommodate a monitor learns from healthy runs on other motions, then monitors this one and corrects it.
 
     A fault may come and go: after, until, period (s), rate (1/s), duty, or q, dq, speed, tau=LOWER..UPPER.
     """
@@ -120,7 +120,7 @@ def simulate(
         simulate_loop(console, plant, asked)
         return
     if bank or report:
-        raise CommandError("--bank and --report are of a monitor: add --accommodate or --no-accommodate")
+        raise CommandError("--bank and --report need a monitor: add --accommodate or --no-accommodate")
     rate = RATE if rate is None else rate
     motion_source, noise_source = np.random.default_rng(seed).spawn(2)
     with progress() as tell:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LoopRequest:
-    """What was asked for.
+    """The options of a closed loop.
 
     Attributes:
         settings: Of the loop.
@@ -29,8 +29,8 @@ class LoopRequest:
         engine: Of the monitor.
         bank: Known effects; the usual ones if empty.
         out: Log of the monitored run.
-        report: Page for people.
-        json: File for machines.
+        report: HTML report.
+        json: Result as JSON.
         command: The command as typed.
     """
 
@@ -46,12 +46,12 @@ class LoopRequest:
 
 
 def simulate_loop(console: Console, plant: Dynamics, asked: LoopRequest) -> None:
-    """Run a motion healthy, faulty and under a monitor, and show what came of it.
+    """Run a motion healthy, faulty and with a monitor, and show the comparison.
 
     Args:
         console: Where the result is shown.
         plant: The arm; its terms are the faults, which control and monitor do not know.
-        asked: What was asked for.
+        asked: The options.
     """
     from cdia_pin.campaigns.closed_loop import ClosedLoop
     from cdia_pin.campaigns.loop_comparison import compare_loops

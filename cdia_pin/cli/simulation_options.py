@@ -14,7 +14,7 @@ Fault = Annotated[
         "--fault",
         metavar="FAULT",
         show_default=False,
-        help="What the arm has and its URDF does not, 'EFFECT@JOINT: NAME=VALUE, …'; may be repeated.",
+        help="Effect of the arm that its URDF lacks, 'EFFECT@JOINT: NAME=VALUE, …'; may be repeated.",
         rich_help_panel=SIMULATION,
     ),
 ]

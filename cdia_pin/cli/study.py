@@ -1,4 +1,4 @@
-"""``cdia study``: the thesis' numbers, measured again; each study is one function and one line in the table."""
+"""``cdia study``: the thesis' numerical studies, repeated; each is one function and one line in the table."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ REPORT, ARMS_REPORT = "thesis_study.html", "arm_study.html"
 
 @dataclass(frozen=True)
 class StudyRequest:
-    """What was asked for.
+    """The options of a study.
 
     Attributes:
-        preset: ``literal``, ``physical`` or ``both``; None if not said.
+        preset: ``literal``, ``physical`` or ``both``; None if not given.
         out: Directory for figures and report.
         json: File of the result.
         command: The command as typed.
@@ -97,12 +97,12 @@ def _scara_model(console: Console, asked: StudyRequest) -> None:
     for a in found.agreements:
         table.add_row(a.term, f"{a.corrected:.1e}", f"{a.printed:.1e}", a.unit)
     console.print(f"Largest difference from the URDF through Pinocchio over {found.states} random states;")
-    console.print("for the power balance, the power that comes from nowhere.")
+    console.print("for the power balance, the power that has no source.")
     console.print(table)
     console.print(
-        "The closed form that ships is the arm of the URDF; the printed M and V are those of no rigid bodies."
+        "The shipped closed form agrees with the URDF; the printed M and V belong to no rigid bodies."
         if found.agrees
-        else "The closed form that ships is NOT the arm of the URDF.",
+        else "The shipped closed form does NOT agree with the URDF.",
     )
     write_all(console, (asked.json, lambda f: write_json({**found.to_dict(), "record": _record()}, f)))
 

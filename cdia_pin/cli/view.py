@@ -1,4 +1,4 @@
-"""``cdia view``: an arm in the browser, its links coloured by how their joints fare."""
+"""``cdia view``: an arm in the browser, its links coloured by the state of their joints."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def view(
         bool,
         typer.Option(
             "--monitor",
-            help="Show the stages of a monitor, the first part of LOG taken as healthy, and not how much the model "
-            "misses.",
+            help="Show the stages of a monitor instead of the residual of the model; the first part of LOG is taken as "
+            "healthy.",
             rich_help_panel=MONITOR,
         ),
     ] = False,
@@ -81,19 +81,19 @@ def view(
 ) -> None:
     """Show an arm move in the browser: a log, or a simulation with faults while it is computed.
 
-    Links are coloured by what the model misses at their joint or, with --healthy, --monitor or --simulate, by the
-    stage that a monitor sees it in; an arc shows the missing torque. Served to this machine alone, until Ctrl-C.
+    Links are coloured by the residual of the model at their joint or, with --healthy, --monitor or --simulate, by the
+    stage of a monitor; an arc shows the missing torque. Only this machine can reach the page, until Ctrl-C.
     """
     if simulate == (log is not None):
         raise CommandError("give either a LOG or --simulate" if log else "give a LOG, or --simulate")
     if log is not None and fault:
-        raise CommandError("--fault is of a simulation: add --simulate and leave out the LOG")
+        raise CommandError("--fault needs a simulation: add --simulate and leave out the LOG")
     if simulate and (healthy or monitored):
         raise CommandError(
-            "--healthy and --monitor are of a log: --simulate has a monitor that learns by itself"
+            "--healthy and --monitor need a LOG: --simulate has a monitor that learns by itself"
         )
     if log is not None and bank and not (healthy or monitored):
-        raise CommandError("--bank is of a monitor: add --healthy or --monitor")
+        raise CommandError("--bank needs a monitor: add --healthy or --monitor")
     if not (duration > 0 and speed >= 0 and seed >= 0):
         raise CommandError(
             f"a view needs duration > 0 s, speed ≥ 0 and seed ≥ 0, given {duration:g}, {speed:g} and {seed}"

@@ -1,4 +1,4 @@
-"""The page of ``cdia view``: opened, fed, and served until somebody ends the command."""
+"""The page of ``cdia view``: opened, fed, and served until the command ends."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Page:
-    """Where to show.
+    """Where to show an arm.
 
     Attributes:
         port: On this machine; a free one if 0.
-        browser: Whether to open it.
+        browser: Whether to open a browser.
     """
 
     port: int

@@ -1,4 +1,4 @@
-"""What ``cdia view`` shows: a log with what the model misses, a log under a monitor, or a simulation."""
+"""The sources of ``cdia view``: a log with the model's residual, a log with a monitor, or a simulation."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ REACHED = 40  # positions from which the camera learns how far the arm reaches
 
 @dataclass(frozen=True)
 class Simulation:
-    """What is to be simulated; each field is the option of that name."""
+    """The options of a simulation; each field is the option of that name."""
 
     faults: tuple[str, ...]
     accommodate: bool
@@ -35,7 +35,16 @@ class Simulation:
 def show_compared(
     page: Page, robot: str, model: Path | None, log: Path, reading: Reading, check: bool
 ) -> None:
-    """Show a log, coloured by what the model misses."""
+    """Show a log, coloured by the residual of the model.
+
+    Args:
+        page: Where.
+        robot: Name of the catalogue, or path of a URDF.
+        model: File of a saved model; None for the URDF alone.
+        log: The log.
+        reading: How to read it.
+        check: Whether to check it.
+    """
     from cdia_pin.discovery import compare
     from cdia_pin.viewers.scene import Scene, timeline_of_comparison
 
@@ -61,7 +70,17 @@ def show_monitored(
     reading: Reading,
     check: bool,
 ) -> None:
-    """Show the first log as a monitor would have seen it live; the others are of the healthy arm."""
+    """Show the first log as a monitor would have seen it live; the other logs are healthy runs.
+
+    Args:
+        page: Where.
+        robot: Name of the catalogue, or path of a URDF.
+        model: File of a saved model; None for the URDF alone.
+        logs: The log to monitor, then healthy runs.
+        bank: Known effects; the usual ones if None.
+        reading: How to read the logs.
+        check: Whether to check them.
+    """
     from cdia_pin.diagnosis import DEFAULT_BANK, Monitor
     from cdia_pin.diagnosis.healthy_part import alike, parted
     from cdia_pin.viewers.live import FrameMaker
@@ -95,7 +114,14 @@ def show_monitored(
 
 
 def show_simulation(page: Page, robot: str, model: Path | None, asked: Simulation) -> None:
-    """Show a closed loop with faults while it is computed."""
+    """Show a closed loop with faults while it is computed.
+
+    Args:
+        page: Where.
+        robot: Name of the catalogue, or path of a URDF.
+        model: File of a saved model; None for the URDF alone.
+        asked: The options.
+    """
     import numpy as np
 
     from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings

@@ -22,6 +22,9 @@ COLUMNS = 2
 def arm_pictures(cases: Sequence[ArmCase]) -> Iterator[Picture]:
     """Yield the tracking errors of every case.
 
+    Args:
+        cases: Of `arm_study`.
+
     Raises:
         MissingExtraError: If matplotlib is not installed.
     """

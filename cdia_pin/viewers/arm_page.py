@@ -71,7 +71,13 @@ class ArmPage:
         )
 
     def save(self, path: str | Path) -> Path:
-        """Write the page and return where.
+        """Write the page.
+
+        Args:
+            path: Where to write; folders are made, an existing file is replaced.
+
+        Returns:
+            The path.
 
         Raises:
             CdiaError: If the file cannot be written.
@@ -85,7 +91,7 @@ class ArmPage:
         return path
 
     def open(self) -> Path:
-        """Open the page in a browser, from a file that stays until the system clears its temporary files."""
+        """Open the page in a browser, from a temporary file that the system clears later."""
         folder = Path(tempfile.mkdtemp(prefix="cdia-"))
         path = self.save(folder / "arm.html")
         webbrowser.open(path.as_uri())
@@ -101,22 +107,23 @@ class ArmPage:
 def view(
     robot: RobotModel | Dynamics, shown: MonitorRun | Comparison | Log | ArrayLike | None = None
 ) -> ArmPage:
-    """Show an arm: at rest, along a log, or coloured by how its joints fare.
+    """Show an arm: at rest, along a log, or coloured by the state of its joints.
 
         view(robot)                        # at rest
         view(robot, [0, -1, 1, 0, 0, 0])   # in a pose
-        view(model, compare(model, log))   # links coloured by what the model misses
-        view(model, replay(monitor, log))  # links coloured by what a monitor says
+        view(model, compare(model, log))   # links coloured by the residual of the model
+        view(model, replay(monitor, log))  # links coloured by the stages of a monitor
 
     Args:
         robot: The arm, or a model of it.
-        shown: What a monitor left, a comparison, a log, or a pose [rad or m], shape (n,).
+        shown: A monitor's run, a comparison, a log, or a pose [rad or m], shape (n,).
 
     Returns:
         A picture that a notebook shows; elsewhere ``.open()`` or ``.save(path)`` it.
 
     Raises:
-        CdiaError: If what is to be shown is of another arm.
+        CdiaError: If what is to be shown belongs to another arm.
+        MissingExtraError: If the extra ``view`` is not installed.
     """
     arm = robot.robot if isinstance(robot, Dynamics) else robot
     if not isinstance(shown, MonitorRun | Comparison | Log):

@@ -1,4 +1,4 @@
-"""The study of accommodation on several arms, in words, as a table and as one HTML file."""
+"""The study of accommodation on several arms, as a table and as one HTML file."""
 
 from __future__ import annotations
 
@@ -22,9 +22,12 @@ TITLE = "Accommodation on several arms"
 
 
 def arm_rows(cases: Sequence[ArmCase]) -> list[tuple[str, ...]]:
-    """Return a line for each case: arm, fault, tracking healthy, faulty and accommodated, ratio, what was named.
+    """Return a line for each case: arm, fault, tracking healthy, faulty and accommodated, ratio, isolated faults.
 
-    Tracking is the RMS over all joints [mrad], none of which slides; the ratio is that of the joint that fares worst.
+    Tracking is the RMS over all joints [mrad]; no joint slides. The ratio is that of the worst joint.
+
+    Args:
+        cases: Of `arm_study`.
     """
     rows = []
     for case in cases:
@@ -38,7 +41,7 @@ def arm_rows(cases: Sequence[ArmCase]) -> list[tuple[str, ...]]:
     return rows
 
 
-HEADINGS = ("arm", "fault", "healthy", "faulty", "accommodated", "worst joint", "believed")
+HEADINGS = ("arm", "fault", "healthy", "faulty", "accommodated", "worst joint", "isolated")
 
 
 def write_arm_report(
@@ -71,8 +74,8 @@ def write_arm_report(
         f"<pre><code>{html.escape(command)}</code></pre>" if command else "",
         "<h2>Tracking</h2>",
         f"<p class='soft'>RMS of q − q_d over all joints [mrad], from {SETTLED:g} s after the last fault began. "
-        "Worst joint: accommodated over healthy, where that is largest. Believed: faults named at the end, of "
-        "those that were there.</p>",
+        "Worst joint: accommodated over healthy, where that is largest. Isolated: faults named at the end, of "
+        "those that were present.</p>",
         f"<div class='card scroll'><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>",
         "<h2>Joint by joint</h2>",
         *figure_blocks(pictures),
@@ -88,4 +91,4 @@ def write_arm_report(
 
 
 def _milli(value: float) -> str:
-    return number(1e3 * value) if np.isfinite(value) else "ran away"
+    return number(1e3 * value) if np.isfinite(value) else "diverged"

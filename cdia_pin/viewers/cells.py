@@ -1,4 +1,4 @@
-"""Cells of tables for the terminal: texts as they are, never markup."""
+"""Cells of tables for the terminal: plain texts, never markup."""
 
 from __future__ import annotations
 
@@ -12,7 +12,12 @@ from cdia_pin.viewers.words import NO_BREAK
 
 
 def new_table(*heads: str, left: Sequence[int]) -> Table:
-    """Return an empty table; the columns in `left` hold text and may wrap, the others hold numbers."""
+    """Return an empty table.
+
+    Args:
+        *heads: Headings of the columns.
+        left: Columns that hold text and may wrap; the others hold numbers.
+    """
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True, header_style="bold")
     table.caption_justify = "left"
     for k, head in enumerate(heads):
@@ -22,12 +27,23 @@ def new_table(*heads: str, left: Sequence[int]) -> Table:
 
 
 def add_row(table: Table, *cells: str, style: str = "") -> None:
-    """Add a row of texts."""
+    """Add a row of texts.
+
+    Args:
+        table: Where.
+        *cells: A text for each column.
+        style: Of the row, as `rich` names it.
+    """
     table.add_row(*(clean(c) for c in cells), style=style)
 
 
 def clean(text: str, style: str = "") -> Text:
-    """Return text as it is, never as markup, without characters that would steer a terminal."""
+    """Return a text that is never read as markup, without characters that control a terminal.
+
+    Args:
+        text: The text.
+        style: As `rich` names it.
+    """
     text = text.replace(NO_BREAK, " ")
     plain = (c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
     return Text("".join(plain), style)

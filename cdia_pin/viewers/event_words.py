@@ -1,4 +1,4 @@
-"""What a monitor said, in words that the terminal and the page share."""
+"""Events of a monitor in words, shared by the terminal and the pages."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ class EventRow:
 
     Attributes:
         time: When [s].
-        joints: Which, shortened.
-        concerned: Their names in full.
+        joints: Short names of the joints, or ``all``.
+        concerned: Full names of the joints.
         stage: ``detection``, ``isolation``, ``isolation, accommodation``, ``accommodation`` or ``idle``.
-        verdict: What isolation says, in words; empty where it says nothing.
+        verdict: Verdict of the isolation in words; empty without one.
         said: Faults, each with its size.
-        alternatives: What else explains the same, one combination each.
+        alternatives: Other explanations, one combination each.
         reason: What a reader should know besides.
     """
 
@@ -43,7 +43,12 @@ class EventRow:
 
 
 def event_rows(events: Sequence[Event], robot: RobotModel) -> list[EventRow]:
-    """Return events as lines; isolation and the accommodation that follows at once are one."""
+    """Return events as lines; isolation and the accommodation that follows at once share one line.
+
+    Args:
+        events: Of a monitor, in their order.
+        robot: The arm.
+    """
     rows: list[EventRow] = []
     previous: Event | None = None
     for event in events:
@@ -62,7 +67,7 @@ def event_rows(events: Sequence[Event], robot: RobotModel) -> list[EventRow]:
 
 
 def fault_words(term: Term, robot: RobotModel, *, joint: bool = False) -> str:
-    """Return ``coulomb friction: level 4.99 ± 0.01 N·m``; of what is unknown, that it was learned.
+    """Return a fault in words: ``coulomb friction: level 4.99 ± 0.01 N·m``.
 
     Args:
         term: A fault.
@@ -71,7 +76,7 @@ def fault_words(term: Term, robot: RobotModel, *, joint: bool = False) -> str:
     """
     where = f" on {listed(term.effect.scope)}" if joint and term.effect.scope else ""
     if term.effect.name == "unknown":
-        return f"a torque without a name{where}, as its neurons have learned it"
+        return f"unknown fault{where}; its torque was learned"
     numbers = [f"{p['name']} {p['text']}" for p in (*parameters(term, robot), *shape_parameters(term, robot))]
     present = profile_words(term)
     return f"{effect_name(term.effect)}{where}: {', '.join(numbers)}" + (

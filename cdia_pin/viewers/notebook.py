@@ -1,4 +1,4 @@
-"""Results as a notebook shows them: HTML without scripts, which GitHub and a printed notebook show as well."""
+"""Results as HTML for a notebook, without scripts: GitHub and printed notebooks show them too."""
 
 from __future__ import annotations
 
@@ -50,6 +50,9 @@ LEFT = "the residual left its threshold"
 
 def html_of(result: object) -> str:
     """Return a comparison, a discovery or a monitor's run as HTML.
+
+    Args:
+        result: One of these.
 
     Raises:
         TypeError: If it is none of them.
@@ -180,7 +183,7 @@ def _run(result: MonitorRun) -> Iterable[str]:
         "threshold",
         "largest residual",
         f"stages, {begin:.4g} to {end:.4g} s",
-        "believed at the end",
+        "fault at the end",
     )
     yield _table(heads, rows, numbers=(1, 2))
     keys = (f'<span style="color:{c}">■</span> {s}' for s, c in STAGE_COLOURS.items() if str(s) in seen)
@@ -195,7 +198,7 @@ def _run(result: MonitorRun) -> Iterable[str]:
         for row in event_rows(result.events, result.robot)
     ]
     if said:
-        yield _table(("time", "joint", "stage", "said"), said, numbers=(0,))
+        yield _table(("time", "joint", "stage", "event"), said, numbers=(0,))
 
 
 SHOWN: dict[type, Callable[[Any], Iterable[str]]] = {

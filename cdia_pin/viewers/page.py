@@ -31,7 +31,7 @@ def write_page(
         data: Returns what is shown, with its ``title``, for a largest number of samples of a curve.
         scene: The arm and its motion, of `report_scene`.
         script: Name of the asset that builds the page from the data.
-        sentences: What is said where scripts do not run.
+        sentences: Shown where scripts do not run.
 
     Raises:
         CdiaError: If the file cannot be written.
@@ -51,7 +51,11 @@ def write_page(
 
 
 def embeddable(data: object) -> str:
-    """Return JSON that no text inside it can end early: ``<``, ``>`` and ``&`` are escaped."""
+    """Return JSON that can stand inside a script element: ``<``, ``>`` and ``&`` are escaped.
+
+    Args:
+        data: Anything that JSON can hold.
+    """
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     for character in "<>&\u2028\u2029":
         text = text.replace(character, f"\\u{ord(character):04x}")
@@ -80,5 +84,9 @@ def _page(
 
 
 def asset(name: str) -> str:
-    """Return the text of an asset."""
+    """Return the text of an asset.
+
+    Args:
+        name: Of a file in ``viewers/assets``.
+    """
     return (files("cdia_pin.viewers") / "assets" / name).read_text(encoding="utf-8")

@@ -26,16 +26,16 @@ def write_report(
     title: str = "",
     command: str = "",
 ) -> Path:
-    """Write what was found as one HTML page of at most 6 MB.
+    """Write a comparison, and a discovery if there is one, as one HTML page of at most 6 MB.
 
-    The page needs no network and its own policy forbids any. The same results give the same bytes.
+    The page needs no network, and its own policy forbids any. The same results give the same bytes.
 
     Args:
         path: Where to write; folders are made, an existing file is replaced.
         comparison: The model as given against the logs, ``compare(model, logs)``.
         improved: The improved model against the same logs, ``compare(discovery.model, logs)``.
-        discovery: The outcome of ``discover``, where there was one.
-        checks: What ``check_log`` said about each log.
+        discovery: The outcome of ``discover``; None without one.
+        checks: The outcome of ``check_log`` for each log.
         title: Headline; made from the robot if empty.
         command: The command that made the report, to be shown.
 
@@ -44,6 +44,7 @@ def write_report(
 
     Raises:
         CdiaError: If the results do not belong together, or the file cannot be written.
+        MissingExtraError: If the extra ``view`` is not installed.
     """
     require_same(comparison, improved, discovery)
     return write_page(

@@ -1,4 +1,4 @@
-"""Everything that a report shows, as one plain dictionary; results are read here, nothing is estimated."""
+"""Everything that a report shows, as one document; results are read here, nothing is estimated."""
 
 from __future__ import annotations
 
@@ -158,7 +158,16 @@ def _title(robot: RobotModel, discovery: Discovery | None) -> str:
 
 
 def require_same(comparison: Comparison, improved: Comparison | None, discovery: Discovery | None) -> None:
-    """Make sure that results are of one robot and the same logs; raises CdiaError."""
+    """Check that results belong to one robot and to the same logs.
+
+    Args:
+        comparison: The model as given against the logs.
+        improved: The improved model; None without one.
+        discovery: How one became the other; None without one.
+
+    Raises:
+        CdiaError: If they do not.
+    """
     joints = comparison.model.robot.joints
     for other in (improved, discovery):
         if other is not None and other.model.robot.joints != joints:
@@ -191,7 +200,15 @@ def _check(check: LogCheck) -> CheckDocument:
 def joint_data(
     j: int, before: Comparison, after: Comparison | None, found: Discovery | None, points: int
 ) -> JointReport:
-    """Return what a report shows of joint j; the arguments are those of `report_data`."""
+    """Return what a report shows of one joint.
+
+    Args:
+        j: Index of the joint.
+        before: The model as given against the logs.
+        after: The improved model; None without one.
+        found: How one became the other; None without one.
+        points: Most samples of a curve or cloud.
+    """
     robot = before.model.robot
     joint = robot.joints[j]
     return {

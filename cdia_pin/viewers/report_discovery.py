@@ -1,4 +1,4 @@
-"""The part of a report that a discovery adds: verdict, effects, the error falling."""
+"""The part of a report that a discovery adds: verdict, effects, the error step by step."""
 
 from __future__ import annotations
 
@@ -97,7 +97,11 @@ class DiscoveryDocument(TypedDict):
 
 
 def discovery_data(found: Discovery) -> DiscoveryDocument:
-    """Return verdict, effects and errors step by step, ready for JSON."""
+    """Return verdict, effects and errors step by step, ready for JSON.
+
+    Args:
+        found: The outcome of ``discover``.
+    """
     torque = np.maximum(found.torque_rms, 1e-12)
     return {
         "verdict": found.verdict,
@@ -139,7 +143,12 @@ def _effect(k: int, found: Discovery) -> EffectDocument:
 
 
 def parameters(term: Term, robot: RobotModel) -> list[ParameterRow]:
-    """Return name, text, interval of each parameter, and whether that leaves out zero."""
+    """Return the parameters of a term in words, with their intervals.
+
+    Args:
+        term: An effect with numbers.
+        robot: The arm, for the units.
+    """
     intervals = term.ci95 or (None,) * len(term.theta)
     rows = zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True)
     return [
@@ -154,7 +163,12 @@ def parameters(term: Term, robot: RobotModel) -> list[ParameterRow]:
 
 
 def shape_parameters(term: Term, robot: RobotModel) -> list[ShapeRow]:
-    """Return name and text of each shape parameter of an effect."""
+    """Return the shape parameters of a term in words.
+
+    Args:
+        term: An effect with numbers.
+        robot: The arm, for the units.
+    """
     effect = term.effect
     units = joint_units(robot, effect.scope[0] if effect.scope else robot.joints[0])
     words = {"{position}": units["position"], "{effort}": units["load"]}

@@ -1,4 +1,4 @@
-"""A run's residual against its motion, with the torque of the faults believed in; where the plant has which fault."""
+"""Residual of a run against its motion, with the torque of the isolated faults; where the plant has which fault."""
 
 from __future__ import annotations
 
@@ -43,7 +43,11 @@ class AgainstMotion(TypedDict):
 
 
 def motion_of(run: MonitorRun) -> State:
-    """Return the motion of a run as effects see it; velocity and acceleration differentiated where they must be."""
+    """Return the motion of a run as effects see it; missing velocities and accelerations are differentiated.
+
+    Args:
+        run: The run.
+    """
     v = np.gradient(run.position, run.time, axis=0) if run.velocity is None else run.velocity
     a = np.gradient(v, run.time, axis=0)
     return State(run.robot, run.position, v, a, run.effort, run.time)
@@ -71,8 +75,17 @@ def presence(run: MonitorRun, x: State, j: int, present: Sequence[Term]) -> list
 def against_motion(run: MonitorRun, x: State, j: int, points: int) -> AgainstMotion | None:
     """Return a joint's residual against position, velocity and torque while it is at fault, and the fitted torque.
 
-    The curve is the torque of the faults that were last believed in on this joint. It is None where that is no
-    function of the signal. Of residuals that are no torques, or too few, there is nothing to show.
+    The curve is the torque of the faults that were isolated last on this joint. It is None where that torque is no
+    function of the signal.
+
+    Args:
+        run: The run.
+        x: Its motion.
+        j: Index of the joint.
+        points: Most samples of a cloud.
+
+    Returns:
+        None where the residual is no torque, or where too few samples are at fault.
     """
     faulty = np.isin(run.stages[:, j], FAULTY)
     if not run.in_torque or faulty.sum() < FEWEST:

@@ -1,4 +1,4 @@
-"""What a run's page shows of isolation: which hypotheses lived over time, and how large the faults were believed."""
+"""Isolation on the page of a run: the hypotheses over time, and the estimated sizes of the faults."""
 
 from __future__ import annotations
 
@@ -43,17 +43,29 @@ class ParameterHistory(TypedDict):
 
 
 def stage_spans(run: MonitorRun, j: int) -> list[Span]:
-    """Return [from, to, stage] of a joint, one after the other."""
+    """Return the stages of a joint, one after the other.
+
+    Args:
+        run: The run.
+        j: Index of the joint.
+    """
     change = np.flatnonzero(np.diff(run.stages[:, j], prepend=255))
     ends = [*run.time[change[1:]], run.time[-1]]
     return [span_of(run.time[k], end, STAGES[run.stages[k, j]]) for k, end in zip(change, ends, strict=True)]
 
 
 def hypotheses(run: MonitorRun, j: int) -> list[HypothesisRow]:
-    """Return each known effect with the [from, to, how] in which it lived on a joint; nothing if it was never asked.
+    """Return when each known effect was a hypothesis on a joint.
 
     Open: detected, and no decision taken yet. Leading: in the combination that explains best. Possible: in another
     one that explains the same.
+
+    Args:
+        run: The run.
+        j: Index of the joint.
+
+    Returns:
+        A row for each effect; no row if no hypothesis was ever tested.
     """
     looks = [look for look in run.looks if look.joint == run.joints[j]]
     if not looks:
@@ -76,12 +88,12 @@ def hypotheses(run: MonitorRun, j: int) -> list[HypothesisRow]:
 
 
 def parameters(run: MonitorRun, j: int, present: Sequence[Term]) -> list[ParameterHistory]:
-    """Return how each parameter of the faults believed on a joint went over time.
+    """Return the estimates of each parameter of a joint's faults over time.
 
     Args:
         run: With its beliefs.
-        j: The joint.
-        present: Faults that the plant has, where that is known.
+        j: Index of the joint.
+        present: Faults that the plant has, where they are known.
     """
     joint = run.joints[j]
     terms = {t.label: t for b in run.beliefs for t in b.faults if joint in t.effect.scope}

@@ -1,4 +1,4 @@
-"""The report of a monitor's run: residuals, stages, corrections, and what was said."""
+"""The report of a monitor's run: residuals, stages, corrections, events."""
 
 from __future__ import annotations
 
@@ -101,14 +101,16 @@ def write_monitor_report(
     title: str = "",
     command: str = "",
 ) -> Path:
-    """Write what a monitor saw, said and did as one HTML page of at most 6 MB that needs no network.
+    """Write residuals, stages, events and corrections of a monitor's run as one HTML page.
+
+    The page has at most 6 MB and needs no network.
 
     Args:
         path: Where to write; folders are made, an existing file is replaced.
         run: Of a replay or a closed loop.
         tracking: RMS of the tracking error of each joint [rad or m], shape (n,), by the name of the run.
-        since: From when on they are compared [s].
-        present: Faults that the plant has, where that is known, as in a simulation.
+        since: Start of the time over which they are compared [s].
+        present: Faults that the plant has, where they are known, as in a simulation.
         title: Headline; made from the robot if empty.
         command: The command that made the report, to be shown.
 
@@ -117,6 +119,7 @@ def write_monitor_report(
 
     Raises:
         CdiaError: If the file cannot be written.
+        MissingExtraError: If the extra ``view`` is not installed.
     """
 
     def data(points: int) -> MonitorReport:
@@ -143,11 +146,21 @@ def monitor_data(
     command: str = "",
     points: int = 2000,
 ) -> MonitorReport:
-    """Collect what the page shows, ready for JSON; the arguments are those of `write_monitor_report`."""
+    """Collect what the page shows, ready for JSON.
+
+    Args:
+        run: Of a replay or a closed loop.
+        tracking: RMS of the tracking error of each joint [rad or m], shape (n,), by the name of the run.
+        since: Start of the time over which they are compared [s].
+        present: Faults that the plant has, where they are known.
+        title: Headline; made from the robot if empty.
+        command: The command that made the report.
+        points: Most samples of a curve.
+    """
     x = motion_of(run)
     return {
         "schema": schemas.MONITOR_REPORT,
-        "title": title or f"{run.robot.name} under watch",
+        "title": title or f"{run.robot.name}: monitored run",
         "command": command,
         "version": run.record["version"],
         "robot": run.robot.name,

@@ -1,4 +1,4 @@
-"""The arm in a report: what it looks like, how it moved, and how it is coloured, effect by effect."""
+"""The arm in a report: its shape, its motion, and its colours after each effect."""
 
 from __future__ import annotations
 
@@ -38,20 +38,24 @@ class MotionDocument(TypedDict):
 
 
 def scene_of_run(run: MonitorRun) -> MotionDocument:
-    """Return the arm of a run and its motion, coloured by the monitor's stages; ready for JSON."""
+    """Return the arm of a run and its motion, coloured by the monitor's stages; ready for JSON.
+
+    Args:
+        run: The run.
+    """
     return {"arm": Scene.of(run.robot).to_dict(), "timeline": timeline_of_run(run).to_dict(), "steps": []}
 
 
 def scene_of_comparison(
     before: Comparison, after: Comparison | None = None, discovery: Discovery | None = None
 ) -> MotionDocument:
-    """Return the arm of a comparison and the motion of its logs, coloured by what the model misses.
+    """Return the arm of a comparison and the motion of its logs, coloured by the residual of the model.
 
     Args:
         before: The model as given against the logs.
         after: The improved model against them.
-        discovery: How one became the other. The steps between have one colour a joint over the whole motion, that
-            of its RMS error: how their residuals went over time is not kept.
+        discovery: How one became the other. Each step between has one colour per joint, by its RMS error:
+            residuals over time are kept for the first and the last model only.
     """
     timeline = timeline_of_comparison(before, after, discovery).to_dict()
     steps = [] if discovery is None or after is None else _steps(discovery)

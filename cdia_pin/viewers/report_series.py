@@ -1,4 +1,4 @@
-"""Curves and clouds of a report: one joint's signals, thinned to what a chart can show."""
+"""Curves and clouds of a report: the signals of one joint, thinned to what a chart can show."""
 
 from __future__ import annotations
 
@@ -74,17 +74,28 @@ class Against(TypedDict):
 
 
 def compact(values: Iterable[float]) -> Numbers:
-    """Return numbers with 5 significant digits, None where they are not finite."""
+    """Return numbers with 5 significant digits.
+
+    Args:
+        values: Numbers; those that are not finite become None.
+    """
     return [float(f"{v:.5g}") if np.isfinite(v) else None for v in values]
 
 
 def compact_one(value: float) -> float | None:
-    """Return one number likewise."""
+    """Return one number with 5 significant digits.
+
+    Args:
+        value: The number; None if it is not finite.
+    """
     return compact([value])[0]
 
 
 def end_to_end(comparison: Comparison) -> tuple[Array, list[int]]:
     """Lay the logs of a comparison one after the other.
+
+    Args:
+        comparison: Of one log or several.
 
     Returns:
         Time that always increases [s], shape (K,), and the index at which each further log begins.
@@ -119,7 +130,12 @@ def over_time(before: Comparison, after: Comparison | None, j: int, points: int)
 
 
 def extremes(signals: list[Array], points: int) -> NDArray[np.intp]:
-    """Return indices of at most so many samples, with the extremes of each signal in every stretch."""
+    """Return the indices of some samples, with the extremes of each signal in every stretch.
+
+    Args:
+        signals: Each of shape (K,).
+        points: Most indices to return.
+    """
     count = len(signals[0])
     if count <= points:
         return np.arange(count)
@@ -131,9 +147,15 @@ def extremes(signals: list[Array], points: int) -> NDArray[np.intp]:
 
 
 def cloud(before: Comparison, after: Comparison | None, j: int, points: int) -> Cloud:
-    """Return motion, load and residuals of joint j at the samples that count.
+    """Return motion, load and residuals of a joint at the samples that count.
 
     Both models share the motion; the load is the torque of each model itself.
+
+    Args:
+        before: Comparison of the model as given.
+        after: Comparison of the improved model; None without one.
+        j: Index of the joint.
+        points: Most samples to return.
     """
     use = np.flatnonzero(before.informative[:, j])
     use = use[:: -(-len(use) // points) or 1]  # every so many-th, rounded up
@@ -153,10 +175,17 @@ def cloud(before: Comparison, after: Comparison | None, j: int, points: int) -> 
 
 
 def against(signal: str, before: Comparison, after: Comparison | None, joint: str, j: int) -> Against:
-    """Return means of a joint's residual by region of a signal, and the curve that the added effects explain.
+    """Return the mean residual of a joint by region of a signal, and the curve that the added effects explain.
 
-    The curve is the difference of both residuals: the torque of what was added, filtered as they are. It is
+    The curve is the difference of both residuals: the torque of the added effects, filtered as the residuals are. It is
     None where that torque is no function of this signal.
+
+    Args:
+        signal: One of `SIGNALS`.
+        before: Comparison of the model as given.
+        after: Comparison of the improved model; None without one.
+        joint: Name of the joint.
+        j: Its index.
     """
     means: MeansOfModels = {"before": _means(before.shapes[joint][signal])}
     curve = None

@@ -1,4 +1,4 @@
-"""Small pictures within a line of a table: SVG that needs no script, in colours that suit light and dark."""
+"""Small SVG pictures for cells of a table: without scripts, in colours that suit light and dark."""
 
 from __future__ import annotations
 
@@ -17,7 +17,14 @@ POINTS = 160  # of a line
 
 
 def bar(shares: Sequence[float], colours: Sequence[str], largest: float, words: str) -> str:
-    """Return bars under each other, each a share of the largest."""
+    """Return bars under each other.
+
+    Args:
+        shares: Their lengths, in any unit.
+        colours: Of the bars.
+        largest: The length that fills the picture.
+        words: What it shows, for those who do not see it.
+    """
     each = 12 / len(shares)
     parts = "".join(
         f'<rect y="{1 + k * each:.1f}" width="{max(150 * s / (largest or 1.0), 1.5):.1f}" height="{each - 1:.1f}" '
@@ -28,7 +35,13 @@ def bar(shares: Sequence[float], colours: Sequence[str], largest: float, words: 
 
 
 def line(signals: Sequence[Array], colours: Sequence[str], words: str) -> str:
-    """Return signals over the same time, on one scale around zero."""
+    """Return signals over the same time, on one scale around zero.
+
+    Args:
+        signals: Each of shape (K,).
+        colours: Of the lines.
+        words: What it shows, for those who do not see it.
+    """
     most = max((float(np.abs(s).max()) for s in signals if len(s)), default=0.0) or 1.0
     paths = [f'<path d="M0 14H180" stroke="{FLOOR}" stroke-width="0.6" opacity="0.7"/>']
     for signal, colour in zip(signals, colours, strict=True):
@@ -40,7 +53,14 @@ def line(signals: Sequence[Array], colours: Sequence[str], words: str) -> str:
 
 
 def fall(fitted: Sequence[float], heldout: Sequence[float], floor: float, words: str) -> str:
-    """Return errors, step by step, and the floor under them."""
+    """Return errors step by step, and the noise floor under them.
+
+    Args:
+        fitted: Errors on fitted data.
+        heldout: Errors on held-out data.
+        floor: The noise floor.
+        words: What it shows, for those who do not see it.
+    """
     top = max(*fitted, *heldout, floor) or 1.0
     x = np.linspace(8, 252, max(len(fitted), 2))[: len(fitted)]
 
@@ -60,7 +80,14 @@ def fall(fitted: Sequence[float], heldout: Sequence[float], floor: float, words:
 
 
 def strip(spans: Sequence[tuple[float, float, str, float]], begin: float, end: float, words: str) -> str:
-    """Return stretches of time, [from, to, colour, opacity] each."""
+    """Return coloured stretches of time.
+
+    Args:
+        spans: From [s], to [s], colour and opacity of each.
+        begin: Left end [s].
+        end: Right end [s].
+        words: What it shows, for those who do not see it.
+    """
     scale = 320 / ((end - begin) or 1.0)
     parts = "".join(
         f'<rect x="{(a - begin) * scale:.1f}" width="{max((b - a) * scale, 1):.1f}" height="14" fill="{colour}" '

@@ -1,4 +1,4 @@
-"""One colour for each stage, everywhere: those of Okabe and Ito, told apart by colour-blind people too."""
+"""One colour for each stage, everywhere: those of Okabe and Ito, which colour-blind people can distinguish."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ STAGE_COLOURS: dict[Stage, str] = {
 }
 STAGE_WORDS: dict[Stage, str] = {
     Stage.HEALTHY: "",
-    Stage.SUSPECT: "beyond the threshold, not for long enough",
-    Stage.DETECTED: "a fault, which one is being decided",
-    Stage.ISOLATED: "named, not corrected",
-    Stage.ACCOMMODATED: "corrected",
-    Stage.IDLE: "gone, remembered",
+    Stage.SUSPECT: "residual above its threshold, but not yet for long enough",
+    Stage.DETECTED: "not isolated yet",
+    Stage.ISOLATED: "not compensated",
+    Stage.ACCOMMODATED: "compensated",
+    Stage.IDLE: "cleared, kept in memory",
 }

@@ -53,6 +53,9 @@ class Picture:
 def thesis_pictures(study: ThesisStudy) -> Iterator[Picture]:
     """Yield the figures of the last case of each preset, then those of the isolation study.
 
+    Args:
+        study: The numbers.
+
     Raises:
         MissingExtraError: If matplotlib is not installed.
     """

@@ -63,7 +63,13 @@ def write_study_report(
 
 
 def study_page(study: ThesisStudy, pictures: Sequence[Picture], command: str = "") -> str:
-    """Return the page."""
+    """Return the page.
+
+    Args:
+        study: The numbers.
+        pictures: From `thesis_pictures`.
+        command: The command that made the report.
+    """
     body = [
         "<p class='lead'>Detection, accommodation and isolation of faults on the thesis' SCARA arm (Table 1, "
         "trajectory and control gains of its appendix), with the equations corrected. The arm moves by its "
@@ -85,8 +91,8 @@ def study_page(study: ThesisStudy, pictures: Sequence[Picture], command: str = "
         "<h2>Isolation</h2>",
         "<p>Three effects are known: a gain of the actuators, Coulomb friction, a ripple in position; seven filters. "
         "A filter is excluded once its error leaves its threshold. As printed, the threshold and all parameters "
-        "start at zero, and a true filter leaves it before it has learned. Given time to learn, combinations that "
-        "contain the true one fit as well, and some that lack a part of it.</p>",
+        "start at zero, and a true filter leaves it before it has learned. With time to learn, combinations that "
+        "contain the true one fit as well, and so do some that lack a part of it.</p>",
         f"<p><b>{isolation_sentence(study.isolations)}</b></p>",
         isolation_table(study.isolations),
         *figure_blocks(pictures, "isolation_"),
@@ -96,7 +102,12 @@ def study_page(study: ThesisStudy, pictures: Sequence[Picture], command: str = "
 
 
 def failures(joints: Sequence[str], cases: Iterable[Case]) -> list[str]:
-    """Say which faults were not accommodated, and on which joints."""
+    """Return a sentence for each case with joints whose faults were not accommodated.
+
+    Args:
+        joints: Names.
+        cases: Of one preset.
+    """
     sentences = []
     for case in cases:
         rms = case.tracking()
@@ -110,7 +121,11 @@ def failures(joints: Sequence[str], cases: Iterable[Case]) -> list[str]:
 
 
 def isolation_sentence(isolations: Iterable[Isolation]) -> str:
-    """Say how many combinations were isolated under each rule."""
+    """Return how many combinations were isolated under each rule.
+
+    Args:
+        isolations: Of all rules.
+    """
     rules: dict[str, list[Isolation]] = {}
     for one in isolations:
         rules.setdefault(one.rule, []).append(one)
@@ -122,7 +137,12 @@ def isolation_sentence(isolations: Iterable[Isolation]) -> str:
 
 
 def tracking_table(study: ThesisStudy, cases: Iterable[Case]) -> str:
-    """Return the RMS of tracking as an HTML table."""
+    """Return the RMS of the tracking error as an HTML table.
+
+    Args:
+        study: The numbers.
+        cases: Of one preset.
+    """
     headings = "".join(
         f"<th class='n'>{joint} [{unit}]</th>" for joint, unit in zip(study.joints, UNITS, strict=True)
     )
@@ -146,7 +166,11 @@ def tracking_table(study: ThesisStudy, cases: Iterable[Case]) -> str:
 
 
 def isolation_table(isolations: Iterable[Isolation]) -> str:
-    """Return the verdicts as an HTML table."""
+    """Return the verdicts as an HTML table.
+
+    Args:
+        isolations: Of all rules.
+    """
     rows = []
     for one in isolations:
         after = "" if one.after is None else f"{one.after:.3g} s"
@@ -160,13 +184,18 @@ def isolation_table(isolations: Iterable[Isolation]) -> str:
         )
         texts = "".join(f"<td>{html.escape(c)}</td>" for c in cells)
         rows.append(f"<tr>{texts}</tr>")
-    headings = ("rule", "there was", "verdict", "smallest survivor", "survived", "after")
+    headings = ("rule", "faults present", "verdict", "smallest survivor", "survived", "after")
     head = "".join(f"<th>{h}</th>" for h in headings)
     return f"<div class='card scroll'><table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table></div>"
 
 
 def figure_blocks(pictures: Iterable[Picture], stem: str = "") -> list[str]:
-    """Return figures with their titles and captions as HTML, those whose name begins so."""
+    """Return figures with their titles and captions as HTML.
+
+    Args:
+        pictures: All of them.
+        stem: Beginning of the names of those that are returned.
+    """
     return [
         f"<h3 style='margin-top:26px'>{html.escape(p.title)}</h3><figure class='card'>"
         f"<img alt='{html.escape(p.title)}' src='data:image/png;base64,{b64encode(p.png).decode()}'>"

@@ -1,4 +1,4 @@
-"""What changed between logs, in the terminal: errors by log, changes with their sizes, what could hide."""
+"""What changed between logs, in the terminal: errors by log, changes with sizes, bounds on hidden changes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison
 
 NAMED = 3  # changes that the verdict names before it counts the others
-MANY = 4  # parameters; of an effect with more, only those whose interval leaves out zero are listed
+MANY = 4  # parameters; of an effect with more, only those whose interval excludes zero are listed
 
 
 def errors_by_log(comparisons: Sequence[Comparison]) -> Table:
@@ -70,10 +70,14 @@ def changes_table(found: Changes) -> RenderableType:
 
 
 def changes_sentence(found: Changes) -> str:
-    """Return the verdict in one sentence."""
+    """Return the verdict in one sentence.
+
+    Args:
+        found: The outcome of ``what_changed``.
+    """
     before, after = listed(found.before), listed(found.after)
     if not found.changes:
-        return f"Nothing changed from {before} to {after} that these logs could show."
+        return f"These logs show no change from {before} to {after}."
     said = [f.sentence for f in found.findings]
     told = [change_words(c, found) for c in found.changes]
     few = listed(told) if len(told) <= NAMED else f"{', '.join(told[:NAMED])} and {len(told) - NAMED} more"
@@ -81,7 +85,12 @@ def changes_sentence(found: Changes) -> str:
 
 
 def change_words(change: Change, found: Changes) -> str:
-    """Return ``coulomb friction on elbow +2.10 ± 0.12 N·m (+40 %)``."""
+    """Return ``coulomb friction on elbow +2.10 ± 0.12 N·m (+40 %)``.
+
+    Args:
+        change: One of them.
+        found: All of them.
+    """
     names = short_names(found.model.robot.joints)
     where = f" on {listed(names[j] for j in change.term.effect.scope)}" if change.term.effect.scope else ""
     first = _differences(change, found)[:1]
@@ -106,7 +115,7 @@ def _changes(found: Changes) -> Table:
             f"{with_unit(number(c.torque_rms[j], 2), unit)} ({names[robot.joints[j]]})",
             number(c.evidence, 2),
         )
-    table.caption = "torque: RMS in the logs after; evidence: log-likelihood lost without the change"
+    table.caption = "torque: RMS in the later logs; evidence: log-likelihood lost without the change"
     return table
 
 
@@ -129,18 +138,19 @@ def _signed(text: str, value: float) -> str:
 
 
 def _doubts(found: Changes) -> list[str]:
-    """Return which changes could be others, under each motion that would tell."""
+    """Return which changes could be others, by the motion that would distinguish them."""
     by_motion: dict[str, list[str]] = {}
     for c in found.changes:
         for x in c.confusions:
             by_motion.setdefault(x.motion, []).append(f"{effect_words(c.term.effect)} ↔ {confusion_words(x)}")
     return [
-        f"Hard to tell apart: {', '.join(pairs)}. To tell, {motion}." for motion, pairs in by_motion.items()
+        f"Hard to distinguish: {', '.join(pairs)}. To distinguish them, {motion}."
+        for motion, pairs in by_motion.items()
     ]
 
 
 def _bounds(found: Changes) -> RenderableType:
-    """Return the largest change of each joint that could be there without being seen."""
+    """Return the largest change of each joint that could stay hidden."""
     robot, names = found.model.robot, short_names(found.model.robot.joints)
     said = []
     for joint, bound in found.bounds.items():
@@ -148,10 +158,8 @@ def _bounds(found: Changes) -> RenderableType:
         said.append(
             f"{names[joint]} {with_unit(number(bound.torque, 2), unit)} ({effect_name(bound.term.effect)})"
         )
-    other = "Another" if found.changes else "A"
+    other = "The largest other change" if found.changes else "The largest change"
     return Padding(
-        clean(
-            f"{other} change of one effect that these logs do not show is at most (RMS): {', '.join(said)}."
-        ),
+        clean(f"{other} of one effect that these logs would not show (RMS): {', '.join(said)}."),
         (0, 1),
     )

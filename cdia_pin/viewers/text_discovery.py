@@ -1,4 +1,4 @@
-"""A discovery in the terminal: the error falling, the effects, their doubles, the verdict."""
+"""A discovery in the terminal: the error step by step, the effects, their confusions, the verdict."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ VERDICT_STYLE = {"nothing-missing": "green", "explained": "green", "unexplained"
 
 
 def discovery_table(found: Discovery) -> RenderableType:
-    """Return the error falling step by step, the effects found, and the verdict in words.
+    """Return the error step by step, the effects found, and the verdict in words.
 
     Args:
         found: The outcome of ``discover``.
@@ -104,7 +104,7 @@ def _shown(step: Step, found: Discovery) -> list[ShapeRow]:
 
 
 def _confusions(found: Discovery) -> RenderableType:
-    """Return what could be mistaken for what, under each motion that would tell it."""
+    """Return what could be mistaken for what, by the motion that would distinguish it."""
     by_motion: dict[str, dict[str, list[str]]] = {}
     for step in found.steps:
         for c in step.confusions:
@@ -113,7 +113,7 @@ def _confusions(found: Discovery) -> RenderableType:
             pairs.setdefault(effect_words(step.term.effect), []).append(confusion_words(c))
     parts: list[RenderableType] = []
     for motion, pairs in by_motion.items():
-        parts.append(clean(f"To tell them apart, {motion}:", "italic"))
+        parts.append(clean(f"To distinguish them, {motion}:", "italic"))
         lines = (clean(f"{one} ↔ {', '.join(few(others))}") for one, others in pairs.items())
         parts += [Padding(line, (0, 0, 0, 2)) for line in lines]
     return Padding(Group(*parts), (0, 1, 1, 1))

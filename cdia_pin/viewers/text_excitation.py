@@ -1,4 +1,4 @@
-"""A designed motion in the terminal: the limits that it keeps, and what it makes visible."""
+"""A designed motion in the terminal: its peaks beside the limits, and what it makes identifiable."""
 
 from __future__ import annotations
 
@@ -39,18 +39,18 @@ def limits_table(motion: Excitation) -> Table:
         for j in motion.joints
     )
     start = ", ".join(_fixed(x) for x in motion.position[0])
-    peak = f"Peak / what it may be, in {' or '.join(units)}."
+    peak = f"Peak / limit, in {' or '.join(units)}."
     table.caption = f"{peak} Starts and ends at rest at {start}. {_contacts(motion)}"
     return table
 
 
 def _contacts(motion: Excitation) -> str:
     if not motion.checked:
-        return "The URDF has no collision shapes: contacts were not looked for."
+        return "The URDF has no collision shapes: contacts were not checked."
     floor = "" if motion.floor is None else f", with a floor at {_fixed(motion.floor)} m"
     return (
-        f"Links keep {1000 * motion.clearance:g} mm apart ({motion.checked} pairs of shapes{floor}); what else "
-        "surrounds the arm is not known."
+        f"Links stay {1000 * motion.clearance:g} mm apart ({motion.checked} pairs of shapes{floor}); other obstacles "
+        "are not known."
     )
 
 
@@ -64,19 +64,24 @@ def gain_words(motion: Excitation) -> str:
     if not gain.between:
         seen, count = gain.seen
         return (
-            f"Motions show {seen} combinations of {count} parameters; their standard deviations are "
+            f"Motions identify {seen} combinations of {count} parameters; their standard deviations are "
             f"{number(gain.after)} times smaller than {gain.beside} (geometric mean)."
         )
     one, two = gain.between
     said = (
-        f"{one} taken for {two}, or the other way round, is off by {number(gain.after)} standard deviations; "
-        f"{gain.beside} by {number(gain.before)}."
+        f"{one} and {two} differ by {number(gain.after)} standard deviations; {gain.beside}: "
+        f"{number(gain.before)}."
     )
-    untold = [b for b, told in zip(gain.between, gain.told, strict=True) if not told]
-    if untold:
-        (other,) = (b for b in gain.between if b not in untold)
-        said += f" Only what {other} has beyond {listed(untold)} is told: it does all that the latter does."
-    return said if gain.enough else f"{said} That is too little to be sure: allow more time or wider limits."
+    contained = [b for b, told in zip(gain.between, gain.told, strict=True) if not told]
+    if contained:
+        (other,) = (b for b in gain.between if b not in contained)
+        inner = listed(contained)
+        said += f" Only what {other} has beyond {inner} is identifiable: {other} contains {inner}."
+    return (
+        said
+        if gain.enough
+        else f"{said} This is too little for a sure decision: allow more time or wider limits."
+    )
 
 
 def _limit(value: float) -> str:

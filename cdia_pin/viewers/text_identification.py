@@ -1,4 +1,4 @@
-"""An identification in the terminal: errors by joint, what acts in the joints, base parameters."""
+"""An identification in the terminal: errors by joint, friction and rotors, base parameters."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ SHOWN = 12  # base parameters, unless all are asked for
 
 
 def identification_table(found: Identification, *, everything: bool = False) -> RenderableType:
-    """Return errors before and after, friction and rotors, base parameters, and what is left to the URDF.
+    """Return errors before and after, friction and rotors, base parameters, and what keeps the values of the URDF.
 
     Args:
         found: The outcome of ``identify``.
@@ -41,25 +41,29 @@ def identification_table(found: Identification, *, everything: bool = False) -> 
 
 
 def sentences(found: Identification) -> list[str]:
-    """Return what an identification means, in plain sentences."""
+    """Return what an identification means, in sentences.
+
+    Args:
+        found: The outcome of ``identify``.
+    """
     before, after = (
         float(np.mean(e / np.maximum(found.heldout_torque_rms, 1e-12)))
         for e in (found.heldout_before, found.heldout_after)
     )
     base, names = found.base, short_names(found.model.robot.joints)
-    silent = [n for n, told in zip(base.names, base.told, strict=True) if not told]
+    silent = [n for n, seen in zip(base.names, base.told, strict=True) if not seen]
     links = [names[j] for j in found.model.robot.joints if any(n.startswith(f"{j}.") for n in silent)]
     out = [
         f"On data that was not fitted the error falls from {percent(before)} to {percent(after)} of the torque, mean "
         "over the joints.",
-        "Every link is a body that can exist."
+        "Every link is physically consistent."
         if (found.margin >= 0).all()
-        else "Not every link is a body that can exist: do not simulate with these numbers.",
+        else "Not every link is physically consistent: do not simulate with these numbers.",
     ]
     if silent:
         out.append(
-            f"The motion tells {len(base) - len(silent)} of {len(base)} base parameters; the URDF holds the others, of "
-            f"{listed(links)}. A motion from cdia excite would tell more."
+            f"The motion identifies {len(base) - len(silent)} of {len(base)} base parameters; the others, of "
+            f"{listed(links)}, keep the values of the URDF. A motion from cdia excite would identify more."
         )
     return out
 
@@ -91,17 +95,17 @@ def _joints(found: Identification) -> Table:
         for term in found.model.terms:
             if term.effect.scope[:1] == (joint,) and not isinstance(term.effect, Body):
                 numbers = [*parameters(term, robot), *shape_parameters(term, robot)]
-                told = ", ".join(
+                values = ", ".join(
                     p["text"] if len(numbers) == 1 else f"{p['name']} {p['text']}" for p in numbers
                 )
-                rows.append(f"{effect_name(term.effect)} {told}")
+                rows.append(f"{effect_name(term.effect)} {values}")
         table.add_row(clean(name, "bold"), clean("\n".join(rows)))
     return table
 
 
 def _base(found: Identification, everything: bool) -> Table:
     base = found.base
-    table = new_table("base parameter", "URDF", "identified ± 95 %", "told", left=(0,))
+    table = new_table("base parameter", "URDF", "identified ± 95 %", "identifiable", left=(0,))
     furthest = np.argsort(-base.moved)
     order = np.arange(len(base)) if everything else furthest[base.told[furthest]][:SHOWN]
     for k in order:
@@ -116,6 +120,6 @@ def _base(found: Identification, everything: bool) -> Table:
         )
     if not everything:
         table.caption = (
-            f"told by this motion, the {len(order)} furthest from the URDF; --all shows all {len(base)}"
+            f"the {len(order)} identifiable ones furthest from the URDF; --all shows all {len(base)}"
         )
     return table

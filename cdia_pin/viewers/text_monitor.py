@@ -1,4 +1,4 @@
-"""A monitor's run in the terminal: what it said and when, and what it believes at the end."""
+"""A monitor's run in the terminal: its events, and the faults at the end."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STYLES = {"detection": "yellow", "isolation": "cyan", "idle": "green"}
 
 
 def events_table(run: MonitorRun) -> Table:
-    """Return what a monitor said, in the order in which it said it.
+    """Return the events of a monitor in their order.
 
     Args:
         run: Of a replay or a closed loop.
@@ -39,12 +39,12 @@ def events_table(run: MonitorRun) -> Table:
 
 
 def joints_table(run: MonitorRun) -> Table:
-    """Return threshold, largest residual, stage at the end and faults believed in of each joint.
+    """Return threshold, largest residual, last stage and faults of each joint.
 
     Args:
         run: Of a replay or a closed loop.
     """
-    table = new_table("joint", "threshold", "largest residual", "at the end", "believed", left=(0, 3, 4))
+    table = new_table("joint", "threshold", "largest residual", "at the end", "fault", left=(0, 3, 4))
     short = short_names(run.joints)
     for j, joint in enumerate(run.joints):
         unit = joint_units(run.robot, joint)["load" if run.in_torque else "velocity"]
@@ -83,11 +83,11 @@ def tracking_table(robot: RobotModel, tracking: Mapping[str, NDArray[np.float64]
 
 
 def _milli(value: float, unit: str) -> str:
-    return with_unit(number(1e3 * value), unit) if np.isfinite(value) else "ran away"
+    return with_unit(number(1e3 * value), unit) if np.isfinite(value) else "diverged"
 
 
 def run_summary(run: MonitorRun) -> str:
-    """Return what happened, in one sentence.
+    """Return what happened in a run, in one or two sentences.
 
     Args:
         run: Of a replay or a closed loop.
@@ -95,13 +95,13 @@ def run_summary(run: MonitorRun) -> str:
     seen = dict.fromkeys(j for e in run.events if e.stage == "detection" for j in e.joints)
     span = f"{run.time[-1] - run.time[0]:.4g} s"
     if not seen:
-        return f"No joint left its threshold in {span}."
+        return f"No residual left its threshold in {span}."
     first = min(e.time for e in run.events if e.stage == "detection")
     believed = [fault_words(t, run.robot, joint=True) for t in run.faults]
-    end = f"Believed at the end: {listed(believed)}." if believed else "Nothing is believed at the end."
+    end = f"At the end: {listed(believed)}." if believed else "No fault remains."
     open_ = [j for k, j in enumerate(run.joints) if STAGES[run.stages[-1, k]] is Stage.DETECTED]
-    undecided = f" On {listed(open_)} it has not been decided what it is." if open_ else ""
-    return f"In {span} {listed(seen)} left the threshold, the first at {first:.3f} s. {end}{undecided}"
+    undecided = f" The fault on {listed(open_)} is not isolated yet." if open_ else ""
+    return f"In {span} the residual left its threshold on {listed(seen)}, first at {first:.3f} s. {end}{undecided}"
 
 
 def _said(row: EventRow) -> Text:
@@ -111,7 +111,7 @@ def _said(row: EventRow) -> Text:
     if row.verdict:
         lines[:1] = [f"{row.verdict}: {lines[0]}" if lines else row.verdict]
     if row.alternatives:
-        lines.append(f"or else {'; '.join(row.alternatives)}")
+        lines.append(f"or {'; '.join(row.alternatives)}")
     said = clean("\n".join(lines))
     if row.reason:
         said.append_text(clean(("\n" if lines else "") + row.reason, "dim"))

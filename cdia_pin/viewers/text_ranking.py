@@ -1,4 +1,4 @@
-"""What each candidate would explain by itself, as a table."""
+"""The ranking of single candidates, as a table."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NAMED = 2  # parameters, and other explanations, of each
 
 
 def ranking_table(found: Discovery, everything: bool = False) -> Table:
-    """Return the candidates that explain most, each fitted beside the model as given.
+    """Return the best candidates, each fitted alone beside the model as given.
 
     Args:
         found: The outcome of ``discover``.
@@ -50,7 +50,7 @@ def ranking_table(found: Discovery, everything: bool = False) -> Table:
 
 
 def _parameters(ranked: Ranked, found: Discovery) -> list[str]:
-    """The parameters that differ from zero most clearly."""
+    """Return the parameters that differ from zero most clearly."""
     term = ranked.term
     units = term.effect.units(found.model.robot)
     ends = term.ci95 or tuple((v, v) for v in term.theta)

@@ -1,4 +1,4 @@
-"""What a discovery means, in plain sentences: the same in the terminal and on the page."""
+"""What a discovery means, in sentences shared by the terminal and the pages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NAMED = 3  # effects that a sentence names before it counts the others
 
 
 def verdict_sentences(found: Discovery) -> list[str]:
-    """Return what a discovery means, in plain sentences, the verdict first.
+    """Return what a discovery means, in sentences, the verdict first.
 
     Args:
         found: The outcome of ``discover``.
@@ -38,24 +38,33 @@ def verdict_sentences(found: Discovery) -> list[str]:
 
 
 def comparison_sentence(found: Comparison) -> str:
-    """Return how far a model is from its logs, and on which joint most."""
+    """Return how far a model is from its logs, and on which joint most.
+
+    Args:
+        found: The outcome of ``compare``.
+    """
     share = found.relative_rms
     worst = int(np.argmax(share))
     return (
-        f"The model of {found.model.robot.name} misses the measured torque by {percent(float(share.mean()))} "
+        f"The model of {found.model.robot.name} differs from the measured torque by {percent(float(share.mean()))} "
         f"(mean over the joints), most on {found.model.robot.joints[worst]} ({percent(float(share[worst]))})."
     )
 
 
 def mean_share(errors: Sequence[float] | np.ndarray, found: Discovery) -> float:
-    """Return the mean over the joints of error over torque RMS [1]."""
+    """Return error over torque RMS, mean over the joints [1].
+
+    Args:
+        errors: RMS of each joint [N·m or N], shape (n,).
+        found: The outcome of ``discover``.
+    """
     return float(np.mean(np.asarray(errors) / np.maximum(found.torque_rms, 1e-12)))
 
 
 def _what(steps: Sequence[Step]) -> str:
     if len(steps) <= NAMED:
         return _named(steps)
-    return f"{len(steps)} effects (the most telling: {_named(steps[:NAMED])})"
+    return f"{len(steps)} effects (the strongest: {_named(steps[:NAMED])})"
 
 
 def _named(steps: Sequence[Step]) -> str:
@@ -67,7 +76,7 @@ def _structure_sentences(found: Discovery) -> list[str]:
     few, every = len(left) < NAMED, len(left) == len(joints)
     counted = f"all {len(joints)} joints" if every else f"{len(left)} of the {len(joints)} joints"
     where = listed(left) if few else counted
-    rest = f"on {where} structure is left that nothing tried explains."
+    rest = f"the residual on {where} has structure that no effect explains."
     if not found.steps:
         said = [f"{rest[0].upper()}{rest[1:]}"]
     elif len(found.steps) <= NAMED:
@@ -75,7 +84,7 @@ def _structure_sentences(found: Discovery) -> list[str]:
     else:
         said = [
             f"The model of {found.model.robot.name} lacks {len(found.steps)} effects; {rest}",
-            f"The most telling are {_named(found.steps[:NAMED])}.",
+            f"The strongest are {_named(found.steps[:NAMED])}.",
         ]
     return said if few or every else [*said, f"The residual still follows the motion on {listed(left)}."]
 
@@ -101,12 +110,12 @@ def _confusion_sentences(steps: Sequence[Step]) -> list[str]:
         some = f"{len(doubtful)} of the" if len(doubtful) < len(steps) else "All"
         return [
             f"{some} {len(steps)} effects could be mistaken for others with this motion; "
-            "the motions that would tell them apart are listed."
+            "the motions that would distinguish them are listed."
         ]
     step = doubtful[0]
     assert step.term is not None
     others = listed(few(confusion_words(c) for c in step.confusions))
     return [
-        f"With this motion, {effect_words(step.term.effect)} is hard to tell from {others}; "
-        f"to tell them apart: {step.confusions[0].motion}."
+        f"With this motion, {effect_words(step.term.effect)} is hard to distinguish from {others}; "
+        f"to distinguish them: {step.confusions[0].motion}."
     ]

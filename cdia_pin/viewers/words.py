@@ -1,4 +1,4 @@
-"""Words and numbers that the terminal and the page share: one wording for one result."""
+"""Words and numbers that the terminal and the pages share: one wording for one result."""
 
 from __future__ import annotations
 
@@ -24,7 +24,12 @@ NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
 def number(value: float, digits: int = 3) -> str:
-    """Return a number with so many significant digits, a power of ten only where it is tiny or huge."""
+    """Return a number as text, with a power of ten only where it is tiny or huge.
+
+    Args:
+        value: The number.
+        digits: Significant digits.
+    """
     if value == 0 or not math.isfinite(value):
         return f"{value:g}".replace("-", "−")
     power = math.floor(math.log10(abs(value)))
@@ -33,7 +38,11 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def percent(share: float) -> str:
-    """Return a share as ``97 %``, ``4.6 %`` or ``0.92 %``."""
+    """Return a share as ``97 %``, ``4.6 %`` or ``0.92 %``.
+
+    Args:
+        share: The share [1].
+    """
     if not math.isfinite(share):
         return "–"
     value = 100 * share
@@ -70,12 +79,21 @@ def _places(width: float) -> int:
 
 
 def with_unit(text: str, unit: str) -> str:
-    """Return a number with its unit; the unit 1 is not written."""
+    """Return a number with its unit.
+
+    Args:
+        text: The number.
+        unit: Its unit; 1 is not written.
+    """
     return text if unit == "1" else f"{text}{NO_BREAK}{unit}"
 
 
 def region_words(region: Region) -> str:
-    """Return ``velocity in [−0.10, 0.10] rad/s``, with the digits that tell the ends apart."""
+    """Return ``velocity in [−0.10, 0.10] rad/s``, with enough digits to distinguish the ends.
+
+    Args:
+        region: Of a comparison.
+    """
     width = abs(region.upper - region.lower)
     places = _places(width) if width > 0 else 3
     ends = (f"{round(x, places) + 0.0:.{places}f}".replace("-", "−") for x in (region.lower, region.upper))
@@ -86,12 +104,24 @@ def region_words(region: Region) -> str:
 
 
 def joint_units(robot: RobotModel, joint: str) -> dict[str, str]:
-    """Return the unit of each signal of a joint: position, velocity, acceleration, load and time."""
+    """Return the unit of each signal of a joint: position, velocity, acceleration, load and time.
+
+    Args:
+        robot: The arm.
+        joint: Name of the joint.
+    """
     return signal_units(bool(robot.is_prismatic[robot.joint_index(joint)]))
 
 
 def short_names(joints: Sequence[str]) -> dict[str, str]:
-    """Return names without the words that all of them begin or end with, such as ``panda_`` or ``_joint``."""
+    """Return names without the words that all of them begin or end with, such as ``panda_`` or ``_joint``.
+
+    Args:
+        joints: Names.
+
+    Returns:
+        Full name → short name.
+    """
     words = [j.split("_") for j in joints]
     first = last = 0
     if len(joints) > 1:
@@ -104,7 +134,11 @@ def short_names(joints: Sequence[str]) -> dict[str, str]:
 
 
 def effect_name(effect: Effect) -> str:
-    """Return ``coulomb friction`` for the effect of that name, or a user's expression as it is written."""
+    """Return ``coulomb friction`` for the effect of that name; a user's expression stays as it is written.
+
+    Args:
+        effect: The effect.
+    """
     if isinstance(effect, Varying):
         return f"{effect_name(effect.effect)} {VARYING[effect.kind]}"
     name = effect.label.partition("@")[0]
@@ -112,7 +146,11 @@ def effect_name(effect: Effect) -> str:
 
 
 def effect_words(effect: Effect) -> str:
-    """Return ``coulomb friction on elbow_joint``, or ``payload`` for an effect of the whole arm."""
+    """Return ``coulomb friction on elbow_joint``, or ``payload`` for an effect of the whole arm.
+
+    Args:
+        effect: The effect.
+    """
     return effect_name(effect) + (f" on {joints_words(effect.scope)}" if effect.scope else "")
 
 
@@ -138,7 +176,11 @@ def confusion_words(confusion: Confusion) -> str:
 
 
 def profile_words(term: Term) -> str:
-    """Return where a term is present, empty if always."""
+    """Return the profile of a term in words, empty if it always acts.
+
+    Args:
+        term: An effect with numbers.
+    """
     given = term.profile.to_dict()
     kind = str(given.pop("kind"))
     if kind == "always":
@@ -148,7 +190,12 @@ def profile_words(term: Term) -> str:
 
 
 def few(items: Iterable[str], most: int = 4) -> list[str]:
-    """Return the first names, and how many more there are."""
+    """Return the first names, and how many more there are.
+
+    Args:
+        items: Names; repeated ones count once.
+        most: Names to return.
+    """
     names = list(dict.fromkeys(items))
     return names if len(names) <= most else [*names[:most], f"{len(names) - most} more"]
 

@@ -291,7 +291,7 @@ def test_a_search_can_be_cancelled(tab):
     tab.evaluate(
         """() => new MutationObserver((_, watcher) => {
              const bar = document.querySelector('[data-mark=running][data-busy=yes]');
-             if (!bar || !bar.textContent.startsWith("Looking for")) return;
+             if (!bar || !bar.textContent.startsWith("Searching for")) return;
              watcher.disconnect(); bar.querySelector('[data-mark=cancel]').click();
            }).observe(document.body, { childList: true, subtree: true, attributes: true, characterData: true })"""
     )

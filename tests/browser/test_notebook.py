@@ -81,7 +81,7 @@ result = shell.run_cell('cdia_pin.compare(model, log)').result
 print(shell.display_formatter.format(result)[0]['text/html'])
 """
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert "The model of scara misses the measured torque by" in run.stdout
+    assert "The model of scara differs from the measured torque by" in run.stdout
 
 
 def test_what_is_shown_is_what_was_found(results: dict[str, Any]):

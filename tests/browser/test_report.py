@@ -250,7 +250,7 @@ def test_a_discovery_opens_with_its_error_coloured(page: Any, discovered: Writte
 
 def test_isolation_shows_which_hypotheses_live(page: Any, watched: Written):
     opened(page, watched)
-    card = page.locator(".card", has=page.get_by_text(f"{FAULTY}: which hypotheses live"))
+    card = page.locator(".card", has=page.get_by_text(f"{FAULTY}: the hypotheses over time"))
     gain = card.locator('.strip[aria-label^="actuator gain"]')
     assert "leading" in gain.get_attribute("aria-label")
     other = card.locator('.strip[aria-label^="joint spring"]')

@@ -37,7 +37,7 @@ def motion(robot, faulty, frames=241, duration=8.0):
     stage[time >= 5, faulty] = NAMES.index("accommodated")
     level = np.where(stage > 0, 1.5, 0.05)
     torque = np.where(stage > 0, -4.2, 0.0)
-    label = ((3.0, "a fault, which one is being decided"), (5.0, "coulomb friction: level 4.2 N·m"))
+    label = ((3.0, "elbow: fault not isolated yet"), (5.0, "coulomb friction: level 4.2 N·m"))
     track = Track("", stage, level, torque, label)
     return Timeline(time, position, monitor_stages(), (track,), desired=position + 0.12)
 
@@ -105,7 +105,7 @@ def test_label_arc_and_ghost(player):
     assert before["arrow"] is None
     assert faulty["arrow"] == "elbow_joint"
     assert "detected" in faulty["label"]
-    assert "which one" in faulty["label"]
+    assert "not isolated yet" in faulty["label"]
     assert faulty["pin"] == "elbow −4.20 N·m"
     assert "accommodated" in after["label"]
     assert "coulomb friction" in after["label"]

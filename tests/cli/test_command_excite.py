@@ -37,7 +37,7 @@ def test_the_files_are_named_and_hold_the_motion(designed):
 def test_peaks_and_gain_are_shown(designed):
     shown, _ = designed
     assert "joint1" in shown.out
-    assert "what else surrounds the arm is not known" in " ".join(shown.out.split())
+    assert "other obstacles are not known" in " ".join(shown.out.split())
     assert "standard deviations" in " ".join(shown.out.split())
     assert "the URDF states no effort limit for joint1, joint2" in shown.err
 
@@ -86,7 +86,7 @@ def test_parameters_of_named_effects(cdia, tmp_path):
             ("--between", "encoder_offset@joint1", "base_tilt"),
             "no motion of this arm tells encoder_offset@joint1 from",
         ),
-        ((*PAIR, "--effects", "payload"), "--between and --effects ask two questions"),
+        ((*PAIR, "--effects", "payload"), "--between and --effects are two purposes"),
         (("--duration", "1"), "a motion takes 6 to 600 s"),
         (("--rate", "1"), "10 to 10000 Hz"),
         (("--seed", "-1"), "a seed is 0 or more"),

@@ -21,9 +21,9 @@ def outcome(cdia, logs, tmp_path_factory):
 
 def test_it_shows_errors_friction_and_base_parameters(outcome):
     said = outcome[0].out
-    for words in ("torque RMS", "held out", "coulomb friction", "rotor inertia", "base parameter", "told"):
+    for words in ("torque RMS", "held out", "coulomb friction", "rotor inertia", "base parameter", "identifiable"):
         assert words in said
-    assert "Every link is a body that can exist." in said
+    assert "Every link is physically consistent." in said
     assert "other.csv" in said
 
 

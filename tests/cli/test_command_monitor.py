@@ -57,7 +57,7 @@ def test_a_person_can_read_it(watched):
     text = " ".join(watched[0].split())
     assert "viscous friction" in text
     assert "N·m·s/rad" in text
-    assert "joint2 left the threshold" in text
+    assert "the residual left its threshold on joint2" in text
 
 
 def test_the_saved_model_has_the_fault(watched):

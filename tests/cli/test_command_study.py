@@ -16,7 +16,7 @@ def test_the_model_of_the_scara_arm(cdia):
     assert shown.code == 0, shown.err
     assert "power balance" in shown.out
     assert "6.0e-03" in shown.out
-    assert "is the arm of the URDF" in shown.out
+    assert "agrees with the URDF" in shown.out
 
 
 def test_its_json(cdia):

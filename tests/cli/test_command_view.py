@@ -11,8 +11,8 @@ SIMULATE = ("--simulate", "--robot", "double_pendulum", "--no-open")
         (("--robot", "ur5"), "give a LOG, or --simulate"),
         ((*SIMULATE, "run.csv"), "either a LOG or --simulate"),
         (("run.csv", "--robot", "double_pendulum", "--fault", "payload: mass=1"), "add --simulate"),
-        ((*SIMULATE, "--healthy", "before.csv"), "of a log"),
-        ((*SIMULATE, "--monitor"), "of a log"),
+        ((*SIMULATE, "--healthy", "before.csv"), "need a LOG"),
+        ((*SIMULATE, "--monitor"), "need a LOG"),
         (
             ("run.csv", "--robot", "double_pendulum", "--bank", "coulomb_friction"),
             "add --healthy or --monitor",

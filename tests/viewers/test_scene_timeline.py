@@ -67,7 +67,7 @@ def test_the_stages_are_those_of_the_run(run):
 def test_the_label_names_the_fault(run):
     (track,) = timeline_of_run(run).tracks
     said = [text for _, text in track.label]
-    assert "which one is being decided" in said[0]
+    assert "not isolated yet" in said[0]
     assert "viscous friction on joint2: coefficient" in said[-1]
     assert len(said) == len(set(said))
 

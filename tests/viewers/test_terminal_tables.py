@@ -45,7 +45,7 @@ def test_a_discovery_shows_steps_numbers_doubts_and_verdict(doubtful, width):
     assert "level 4.00 ± 0.10 N·m" in text
     assert "decay 8.00 s/rad" in text
     assert "noise floor" in text
-    assert "hard to tell from coulomb friction on joint3" in text
+    assert "hard to distinguish from coulomb friction on joint3" in text
 
 
 def test_effects_of_a_real_discovery_are_listed(results):

@@ -101,11 +101,16 @@ def test_nothing_missing_says_so(results):
 def test_explained_names_the_effect_and_the_doubt(doubtful):
     said = " ".join(verdict_sentences(doubtful))
     assert "down to the noise once stribeck friction on joint3 is added" in said
-    assert "hard to tell from coulomb friction on joint3; to tell them apart: move the joint slowly" in said
+    assert (
+        "hard to distinguish from coulomb friction on joint3; to distinguish them: move the joint slowly"
+        in said
+    )
 
 
 def test_unexplained_names_the_joints(doubtful):
     found = replace(doubtful, verdict="unexplained", structure_left=("joint1",))
-    assert "on joint1 structure is left" in verdict_sentences(found)[0]
+    assert "the residual on joint1 has structure" in verdict_sentences(found)[0]
     alone = replace(found, trace=found.trace[:1], structure_left=found.model.robot.joints)
-    assert verdict_sentences(alone)[0] == "On all 4 joints structure is left that nothing tried explains."
+    assert (
+        verdict_sentences(alone)[0] == "The residual on all 4 joints has structure that no effect explains."
+    )

@@ -37,10 +37,10 @@ const JointCharts = (() => {
     return overTime(box, [line("tracking error", error, "curve")], { ...about(joint, options), height: 200, unit, label: "q − q_d [" + unit + "]" });
   }
 
-  // A parameter as it was believed, with its 95 % interval: {name, unit, time, value, low, high, real}.
+  // A parameter as it was estimated, with its 95 % interval: {name, unit, time, value, low, high, real}.
   function parameter(box, joint, p, options) {
     const lines = [line("upper end", p.high, "after", { width: 0, hidden: true, under: true }), line("lower end", p.low, "after", { width: 0, hidden: true }),
-      line("believed", p.value, "after", { width: 2 })];
+      line("estimated", p.value, "after", { width: 2 })];
     if (p.real !== null) lines.push(line("in the plant", p.time.map(() => p.real), "floor", { dash: [6, 3] }));
     return overTime(box, lines, { time: p.time, unit: p.unit, label: p.name + " [" + p.unit + "]", height: 170, clock: options.clock });
   }

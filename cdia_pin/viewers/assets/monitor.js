@@ -35,7 +35,7 @@ function head() {
 function stages() {
   const seen = Object.keys(STAGES).filter((s) => DATA.joints.some((j) => j.stages.some((i) => i[2] === s)));
   return h("section", {}, h("h2", {}, "Stages"),
-    h("p", { class: "lead" }, "Where each joint stands between healthy and corrected, over time."),
+    h("p", { class: "lead" }, "The stage of each joint over time, from healthy to compensated."),
     h("div", { class: "card" },
       legend(...seen.map((s) => ["stage-" + s, "band", s + (STAGES[s].words && ": " + STAGES[s].words)]),
         DATA.joints.some((j) => j.present.length) && ["ink", "thin", "the fault is in the plant"]),
@@ -53,8 +53,8 @@ function events() {
       e.said.map((s) => h("div", {}, h("b", {}, s))),
       e.alternatives.length ? h("div", {}, "or else " + e.alternatives.join("; ")) : null,
       e.reason ? h("div", { class: "soft" }, e.reason) : e.stage === "detection" ? "the residual left its threshold" : null)]);
-  return h("section", {}, h("h2", {}, "What was said"),
-    h("p", { class: "lead" }, "Sizes with their 95 % interval, as they were believed at that moment. Numbers stand at the dashed lines of the charts."),
+  return h("section", {}, h("h2", {}, "Events"),
+    h("p", { class: "lead" }, "Sizes with their 95 % interval, as they were estimated at that moment. Numbers stand at the dashed lines of the charts."),
     h("div", { class: "card" }, table([right("th", ""), right("th", "time"), "joint", "stage", "said"], rows)));
 }
 
@@ -63,14 +63,14 @@ function believed() {
     h("td", {}, h("span", { class: "dot", style: "background:var(--stage-" + j.stages[j.stages.length - 1][2] + ")" }), j.stages[j.stages.length - 1][2]),
     h("td", {}, j.believed.length ? j.believed.map((b) => h("div", {}, h("b", {}, b))) : h("span", { class: "soft" }, "–"))]);
   return h("section", {}, h("h2", {}, "At the end"),
-    h("div", { class: "card" }, table(["joint", right("th", "threshold"), right("th", "largest residual"), "stage", "believed, ± 95 %"], rows)));
+    h("div", { class: "card" }, table(["joint", right("th", "threshold"), right("th", "largest residual"), "stage", "fault, ± 95 %"], rows)));
 }
 
 function tracking() {
   if (!DATA.tracking) return null;
   const runs = Object.entries(DATA.tracking.runs);
   const style = { faulty: "b", accommodated: "a" };
-  const cell = (name, x, j) => right("td", x === null ? "ran away" : num(1e3 * x) + "\u00a0m" + j.units.position, style[name] || "");
+  const cell = (name, x, j) => right("td", x === null ? "diverged" : num(1e3 * x) + "\u00a0m" + j.units.position, style[name] || "");
   const rows = DATA.joints.map((j, k) => [j.name, ...runs.map(([name, rms]) => cell(name, rms[k], j))]);
   return h("section", {}, h("h2", {}, "Tracking"),
     h("p", { class: "lead" }, "RMS of position less desired position" + (DATA.tracking.since > 0 ? " from " + num(DATA.tracking.since) + " s on, when the first fault begins." : ".")),
@@ -106,7 +106,7 @@ function againstMotion(j) {
   return {
     node: h("div", { class: "stack" },
       legend(["before", "dots", "residual from the detection on"], ["measured", "dots", "before, and after the fault was gone"],
-        curve && ["curve", "dashed", "torque of what was believed last: " + j.against.fitted.join(" with ")]),
+        curve && ["curve", "dashed", "torque of the fault isolated last: " + j.against.fitted.join(" with ")]),
       h("div", { class: "three-up" }, names.map((s, k) => h("div", { class: "card" }, h("h3", {}, j.name + ": residual against " + (s === "load" ? "torque" : s)), boxes[k])))),
     draw() { names.forEach((s, k) => JointCharts.faulty(boxes[k], j, s)); },
   };
@@ -115,7 +115,7 @@ function againstMotion(j) {
 function isolation(j) {
   if (!j.hypotheses.length) return null;
   return h("div", { class: "card stack" },
-    h("h3", {}, j.name + ": which hypotheses live"),
+    h("h3", {}, j.name + ": the hypotheses over time"),
     legend(["floor", "band faint", "open: detected, nothing excluded yet"], ["after", "band", "leading: in the combination that explains best"],
       ["after", "band faint", "possible: in another one that explains the same"]),
     JointCharts.hypotheses(j, SHOWN));
@@ -126,7 +126,7 @@ function sizes(j) {
   if (!boxes.length) return null;
   return {
     node: h("div", { class: "stack" },
-      legend(["after", "line", "parameter as believed"], ["after", "band faint", "its 95 % interval"], j.parameters.some((p) => p.real !== null) && ["floor", "dashed", "its value in the plant"]),
+      legend(["after", "line", "parameter as estimated"], ["after", "band faint", "its 95 % interval"], j.parameters.some((p) => p.real !== null) && ["floor", "dashed", "its value in the plant"]),
       h("div", { class: "two-up" }, j.parameters.map((p, k) => h("div", { class: "card" }, h("h3", {}, j.name + ", " + named(p)), boxes[k])))),
     draw() { j.parameters.forEach((p, k) => JointCharts.parameter(boxes[k], j, p, SHOWN)); },
   };
@@ -141,9 +141,9 @@ const buttons = () => jointButtons((j) => num(j.largest / (j.usual || 1e-12), 2)
 
 function joints() {
   if (!DATA.joints.some((j) => j.hypotheses.length || j.parameters.length || j.against)) return null;
-  const nothing = (j) => h("p", { class: "card soft" }, j.name + " was healthy all the time: nothing was decided upon.");
+  const nothing = (j) => h("p", { class: "card soft" }, j.name + " was healthy all the time: there was nothing to decide.");
   return h("section", {}, h("h2", {}, "What it is, and how large"),
-    h("p", { class: "lead" }, "Which known effects explain the residual of a joint, what their parameters were believed to be, and the residual against the motion."),
+    h("p", { class: "lead" }, "Which known effects explain the residual of a joint, their parameters as they were estimated, and the residual against the motion."),
     buttons(), ofJoint((j) => {
       const parts = [isolation(j), sizes(j), againstMotion(j)].filter(Boolean);
       return parts.length ? parts : [nothing(j)];
@@ -160,7 +160,7 @@ function record() {
       h("div", {}, table(null, Object.entries(DATA.record).map(([k, v]) => [h("td", { class: "soft", style: "width:24%" }, k.replaceAll("_", " ")), h("td", {}, text(v))])))),
     h("details", {}, h("summary", {}, "Words used on this page"), h("div", {},
       h("p", {}, "Residual: the torque that the model lacks to explain the motion, through a filter that needs no accelerations. Beyond its threshold no healthy run has been. Modelled torque: measured torque plus residual."),
-      h("p", {}, "Isolation: every combination of the known effects is asked whether it explains the residual since the detection. Accommodation: the torque is corrected by what is believed. Idle: a fault whose torque stays away where it would show is no longer corrected for, but remembered."))));
+      h("p", {}, "Isolation: every combination of the known effects is tested against the residual since the detection. Accommodation: the control torque compensates the isolated fault. Idle: the fault is cleared, for its torque is absent where it would show; it is kept in memory and no longer compensated."))));
 }
 
 const LEAD = "Replays the run. A link takes the colour of its joint's stage, the stronger the farther its residual"

@@ -43,7 +43,7 @@ function verdict() {
     const worst = [...DATA.joints].sort((x, y) => share(y, y.before.rms) - share(x, x.before.rms))[0];
     const r = DATA.regions.before[0];
     return h("section", { class: "card verdict" }, h("div", {},
-      h("p", { class: "first" }, "The model misses the measured torque by " + percent(before) + " (mean over the joints), most on "
+      h("p", { class: "first" }, "The model differs from the measured torque by " + percent(before) + " (mean over the joints), most on "
         + worst.name + " (" + percent(share(worst, worst.before.rms)) + ")."),
       r ? h("p", {}, "It is farthest from its own mean error " + regionWords(r) + ".") : null,
       h("p", { class: "soft" }, "Which physical effect is missing is what ", h("code", {}, "cdia discover"), " finds out, with the same log and robot.")));
@@ -64,14 +64,14 @@ function verdict() {
 
 // ---------------------------------------------------------------- effects
 
-const MANY = 12; // parameters of one effect; of more, those not told from zero are folded away
+const MANY = 12; // parameters of one effect; of more, those whose interval holds zero are folded away
 
 function parameters(e) {
   const listed = (rows) => h("div", { class: "parameters" }, rows.map((p) => [
     h("span", { class: "soft" }, p.name), h("span", { class: p.telling === false ? "faint" : "" }, p.text), h("span", {}, Charts.interval(p.interval, p.name + " " + p.text))]));
   const all = [...e.parameters, ...e.shape], silent = all.length > MANY ? all.filter((p) => p.telling === false) : [];
   return [listed(all.filter((p) => !silent.includes(p))),
-    silent.length ? h("details", {}, h("summary", {}, silent.length + " more, not told from 0"), listed(silent)) : null];
+    silent.length ? h("details", {}, h("summary", {}, silent.length + " more whose interval holds 0"), listed(silent)) : null];
 }
 
 function effects() {
@@ -86,7 +86,7 @@ function effects() {
     h("td", {}, e.confusions.length ? byMotion(e.confusions) : h("span", { class: "soft" }, "nothing else tried comes near")),
   ]);
   return h("section", {}, h("h2", {}, "What the model lacks"),
-    h("p", { class: "lead" }, "Each effect adds a torque f on the right of M q̈ + nle = τ + f. Parameters with their 95 % interval, drawn beside zero (the grey line); faint ones cannot be told from it. Order: the most telling first."),
+    h("p", { class: "lead" }, "Each effect adds a torque f on the right of M q̈ + nle = τ + f. Parameters with their 95 % interval, drawn beside zero (the grey line); the interval of a faint one holds zero. Order: the strongest evidence first."),
     h("div", { class: "card" }, table([right("th", ""), wide("24%", "effect"), wide("29%", "parameters ± 95 %"),
       wide("13%", "error where it helps most"), "could be mistaken for"], rows)));
 }
@@ -175,7 +175,7 @@ function overTime(j) {
 function againstMotion(j) {
   const names = Object.keys(j.against);
   const boxes = names.map(() => h("div", { class: "chart" }));
-  const told = (m) => [h("span", { class: "b" }, percent(m.before.share)), m.after ? [" → ", h("span", { class: "a" }, percent(m.after.share))] : null];
+  const accounted = (m) => [h("span", { class: "b" }, percent(m.before.share)), m.after ? [" → ", h("span", { class: "a" }, percent(m.after.share))] : null];
   const curve = names.some((s) => j.against[s].curve);
   const helping = FOUND ? FOUND.effects.filter((e) => !e.joints.length || e.joints.includes(j.name)).map((e) => e.name) : [];
   return {
@@ -184,7 +184,7 @@ function againstMotion(j) {
         IMPROVED && ["after", "dots", "residual improved"], IMPROVED && ["after", "means", "its mean by region"],
         curve && ["curve", "dashed", "what the added effects explain" + (helping.length ? ": " + helping.join(", ") : "")]),
       h("div", { class: "two-up" }, names.map((s, k) => h("div", { class: "card" },
-        h("h3", {}, j.name + ": residual against " + s), h("div", { class: "legend" }, h("span", {}, "means by region account for ", told(j.against[s].means), " of the residual's variance")), boxes[k])))),
+        h("h3", {}, j.name + ": residual against " + s), h("div", { class: "legend" }, h("span", {}, "means by region account for ", accounted(j.against[s].means), " of the residual's variance")), boxes[k])))),
     draw() { names.forEach((s, k) => JointCharts.against(boxes[k], j, s)); },
   };
 }

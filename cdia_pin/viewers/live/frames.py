@@ -1,4 +1,4 @@
-"""Frames of a picture from the ticks of a monitor."""
+"""Frames of a picture, made from the ticks of a monitor."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Array = NDArray[np.float64]
 
 
 class FrameMaker:
-    """Makes frames of ticks: at most so many a second, and one of every tick at which something is said.
+    """Makes frames of ticks: at most `rate` a second, and one of every tick with an event.
 
     Args:
         robot: The arm.
-        in_torque: Whether residuals are torques; else what is missing is read off the correction.
-        rate: Frames a second [Hz].
+        in_torque: Whether residuals are torques; otherwise the missing torque is taken from the correction.
+        rate: Frames per second [Hz].
     """
 
     def __init__(self, robot: RobotModel, *, in_torque: bool = True, rate: float = RATE) -> None:
@@ -39,8 +39,8 @@ class FrameMaker:
         Args:
             time: Time [s].
             q: Positions [rad or m], shape (n,).
-            status: What a monitor said; None without one.
-            desired: Positions asked for [rad or m], shape (n,); None where nobody says.
+            status: Status of the monitor; None without a monitor.
+            desired: Desired positions [rad or m], shape (n,); None where they are not known.
         """
         events = status.events if status else ()
         if time < self._next and not events:

@@ -1,4 +1,4 @@
-"""What the live view serves: one page, its parts, and a stream of frames; to this machine's browser alone."""
+"""The server of the live view: one page, its files and a stream of frames, for browsers of this machine alone."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ POLICY = (
 class Stream:
     """Messages in their order; every browser gets all of them, from the first.
 
-    They are added by any thread and sent by the one that serves.
+    Any thread adds messages; the thread of the server sends them.
     """
 
     def __init__(self) -> None:
@@ -36,7 +36,14 @@ class Stream:
         self._news: asyncio.Event = asyncio.Event()
 
     def add(self, message: Mapping[str, object]) -> None:
-        """Add a message; raises RuntimeError if nobody serves any more."""
+        """Add a message.
+
+        Args:
+            message: As JSON has it.
+
+        Raises:
+            RuntimeError: If the server has ended.
+        """
         self._messages.append(json.dumps(message, separators=(",", ":"), allow_nan=False))
         if self._loop is not None:
             self._loop.call_soon_threadsafe(self._wake)
@@ -46,7 +53,11 @@ class Stream:
         self._news = asyncio.Event()
 
     async def send(self, socket: WebSocket) -> None:
-        """Send all messages, and those to come."""
+        """Send all messages, and those to come.
+
+        Args:
+            socket: Of one browser.
+        """
         self._loop = asyncio.get_running_loop()
         sent = 0
         while True:

@@ -84,18 +84,24 @@ class LiveView:
         self._wait_for_start()
 
     def show(self, frame: Frame) -> None:
-        """Add a frame, or several, to what the page shows: the fields of `Timeline.to_dict`.
+        """Add one frame, or several, to what the page shows.
+
+        Args:
+            frame: The rows to append.
 
         Raises:
-            CdiaError: If the server is gone.
+            CdiaError: If the server has ended.
         """
         self._send(frame)
 
     def say(self, sentence: str) -> None:
-        """Show a sentence above the arm; an empty one takes it away.
+        """Show a sentence above the arm.
+
+        Args:
+            sentence: Its text; an empty one removes it.
 
         Raises:
-            CdiaError: If the server is gone.
+            CdiaError: If the server has ended.
         """
         self._send({"say": sentence})
 
@@ -103,12 +109,12 @@ class LiveView:
         """Tell the page that no more frames will come.
 
         Raises:
-            CdiaError: If the server is gone.
+            CdiaError: If the server has ended.
         """
         self._send({"finished": True})
 
     def wait(self) -> None:
-        """Serve until the process is interrupted or the server gone."""
+        """Serve until the process is interrupted or the server ends."""
         while self._thread.is_alive():
             self._thread.join(0.2)
 

@@ -43,10 +43,17 @@ class _Part:
 
 
 def bodies_of(robot: RobotModel, chain: Sequence[SceneJoint]) -> tuple[list[SceneMesh], list[str]]:
-    """Return an arm's meshes, one for each colour of a link, and a sentence for each that cannot be drawn.
+    """Read an arm's meshes, one for each colour of a link.
 
-    RViz and Pinocchio pass over the axis that a COLLADA file calls up, other readers turn it to z. Where all files of
-    a robot name another axis than z, that way is right which puts the bodies where the joints are.
+    RViz and Pinocchio ignore the up axis that a COLLADA file states, other readers turn it to z. Where no file of a
+    robot states z, the choice that puts the bodies nearest to the joints is taken.
+
+    Args:
+        robot: The arm.
+        chain: Its joints.
+
+    Returns:
+        The meshes, and a sentence for each shape that cannot be drawn.
     """
     notes: list[str] = []
     parts = _parts(robot, notes)

@@ -32,7 +32,11 @@ class SceneJoint:
 
 
 def chain_of(robot: RobotModel) -> tuple[SceneJoint, ...]:
-    """Return the joints of an arm from the base on: an arm is one chain."""
+    """Return the joints of an arm, from the base on.
+
+    Args:
+        robot: The arm; it is one chain.
+    """
     rest = robot.joint_placements(np.zeros(robot.n))
     moved = robot.joint_placements(np.eye(robot.n))  # one joint at 1 rad or 1 m, the others at 0
     joints = []

@@ -1,4 +1,4 @@
-"""What a COLLADA file says of its unit and of which way is up; trimesh passes over both."""
+"""Unit and up axis of a COLLADA file; trimesh ignores both."""
 
 from __future__ import annotations
 
@@ -36,7 +36,10 @@ class ColladaAsset(NamedTuple):
 
 @lru_cache(maxsize=512)
 def collada_asset(path: Path) -> ColladaAsset:
-    """Return what a mesh file says of its unit and axes; metres and z up where it is no COLLADA file.
+    """Return unit and up axis of a mesh file; metres and z where it is no COLLADA file.
+
+    Args:
+        path: The mesh file.
 
     Raises:
         lxml.etree.XMLSyntaxError: If it is not XML.

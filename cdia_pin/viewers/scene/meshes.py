@@ -1,4 +1,4 @@
-"""Triangles of the shapes to be seen: one mesh for each material, no finer than a picture shows."""
+"""Triangles of the shapes: one mesh for each material, no finer than a picture shows."""
 
 from __future__ import annotations
 
@@ -44,7 +44,11 @@ class Mesh:
     colour: Colour
 
     def moved(self, placement: Array) -> Mesh:
-        """Return the mesh at another place, homogeneous, shape (4, 4)."""
+        """Return the mesh at another place.
+
+        Args:
+            placement: Homogeneous, shape (4, 4) [1, m].
+        """
         at = self.vertices @ placement[:3, :3].T + placement[:3, 3]
         mirrored = np.linalg.det(placement[:3, :3]) < 0
         return Mesh(at, self.triangles[:, ::-1] if mirrored else self.triangles, self.colour)
@@ -56,7 +60,10 @@ class Mesh:
 
 
 def load_mesh(path: Path) -> list[Mesh]:
-    """Read a mesh file, one mesh for each of its materials, in its own axes and in metres.
+    """Read a mesh file: one mesh for each of its materials, in its own axes and in metres.
+
+    Args:
+        path: The file.
 
     Raises:
         Exception: Whatever the reader of a broken file raises.
@@ -76,7 +83,11 @@ def load_mesh(path: Path) -> list[Mesh]:
 
 
 def drawn(visual: Visual) -> Mesh:
-    """Return the triangles of a box, cylinder, sphere or capsule, as the URDF means them."""
+    """Return the triangles of a box, cylinder, sphere or capsule.
+
+    Args:
+        visual: The shape; its axes are those of URDF.
+    """
     from trimesh import creation
 
     size = visual.size
@@ -93,7 +104,14 @@ def drawn(visual: Visual) -> Mesh:
 
 
 def by_colour(meshes: Iterable[Mesh]) -> list[Mesh]:
-    """Join meshes of the same colour, in the order in which the colours come."""
+    """Join meshes of the same colour.
+
+    Args:
+        meshes: In any order.
+
+    Returns:
+        One mesh for each colour, in the order in which the colours appear.
+    """
     groups: dict[Colour, list[Mesh]] = {}
     for mesh in meshes:
         groups.setdefault(tuple(round(c, 2) for c in mesh.colour), []).append(mesh)  # type: ignore[arg-type]
@@ -106,7 +124,12 @@ def by_colour(meshes: Iterable[Mesh]) -> list[Mesh]:
 
 
 def simplified(mesh: Mesh, most: int) -> Mesh:
-    """Return a mesh of at most about so many triangles, its vertices shared except along sharp edges."""
+    """Return a mesh with fewer triangles; its vertices are shared except along sharp edges.
+
+    Args:
+        mesh: The mesh.
+        most: About how many triangles it may have.
+    """
     import fast_simplification
     import trimesh
 
@@ -141,7 +164,12 @@ def _colour_of(part: trimesh.Trimesh) -> Colour:
 
 
 def shares(meshes: Iterable[Mesh], budget: int) -> Iterator[int]:
-    """Divide a budget of triangles: larger parts get more, none gets more than it has."""
+    """Divide a budget of triangles: larger parts get more, none gets more than it has.
+
+    Args:
+        meshes: The parts.
+        budget: Triangles for all of them.
+    """
     given = list(meshes)
     size = np.array([m.extent for m in given])
     have = np.array([len(m.triangles) for m in given], float)

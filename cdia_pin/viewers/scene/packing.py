@@ -25,7 +25,11 @@ class PackedMesh(TypedDict):
 
 
 def packed(mesh: Mesh) -> PackedMesh:
-    """Return a mesh ready for JSON; ``wide`` says that indices have 32 bits, not 16."""
+    """Return a mesh ready for JSON.
+
+    Args:
+        mesh: Of any size.
+    """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     width = np.where(high > low, high - low, 1.0)
     steps = np.round((mesh.vertices - low) / width * STEPS).astype("<u2")

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# A healthy link stays near its own colour; one that needs attention is told from afar.
+# A healthy link keeps nearly its own colour; one that needs attention is seen from afar.
 SHARES = {Stage.HEALTHY: (0.0, 0.22), Stage.IDLE: (0.3, 0.6), Stage.SUSPECT: (0.5, 0.95)}
-CALM = (Stage.HEALTHY, Stage.IDLE)  # what is missing there is noise
+CALM = (Stage.HEALTHY, Stage.IDLE)  # the residual there is noise
 
 
 def monitor_stages() -> tuple[SceneStage, ...]:
@@ -34,7 +34,11 @@ def monitor_stages() -> tuple[SceneStage, ...]:
 
 
 def timeline_of_run(run: MonitorRun) -> Timeline:
-    """Return the motion of a run, coloured by the monitor's stages; residual over threshold is the intensity."""
+    """Return the motion of a run, coloured by the monitor's stages; residual over threshold is the intensity.
+
+    Args:
+        run: The run.
+    """
     at = frames(run.time, [e.time for e in run.events])
     stage = run.stages[at]
     missing = run.residual[at] if run.in_torque else -run.torque_correction[at]
@@ -50,18 +54,33 @@ def timeline_of_run(run: MonitorRun) -> Timeline:
 
 
 def levels(residual: Array, threshold: Array) -> Array:
-    """Return residual over threshold [1], in the shape of both."""
+    """Return residual over threshold [1], in the shape of both.
+
+    Args:
+        residual: [N·m or N].
+        threshold: [N·m or N].
+    """
     return np.abs(residual) / np.maximum(threshold, 1e-12)
 
 
 def missing_torque(stage: NDArray[np.integer], torque: Array) -> Array:
-    """Return what is missing at joints that are not calm, and 0 at those that are [N·m or N]."""
+    """Return the torque that the model lacks [N·m or N]: 0 at healthy joints and where the fault is cleared.
+
+    Args:
+        stage: Indices in `STAGES`, shape (..., n).
+        torque: Of the same shape [N·m or N].
+    """
     calm = np.isin(stage, [STAGES.index(s) for s in CALM])
     return np.where(calm, 0.0, torque)
 
 
 def spoken(events: Sequence[Event], robot: RobotModel) -> tuple[tuple[float, str], ...]:
-    """Return what a label says after each event that changes it."""
+    """Return the label after each event that changes it, with its time [s].
+
+    Args:
+        events: In their order.
+        robot: The arm.
+    """
     said: list[tuple[float, str]] = []
     for event in events:
         label = event_label(event, robot)
@@ -71,13 +90,18 @@ def spoken(events: Sequence[Event], robot: RobotModel) -> tuple[tuple[float, str
 
 
 def event_label(event: Event, robot: RobotModel) -> str:
-    """Return an event in a line, such as ``coulomb friction on elbow_joint: level 4.99 ± 0.01 N·m``."""
+    """Return an event in a line, such as ``coulomb friction on elbow_joint: level 4.99 ± 0.01 N·m``.
+
+    Args:
+        event: The event.
+        robot: The arm.
+    """
     short = short_names(robot.joints)
     where = "all joints" if len(event.joints) == robot.n > 1 else listed(short[j] for j in event.joints)
     if event.stage == "detection":
-        return f"{where}: a fault, which one is being decided"
+        return f"{where}: fault not isolated yet"
     if event.stage == "idle":
-        return f"{where}: the fault is gone, and remembered"
+        return f"{where}: fault cleared, kept in memory"
     if not event.faults:
         return f"{where}: no known effect"
     said = "; ".join(fault_words(t, robot, joint=True) for t in event.faults)

@@ -152,7 +152,11 @@ def _pose(robot: RobotModel, given: ArrayLike) -> Array:
 
 
 def resting_pose(robot: RobotModel) -> Array:
-    """Return a pose that shows an arm: zero, or the middle of a range that does not hold it [rad or m], shape (n,)."""
+    """Return a pose that shows an arm [rad or m], shape (n,): zero, or the middle of a range that does not hold zero.
+
+    Args:
+        robot: The arm.
+    """
     lower, upper = robot.limits.lower, robot.limits.upper
     bounded = np.isfinite(lower) & np.isfinite(upper)
     middle = np.where(bounded, (np.where(bounded, lower, 0) + np.where(bounded, upper, 0)) / 2, 0.0)

@@ -1,4 +1,4 @@
-"""`Timeline`: how an arm moved and how its joints fared, no finer than an eye follows."""
+"""`Timeline`: the motion of an arm and the state of its joints, no finer than an eye can follow."""
 
 from __future__ import annotations
 
@@ -93,14 +93,14 @@ class SceneStage:
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """How joints fared over the frames of a timeline, by one model's reckoning.
+    """The state of the joints over the frames of a timeline, for one model.
 
     Attributes:
         name: Of the model; empty if there is only one.
         stage: Index in the timeline's stages, shape (K, n).
         level: Residual over its threshold or scale [1], shape (K, n).
         torque: Torque that the model lacks, 0 where it lacks none [N·m or N], shape (K, n).
-        label: What is said from a time [s] on.
+        label: Texts, each shown from its time [s] on.
     """
 
     name: str
@@ -159,14 +159,24 @@ class Timeline:
 
 
 def timeline_of_log(log: Log) -> Timeline:
-    """Return the motion of a log, without a word on how the joints fare."""
+    """Return the motion of a log alone.
+
+    Args:
+        log: The log.
+    """
     at = frames(log.time)
     nothing = np.zeros((len(at), len(log.joints)))
     return Timeline(log.time[at], log.position[at], (), (Track("", nothing.astype(int), nothing, nothing),))
 
 
 def frames(time: Array, keep: Sequence[float] = (), rate: float = RATE) -> NDArray[np.intp]:
-    """Return which samples become frames: at most so many a second, and the first not before each time to keep."""
+    """Return the indices of the samples that become frames.
+
+    Args:
+        time: Increasing [s], shape (K,).
+        keep: Times [s]; the first sample at or after each becomes a frame too.
+        rate: Most frames per second [Hz].
+    """
     rate = min(rate, MOST / max(float(time[-1] - time[0]), 1e-9))
     wanted = np.arange(time[0], time[-1], 1.0 / rate)
     at = np.searchsorted(time, np.concatenate([wanted, np.asarray(keep, float)]) - 1e-9)

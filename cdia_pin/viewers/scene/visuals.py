@@ -1,4 +1,4 @@
-"""What a URDF says is to be seen: shapes at links, each with its pose and colour."""
+"""The visual shapes of a URDF: each at its link, with pose and colour."""
 
 from __future__ import annotations
 
@@ -39,10 +39,13 @@ class Visual:
 
 
 def visuals_of(robot: RobotModel) -> list[Visual]:
-    """Return every shape of the robot's file, in its order.
+    """Return every visual shape of the robot's file, in its order.
+
+    Args:
+        robot: The arm.
 
     Raises:
-        RobotError: If a number in the file is none.
+        RobotError: If a number in the file cannot be read.
     """
     urdf = read_urdf(robot.urdf)
     named = {m.get("name"): m for m in urdf.tree.getroot().iter("material") if m.find("color") is not None}
@@ -64,7 +67,12 @@ def visuals_of(robot: RobotModel) -> list[Visual]:
 
 
 def mesh_path(robot: RobotModel, address: str) -> Path | None:
-    """Return the file that a mesh's address means; None if there is none."""
+    """Return the file of a mesh address; None if there is none.
+
+    Args:
+        robot: The arm.
+        address: As the URDF has it, with ``package://``, ``model://``, ``file://`` or relative.
+    """
     scheme, found, rest = address.partition("://")
     if not found:
         scheme, rest = "", address
