@@ -34,7 +34,7 @@ autodoc_typehints_description_target = "documented"
 autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
 napoleon_numpy_docstring = False
-napoleon_custom_sections = [("Attributes", "params_style")]
+napoleon_use_ivar = True
 
 html_theme = "furo"
 html_title = "cdia-pin"

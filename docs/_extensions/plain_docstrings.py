@@ -7,6 +7,7 @@ from typing import Any
 
 from reference_keys import linked
 from sphinx.application import Sphinx
+from sphinx.domains.python import PyObject
 
 BEFORE_NAPOLEON = 400  # napoleon reads the Google sections at priority 500
 MARKUP = re.compile(r"(``.+?``|:\w+:`.+?`|`[^`]+`)|([*|])|(\w)_(?!\w)")
@@ -17,6 +18,9 @@ KEPT = "\0"  # marks a line that is kept as it is
 def setup(app: Sphinx) -> dict[str, Any]:
     """Escape docstrings before the Google sections are read."""
     app.connect("autodoc-process-docstring", _process, priority=BEFORE_NAPOLEON)
+    for field in PyObject.doc_field_types:
+        if field.name == "variable":
+            field.label = "Attributes"  # as the docstrings head them
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
