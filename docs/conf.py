@@ -17,6 +17,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "myst_parser",
+    "command_reference",
     "mathml",
     "plain_docstrings",
     "public_objects",
