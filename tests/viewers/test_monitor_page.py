@@ -118,8 +118,8 @@ def test_hypotheses_live_from_the_detection_until_they_are_excluded(run):
     rows = {row["effect"]: row["spans"] for row in first["hypotheses"]}
     assert list(rows) == ["coulomb friction", "load friction", "none of these"]
     begin = first["stages"][1][0]
-    assert rows["coulomb friction"] == [[begin, 13.5, "open"], [13.5, 18.0, "leading"]]
-    assert rows["load friction"] == [[begin, 13.5, "open"], [13.5, 15.0, "possible"]]
+    assert rows["coulomb friction"] == [(begin, 13.5, "open"), (13.5, 18.0, "leading")]
+    assert rows["load friction"] == [(begin, 13.5, "open"), (13.5, 15.0, "possible")]
     assert rows["none of these"] == []
     assert all(j["hypotheses"] == [] for j in others)
 
