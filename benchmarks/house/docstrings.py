@@ -66,7 +66,9 @@ def _exported(found: Sequence[Module]) -> set[str]:
     """Return the names in `__all__` of the package and of its rooms."""
     names: set[str] = set()
     for module in found:
-        if module.name.endswith("__init__.py"):
+        if module.name.endswith("__init__.pyi"):
+            names |= _imported(module.tree)
+        elif module.name.endswith("__init__.py"):
             values = {
                 ast.unparse(node.targets[0]): node.value
                 for node in module.tree.body
@@ -80,6 +82,12 @@ def _exported(found: Sequence[Module]) -> set[str]:
             if "__all__" in values:
                 names |= _strings(values["__all__"], values)
     return names
+
+
+def _imported(stub: ast.Module) -> set[str]:
+    """Return the names that a stub passes on, `from room import name as name`."""
+    imports = (node for node in stub.body if isinstance(node, ast.ImportFrom))
+    return {alias.name for node in imports for alias in node.names if alias.asname == alias.name}
 
 
 def _strings(value: ast.expr, values: Mapping[str, ast.expr]) -> set[str]:
