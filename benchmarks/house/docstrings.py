@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from benchmarks.house.source import Module
@@ -66,9 +66,40 @@ def _exported(found: Sequence[Module]) -> set[str]:
     """Return the names in `__all__` of the package and of its rooms."""
     names: set[str] = set()
     for module in found:
-        if not module.name.endswith("__init__.py"):
-            continue
-        for node in module.tree.body:
-            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
-                names |= {str(name) for name in ast.literal_eval(node.value)}
+        if module.name.endswith("__init__.pyi"):
+            names |= _imported(module.tree)
+        elif module.name.endswith("__init__.py"):
+            values = {
+                ast.unparse(node.targets[0]): node.value
+                for node in module.tree.body
+                if isinstance(node, ast.Assign)
+            }
+            values |= {
+                ast.unparse(node.target): node.value
+                for node in module.tree.body
+                if isinstance(node, ast.AnnAssign) and node.value is not None
+            }
+            if "__all__" in values:
+                names |= _strings(values["__all__"], values)
     return names
+
+
+def _imported(stub: ast.Module) -> set[str]:
+    """Return the names that a stub passes on, `from room import name as name`."""
+    imports = (node for node in stub.body if isinstance(node, ast.ImportFrom))
+    return {alias.name for node in imports for alias in node.names if alias.asname == alias.name}
+
+
+def _strings(value: ast.expr, values: Mapping[str, ast.expr]) -> set[str]:
+    """Return the strings of an expression and the keys of the tables of the module that it names."""
+    found: set[str] = set()
+    for node in ast.walk(value):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            found.add(node.value)
+        elif isinstance(node, ast.Name) and isinstance(table := values.get(node.id), ast.Dict):
+            found |= {
+                key.value
+                for key in table.keys
+                if isinstance(key, ast.Constant) and isinstance(key.value, str)
+            }
+    return found

@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import Path
 
 PACKAGE = "cdia_pin"
+SUFFIXES = (".py", ".pyi")  # the stub of the package holds its public names
 
 
 @dataclass(frozen=True)
@@ -56,5 +57,5 @@ def modules(checkout: Path) -> list[Module]:
     package = checkout / PACKAGE
     if not package.is_dir():
         raise FileNotFoundError(f"{checkout} holds no folder {PACKAGE}: give the root of a checkout")
-    paths = sorted(p for p in package.rglob("*.py") if "_data" not in p.parts)
+    paths = sorted(p for p in package.rglob("*.py*") if p.suffix in SUFFIXES and "_data" not in p.parts)
     return [Module(p.relative_to(package).as_posix(), p.read_text(encoding="utf-8")) for p in paths]

@@ -5,6 +5,7 @@ import shutil
 import pytest
 
 from cdia_pin import Dynamics, discover, load_robot, read_log, save_model
+from cdia_pin.effects import EFFECTS
 from cdia_pin.resources import logs_dir
 
 ROBOT = "ur5"  # the arm of the log that ships
@@ -38,8 +39,11 @@ def reader(tmp_path_factory):
 
 @pytest.fixture
 def names(reader, monkeypatch):
-    """A copy of the names; the folder is the working directory, and packages of meshes are found."""
+    """A copy of the names; the folder is the working directory, packages of meshes are found, no effect stays."""
     folder, given = reader
+    vocabulary = dict(EFFECTS)
     monkeypatch.chdir(folder)
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(given["robot"].urdf.parents[2]))
-    return dict(given)
+    yield dict(given)
+    EFFECTS.clear()
+    EFFECTS.update(vocabulary)

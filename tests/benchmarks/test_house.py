@@ -127,6 +127,14 @@ def test_the_reference_is_what_the_rooms_export():
     assert docstrings.with_args_in_reference([exported, *module(text)]) == docstrings.Share(0, 2)
 
 
+def test_names_are_exported_through_a_table_too():
+    text = "def one(a): ...\ndef two(a): ...\ndef inner(a): ...\n"
+    exported = Module("__init__.py", "HOME = {'one': 'room'}\n__all__ = sorted([*HOME, 'two'])")
+    stub = Module("__init__.pyi", "from cdia_pin.room import inner as inner")
+    assert docstrings.with_args_in_reference([exported, *module(text)]) == docstrings.Share(0, 2)
+    assert docstrings.with_args_in_reference([exported, stub, *module(text)]) == docstrings.Share(0, 3)
+
+
 def test_the_page_has_a_column_for_each_checkout(tmp_path):
     (tmp_path / "cdia_pin").mkdir()
     (tmp_path / "cdia_pin" / "a.py").write_text("A = 1\n")
