@@ -119,7 +119,7 @@ def _bandwidth(bound: Array, runs: Sequence[Log], settings: MonitorSettings) -> 
     """Return γ of each joint [1/s], shape (n,): sensor noise grows with it, and is kept to a share of the torque."""
     torque = pooled([run.effort for run in runs])
     wanted = settings.bandwidth * settings.sensitivity * torque / np.maximum(bound, TINY)
-    return np.clip(wanted, min(settings.slowest, settings.bandwidth), settings.bandwidth)
+    return np.asarray(np.clip(wanted, min(settings.slowest, settings.bandwidth), settings.bandwidth))
 
 
 def assumed_healthy_arm(

@@ -12,11 +12,11 @@ from scipy import special
 
 from cdia_pin.diagnosis import MonitorSettings
 from cdia_pin.diagnosis.bank import prototype
-from cdia_pin.diagnosis.tick_flags import BAD
 from cdia_pin.diagnosis.compiled_bank import compile_bank, python_columns
 from cdia_pin.diagnosis.layout import layout
-from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.nominal import Nominal
+from cdia_pin.diagnosis.tick_flags import BAD
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import EFFECTS, Expression, JointEffect, Parameter
 from cdia_pin.robot import load_robot

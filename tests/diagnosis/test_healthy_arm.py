@@ -8,8 +8,8 @@ import pytest
 from cdia_pin.diagnosis import Bank, MonitorSettings
 from cdia_pin.diagnosis.alignment import Alignment
 from cdia_pin.diagnosis.healthy_arm import assumed_healthy_arm, learn_healthy_arm
-from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.residuals import residual_along, velocity_noise
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.errors import LogError

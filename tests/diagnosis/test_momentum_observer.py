@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from cdia_pin.diagnosis import Bank, MonitorSettings
-from cdia_pin.diagnosis.tick_flags import BAD
-from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.nominal import Nominal
+from cdia_pin.diagnosis.tick_flags import BAD
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import EFFECTS, CoulombFriction, Term
 from cdia_pin.robot import load_robot

@@ -28,7 +28,11 @@ LOOKS = (
     Look(15.0, "joint1", ("coulomb_friction",)),
     Look(18.0, "joint1", ()),
 )
-BELIEFS = (BelievedFaults(14.0, (FRICTION,)), BelievedFaults(16.0, (replace(FRICTION, theta=(3.9,)),)), BelievedFaults(18.0, ()))
+BELIEFS = (
+    BelievedFaults(14.0, (FRICTION,)),
+    BelievedFaults(16.0, (replace(FRICTION, theta=(3.9,)),)),
+    BelievedFaults(18.0, ()),
+)
 
 
 def a_run(count=500):
