@@ -112,7 +112,7 @@ def learn_healthy_arm(
 def _bound(residuals: Sequence[Array], settings: MonitorSettings) -> Array:
     """Return the bound of a healthy residual [N·m or N], shape (n,)."""
     largest = np.max([np.abs(r).max(axis=0) for r in residuals], axis=0)
-    return np.maximum(settings.margin * largest, settings.noise_margin * pooled(residuals))
+    return np.asarray(np.maximum(settings.margin * largest, settings.noise_margin * pooled(residuals)))
 
 
 def _bandwidth(bound: Array, runs: Sequence[Log], settings: MonitorSettings) -> Array:
