@@ -118,7 +118,7 @@ def monitor(
     def save_to(file: str) -> None:
         from cdia_pin.dynamics import save_model
 
-        save_model(watcher.improved_model(), file, record=found.record)
+        save_model(watcher.improved_model(), file, record=dict(found.record))
 
     write_all(
         console,

@@ -87,7 +87,7 @@ class GuardedEngine:
             joints = self.engine.robot.joints
             said = f"{reason}; nominal control"
             new = (Event(t, EventStage.ACCOMMODATION, joints, Verdict.NONE, reason=said),)
-            self.engine.events += new
+            self.engine.events.extend(new)
         self._bad, self._good_since = True, None
         self.engine.pause()
         self._last = replace(self._last, time=t, torque_correction=np.zeros(self._n), events=new)

@@ -112,14 +112,14 @@ def learn_healthy_arm(
 def _bound(residuals: Sequence[Array], settings: MonitorSettings) -> Array:
     """Return the bound of a healthy residual [N·m or N], shape (n,)."""
     largest = np.max([np.abs(r).max(axis=0) for r in residuals], axis=0)
-    return np.maximum(settings.margin * largest, settings.noise_margin * pooled(residuals))
+    return np.asarray(np.maximum(settings.margin * largest, settings.noise_margin * pooled(residuals)))
 
 
 def _bandwidth(bound: Array, runs: Sequence[Log], settings: MonitorSettings) -> Array:
     """Return γ of each joint [1/s], shape (n,): sensor noise grows with it, and is kept to a share of the torque."""
     torque = pooled([run.effort for run in runs])
     wanted = settings.bandwidth * settings.sensitivity * torque / np.maximum(bound, TINY)
-    return np.clip(wanted, min(settings.slowest, settings.bandwidth), settings.bandwidth)
+    return np.asarray(np.clip(wanted, min(settings.slowest, settings.bandwidth), settings.bandwidth))
 
 
 def assumed_healthy_arm(

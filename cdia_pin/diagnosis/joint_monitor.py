@@ -281,8 +281,6 @@ class JointMonitor:
         self.beliefs.rest()
         self.isolation.end()
 
-    # ------------------------------------------------------------- all stages
-
     @property
     def _believes(self) -> bool:
         return self.stage in (Stage.ACCOMMODATED, Stage.ISOLATED)

@@ -21,7 +21,14 @@ def outcome(cdia, logs, tmp_path_factory):
 
 def test_it_shows_errors_friction_and_base_parameters(outcome):
     said = outcome[0].out
-    for words in ("torque RMS", "held out", "coulomb friction", "rotor inertia", "base parameter", "identifiable"):
+    for words in (
+        "torque RMS",
+        "held out",
+        "coulomb friction",
+        "rotor inertia",
+        "base parameter",
+        "identifiable",
+    ):
         assert words in said
     assert "Every link is physically consistent." in said
     assert "other.csv" in said

@@ -1,4 +1,4 @@
-"""The bank: any effect of one joint may be asked for, once, and its columns stand side by side."""
+"""The bank: any effect of one joint can be in a bank, once, and the columns stand side by side."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ OF_JOINT = [
 ]
 
 
-def test_every_effect_of_one_joint_can_be_asked_for() -> None:
+def test_every_effect_of_one_joint_can_be_in_a_bank() -> None:
     bank = Bank.of(ROBOT, OF_JOINT)
     assert bank.names == tuple(OF_JOINT)
     assert len(bank) == len(OF_JOINT)
@@ -49,7 +49,7 @@ def test_the_joint_does_not_matter_to_what_an_effect_is() -> None:
     assert bare(bank.effect(1, "elbow_joint")) == "coulomb_friction"
 
 
-def test_an_effect_may_be_asked_for_in_a_region_of_every_joint() -> None:
+def test_an_effect_may_be_limited_to_a_region_of_every_joint() -> None:
     bank = Bank.of(ROBOT, ["viscous_friction: speed=0.5.."])
     (profile,) = bank.profiles
     assert on_joint(profile, "elbow_joint") == Region("elbow_joint", "speed", lower=0.5)
@@ -68,6 +68,6 @@ def test_an_effect_may_be_asked_for_in_a_region_of_every_joint() -> None:
         ([f"sin({k}*q)" for k in range(1, 14)], "holds 1 to"),
     ],
 )
-def test_a_bank_that_makes_no_sense_is_refused_in_words(asked, message) -> None:
+def test_an_impossible_bank_is_rejected_with_a_reason(asked, message) -> None:
     with pytest.raises(EffectError, match=message):
         Bank.of(ROBOT, asked)

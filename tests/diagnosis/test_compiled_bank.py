@@ -156,7 +156,7 @@ class Mine(JointEffect):
 '''
 
 
-def test_an_effect_that_its_author_changes_is_compiled_anew(tmp_path, monkeypatch) -> None:
+def test_an_effect_whose_source_changes_is_compiled_again(tmp_path, monkeypatch) -> None:
     """A user edits the formula and starts again: what is cached belongs to the old one."""
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))

@@ -1,4 +1,4 @@
-"""What healthy runs teach, measured on a plant that is not the model, and on motions that were not learned from."""
+"""What healthy runs teach, tested on a plant that is not the model, and on other motions."""
 
 from dataclasses import replace
 
@@ -111,7 +111,7 @@ def test_a_given_threshold_is_the_bound() -> None:
     )
 
 
-# ---------------------------------------------------------------- what is refused
+# ---------------------------------------------------------------- rejected runs
 
 
 def test_runs_that_are_too_short_are_refused(first: Log) -> None:

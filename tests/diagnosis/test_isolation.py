@@ -1,4 +1,4 @@
-"""Which combination explains a residual: named if it is the only one, ambiguous if it is not, unknown if none is."""
+"""The combination that explains a residual: unique if it is the only one, else ambiguous; unknown if there is none."""
 
 from itertools import combinations
 
@@ -80,7 +80,7 @@ def test_a_drive_cannot_be_weaker_than_nothing() -> None:
     assert decide(y, -1.3 * y[:, 2] + noise(len(y))).mask is None
 
 
-def test_what_no_combination_explains_is_unknown() -> None:
+def test_a_residual_that_no_combination_explains_is_unknown() -> None:
     y = columns()
     t = np.arange(len(y)) * 1e-3
     decision = decide(y, 3.0 * np.sin(2 * np.pi * 5.3 * t))
@@ -95,7 +95,7 @@ def test_more_effects_than_may_appear_at_once_are_not_tried() -> None:
     assert decide(y, r, made(settings=MonitorSettings(most_effects=2))).mask is None
 
 
-def test_what_is_there_already_stays_and_is_not_counted_twice() -> None:
+def test_required_effects_stay_and_do_not_count_as_new() -> None:
     y = columns()
     r = 3.0 * y[:, 0] - 2.0 * y[:, 3] + noise(len(y))
     assert decide(y, r, made(settings=MonitorSettings(most_effects=1)), required=1).mask == 0b1001
@@ -108,7 +108,7 @@ def test_a_belief_counts_as_if_it_had_been_measured() -> None:
     assert decision.theta[0] == pytest.approx(2.5, abs=1e-3)
 
 
-def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
+def test_intervals_of_95_percent_hold_the_truth_in_95_percent() -> None:
     isolator, y, inside = made(), columns(1000), []
     for seed in range(200):
         r = 2.0 * y[:, 1] - 0.3 * y[:, 2] + noise(len(y), seed)
@@ -133,7 +133,7 @@ def with_friction() -> Isolator:
 
 
 @pytest.mark.parametrize(("change", "named"), [(-1.5, True), (1.5, True), (-3.0, False)])
-def test_friction_of_the_model_may_decrease_but_not_turn_over(
+def test_friction_of_the_model_may_decrease_but_not_change_its_sign(
     with_friction, change: float, named: bool
 ) -> None:
     y = columns()

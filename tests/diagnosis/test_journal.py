@@ -1,4 +1,4 @@
-"""What a monitor thought is kept, and keeping it changes nothing of what it says."""
+"""The journal keeps looks and beliefs over time, and does not change what the monitor reports."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def watched():
     return monitor, log, replay(monitor, log)
 
 
-def test_the_monitor_says_the_same_whoever_listens(watched):
+def test_a_journal_does_not_change_the_events(watched):
     monitor, log, run = watched
     alone = Monitor(Dynamics(load_robot("scara")), healthy=[measured(1)]).replay(log)
     assert [(e.time, e.stage, e.joints, e.faults) for e in alone] == [
@@ -36,7 +36,7 @@ def test_the_monitor_says_the_same_whoever_listens(watched):
     assert [b.time for b in again.beliefs] == [b.time for b in run.beliefs]
 
 
-def test_the_effect_that_is_isolated_led_before(watched):
+def test_the_isolated_effect_was_leading_before(watched):
     _, _, run = watched
     isolated = next(e for e in run.events if e.stage == "isolation")
     before = [look for look in run.looks if look.time <= isolated.time]
@@ -45,7 +45,7 @@ def test_the_effect_that_is_isolated_led_before(watched):
     assert before[0].time > next(e.time for e in run.events if e.stage == "detection")
 
 
-def test_nothing_is_live_once_a_fault_is_gone(watched):
+def test_no_hypothesis_is_left_when_a_fault_has_cleared(watched):
     _, _, run = watched
     idle = next(e for e in run.events if e.stage == "idle")
     after = [look for look in run.looks if look.time >= idle.time]
@@ -53,21 +53,21 @@ def test_nothing_is_live_once_a_fault_is_gone(watched):
     assert run.beliefs[-1].faults == run.faults == ()
 
 
-def test_beliefs_grow_surer(watched):
+def test_intervals_of_a_believed_fault_shrink(watched):
     _, _, run = watched
     widths = [np.ptp(t.ci95[0]) for b in run.beliefs for t in b.faults if t.ci95]
     assert len(widths) > 5
     assert widths[-1] < widths[0]
 
 
-def test_two_journals_hear_the_same(watched):
+def test_two_journals_keep_the_same(watched):
     monitor, log, run = watched
     first, second = Journal(monitor), Journal(monitor)
     monitor.replay(log, lambda status: (first(status), second(status)))
     assert first.looks == second.looks == list(run.looks)
 
 
-def test_a_journal_that_begins_late_notes_nothing_old(watched):
+def test_a_journal_that_starts_late_has_no_old_looks(watched):
     monitor, log, _ = watched
     monitor.replay(log)
     assert any(monitor.engine.decisions)
@@ -78,7 +78,7 @@ def test_a_journal_that_begins_late_notes_nothing_old(watched):
     assert not any(monitor.engine.decisions)
 
 
-def test_of_an_engine_that_takes_no_decisions_there_are_no_looks(watched):
+def test_an_engine_without_decisions_has_no_looks(watched):
     _, log, _ = watched
     monitor = Monitor(Dynamics(load_robot("scara")), healthy=[measured(1)], engine="thesis")
     assert replay(monitor, log).looks == ()

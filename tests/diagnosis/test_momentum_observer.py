@@ -181,7 +181,7 @@ def test_residual_is_the_filtered_columns_times_the_parameters(
     assert share(r, run.arrived).max() < EULER
 
 
-# ---------------------------------------------------------------- what the model has, and what is corrected
+# ---------------------------------------------------------------- terms of the model, and corrections
 
 
 def test_a_term_of_the_model_is_no_residual() -> None:
@@ -197,7 +197,7 @@ def test_a_term_of_the_model_is_no_residual() -> None:
 
 
 @pytest.mark.parametrize(("gain", "divisor"), [(-0.3, 0.7), (0.5, 1.5), (-0.97, 0.1)])
-def test_a_weak_drive_is_asked_for_more_but_not_without_end(gain: float, divisor: float) -> None:
+def test_a_weak_drive_gets_more_torque_up_to_the_gain_floor(gain: float, divisor: float) -> None:
     o, still = observer(), np.zeros(ROBOT.n)
     held = ROBOT.nonlinear_effects(POSTURE, still)
     for k in range(3):
@@ -211,7 +211,7 @@ def test_a_weak_drive_is_asked_for_more_but_not_without_end(gain: float, divisor
     np.testing.assert_allclose(o.correct(tau), expected, rtol=1e-9)
 
 
-def test_dry_friction_is_made_up_for_in_the_direction_that_is_asked_for() -> None:
+def test_dry_friction_is_compensated_in_the_desired_direction() -> None:
     o, still = observer(), np.zeros(ROBOT.n)
     for k in range(3):
         o.step(k * DT, POSTURE, still, ROBOT.nonlinear_effects(POSTURE, still))

@@ -25,7 +25,7 @@ def loop():
 
 @pytest.fixture(scope="module", params=ENGINES)
 def live(request, loop):
-    """A monitor of each engine, and what it left behind in a loop."""
+    """A monitor of each engine, and its run in a closed loop."""
     settings = ThesisSettings(grace=1.0, longest_isolation=2.0) if request.param == "thesis" else None
     monitor = loop.monitor(bank=BANK, engine=request.param, settings=settings)
     return monitor, loop.run(loop.motion(0, 7.0), [parse_term(FAULT)], monitor)
@@ -33,7 +33,7 @@ def live(request, loop):
 
 @pytest.fixture(scope="module")
 def believing(live):
-    """The same monitors with the fault in their minds, at the last tick of the log."""
+    """The same monitors at the last tick of the log, when they believe in the fault."""
     monitor, ran = live
     log = ran.log
     monitor.replay(log)
@@ -73,7 +73,7 @@ def test_live_equals_replay(live):
     np.testing.assert_array_equal(again.torque_correction, run.torque_correction)
 
 
-def test_the_correction_is_what_the_faults_take(live):
+def test_the_correction_is_the_torque_of_the_faults(live):
     monitor, ran = live
     if monitor.record["engine"] == "thesis":
         pytest.skip("the thesis' observer couples the joints; how well it does is a study of its own")
@@ -102,7 +102,7 @@ def test_a_bad_sample_means_nominal_control_until_samples_are_good_again(loop, l
     )
     if what == "gap":
         if monitor.record["engine"] == "momentum":
-            pytest.skip("the momentum engine begins anew after a gap, without a word")
+            pytest.skip("the momentum engine starts again after a gap, without an event")
         t += 1.0
     elif what == "time":
         t = np.nan
@@ -177,7 +177,7 @@ def test_a_threshold_is_checked(loop, engine, threshold, said):
         ({"engine": "thesis", "bank": ["viscous_friction: speed=0.5.."]}, "no profiles"),
     ],
 )
-def test_what_does_not_go_together_is_an_error(loop, arguments, said):
+def test_arguments_that_contradict_each_other_are_an_error(loop, arguments, said):
     with pytest.raises(ModelError, match=said):
         Monitor(loop.model, **{"threshold": {"joint1": 0.1, "joint2": 0.1}, "rate": 500.0} | arguments)
 
@@ -206,7 +206,7 @@ def test_a_log_of_other_joints_is_an_error(live):
         monitor.replay(replace(ran.log, joints=("a", "b")))
 
 
-def test_positions_alone_will_do(loop):
+def test_positions_alone_suffice(loop):
     blind = replace(loop.run(loop.motion(5, 10.0)).log, velocity=None)
     faulty = loop.run(loop.motion(0, 6.0), [parse_term(FAULT)]).log
     monitor = Monitor(loop.model, healthy=[blind], bank=BANK)
@@ -228,7 +228,7 @@ def test_the_improved_model_has_the_fault_on_top_of_what_was_known(loop):
     assert term.theta[0] == pytest.approx(0.3, rel=0.02)
 
 
-def test_a_gap_is_survived_with_a_fault_in_mind(loop):
+def test_a_believed_fault_survives_a_gap(loop):
     monitor = loop.monitor(bank=BANK)
     fault = parse_term("viscous_friction@joint2: coefficient=0.2, after=1")
     log = loop.run(loop.motion(0, 4.0), [fault], monitor).log

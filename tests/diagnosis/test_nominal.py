@@ -61,7 +61,7 @@ def test_only_what_is_always_there_on_one_joint_is_compiled() -> None:
     assert nominal.others.terms == (sometimes, shared)
 
 
-def test_what_encoders_read_too_little_is_added() -> None:
+def test_an_encoder_offset_is_added_to_the_readings() -> None:
     nominal = Nominal.of(Dynamics(ROBOT, (Term(EncoderOffset(ELBOW), (0.03,)),)))
     model = Dynamics(ROBOT, (Term(EncoderOffset(ELBOW), (0.03,)),))
     q, zero = np.full(ROBOT.n, 0.4), np.zeros(ROBOT.n)
@@ -77,7 +77,7 @@ def test_a_delay_is_that_of_all_torques() -> None:
         Nominal.of(Dynamics(ROBOT, (Term(EffortDelay(ELBOW), (-0.004,)),)))
 
 
-def test_bodies_that_cannot_be_are_refused() -> None:
+def test_bodies_that_are_not_physical_are_rejected() -> None:
     nothing = Term(Payload(), (-30.0, *[0.0] * 9))
     with pytest.raises(ModelError, match="not physical"):
         Nominal.of(Dynamics(ROBOT, (nothing,)))

@@ -1,4 +1,4 @@
-"""The thesis' scheme of change detection, isolation and accommodation, with its equations corrected."""
+"""The scheme of [Thesis] for change detection, isolation and accommodation (CDIA), with its equations corrected."""
 
 from cdia_pin.diagnosis.thesis.basis import KnownEffects, Neurons
 from cdia_pin.diagnosis.thesis.gains import FixedGains, ScaledGains

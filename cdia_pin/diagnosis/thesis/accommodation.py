@@ -1,4 +1,4 @@
-"""The corrected torque ([Thesis] §3.6)."""
+"""Accommodation: the corrected torque ([Thesis] §3.6)."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ Array = NDArray[np.float64]
 def accommodate(
     nominal: Array, torque: Callable[[Array], Array], smallest_gain: float, limit: Array
 ) -> Array:
-    """Return τ = (τ₀ − f̂)/(1 + h), with which a faulty arm does what a healthy one does under τ₀.
+    """Return τ = (τ₀ − f̂)/(1 + h), under which a faulty arm moves as a healthy one does under τ₀ [N·m or N], (n,).
 
     Args:
         nominal: τ₀ [N·m or N], shape (n,).
-        torque: f̂ as a function of the torque that acts; in proportion to it for either sign, beside a constant.
-        smallest_gain: ε; a joint with |1 + h| below it gets τ₀, and so does one whose f̂ is not finite.
+        torque: f̂ as a function of the torque that acts: a constant, and a part that is proportional to the torque
+            for either sign [N·m or N], shape (n,).
+        smallest_gain: ε [1]; a joint with |1 + h| below it gets τ₀, and so does one whose f̂ is not finite.
         limit: Largest effort [N·m or N], shape (n,).
     """
     still = torque(np.zeros_like(nominal))

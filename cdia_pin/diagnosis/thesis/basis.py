@@ -1,4 +1,4 @@
-"""What an observer may explain a fault with: known effects, or neurons; of all joints at once."""
+"""The bases in which an observer expresses a fault, for all joints at once: known effects, or neurons."""
 
 from __future__ import annotations
 
@@ -16,24 +16,34 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-LARGEST_WEIGHT = 1e4  # [N·m or N], of a neuron where the URDF states no effort limit
+LARGEST_WEIGHT = 1e4  # [N·m or N], of a neuron where the URDF states no effort limit: beyond any arm
+
+# Range of neurons where the URDF states no limits: a full turn, and usual speeds.
+REVOLUTE_POSITION = np.pi  # [rad]
+REVOLUTE_SPEED = 3.0  # [rad/s]
+PRISMATIC_POSITION = 0.5  # [m]
+PRISMATIC_SPEED = 0.5  # [m/s]
 
 
 class Basis(Protocol):
-    """Columns φ of P weights per joint, with Σ φ w the torque of each joint."""
+    """Columns φ for P weights per joint; Σ φ w is the torque of each joint."""
 
     @property
     def of_torque(self) -> NDArray[np.bool_]:
-        """Which columns are in proportion to the torque, shape (P,)."""
+        """Which columns are proportional to the torque, shape (P,)."""
         ...
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """Smallest and largest physical weights, each (n, P)."""
+        """Smallest and largest physical weights, shape (n, P) each."""
         ...
 
     def columns(self, x: JointState) -> Array:
-        """Return φ for signals of shape (n,), shape (n, P)."""
+        """Return φ, shape (n, P).
+
+        Args:
+            x: Motion and torque of all joints, each signal of shape (n,).
+        """
         ...
 
 
@@ -51,10 +61,14 @@ class KnownEffects:
 
     @classmethod
     def of(cls, robot: RobotModel, bank: Sequence[JointEffect | type[JointEffect]]) -> KnownEffects:
-        """Build the basis from effects, or their classes where the usual shape will do.
+        """Build the basis.
+
+        Args:
+            robot: The arm.
+            bank: Effects, on any joint, or their classes for the usual shape.
 
         Raises:
-            EffectError: If an entry is no effect of one joint, or two have the same name.
+            EffectError: If an entry is not an effect of one joint, or two are the same.
         """
         effects = []
         for entry in bank:
@@ -73,19 +87,19 @@ class KnownEffects:
 
     @cached_property
     def of_type(self) -> NDArray[np.intp]:
-        """Which effect each column belongs to, shape (P,)."""
+        """Index of the effect that each column belongs to, shape (P,)."""
         return np.repeat(np.arange(len(self.effects)), [e.size for e in self.effects])
 
     @cached_property
     def of_torque(self) -> NDArray[np.bool_]:
-        """Which columns are in proportion to the torque, shape (P,)."""
+        """Which columns are proportional to the torque, shape (P,)."""
         return np.array(
             [Signal.TORQUE in self.effects[i].traits.depends_on for i in self.of_type], dtype=bool
         )
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
-        """Smallest and largest physical parameters, each (n, P)."""
+        """Smallest and largest physical parameters, shape (n, P) each."""
         sides = [
             np.concatenate([np.empty((2, 0)), *(np.stack(e.bounds(self.robot)) for e in each)], axis=1)
             for each in self._on
@@ -94,16 +108,20 @@ class KnownEffects:
         return lower, upper
 
     def columns(self, x: JointState) -> Array:
-        """Return Φ for signals of shape (n,), shape (n, P)."""
+        """Return Φ, shape (n, P).
+
+        Args:
+            x: Motion and torque of all joints, each signal of shape (n,).
+        """
         columns = [c for effect in self.effects for c in effect.columns(x)]
         return np.stack(columns, axis=-1) if columns else np.empty((len(x.q), 0))
 
     def terms(self, weights: Array, present: NDArray[np.bool_]) -> tuple[Term, ...]:
-        """Return the faults as terms.
+        """Return faults as terms.
 
         Args:
-            weights: Parameters, (n, P).
-            present: Which effect is there on which joint, (n, N).
+            weights: Parameters, shape (n, P).
+            present: Which effect is present on which joint, shape (n, N).
         """
         return tuple(
             Term(effect, tuple(weights[j, self.of_type == i]))
@@ -120,9 +138,9 @@ class KnownEffects:
 
 @dataclass(frozen=True, eq=False)
 class Neurons:
-    """The approximator of [Thesis] (3.1): k neurons in position, k in velocity, one in torque, per joint.
+    """The approximator of [Thesis] (3.1): per joint k neurons in position, k in velocity, and one in torque.
 
-    A neuron is `cdia_pin.effects.Unknown` with centre 0 and width 1, at the distance from its own centre.
+    A neuron is `cdia_pin.effects.Unknown` with centre 0 and width 1, at its distance from its own centre.
 
     Attributes:
         robot: The arm.
@@ -154,16 +172,32 @@ class Neurons:
             robot, np.outer(position, places), np.outer(velocity, places), apart * position, apart * velocity
         )
 
+    @classmethod
+    def within_limits(cls, robot: RobotModel, count: int) -> Neurons:
+        """Spread neurons evenly over the joint limits, or over usual ranges where there are none.
+
+        Args:
+            robot: The arm.
+            count: k.
+        """
+        limits, slides = robot.limits, robot.is_prismatic
+        far = np.maximum(np.abs(limits.lower), np.abs(limits.upper))
+        usual = np.where(slides, PRISMATIC_POSITION, REVOLUTE_POSITION)
+        position = np.where(np.isfinite(far) & (far > 0), far, usual)
+        usual = np.where(slides, PRISMATIC_SPEED, REVOLUTE_SPEED)
+        velocity = np.where(np.isfinite(limits.velocity), limits.velocity, usual)
+        return cls.over(robot, position, velocity, count)
+
     @cached_property
     def of_torque(self) -> NDArray[np.bool_]:
-        """Which columns are in proportion to the torque: the last, shape (P,)."""
+        """Which columns are proportional to the torque: the last, shape (P,)."""
         out = np.zeros(2 * self.position_centres.shape[1] + 1, dtype=bool)
         out[-1] = True
         return out
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
-        """Weights up to the effort limits; the gain within the effect's own bounds, each (n, P)."""
+        """Weights up to the effort limits, and the gain within the effect's own bounds, shape (n, P) each."""
         most = np.minimum(self.robot.limits.effort, LARGEST_WEIGHT)
         upper = np.repeat(most[:, None], len(self.of_torque), axis=1)
         lower = -upper
@@ -171,7 +205,11 @@ class Neurons:
         return lower, upper
 
     def columns(self, x: JointState) -> Array:
-        """Return the activations and the torque, shape (n, 2k + 1)."""
+        """Return the activations and the torque, shape (n, 2k + 1).
+
+        Args:
+            x: Motion and torque of all joints, each signal of shape (n,).
+        """
         distance = replace(
             x,
             q=(x.q[:, None] - self.position_centres) / self.position_width[:, None],

@@ -1,4 +1,4 @@
-"""Faults that have gone ([Thesis] §3.7)."""
+"""Clearance: faults that are no longer present, the idle monitoring of [Thesis] §3.7."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ Array = NDArray[np.float64]
 
 
 class ClearanceMonitor:
-    """Declares an effect absent once its own torque |c φ| has stayed small on every joint for long enough.
+    """Calls an effect absent when its own torque |c φ| has stayed small on every joint for long enough.
 
-    The thesis sums an effect's coefficients, in which signs cancel and units mix.
+    The thesis sums the coefficients of an effect; there signs cancel and units mix.
 
     Args:
-        torque: ρ, what counts as absent [N·m or N], shape (n,).
-        time: t_pr [s].
+        torque: ρ, torque below which an effect counts as absent [N·m or N], shape (n,).
+        time: t_pr, how long the torque must stay below it [s].
     """
 
     def __init__(self, torque: Array, time: float) -> None:
@@ -23,10 +23,10 @@ class ClearanceMonitor:
         self._quiet: dict[int, float] = {}
 
     def step(self, torques: dict[int, Array], duration: float) -> tuple[int, ...]:
-        """Return which effects are absent.
+        """Return the keys of the effects that are absent.
 
         Args:
-            torques: Torque of each effect that is accommodated, (n,), by a key of its own.
+            torques: Torque of each accommodated effect [N·m or N], shape (n,), by its key.
             duration: Time since the last call [s].
         """
         self._quiet = {

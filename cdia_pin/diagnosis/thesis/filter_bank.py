@@ -1,11 +1,11 @@
-r"""The isolation bank (3.11): a filter per combination of known effects, and which of them survive.
+r"""The isolation bank (3.11): one filter for each combination of known effects, and those that survive.
 
-A filter m is excluded once its error leaves its own threshold ([Thesis] §3.5),
+A filter m is excluded as soon as its error leaves its own threshold ([Thesis] §3.5),
 
 .. math:: |e_{m,j}| > r_j, \qquad r(t) = (I - e^{-\gamma (t - t_{dt})})\,\gamma^{-1}(\bar\eta_0 + \tilde\mu)
 
-What this test can tell, and what not: r and all Ĉ start at zero, so a true filter leaves its threshold before it
-has learned; if it is spared while it learns (`grace`), every combination that contains the true one fits as well.
+The test has a limit: r and all Ĉ start at zero, so the true filter leaves its threshold before it has learned. If it
+is spared while it learns (`grace`), every combination that contains the true one fits as well.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ Types = frozenset[int]
 
 @dataclass(frozen=True)
 class FilterDecision:
-    """What the bank says.
+    """Decision of the bank.
 
     Attributes:
-        verdict: Unique, ambiguous or unknown; none while it is still open.
-        filters: Indices of the filters that survive, those of the fewest effects and least errors first.
+        verdict: Unique, ambiguous or unknown; none while isolation is open.
+        filters: Indices of the surviving filters, by number of effects, then by error.
     """
 
     verdict: Verdict
@@ -45,14 +45,13 @@ OPEN = FilterDecision(Verdict.NONE)
 
 
 def hypotheses(count: int, isolated: Types = frozenset()) -> tuple[Types, ...]:
-    """Return all combinations of effects that could be there, at least one of them new.
+    """Return all combinations of effects that may be present, with at least one new effect.
 
-    With v types isolated already there are 2^(N − v) − 1 ([Thesis] §3.8, whose exponent N − m counts the
-    combination instead of its types).
+    With v types isolated already there are 2^(N − v) − 1. The exponent of [Thesis] §3.8, N − m, counts combinations.
 
     Args:
-        count: N, types of effects known.
-        isolated: Those that have been isolated, part of every combination.
+        count: N, number of known effects.
+        isolated: Indices of the effects that are isolated already; every combination contains them.
     """
     fresh = [i for i in range(count) if i not in isolated]
     return tuple(
@@ -65,11 +64,11 @@ class FilterBank:
 
     Args:
         basis: The known effects.
-        settings: Of the engine.
+        settings: Settings of the engine.
         unmodelled: η₀ [N·m or N], shape (n,).
         gamma: γ [1/s], shape (n,).
-        known: The filter isolated before, of which every combination is a continuation.
-        isolated: Its types.
+        known: The filter of the isolated effects, whose parameters every combination takes over.
+        isolated: Indices of its effects.
     """
 
     def __init__(
@@ -94,7 +93,13 @@ class FilterBank:
         self._misfit = np.zeros(len(self.members))
 
     def step(self, step: SampleInterval, scale: ColumnScale, threshold: Array) -> None:
-        """Advance all filters, let them adapt beyond the detection threshold, exclude what has failed."""
+        """Advance all filters, let them adapt beyond the detection threshold, and exclude those that failed.
+
+        Args:
+            step: The interval.
+            scale: Columns of the interval.
+            threshold: Detection threshold [rad/s or m/s], shape (n,).
+        """
         self._elapsed += step.duration
         error = np.abs(self.filters.step(step, scale))
         self.filters.adapt(step, scale, np.any(error > threshold, axis=1))
@@ -106,7 +111,7 @@ class FilterBank:
             self._misfit += step.duration * (share**2).sum(axis=1)
 
     def decide(self) -> FilterDecision:
-        """Return what can be said by now."""
+        """Return the decision by now."""
         found = np.flatnonzero(self.alive)
         if not len(found):
             return FilterDecision(Verdict.UNKNOWN)

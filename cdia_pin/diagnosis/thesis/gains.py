@@ -1,11 +1,11 @@
-r"""How fast weights adapt: the Lyapunov law of [Thesis] §3.4 with the sign that belongs to e = q̂̇ − q̇.
+r"""The adaptation law of the weights: the Lyapunov law of [Thesis] §3.4, with the sign for e = q̂̇ − q̇.
 
 With :math:`\dot e = -\gamma e + M^{-1}\sum\mathrm{diag}(\Phi)\tilde W` and
 :math:`U = \tfrac12 e^T P e + \tfrac12 \tilde W^T \Gamma^{-1} \tilde W`, the law
 
 .. math:: \dot W = -\Gamma\,\mathrm{diag}(\Phi)\,M^{-1} P e
 
-leaves :math:`\dot U = -e^T P \gamma e \le 0`. The printed + makes the same term positive: weights run away.
+leaves :math:`\dot U = -e^T P \gamma e \le 0`. With the printed + the same term is positive, and weights run away.
 """
 
 from __future__ import annotations
@@ -18,23 +18,26 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-FASTEST = 0.5  # [rad] per step, of a joint and its weights
+FASTEST = (
+    0.5  # [rad] per step, natural frequency of a joint and its weights, at which the discrete law is stable
+)
+LEAST_EXCITATION = 1e-3  # [1], sum of squared columns that the gains divide by: keeps them finite at rest
 TINY = 1e-12  # keeps columns that were never excited from dividing by zero
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AdaptationInputs:
-    """What the law needs to know of a step.
+    """Inputs of the adaptation law over one interval.
 
     Attributes:
-        columns: φ, (n, P).
-        used: Which columns each filter has, (F, P), 0 or 1.
-        of_torque: Which columns are in proportion to the torque, (P,).
-        inverse_inertia: M⁻¹, (n, n).
-        reference: Diagonal of M⁻¹ where the arm began, (n,).
-        largest: Largest size of each column so far, (n, P).
-        gamma: γ [1/s], (n,).
-        duration: Length of the step [s].
+        columns: φ, shape (n, P).
+        used: Columns that each filter has, 0 or 1, shape (F, P).
+        of_torque: Which columns are proportional to the torque, shape (P,).
+        inverse_inertia: M⁻¹ [1/(kg·m²)], shape (n, n).
+        reference: Diagonal of M⁻¹ at the first interval [1/(kg·m²)], shape (n,).
+        largest: Largest size of each column so far, shape (n, P).
+        gamma: γ [1/s], shape (n,).
+        duration: Length of the interval [s].
     """
 
     columns: Array
@@ -51,16 +54,21 @@ class Gains(Protocol):
     """A choice of P and Γ."""
 
     def rate(self, error: Array, at: AdaptationInputs) -> Array:
-        """Return Ẇ, (F, n, P), for the errors e of F filters [rad/s or m/s], (F, n)."""
+        """Return Ẇ of F filters, shape (F, n, P).
+
+        Args:
+            error: Velocity errors e [rad/s or m/s], shape (F, n).
+            at: Inputs of the law.
+        """
         ...
 
 
 @dataclass(frozen=True)
 class FixedGains:
-    """P = I and constant Γ, as the thesis has it; the gains are to be found for each arm.
+    """P = I and constant Γ, as in the thesis; each arm needs gains of its own.
 
     Attributes:
-        torque: Γ of columns in proportion to the torque, one per joint.
+        torque: Γ of columns that are proportional to the torque, one per joint.
         state: Γ of all other columns, one per joint.
     """
 
@@ -68,7 +76,7 @@ class FixedGains:
     state: tuple[float, ...]
 
     def rate(self, error: Array, at: AdaptationInputs) -> Array:
-        """Return Ẇ = −Γ diag(Φ) M⁻¹ e, (F, n, P)."""
+        """Return Ẇ = −Γ diag(Φ) M⁻¹ e, shape (F, n, P); see `Gains.rate`."""
         gain = np.where(at.of_torque, np.array(self.torque)[:, None], np.array(self.state)[:, None])
         drive = error @ at.inverse_inertia.T
         return -(gain * at.columns) * drive[:, :, None] * at.used[:, None, :]
@@ -76,28 +84,28 @@ class FixedGains:
 
 @dataclass(frozen=True)
 class ScaledGains:
-    """P and Γ in units of each joint's own inertia, and columns in units of their size: one number for any arm.
+    """P and Γ in units of each joint's inertia, and columns in units of their size: one number fits any arm.
 
-    P = diag(M⁻¹)⁻¹ where the arm began, Γ = share · γ² · P / Σ(φ/φ_max)²: alone, a joint and its weights are
+    P = diag(M⁻¹)⁻¹ at the first interval, Γ = share · γ² · P / Σ(φ/φ_max)²: alone, a joint and its weights are
     then a second-order system with natural frequency √share · γ, critically damped for a share of a quarter. Torques
-    of joints that the arm couples are told apart more slowly, 130 times on the stretched SCARA and 24 times on a UR5
-    in the median, which asks for more. The frequency is kept below half a radian per step, where the discrete law
+    of joints that the arm couples separate more slowly, 130 times on the stretched SCARA and 24 times on a UR5 in the
+    median, so a larger share is needed. The frequency is kept below half a radian per step, where the discrete law
     is stable.
 
-    Dividing by the excitation makes Γ vary with time, for which U̇ ≤ 0 holds only while it varies slowly.
+    Division by the excitation makes Γ vary with time; U̇ ≤ 0 holds only while it varies slowly.
 
     Attributes:
-        share: Of γ² [1].
+        share: Square of the natural frequency over γ² [1].
     """
 
     share: float = 25.0
 
     def rate(self, error: Array, at: AdaptationInputs) -> Array:
-        """Return Ẇ = −Γ diag(Φ) M⁻¹ P e, normalised, (F, n, P)."""
+        """Return Ẇ = −Γ diag(Φ) M⁻¹ P e, normalised, shape (F, n, P); see `Gains.rate`."""
         P = 1.0 / at.reference
         speed = np.minimum(self.share * at.gamma**2, (FASTEST / at.duration) ** 2)  # [1/s²]
         drive = speed * P * ((error * P) @ at.inverse_inertia.T)  # [N·m/s], (F, n)
         sized = at.columns / np.maximum(at.largest, TINY)
         excitation = sized**2 @ at.used.T  # (n, F)
-        drive = drive / np.maximum(excitation.T, 1e-3)
+        drive = drive / np.maximum(excitation.T, LEAST_EXCITATION)
         return -(sized / np.maximum(at.largest, TINY)) * drive[:, :, None] * at.used[:, None, :]

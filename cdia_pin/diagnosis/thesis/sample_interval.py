@@ -1,7 +1,7 @@
-r"""Between two samples: the torque that the model lacks, which drives every observer of the scheme.
+r"""The interval between two samples, with the torque that the model lacks; it drives every observer of the scheme.
 
-The error of each observer obeys :math:`\dot e = -\gamma e + M^{-1}(\hat f - f + \eta)`, so only f − η has to be
-known, once for all of them. The midpoint rule gives its mean over a step to second order:
+The error of each observer obeys :math:`\dot e = -\gamma e + M^{-1}(\hat f - f + \eta)`, so all of them
+need f − η alone. The midpoint rule gives its mean over a step to second order:
 
 .. math:: \rho = M(\bar q) \frac{\dot q^+ - \dot q}{\Delta} + \mathrm{nle}(\bar q, \bar{\dot q}) - \tau - f_{model}
 
@@ -11,7 +11,7 @@ units of torque; with explicit Euler it is 5e-3, and with an exact observer whos
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ArmSample:
-    """Where the arm is read to be; positions [rad or m] and velocities [rad/s or m/s], shape (n,)."""
+    """One sample: time [s], positions [rad or m] and velocities [rad/s or m/s], shape (n,)."""
 
     time: float
     q: Array
@@ -36,10 +36,10 @@ class ArmSample:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SampleInterval:
-    """What happened since the previous sample, at its middle.
+    """The interval between two samples, evaluated at its middle.
 
     Attributes:
-        time: When it ended [s].
+        time: End of the interval [s].
         duration: Δ [s].
         inverse_inertia: M⁻¹ [1/(kg·m²)], shape (n, n).
         missing: ρ, the torque that the model lacks [N·m or N], shape (n,).
@@ -55,12 +55,12 @@ class SampleInterval:
 
 @dataclass(frozen=True)
 class IntervalEvaluator:
-    """Turns samples into steps, and refuses what is none.
+    """Evaluates the model between samples, and rejects bad samples.
 
     Attributes:
-        model: What is known of the arm.
+        model: The healthy arm.
         sign_width: Speed below which sgn q̇ is smoothed [rad/s or m/s].
-        longest: Longest step that may be bridged [s].
+        longest: Longest interval that may be bridged [s].
     """
 
     model: Dynamics
@@ -68,11 +68,20 @@ class IntervalEvaluator:
     longest: float
 
     def sample(self, t: float, q: ArrayLike, v: ArrayLike) -> ArmSample:
-        """Return a sample; raises ModelError if it has the wrong shape or is not finite."""
+        """Return a sample.
+
+        Args:
+            t: Time [s].
+            q: Positions [rad or m], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,).
+
+        Raises:
+            ModelError: If a shape is wrong, or as a `BadSampleError` if a number is not finite.
+        """
         return ArmSample(self._time(t), self._signal("position", q), self._signal("velocity", v))
 
-    def step(self, before: ArmSample, now: ArmSample, tau: ArrayLike) -> SampleInterval:
-        """Return what happened between two samples.
+    def between(self, before: ArmSample, now: ArmSample, tau: ArrayLike) -> SampleInterval:
+        """Return the interval between two samples.
 
         Args:
             before: The earlier sample.
@@ -80,18 +89,18 @@ class IntervalEvaluator:
             tau: Torque that acted in between [N·m or N], shape (n,).
 
         Raises:
-            BadSampleError: If the torque is no torque, time does not go on, or too much of it has passed.
+            BadSampleError: If the torque is not finite, time does not increase, or the gap is too long.
         """
         effort = self._signal("torque", tau)
         duration = now.time - before.time
         if not duration > 0:
             raise BadSampleError(
-                f"time must go on: a sample at {now.time:.6g} s after one at {before.time:.6g} s"
+                f"time must increase: a sample at {now.time:.6g} s after one at {before.time:.6g} s"
             )
         if duration > self.longest:
             raise BadSampleError(
                 f"no sample for {duration:.3g} s before {now.time:.6g} s, more than the {self.longest:g} s that "
-                "can be bridged: reset() and begin anew"
+                "can be bridged: call reset() and start again"
             )
         q, v, a = 0.5 * (before.q + now.q), 0.5 * (before.v + now.v), (now.v - before.v) / duration
         M, bias = self._nominal(q, v, effort, now.time - 0.5 * duration)
@@ -101,17 +110,34 @@ class IntervalEvaluator:
             raise BadSampleError(f"the inertia of the model is singular at {now.time:.6g} s") from None
         missing = M @ a + bias - effort
         if not np.isfinite(missing).all():
-            raise BadSampleError(
-                f"the sample at {now.time:.6g} s is beyond all numbers: no torque follows from it"
-            )
+            raise BadSampleError(f"the sample at {now.time:.6g} s is too large: its torque is not finite")
         return SampleInterval(now.time, duration, inverse, missing, self.state(now.time, q, v, a, effort))
 
     def state(self, t: float, q: Array, v: Array, a: Array, effort: Array) -> JointState:
-        """Return the signals of all joints at once, shape (n,) each, as an effect's ``columns`` take them."""
+        """Return the signals of all joints at once, as an effect's ``columns`` take them.
+
+        Args:
+            t: Time [s].
+            q: Positions [rad or m], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,).
+            a: Accelerations [rad/s² or m/s²], shape (n,).
+            effort: Torques [N·m or N], shape (n,).
+        """
         return JointState(q, v, a, effort, np.tanh(v / self.sign_width), np.full(len(q), t))
 
+    def at(self, now: ArmSample, effort: Array, v_desired: Array | None = None) -> JointState:
+        """Return the signals of all joints at a sample, without acceleration.
+
+        Args:
+            now: The sample.
+            effort: Torques [N·m or N], shape (n,).
+            v_desired: Velocity whose sign dry friction takes [rad/s or m/s], shape (n,); the measured one if omitted.
+        """
+        x = self.state(now.time, now.q, now.v, np.zeros_like(now.q), effort)
+        return x if v_desired is None else replace(x, sign=np.tanh(v_desired / self.sign_width))
+
     def _nominal(self, q: Array, v: Array, effort: Array, time: float) -> tuple[Array, Array]:
-        """M with nle − f of the model, terms that act on the arm included."""
+        """Return M and nle − f of the model, with the terms that act on its motion."""
         robot, terms = self.model.robot, self.model.on_motion
         if not self.model.terms:
             return robot.mass_matrix(q), robot.nonlinear_effects(q, v)

@@ -1,9 +1,9 @@
-r"""Velocity observers (3.6) and isolation filters (3.11): any number that share a basis, stepped together.
+r"""Velocity observers (3.6) and isolation filters (3.11): any number on one basis, advanced together.
 
 .. math:: \ddot{\hat q} = M^{-1}(\tau + \hat f - V - G) - \gamma(\dot{\hat q} - \dot q), \qquad
           \dot e = -\gamma e + M^{-1}(\hat f - \rho)
 
-(3.11) is printed without M⁻¹τ; here it has it. What is integrated is the error, exactly for a constant ρ.
+[Thesis] prints (3.11) without M⁻¹τ; here it is included. The error is integrated, exactly for a constant ρ.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ Array = NDArray[np.float64]
 
 @dataclass(eq=False)
 class VelocityObservers:
-    """F observers on one basis of P columns.
+    """F observers on one basis with P columns.
 
     Attributes:
         basis: Columns and their bounds.
-        gains: Law of adaptation.
+        gains: Adaptation law.
         gamma: γ [1/s], shape (n,).
-        used: Which columns each has, (F, P), 0 or 1.
-        weights: W, (F, n, P).
-        error: e = q̂̇ − q̇ [rad/s or m/s], (F, n).
+        used: Columns that each observer has, 0 or 1, shape (F, P).
+        weights: W, shape (F, n, P).
+        error: e = q̂̇ − q̇ [rad/s or m/s], shape (F, n).
     """
 
     basis: Basis
@@ -43,7 +43,14 @@ class VelocityObservers:
 
     @classmethod
     def fresh(cls, basis: Basis, gains: Gains, gamma: Array, used: Array | None = None) -> VelocityObservers:
-        """Return observers that know nothing; one with all columns if none are named."""
+        """Return observers with zero weights and errors.
+
+        Args:
+            basis: Columns and their bounds.
+            gains: Adaptation law.
+            gamma: γ [1/s], shape (n,).
+            used: Columns that each observer has, 0 or 1, shape (F, P); one observer with all columns if omitted.
+        """
         used = np.ones((1, len(basis.of_torque))) if used is None else used
         n = len(gamma)
         return cls(
@@ -51,16 +58,20 @@ class VelocityObservers:
         )
 
     def torque(self, columns: Array) -> Array:
-        """Return f̂ [N·m or N] for columns φ (n, P), shape (F, n)."""
-        return np.einsum("np,fnp->fn", columns, self.weights)
-
-    def step(self, step: SampleInterval, scale: ColumnScale, known: Array | float = 0.0) -> Array:
-        """Advance the errors over a step and return them; weights stay.
+        """Return f̂ [N·m or N], shape (F, n).
 
         Args:
-            step: What happened.
-            scale: Columns of the step.
-            known: Torque already accounted for [N·m or N], shape (n,).
+            columns: φ, shape (n, P).
+        """
+        return np.asarray(np.einsum("np,fnp->fn", columns, self.weights))
+
+    def step(self, step: SampleInterval, scale: ColumnScale, known: Array | float = 0.0) -> Array:
+        """Advance the errors over an interval, and return them [rad/s or m/s], shape (F, n); weights stay.
+
+        Args:
+            step: The interval.
+            scale: Columns of the interval.
+            known: Torque that is accounted for already [N·m or N], shape (n,).
         """
         left, gain = decay(self.gamma, step.duration)
         lack = self.torque(scale.columns) + known - step.missing
@@ -68,7 +79,13 @@ class VelocityObservers:
         return self.error
 
     def adapt(self, step: SampleInterval, scale: ColumnScale, which: NDArray[np.bool_]) -> None:
-        """Let the weights of some observers, (F,), follow the law over a step, within their bounds."""
+        """Advance the weights of some observers over an interval, within their bounds.
+
+        Args:
+            step: The interval.
+            scale: Columns of the interval.
+            which: Observers that adapt, shape (F,).
+        """
         if not which.any():
             return
         at = AdaptationInputs(
@@ -85,7 +102,11 @@ class VelocityObservers:
         self.weights = np.clip(self.weights + change, *self.basis.bounds) * self.used[:, None, :]
 
     def only(self, index: int) -> VelocityObservers:
-        """Return one of them, with its memory."""
+        """Return a copy of one observer.
+
+        Args:
+            index: Its index.
+        """
         kept = slice(index, index + 1)
         return VelocityObservers(
             self.basis,
@@ -98,10 +119,15 @@ class VelocityObservers:
 
 
 class ColumnScale:
-    """Columns of a basis at the last step, and how large they and M⁻¹ have been: memory of the gains.
+    """Columns of a basis over the last interval, and the scales by which gains are normalised.
 
     Args:
-        basis: Whose columns.
+        basis: The basis.
+
+    Attributes:
+        columns: φ over the last interval, shape (n, P).
+        largest: Largest size of each column so far, shape (n, P).
+        reference: Diagonal of M⁻¹ at the first interval [1/(kg·m²)], shape (n,).
     """
 
     def __init__(self, basis: Basis) -> None:
@@ -109,7 +135,11 @@ class ColumnScale:
         self.columns = self.largest = self.reference = np.empty(0)
 
     def see(self, step: SampleInterval) -> None:
-        """Take note of a step."""
+        """Evaluate the columns over an interval.
+
+        Args:
+            step: The interval.
+        """
         self.columns = self._basis.columns(step.joints)
         if not self.reference.size:
             self.reference = step.inverse_inertia.diagonal().copy()

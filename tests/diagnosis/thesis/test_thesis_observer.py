@@ -79,7 +79,7 @@ def test_a_term_of_the_model_is_not_missing(arm):
     lack = {}
     for name, model in x.items():
         before, now = ArmSample(0.0, q - 0.0005, v), ArmSample(0.002, q + 0.0005, v)
-        lack[name] = IntervalEvaluator(model, 0.01, 1.0).step(before, now, tau).missing
+        lack[name] = IntervalEvaluator(model, 0.01, 1.0).between(before, now, tau).missing
     np.testing.assert_allclose(lack["with"], 0.0, atol=1e-9)
     np.testing.assert_allclose(lack["bare"], [0, 0, -7.0 * 0.5, 0, 0, 0], atol=1e-9)
 
@@ -98,7 +98,7 @@ def learn(scara, gains, steps=1500):
     """Neurons against a constant fault on a swinging arm; returns the largest weight and the last f̂."""
     basis = Neurons.over(scara, np.full(4, 2.0), np.full(4, 2.0), 4)
     observer, scale = VelocityObservers.fresh(basis, gains, np.full(4, 100.0)), ColumnScale(basis)
-    stepper = IntervalEvaluator(Dynamics(scara), 0.01, 1.0)
+    evaluator = IntervalEvaluator(Dynamics(scara), 0.01, 1.0)
     fault = np.array([20.0, -10.0, 0.05, 15.0])
     for k in range(steps):
         a, b = (
@@ -109,7 +109,7 @@ def learn(scara, gains, steps=1500):
             scara.mass_matrix(0.5 * (a.q + b.q)),
             scara.nonlinear_effects(0.5 * (a.q + b.q), 0.5 * (a.v + b.v)),
         )
-        step = stepper.step(a, b, M @ (b.v - a.v) / 0.001 + nle - fault)
+        step = evaluator.between(a, b, M @ (b.v - a.v) / 0.001 + nle - fault)
         scale.see(step)
         observer.step(step, scale)
         observer.adapt(step, scale, np.array([True]))
@@ -137,7 +137,7 @@ def test_the_lyapunov_function_never_grows(scara):
     gains = FixedGains(torque=(1.0,) * 4, state=(1e5, 5e4, 0.1, 1e5))
     observer, scale = VelocityObservers.fresh(basis, gains, np.full(4, 100.0)), ColumnScale(basis)
     true = np.array([[5.0, 10.0], [3.0, 5.0], [0.01, 0.01], [5.0, 8.0]])
-    stepper, values, h = IntervalEvaluator(Dynamics(scara), 0.3, 1.0), [], 2e-4
+    evaluator, values, h = IntervalEvaluator(Dynamics(scara), 0.3, 1.0), [], 2e-4
     for k in range(1500):
         a, b = (
             ArmSample(h * i, np.full(4, np.sin(3 * h * i)), np.full(4, 3 * np.cos(3 * h * i)))
@@ -145,8 +145,8 @@ def test_the_lyapunov_function_never_grows(scara):
         )
         q, v = 0.5 * (a.q + b.q), 0.5 * (a.v + b.v)
         rigid = scara.mass_matrix(q) @ (b.v - a.v) / h + scara.nonlinear_effects(q, v)
-        fault = (basis.columns(stepper.state(0.0, q, v, v, v)) * true).sum(axis=1)
-        step = stepper.step(a, b, rigid - fault)
+        fault = (basis.columns(evaluator.state(0.0, q, v, v, v)) * true).sum(axis=1)
+        step = evaluator.between(a, b, rigid - fault)
         scale.see(step)
         observer.step(step, scale)
         observer.adapt(step, scale, np.array([True]))

@@ -1,4 +1,4 @@
-"""Isolation, accommodation and idle monitoring, each by itself."""
+"""Isolation, bases, accommodation and clearance, each by itself."""
 
 import numpy as np
 import pytest
@@ -125,7 +125,7 @@ def test_torques_stay_within_the_limits():
     np.testing.assert_array_equal(tau, [60.0, -80.0])
 
 
-# ------------------------------------------------------------- idle
+# ------------------------------------------------------------- clearance
 
 
 def quiet_after(torques, time=0.5, step=0.1):
