@@ -134,6 +134,8 @@ def _entry(given: str | JointEffect, robot: RobotModel) -> tuple[JointEffect, Pr
         raise EffectError(f"{effect.name} is not an effect of one joint; a bank holds {', '.join(of_joint)}")
     if effect.name == "unknown":
         raise EffectError("what is unknown is learned when no effect of the bank explains it; leave it out")
+    if effect.memories:
+        raise EffectError(f"{effect.name} has memory; a bank cannot hold it yet")
     return prototype(effect, robot), profile
 
 

@@ -47,8 +47,9 @@ class Nominal:
         """Take a model apart.
 
         Raises:
-            ModelError: If a body of it is impossible, or a delay differs from joint to joint.
+            ModelError: If a body of it is impossible, a delay differs from joint to joint, or an effect has memory.
         """
+        _require_no_memory(model)
         robot, of_joints, others = model.robot, [], []
         offset, delay = np.zeros(robot.n), 0.0
         pi, g = robot.inertial_parameters.copy(), robot.gravity_vector
@@ -84,3 +85,9 @@ class Nominal:
         """Return the torque of the other terms [N·m or N], shape (n,)."""
         x = State.of(self.robot, q, v, a, effort=tau, time=time, sign_width=width)
         return self.others.missing_torque(x)[0]
+
+
+def _require_no_memory(model: Dynamics) -> None:
+    labels = [t.label for t in model.terms if t.effect.memories]
+    if labels:
+        raise ModelError(f"a monitor cannot hold effects with memory yet: {', '.join(labels)}")

@@ -39,6 +39,7 @@ from cdia_pin.effects.profile import (
 from cdia_pin.effects.sensing import EffortDelay, EncoderOffset
 from cdia_pin.effects.specification import parse_term
 from cdia_pin.effects.state import JointState, State
+from cdia_pin.effects.stateful_effect import StatefulEffect
 from cdia_pin.effects.term import Term
 from cdia_pin.effects.traits import Channel, Signal, Traits
 from cdia_pin.effects.unknown import Unknown
@@ -134,8 +135,8 @@ __all__ = [
     "CoulombFriction", "CoupledFriction", "Drift", "Effect", "EffortDelay", "EncoderOffset", "Expression",
     "Incipient", "Intermittent", "JointEffect", "JointSpring", "JointState", "LinkInertia", "LinkInertias",
     "LoadFriction", "NonlinearEffect", "Parameter", "Payload", "PerLog", "Plausibility", "PositionRipple",
-    "Profile", "QuadraticFriction", "Region", "RotorInertia", "Signal", "State", "StribeckFriction", "Term",
-    "ToolWrench", "TorqueOffset", "Traits", "Unknown", "Varying", "ViscousFriction", "ViscousMedium",
-    "WrappedEffect", "after", "effect_from_dict", "from_expression", "parse_effect", "parse_term",
+    "Profile", "QuadraticFriction", "Region", "RotorInertia", "Signal", "State", "StatefulEffect",
+    "StribeckFriction", "Term", "ToolWrench", "TorqueOffset", "Traits", "Unknown", "Varying", "ViscousFriction",
+    "ViscousMedium", "WrappedEffect", "after", "effect_from_dict", "from_expression", "parse_effect", "parse_term",
     "profile_from_dict", "register", "varied",
 ]  # fmt: skip

@@ -18,6 +18,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.effects.memory import Memory
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.plausibility import Plausibility
 from cdia_pin.effects.rigid_body import RigidBody
@@ -77,6 +78,11 @@ class Effect(Scoped, ABC):
     def gravity_change(self, x: State, theta: Array) -> Array:
         """Return by how much gravity differs from the robot's [m/s²], shape (N, 3)."""
         return np.zeros((len(x), 3))
+
+    @property
+    def memories(self) -> tuple[Memory, ...]:
+        """Internal states by which the torque depends on the past; none for most."""
+        return ()
 
     @property
     def bodies(self) -> tuple[RigidBody, ...]:

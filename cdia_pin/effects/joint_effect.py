@@ -33,11 +33,15 @@ class JointEffect(Effect):
     def columns(self, x: JointState) -> Sequence[Array]:
         """Return the torque per unit of each parameter, p arrays of shape (N,)."""
 
+    def of_joint(self, x: State) -> JointState:
+        """Return what `columns` can see: the signals of the joint."""
+        return x.joint(self.joint)
+
     def basis(self, x: State) -> Array:
         """Return Φ, zero but for the row of the joint, shape (N, n, p)."""
         out = np.zeros((len(x), x.robot.n, self.size))
         row = out[:, x.robot.joint_index(self.joint), :]
-        for i, column in enumerate(self.columns(x.joint(self.joint))):
+        for i, column in enumerate(self.columns(self.of_joint(x))):
             row[:, i] = column
         return out
 
@@ -45,7 +49,7 @@ class JointEffect(Effect):
         """Return f [N·m or N] for parameters θ (p,), shape (N, n); a simulation asks for it at every step."""
         out = np.zeros((len(x), x.robot.n))
         own = out[:, x.robot.joint_index(self.joint)]
-        for column, value in zip(self.columns(x.joint(self.joint)), theta, strict=True):
+        for column, value in zip(self.columns(self.of_joint(x)), theta, strict=True):
             own += column * value
         return out
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +28,7 @@ class JointState:
         effort: Torque of the actuator [N·m or N], see `State.effort`.
         sign: sgn(v), smoothed to be continuous through rest [1].
         time: Time [s].
+        memory: z of an effect with memory, shape (N, m); of no width for all others.
     """
 
     q: Array
@@ -34,6 +37,7 @@ class JointState:
     effort: Array
     sign: Array
     time: Array
+    memory: Array = field(default_factory=lambda: np.empty((0, 0)))
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,7 @@ class State:
         log: Log or condition that the motion belongs to, for effects whose parameters differ between logs.
         gravity_change: By how much gravity differs from the robot's, for bodies that are no part of it [m/s²], shape
             (N, 3); None where it does not.
+        memory: z of effects with memory at the first sample, shape (m,) by effect; the initial one where it is missing.
     """
 
     robot: RobotModel
@@ -63,6 +68,7 @@ class State:
     sign_width: Array = field(default_factory=lambda: np.array(DEFAULT_SIGN_WIDTH))
     log: str = ""
     gravity_change: Array | None = None
+    memory: Mapping[Hashable, Array] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -75,23 +81,26 @@ class State:
         effort: ArrayLike | None = None,
         time: ArrayLike | None = None,
         sign_width: ArrayLike = DEFAULT_SIGN_WIDTH,
+        memory: Mapping[Any, Array] | None = None,
     ) -> State:
         """Build a state from one sample, shape (n,), or a trajectory, shape (N, n).
 
         Args:
             robot: The rigid-body model.
-            q: Positions.
-            v: Velocities.
-            a: Accelerations; zero if omitted.
-            effort: Actuator torques; those of the rigid body if omitted.
-            time: Time [s]; zero for every sample if omitted.
-            sign_width: Speed below which sgn(v) is smoothed, scalar or per joint.
+            q: Positions [rad or m].
+            v: Velocities [rad/s or m/s].
+            a: Accelerations [rad/s² or m/s²]; zero if omitted.
+            effort: Actuator torques [N·m or N]; those of the rigid body if omitted.
+            time: Time [s], scalar or shape (N,); zero for every sample if omitted.
+            sign_width: Speed below which sgn(v) is smoothed [rad/s or m/s], scalar or per joint.
+            memory: z of effects with memory at the first sample, by effect; initial ones if omitted.
         """
         q2, v2 = np.atleast_2d(np.asarray(q, float)), np.atleast_2d(np.asarray(v, float))
         a2 = np.zeros_like(q2) if a is None else np.atleast_2d(np.asarray(a, float))
         tau = robot.inverse_dynamics(q2, v2, a2) if effort is None else np.atleast_2d(effort).astype(float)
         t = np.zeros(len(q2)) if time is None else np.broadcast_to(np.asarray(time, float), (len(q2),))
-        return cls(robot, q2, v2, a2, tau, t, np.broadcast_to(np.asarray(sign_width, float), (robot.n,)))
+        width = np.broadcast_to(np.asarray(sign_width, float), (robot.n,))
+        return cls(robot, q2, v2, a2, tau, t, width, memory=memory or {})
 
     def __len__(self) -> int:
         return len(self.q)
@@ -102,6 +111,13 @@ class State:
         return JointState(
             self.q[:, j], self.v[:, j], self.a[:, j], self.effort[:, j], self.sign[:, j], self.time
         )
+
+    def sample(self, k: int) -> State:
+        """Return one sample as a state of its own; effects with memory are at their initial state."""
+        at = np.s_[k : k + 1]
+        change = None if self.gravity_change is None else self.gravity_change[at]
+        signals = (s[at] for s in (self.q, self.v, self.a, self.effort, self.time))
+        return State(self.robot, *signals, self.sign_width, self.log, change)
 
     def with_effort(self, effort: Array) -> State:
         """Return the same motion under other actuator torques, keeping what was computed for it."""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.effects.effect import Effect
+from cdia_pin.effects.memory import Memory
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.plausibility import Plausibility
 from cdia_pin.effects.rigid_body import RigidBody
@@ -63,6 +64,11 @@ class WrappedEffect(Effect):
     def shape(self) -> tuple[Parameter, ...]:  # type: ignore[override]
         """Shape parameters of the inner effect."""
         return self.effect.shape
+
+    @property
+    def memories(self) -> tuple[Memory, ...]:
+        """Internal states of the inner effect."""
+        return self.effect.memories
 
     @property
     def bodies(self) -> tuple[RigidBody, ...]:

@@ -7,7 +7,7 @@ import pytest
 
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.effects import PerLog, Term, parse_effect, parse_term
-from cdia_pin.regression.design_matrix import Columns
+from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.regression.physical_consistency import consistent_parameters
 from tests.made_logs import conditioned, make
@@ -63,7 +63,7 @@ def test_a_payload_per_log_feels_a_tilt(ur5, experiment, body):
 
 
 def test_kept_columns_of_bodies_follow_gravity_log_by_log(ur5, experiment):
-    columns = Columns(experiment)
+    columns = DesignMatrix(experiment)
     for tilt in (per_log(LEVEL, LEVEL), per_log(LEVEL, TILT), per_log(TILT, LEVEL), TILT):
         prediction = experiment.predict(Dynamics(ur5, (tilt,)))
         for effect in (PAYLOAD.effect, PerLog(PAYLOAD.effect, LOGS)):
