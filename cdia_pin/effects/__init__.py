@@ -82,6 +82,9 @@ OF_SEVERAL: dict[str, type[Effect]] = {
 def register(effect: type[Effect]) -> type[Effect]:
     """Add a user's effect class to the vocabulary; usable as a decorator.
 
+    Args:
+        effect: A frozen dataclass with a name of its own.
+
     Raises:
         EffectError: If the name is taken by another class.
     """
@@ -119,7 +122,11 @@ def _kind(name: str, scope: Sequence[str]) -> type[Effect]:
 
 
 def effect_from_dict(given: Mapping[str, Any]) -> Effect:
-    """Read back what `Effect.to_dict` wrote; raises EffectError with what is valid."""
+    """Read back what `Effect.to_dict` wrote; raises EffectError with what is valid.
+
+    Args:
+        given: Name, joints, shape and variation, as in a file.
+    """
     name = str(given.get("effect", ""))
     if name not in EFFECTS:
         raise EffectError(unknown_name("effect", name, EFFECTS))

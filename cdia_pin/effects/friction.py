@@ -74,12 +74,20 @@ class StribeckFriction(JointEffect):
         return [-x.sign, -np.exp(-self.decay * np.abs(x.v)) * x.sign]
 
     def is_distinct(self, theta: Array) -> bool:
-        """Tell whether the breakaway counts; filters give Coulomb friction one below a fifth of its level."""
+        """Tell whether the breakaway counts; filters give Coulomb friction one below a fifth of its level.
+
+        Args:
+            theta: (level, breakaway) [N·m or N].
+        """
         level, breakaway = theta
         return bool(breakaway >= 0.2 * level)
 
     def shape_grid(self, x: State) -> Sequence[Self]:
-        """Return decays wide beside the smoothing of sgn and narrow beside the speeds driven."""
+        """Return decays wide beside the smoothing of sgn and narrow beside the speeds driven.
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         j = x.robot.joint_index(self.joint)
         fast = np.percentile(np.abs(x.v[:, j]), 95)
         width = float(np.broadcast_to(x.sign_width, (x.robot.n,))[j])

@@ -31,14 +31,22 @@ class JointEffect(Effect):
 
     @abstractmethod
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the torque per unit of each parameter, p arrays of shape (N,)."""
+        """Return the torque per unit of each parameter, p arrays of shape (N,).
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
 
     def of_joint(self, x: State) -> JointState:
         """Return what `columns` can see: the signals of the joint."""
         return x.joint(self.joint)
 
     def basis(self, x: State) -> Array:
-        """Return Φ, zero but for the row of the joint, shape (N, n, p)."""
+        """Return Φ, zero but for the row of the joint, shape (N, n, p).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         out = np.zeros((len(x), x.robot.n, self.size))
         row = out[:, x.robot.joint_index(self.joint), :]
         for i, column in enumerate(self.columns(self.of_joint(x))):
@@ -46,7 +54,12 @@ class JointEffect(Effect):
         return out
 
     def torque(self, x: State, theta: Array) -> Array:
-        """Return f [N·m or N] for parameters θ (p,), shape (N, n); a simulation asks for it at every step."""
+        """Return f [N·m or N] for parameters θ (p,), shape (N, n); a simulation asks for it at every step.
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
         out = np.zeros((len(x), x.robot.n))
         own = out[:, x.robot.joint_index(self.joint)]
         for column, value in zip(self.columns(self.of_joint(x)), theta, strict=True):

@@ -24,7 +24,11 @@ class Memory(ABC):
 
     @abstractmethod
     def initial_state(self, robot: RobotModel) -> Array:
-        """Return z where nothing is known of the past, shape (m,)."""
+        """Return z where nothing is known of the past, shape (m,).
+
+        Args:
+            robot: The arm, n joints.
+        """
 
     @abstractmethod
     def advance(self, z: Array, x: State, dq: Array, dt: float) -> Array:
@@ -42,6 +46,9 @@ class Memory(ABC):
 
         It begins as `State.memory` has it and follows the time: where time stands still, z is kept; where time goes
         back, as from one log to the next, z begins anew.
+
+        Args:
+            x: Motion and torques, N samples.
         """
         start = self.initial_state(x.robot)
         z = np.asarray(x.memory.get(self, start), float)

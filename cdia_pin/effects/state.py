@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -68,7 +68,7 @@ class State:
     sign_width: Array = field(default_factory=lambda: np.array(DEFAULT_SIGN_WIDTH))
     log: str = ""
     gravity_change: Array | None = None
-    memory: Mapping[Hashable, Array] = field(default_factory=dict)
+    memory: Mapping[Any, Array] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -106,21 +106,33 @@ class State:
         return len(self.q)
 
     def joint(self, name: str) -> JointState:
-        """Return the signals of one joint."""
+        """Return the signals of one joint.
+
+        Args:
+            name: Name of the joint.
+        """
         j = self.robot.joint_index(name)
         return JointState(
             self.q[:, j], self.v[:, j], self.a[:, j], self.effort[:, j], self.sign[:, j], self.time
         )
 
     def sample(self, k: int) -> State:
-        """Return one sample as a state of its own; effects with memory are at their initial state."""
+        """Return one sample as a state of its own; effects with memory are at their initial state.
+
+        Args:
+            k: Index of the sample.
+        """
         at = np.s_[k : k + 1]
         change = None if self.gravity_change is None else self.gravity_change[at]
-        signals = (s[at] for s in (self.q, self.v, self.a, self.effort, self.time))
-        return State(self.robot, *signals, self.sign_width, self.log, change)
+        q, v, a, effort, time = (s[at] for s in (self.q, self.v, self.a, self.effort, self.time))
+        return State(self.robot, q, v, a, effort, time, self.sign_width, self.log, change)
 
     def with_effort(self, effort: Array) -> State:
-        """Return the same motion under other actuator torques, keeping what was computed for it."""
+        """Return the same motion under other actuator torques, keeping what was computed for it.
+
+        Args:
+            effort: Actuator torques [N·m or N], shape (N, n).
+        """
         return self._twin(effort=effort)
 
     def for_bodies(self) -> State:
@@ -129,7 +141,11 @@ class State:
         return self
 
     def with_gravity_change(self, change: Array) -> State:
-        """Return the same motion under another gravity for what is no part of the robot [m/s²], shape (N, 3)."""
+        """Return the same motion under another gravity for what is no part of the robot [m/s²], shape (N, 3).
+
+        Args:
+            change: Difference to the robot's gravity [m/s²], shape (N, 3).
+        """
         return self._twin(gravity_change=change)
 
     def _twin(self, **changes: Array) -> State:
@@ -138,7 +154,11 @@ class State:
         return twin
 
     def with_position(self, q: Array) -> State:
-        """Return the same speeds and torques at other positions [rad or m], shape (N, n)."""
+        """Return the same speeds and torques at other positions [rad or m], shape (N, n).
+
+        Args:
+            q: Positions [rad or m], shape (N, n).
+        """
         return replace(self, q=q)
 
     @cached_property
@@ -152,7 +172,11 @@ class State:
         return self.robot.inverse_dynamics(self.q, self.v, self.a)
 
     def body_regressor(self, joint: int) -> Array:
-        """Y with M q̈ + nle = Y π for a body on a joint's link, under the gravity that it feels, shape (N, n, 10)."""
+        """Y with M q̈ + nle = Y π for a body on a joint's link, under the gravity that it feels, shape (N, n, 10).
+
+        Args:
+            joint: Index of the joint that moves the link.
+        """
         first = 10 * joint
         found = self._regressor[:, :, first : first + 10]
         if self.gravity_change is None:

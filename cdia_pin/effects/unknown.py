@@ -1,4 +1,4 @@
-"""A torque nobody has a formula for: radial bases in position and velocity, and a torque neuron."""
+"""A torque without a formula: radial bases in position and velocity, and a torque neuron."""
 
 from __future__ import annotations
 
@@ -74,7 +74,12 @@ class Unknown(JointEffect):
         return at_q + at_v + [x.effort]
 
     def fitted_to(self, x: State, neurons: int = 7) -> Self:
-        """Return the effect with its neurons, two or more of each kind, spread over the motion."""
+        """Return the effect with its neurons, two or more of each kind, spread over the motion.
+
+        Args:
+            x: Motion and torques, N samples.
+            neurons: Number of neurons in position, and in velocity.
+        """
         neurons = max(neurons, 2)
         j = x.robot.joint_index(self.joint)
         q, v = np.ptp(x.q[:, j]) or 1.0, np.ptp(x.v[:, j]) or 1.0
