@@ -123,7 +123,11 @@ class ToolWrench(Effect):
     )
 
     def basis(self, x: State) -> Array:
-        """Return Jᵀ, shape (N, n, 6)."""
+        """Return Jᵀ, shape (N, n, 6).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return np.swapaxes(x.tool_jacobian, 1, 2)
 
 
@@ -141,7 +145,11 @@ class ViscousMedium(Effect):
     parameters = (Parameter("drag", "N·s/m", lower=0.0), Parameter("displaced_mass", "kg", lower=0.0))
 
     def basis(self, x: State) -> Array:
-        """Return the columns of drag and displaced mass, shape (N, n, 2)."""
+        """Return the columns of drag and displaced mass, shape (N, n, 2).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         drag = -np.einsum("kij,kj->ki", x.drag_matrix, x.v)
         buoyancy = np.einsum("kig,kg->ki", x.gravity_regressor, x.gravity) / x.robot.total_mass
         return np.stack([drag, buoyancy], axis=-1)

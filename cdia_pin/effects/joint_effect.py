@@ -38,7 +38,11 @@ class JointEffect(Effect):
         """
 
     def of_joint(self, x: State) -> JointState:
-        """Return what `columns` can see: the signals of the joint."""
+        """Return what `columns` can see: the signals of the joint.
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return x.joint(self.joint)
 
     def basis(self, x: State) -> Array:
@@ -67,10 +71,18 @@ class JointEffect(Effect):
         return out
 
     def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
-        """Return the index of the joint."""
+        """Return the index of the joint.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return (robot.joint_index(self.joint),)
 
     @classmethod
     def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
-        """Yield every joint."""
+        """Yield every joint.
+
+        Args:
+            robot: The arm, n joints.
+        """
         yield from ((j,) for j in robot.joints)

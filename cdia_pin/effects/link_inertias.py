@@ -79,7 +79,11 @@ class LinkInertias(Effect):
         return self.links
 
     def basis(self, x: State) -> Array:
-        """Return −Y of a unit body on each link, shape (N, n, p)."""
+        """Return −Y of a unit body on each link, shape (N, n, p).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return -np.concatenate([x.body_regressor(j) for j in map(x.robot.joint_index, self.links)], axis=2)
 
     def torque(self, x: State, theta: Array) -> Array:
@@ -149,7 +153,12 @@ class LinkInertias(Effect):
 
     @classmethod
     def from_scope(cls, scope: Sequence[str], shape: Mapping[str, Any]) -> Self:
-        """Build the effect from joint names; it has no shape."""
+        """Build the effect from joint names; it has no shape.
+
+        Args:
+            scope: Names of the joints that move the links.
+            shape: Nothing.
+        """
         if shape:
             raise EffectError(f"{cls.name}: has no shape, given {', '.join(shape)}")
         return cls(tuple(scope))

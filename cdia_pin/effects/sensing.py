@@ -71,7 +71,11 @@ class EncoderOffset(NonlinearEffect):
 
     @classmethod
     def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
-        """Yield every joint."""
+        """Yield every joint.
+
+        Args:
+            robot: The arm, n joints.
+        """
         yield from ((j,) for j in robot.joints)
 
 
@@ -124,10 +128,18 @@ class EffortDelay(NonlinearEffect):
         return np.asarray(CubicSpline(time, signal)(np.clip(time - delay, time[0], time[-1])))
 
     def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
-        """Return the index of the joint, or of all joints."""
+        """Return the index of the joint, or of all joints.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return tuple(range(robot.n)) if self.joint is None else (robot.joint_index(self.joint),)
 
     @classmethod
     def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
-        """Yield the whole arm: a search does not ask whether one drive alone is late."""
+        """Yield the whole arm: a search does not ask whether one drive alone is late.
+
+        Args:
+            robot: The arm, n joints.
+        """
         yield ()

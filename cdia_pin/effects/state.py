@@ -39,6 +39,9 @@ class JointState:
     time: Array
     memory: Array = field(default_factory=lambda: np.empty((0, 0)))
 
+    def __repr__(self) -> str:
+        return f"JointState({len(self.q)} samples)"
+
 
 @dataclass(frozen=True)
 class State:
@@ -104,6 +107,10 @@ class State:
 
     def __len__(self) -> int:
         return len(self.q)
+
+    def __repr__(self) -> str:
+        log = f", log '{self.log}'" if self.log else ""
+        return f"State({self.robot.name}, {len(self)} samples of {self.robot.n} joints{log})"
 
     def joint(self, name: str) -> JointState:
         """Return the signals of one joint.

@@ -19,6 +19,8 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
+SHOWN = 6  # parameters in a repr, which is one line
+
 
 @dataclass(frozen=True)
 class Term:
@@ -43,6 +45,12 @@ class Term:
             raise EffectError(f"{self.effect.label} takes {names}; given {len(self.theta)} number(s)")
         if not np.isfinite(self.theta).all():
             raise EffectError(f"{self.effect.label}: parameters must be finite, given {self.theta}")
+
+    def __repr__(self) -> str:
+        shown = [f"{name}={value:.4g}" for name, value in self.values.items()]
+        shown = shown if len(shown) <= SHOWN else [*shown[: SHOWN - 1], "…"]
+        where = "" if self.profile == ALWAYS else f", {self.profile.kind}"
+        return f"Term({self.label}: {', '.join(shown)}{where})"
 
     @classmethod
     def of(cls, effect: Effect, profile: Profile = ALWAYS, **parameters: float) -> Term:
@@ -139,7 +147,11 @@ class Term:
         return out
 
     def to_dict(self, robot: RobotModel) -> TermRecord:
-        """Return a JSON-ready description; `from_dict` reads it back."""
+        """Return a JSON-ready description; `from_dict` reads it back.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return {
             **self.effect.to_dict(),
             "parameters": self.parameters_to_dict(robot),

@@ -52,6 +52,10 @@ class Unknown(JointEffect):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise EffectError(f"{self.label}: {name} must be above 0, given {getattr(self, name)}")
 
+    def __repr__(self) -> str:
+        neurons = f"{len(self.position_centres)} + {len(self.velocity_centres)} neurons"
+        return f"Unknown(joint='{self.joint}', {neurons})"
+
     @property
     def traits(self) -> Traits:
         """Depends on the torque, and on position and velocity where it has neurons in them."""
