@@ -94,6 +94,13 @@ class RelaxingBristle(StatefulEffect):
         return [-x.memory[:, 0]]
 
 
+@dataclass(frozen=True)
+class Same(WrappedEffect):
+    """An effect made of another one that overrides nothing."""
+
+    effect: Effect
+
+
 KINDS = [*EFFECTS.values(), HardeningSpring, RelaxingBristle]
 USER_EXPRESSIONS = ("sin(3*q)*dq", "a*dq**3 + b*sin(2*q)", "k*tau*sign(dq)", "-m*ddq + c*cos(q)*t")
 
@@ -131,10 +138,12 @@ def wrapped() -> tuple[tuple[str, Effect], ...]:
     inner = (*map(parse_effect, labels), RelaxingBristle("elbow_joint"))
     ripple, stribeck = (parse_effect(f"{n}@elbow_joint") for n in ("position_ripple", "stribeck_friction"))
     coulomb = parse_effect("coulomb_friction@elbow_joint")
+    offset = parse_effect("encoder_offset@elbow_joint")
     effects = (
+        *(Same(e) for e in (*inner, offset)),
         *(PerLog(e, ("cold", "warm")) for e in inner),
         *(Drift(e, 0.0, 10.0, 3.0) for e in inner),
-        *(Difference(e, ("warm",)) for e in (*inner, parse_effect("encoder_offset@elbow_joint"))),
+        *(Difference(e, ("warm",)) for e in (*inner, offset)),
         *(Slope(e, (2.0, 1.0), e.shape[0].name) for e in (ripple, stribeck)),
         Slope(Drift(coulomb, 0.0, 10.0, 3.0), (2.0, 1.0), "time_constant"),
         Slope(PerLog(stribeck, ("cold", "warm")), (2.0, 1.0, 3.0, 0.5), "decay"),
@@ -162,7 +171,7 @@ def examples() -> tuple[tuple[str, Effect], ...]:
 
 def is_written(effect: Effect) -> bool:
     """Tell whether an effect has a form in files: differences and slopes are made for a regression alone."""
-    return not isinstance(effect, Difference | Slope)
+    return not isinstance(effect, Difference | Slope | Same)
 
 
 def is_named(effect: Effect) -> bool:
@@ -488,6 +497,31 @@ def test_an_effect_made_of_another_acts_where_that_one_does(name, effect):
     assert effect.traits.channel is inner.traits.channel
     assert effect.plausibility == inner.plausibility
     assert effect.memories == inner.memories
+
+
+@each(lambda effect: isinstance(effect, Same))
+def test_an_effect_that_overrides_nothing_is_the_other_one(name, effect):
+    robot, x, inner = robot_of(name), state_of(name), effect.effect
+    theta, wild = drawn(effect, robot), 30 * np.random.default_rng(9).normal(size=effect.size)
+    for method in ("torque", "jacobian", "shift", "gravity_change"):
+        np.testing.assert_array_equal(getattr(effect, method)(x, theta), getattr(inner, method)(x, theta))
+    for method in ("bounds", "prior_scale", "acts_on", "joints", "units"):
+        np.testing.assert_array_equal(getattr(effect, method)(robot), getattr(inner, method)(robot))
+    np.testing.assert_array_equal(effect.nearest_physical(wild, robot), inner.nearest_physical(wild, robot))
+    assert effect.is_physical(wild, robot) == inner.is_physical(wild, robot)
+    assert effect.is_distinct(wild) == inner.is_distinct(wild)
+    for fact in (
+        "name",
+        "equation",
+        "label",
+        "parameters",
+        "shape",
+        "shape_values",
+        "bodies",
+        "scope_fields",
+    ):
+        assert getattr(effect, fact) == getattr(inner, fact)
+    assert [e.effect for e in effect.shape_grid(x)] == list(inner.shape_grid(x))
 
 
 @each(lambda effect: effect.memories)
