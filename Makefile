@@ -5,12 +5,12 @@ BIN := $(VENV)/bin
 JOBS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1  # small matrices: threads only cost
 
-.PHONY: install test lint demo bench bench-discovery bench-cdia clean help
+.PHONY: install test lint docs demo bench bench-discovery bench-cdia clean help
 
 help:  ## show this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
 
-install: $(VENV)/.installed  ## the package and the command cdia, in .venv
+install: $(VENV)/.installed  ## the package with every extra and the command cdia, in .venv
 
 test: $(VENV)/.installed-dev  ## all tests
 	$(BIN)/python -m pytest -n $(JOBS)
@@ -19,6 +19,10 @@ lint: $(VENV)/.installed-dev  ## format, lint and types
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+
+docs: $(VENV)/.installed-docs  ## the documentation site, in out/docs; runs the examples in the pages
+	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going -b html docs out/docs
+	$(BIN)/python -m pytest docs/checks
 
 demo: $(VENV)/.installed  ## find a missing effect in a log that ships, in under a minute
 	$(BIN)/cdia demo
@@ -43,8 +47,12 @@ $(BIN)/python:
 
 # The stamps keep the set-up from being done again; a changed pyproject.toml renews it.
 $(VENV)/.installed: pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable .
+	$(BIN)/python -m pip install --quiet --editable ".[all]"
 	@touch $@
+
+$(VENV)/.installed-docs: pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --editable ".[docs]"
+	@touch $@ $(VENV)/.installed
 
 $(VENV)/.installed-dev: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable ".[dev]"

@@ -1,4 +1,4 @@
-"""Errors of the package: one base class, one line a person can act on."""
+"""Errors of the package: one base class, and one-line messages that name what to do."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ class RobotError(CdiaError):
 
 
 class LogError(CdiaError):
-    """The log cannot be read, or holds signals that cannot be used."""
+    """The log cannot be read, or its signals cannot be used."""
 
 
 class EffectError(CdiaError):
-    """An effect, its parameters or its profile are not what they must be."""
+    """An effect, its parameters or its profile are not valid."""
 
 
 class ModelError(CdiaError):
@@ -27,7 +27,16 @@ class ModelError(CdiaError):
 
 
 def unknown_name(kind: str, given: str, valid: Iterable[str]) -> str:
-    """Say that a name is unknown, with the nearest valid ones first."""
+    """Write a message for an unknown name.
+
+    Args:
+        kind: What the name stands for, such as ``joint``.
+        given: The unknown name.
+        valid: The valid names.
+
+    Returns:
+        One line with up to three similar names, or with all valid ones where none is similar.
+    """
     names = list(valid)
     near = difflib.get_close_matches(given, names, n=3, cutoff=0.5)
     hint = f"did you mean {', '.join(near)}?" if near else f"known: {', '.join(names)}"

@@ -4,8 +4,7 @@ Usage:
     .venv/bin/python examples/01_find_the_missing_effect.py
 """
 
-from cdia_pin import Dynamics, compare, discover, load_robot, read_log
-from cdia_pin.resources import logs_dir
+from cdia_pin import Dynamics, compare, discover, load_robot, logs_dir, read_log
 
 robot = load_robot("ur5")
 log = read_log(logs_dir() / "demo_ur5.csv", robot)
@@ -17,7 +16,7 @@ for step in found.steps:
     print(f"  + {step.term.label}")
     for name, value in step.term.parameters_to_dict(robot).items():
         low, high = value["ci95"]
-        if low * high > 0:  # told from zero
+        if low * high > 0:  # the interval does not hold zero
             print(f"      {name} = {value['value']:.4g} {value['unit']}  [{low:.4g}, {high:.4g}]")
 
 before, after = compare(model, log), compare(found.model, log)

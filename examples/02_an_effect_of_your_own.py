@@ -1,7 +1,7 @@
 """Write an effect as one line, add it beside what the vocabulary finds, and see the error fall.
 
-A UR5 is simulated whose elbow is braked by a torque that grows with the cube of its speed: nothing in the vocabulary
-does that, so the search stops at "unexplained".
+The elbow of a simulated UR5 is braked by a torque that grows with the cube of its speed. No effect of the vocabulary
+does that, so the search without the line ends as "unexplained".
 
 Usage:
     .venv/bin/python examples/02_an_effect_of_your_own.py
@@ -9,10 +9,17 @@ Usage:
 
 import numpy as np
 
-from cdia_pin import Dynamics, discover, effects, load_robot
-from cdia_pin.dynamics import Sensors, exciting_trajectory, simulate
-from cdia_pin.effects import Term
-from cdia_pin.selection import DiscoverySettings
+from cdia_pin import (
+    DiscoverySettings,
+    Dynamics,
+    Sensors,
+    Term,
+    discover,
+    effects,
+    exciting_trajectory,
+    load_robot,
+    simulate,
+)
 
 robot = load_robot("ur5")
 brake = Term.of(effects.from_expression("-dq**3 * cos(q)", joint="elbow_joint"), coefficient=12.0)

@@ -1,16 +1,14 @@
-"""A UR5 whose elbow gets dry friction while it moves: detected, named, corrected for.
+"""Watch a UR5 whose elbow gains Coulomb friction while it moves: the fault is detected, isolated and compensated.
 
 Usage:
     .venv/bin/python examples/03_watch_an_arm.py
 """
 
-from cdia_pin import Dynamics, load_robot
-from cdia_pin.campaigns.closed_loop import ClosedLoop
-from cdia_pin.effects import parse_term
+from cdia_pin import ClosedLoop, Dynamics, effects, load_robot
 
 robot = load_robot("ur5")
-loop = ClosedLoop(Dynamics(robot))  # noisy sensors, and inertias up to 3 % beside the model's
-fault = parse_term("coulomb_friction@elbow_joint: level=5, after=4", robot)
+loop = ClosedLoop(Dynamics(robot))  # noisy sensors, and inertias that differ from the model's by up to 3 %
+fault = effects.parse_term("coulomb_friction@elbow_joint: level=5, after=4", robot)
 motion = loop.motion(0, duration=15.0)
 
 monitor = loop.monitor()  # learns from healthy runs on other motions

@@ -1,4 +1,4 @@
-"""A spring or a heavier link? A small motion cannot tell; one is designed that can, within the arm's limits.
+"""Tell a spring from a heavier link: a small motion cannot; a motion designed for it, within the arm's limits, can.
 
 Usage:
     .venv/bin/python examples/04_tell_two_effects_apart.py
@@ -6,19 +6,26 @@ Usage:
 
 import numpy as np
 
-from cdia_pin import Dynamics, discover, excite, exciting_trajectory, load_robot, simulate
-from cdia_pin.dynamics import Sensors
-from cdia_pin.effects import parse_term
+from cdia_pin import (
+    Dynamics,
+    Sensors,
+    discover,
+    effects,
+    excite,
+    exciting_trajectory,
+    load_robot,
+    simulate,
+)
 
 robot = load_robot("ur5")
 model = Dynamics(robot)
-spring = parse_term("joint_spring@shoulder_lift_joint: stiffness=10", robot)
+spring = effects.parse_term("joint_spring@shoulder_lift_joint: stiffness=10", robot)
 plant = Dynamics(robot, (spring,))
 sensors = Sensors(effort_share=0.01, position_quantum=1e-5)
 
 
 def explained(log):
-    """Print what the log says is missing, and what else it could be; return that."""
+    """Print the missing effect and its alternatives; return the alternatives."""
     found = discover(model, log)
     (step,) = found.steps
     rivals = [effect for confusion in step.confusions for effect in confusion.effects]

@@ -27,8 +27,9 @@ ORDER = (
     "app",
     "cli",
 )
-COMMON = ("version", "errors", "progress", "resources", "display")  # below everything
-DOORS = ("__init__", "__main__")  # lead into the package from outside
+# Below everything: leaves.
+COMMON = ("version", "schemas", "errors", "extras", "phrases", "progress", "resources")
+DOORS = ("__init__", "__main__", "ipython")  # lead into the package from outside
 
 MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] != "_data")
 

@@ -1,12 +1,16 @@
 """``import cdia_pin`` is light, and its names are found when they are used."""
 
+import ast
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import cdia_pin
 
+ROOT = Path(__file__).resolve().parents[1]
 HEAVY = ("numpy", "scipy", "pinocchio", "numba", "pyarrow", "typer", "rich")
 
 
@@ -33,6 +37,32 @@ def test_importing_every_public_name_does_not_load_numba():
 def test_public_names_are_there(name):
     assert getattr(cdia_pin, name) is not None
     assert name in dir(cdia_pin)
+
+
+def test_dir_shows_the_public_names_alone():
+    assert dir(cdia_pin) == sorted(cdia_pin.__all__)
+    assert not [name for name in dir(cdia_pin) if name.startswith("_") and name != "__version__"]
+
+
+def test_star_imports_the_public_names():
+    names: dict[str, object] = {}
+    exec("from cdia_pin import *", names)
+    assert set(names) - {"__builtins__"} == set(cdia_pin.__all__)
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda p: p.name)
+def test_an_example_imports_from_the_package_alone(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        named = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+        named += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+        assert not [name for name in named if name.startswith("cdia_pin.")]
+
+
+def test_the_readme_imports_from_the_package_alone():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert not re.findall(r"(?:from|import) cdia_pin\.", text)
+    for names in re.findall(r"from cdia_pin import ([\w, ]+)", text):
+        assert {name.strip() for name in names.split(",")} <= set(cdia_pin.__all__)
 
 
 def test_effects_is_the_module():

@@ -93,6 +93,12 @@ def test_the_shipped_robot_loads(answers):
     assert answers["gravity"] == [0.0, 0.0, -9.8]
 
 
+def test_types_and_public_names_are_in_it(installed):
+    package = installed / "cdia_pin"
+    assert (package / "py.typed").is_file()
+    assert (package / "__init__.pyi").is_file()
+
+
 def test_licence_and_command_are_declared(installed):
     (metadata,) = installed.glob("cdia_pin-*.dist-info")
     assert "License-Expression: BSD-3-Clause" in (metadata / "METADATA").read_text()

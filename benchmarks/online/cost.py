@@ -182,8 +182,8 @@ def _micro(block: float) -> float:
 
 def _decision(monitor: Monitor, j: int) -> float:
     """Return the median time of a decision of a joint under watch [µs]."""
-    evidence = monitor.engine.watches[j].evidence  # type: ignore[attr-defined]
-    return 1e6 * median(_timed(lambda: _discard(evidence.decide())) for _ in range(300))
+    isolation = monitor.engine.joint_monitors[j].isolation  # type: ignore[attr-defined]
+    return 1e6 * median(_timed(lambda: _discard(isolation.decide())) for _ in range(300))
 
 
 IMPORT = """

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from benchmarks.measured_logs.errors import Bench, Column
 from benchmarks.measured_logs.process import run
-from cdia_pin.regression.experiment import NEAR_REST, Segment
+from cdia_pin.regression.experiment import Segment
+from cdia_pin.regression.rest import RestSettings
 from cdia_pin.robot import RobotModel
 
 Array = NDArray[np.float64]
@@ -53,7 +54,7 @@ def ask(
             joints=list(robot.joints),
             locked=list(robot.locked),
             locked_at=[held.position for held in robot.locked.values()],
-            moving=(np.abs(fitted.state.v) > NEAR_REST * fitted.state.sign_width).all(axis=1),
+            moving=(np.abs(fitted.state.v) > RestSettings().near_rest * fitted.state.sign_width).all(axis=1),
             decimation=fitted.motion.decimation,
             **{name: getattr(fitted.motion, name) for name in ("time", "q", "v", "a", "effort")},
             unseen_q=q,

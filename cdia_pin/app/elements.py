@@ -3,9 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypedDict
 
 from nicegui.element import Element
+
+from cdia_pin.viewers.report_data import JointReport
+from cdia_pin.viewers.scene import Frame, SceneDocument, StageDocument, TimelineDocument
+
+
+class JointTile(TypedDict):
+    """What a tile says of its joint; ``unit`` is that of its torque."""
+
+    name: str
+    short: str
+    unit: str
 
 
 class ArmElement(Element, component="assets/arm.js", default_classes="arm-box"):
@@ -20,7 +31,7 @@ class ArmElement(Element, component="assets/arm.js", default_classes="arm-box"):
         self.on("joint", lambda event: choose(event.args))
 
     def draw(
-        self, scene: dict[str, Any], stages: list[dict[str, Any]], reach: list[list[float]] | None = None
+        self, scene: SceneDocument, stages: list[StageDocument], reach: list[list[float]] | None = None
     ) -> None:
         """Draw an arm anew.
 
@@ -31,11 +42,11 @@ class ArmElement(Element, component="assets/arm.js", default_classes="arm-box"):
         """
         self.run_method("draw", scene, stages, reach)
 
-    def play(self, timeline: dict[str, Any], variant: int) -> None:
+    def play(self, timeline: TimelineDocument, variant: int) -> None:
         """Show a motion, of `Timeline.to_dict`, by the reckoning of one of its models."""
         self.run_method("play", timeline, variant)
 
-    def append(self, piece: dict[str, Any], stages: list[dict[str, Any]]) -> None:
+    def append(self, piece: Frame, stages: list[StageDocument]) -> None:
         """Show a piece of the timeline of an arm that moves now."""
         self.run_method("append", piece, stages)
 
@@ -47,7 +58,7 @@ class ArmElement(Element, component="assets/arm.js", default_classes="arm-box"):
 class ChartsElement(Element, component="assets/charts.js", default_classes="charts"):
     """The charts of one joint."""
 
-    def draw(self, joint: dict[str, Any]) -> None:
+    def draw(self, joint: JointReport) -> None:
         """Draw what `picture.joint` returns."""
         self.run_method("draw", joint)
 
@@ -63,11 +74,11 @@ class LiveElement(Element, component="assets/live.js", default_classes="live-box
         super().__init__()
         self.on("joint", lambda event: choose(event.args))
 
-    def begin(self, joints: list[dict[str, str]], stages: list[dict[str, Any]]) -> None:
+    def begin(self, joints: list[JointTile], stages: list[StageDocument]) -> None:
         """Begin anew with the joints of an arm."""
         self.run_method("begin", joints, stages)
 
-    def push(self, piece: dict[str, Any]) -> None:
+    def push(self, piece: Frame) -> None:
         """Show what `LiveRun.take` returned."""
         self.run_method("push", piece)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from typing import Any
 
 from nicegui import context, ui
 
@@ -14,13 +13,13 @@ from cdia_pin.app.inputs import Request
 from cdia_pin.app.load_step import LoadStep
 from cdia_pin.app.missing_step import missing_step
 from cdia_pin.app.next_motion import Doubt, designed
-from cdia_pin.app.parts import Step, button, node
+from cdia_pin.app.parts import PageStep, button, node
 from cdia_pin.app.result_steps import check_step, compare_step, export_step
 from cdia_pin.app.runner import Runner
 from cdia_pin.app.session import Session
 from cdia_pin.app.tiles import tiles
 from cdia_pin.progress import Progress
-from cdia_pin.viewers.scene import Scene
+from cdia_pin.viewers.scene import Scene, SceneDocument, TimelineDocument
 from cdia_pin.viewers.words import NO_BREAK, percent
 
 FILES: dict[str, tuple[Callable[[Session], bytes], str]] = {
@@ -56,7 +55,7 @@ class FindPage:
                 self._runner = Runner()
                 self._load_step = LoadStep(self.load, self._refuse)
                 self._steps = {
-                    mark: Step(k, title, mark)
+                    mark: PageStep(k, title, mark)
                     for k, (mark, title) in enumerate(
                         [
                             ("load", "Load a robot and a log"),
@@ -84,7 +83,7 @@ class FindPage:
     async def load(self, asked: Request) -> None:
         """Load a robot and a log; what was loaded before is kept where that fails."""
 
-        def work(tell: Progress) -> tuple[Session, dict[str, Any], dict[str, Any]]:
+        def work(tell: Progress) -> tuple[Session, SceneDocument, TimelineDocument]:
             session = Session.load(asked, tell)
             return session, Scene.of(session.inputs.robot).to_dict(), picture.timeline(session)
 
@@ -189,7 +188,7 @@ class FindPage:
         if asked is None:
             return False
 
-        def work(tell: Progress) -> tuple[Session, dict[str, Any]]:
+        def work(tell: Progress) -> tuple[Session, TimelineDocument]:
             session = step(asked, tell)
             return session, picture.timeline(session)
 
@@ -214,7 +213,7 @@ class FindPage:
     def _refuse(self, sentence: str) -> None:
         self._runner.wrong.text = sentence
 
-    def _show_motion(self, timeline: dict[str, Any]) -> None:
+    def _show_motion(self, timeline: TimelineDocument) -> None:
         self._arm.play(timeline, len(timeline.get("variants", ())))
         self.choose(self.joint)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from cdia_pin.app.inputs import Request
 from cdia_pin.errors import LogError
@@ -15,6 +14,8 @@ UNITS = {
     "torque": "Nm",
     "time": "",
 }  # with what is meant where nothing is said
+Cell = str | float | bool  # of the table of joints: typed, from a request, or checked
+
 FLIPS = ("flip_position", "flip_effort")
 
 
@@ -35,8 +36,8 @@ class Form:
     robot: str = ""
     log: str = ""
     units: dict[str, str] = field(default_factory=lambda: dict(UNITS))
-    joints: dict[str, dict[str, Any]] = field(default_factory=dict)
-    others: dict[str, Any] = field(default_factory=dict)
+    joints: dict[str, dict[str, Cell]] = field(default_factory=dict)
+    others: dict[str, object] = field(default_factory=dict)
     uploads: dict[str, str] = field(default_factory=dict)
     model: Path | None = None
 
@@ -50,7 +51,7 @@ class Form:
         given = dict(asked.convert)
         self.robot, self.log, self.model = asked.robot, str(asked.log), asked.model
         self.units = {key: given.pop(key, usual) or usual for key, usual in UNITS.items()}
-        columns: dict[str, dict[str, Any]] = {
+        columns: dict[str, dict[str, Cell]] = {
             "label": {joint: name for name, joint in asked.joint_map.items()},
             "gain": dict(asked.gains),
             "reduction": dict(given.pop("reduction", {})),
@@ -62,7 +63,7 @@ class Form:
                 self.note(joint, key, value)
         self.others = given
 
-    def note(self, joint: str, key: str, value: Any) -> None:
+    def note(self, joint: str, key: str, value: Cell) -> None:
         """Take note of a cell of the table of joints."""
         self.joints.setdefault(joint, {})[key] = value
 
@@ -72,7 +73,7 @@ class Form:
         Raises:
             LogError: If a number is none.
         """
-        convert: dict[str, Any] = {k: v for k, v in self.units.items() if v != UNITS[k]} | self.others
+        convert: dict[str, object] = {k: v for k, v in self.units.items() if v != UNITS[k]} | self.others
         convert |= {flip: tuple(self._column(flip)) for flip in FLIPS if self._column(flip)}
         if ratios := self._numbers("reduction", "gear ratio"):
             convert["reduction"] = ratios
@@ -86,7 +87,7 @@ class Form:
             name=self.uploads.get(self.log.strip(), ""),
         )
 
-    def _column(self, key: str) -> dict[str, Any]:
+    def _column(self, key: str) -> dict[str, Cell]:
         return {joint: row[key] for joint, row in self.joints.items() if row.get(key)}
 
     def _numbers(self, key: str, what: str) -> dict[str, float]:

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from nicegui import context, ui
 
 from cdia_pin.app.elements import ArmElement, LiveElement
 from cdia_pin.app.live_run import LiveRun
 from cdia_pin.app.live_sources import Source, replayed, simulated
-from cdia_pin.app.parts import Step, button, node
+from cdia_pin.app.parts import PageStep, button, node
 from cdia_pin.app.runner import Runner
 from cdia_pin.diagnosis import Event
 from cdia_pin.effects import Term
 from cdia_pin.progress import Progress
 from cdia_pin.robot import catalogue
 from cdia_pin.viewers.event_words import event_rows, fault_words
-from cdia_pin.viewers.scene import Scene, monitor_stages
+from cdia_pin.viewers.scene import Frame, Scene, SceneDocument, monitor_stages
 from cdia_pin.viewers.words import joint_units, short_names
 
 LOOK = 0.1  # [s], between looks at what is new
@@ -33,13 +32,13 @@ class LivePage:
         self._form = {"what": "simulate", "robot": "ur5", "log": "", "faults": "", "accommodate": True}
         self._events: list[Event] = []
         self._chosen = False  # whether somebody chose a joint; until then the last event does
-        self._stages = [vars(s) for s in monitor_stages()]
+        self._stages = [s.to_dict() for s in monitor_stages()]
         with node("div", classes="page"):
             with node("div", classes="steps"):
                 self._runner = Runner()
-                self._what = Step(1, "What moves", "what")
-                self._faults = Step(2, "Faults", "faults")
-                self._said = Step(3, "What the monitor says", "events")
+                self._what = PageStep(1, "What moves", "what")
+                self._faults = PageStep(2, "Faults", "faults")
+                self._said = PageStep(3, "What the monitor says", "events")
             with node("div", classes="stage", data_state="waiting") as self._stage:
                 self._arm = ArmElement(self._choose)
                 self._arm.props["data-mark"] = "arm"
@@ -61,7 +60,7 @@ class LivePage:
         """Prepare what the form asks for, and let it move."""
         asked = dict(self._form)
 
-        def work(tell: Progress) -> tuple[Source, dict[str, Any]]:
+        def work(tell: Progress) -> tuple[Source, SceneDocument]:
             robot = str(asked["robot"]).strip()
             if asked["what"] == "replay":
                 source = replayed(robot, Path(str(asked["log"]).strip()).expanduser(), tell)
@@ -130,10 +129,16 @@ class LivePage:
             return
         piece, events = run.take()
         if piece:
-            self._live.push({k: piece[k] for k in ("time", "stage", "residual", "threshold")})
-            self._arm.append(
-                {k: v for k, v in piece.items() if k not in {"residual", "threshold"}}, self._stages
-            )
+            charted: Frame = {
+                "time": piece["time"],
+                "stage": piece["stage"],
+                "residual": piece["residual"],
+                "threshold": piece["threshold"],
+            }
+            self._live.push(charted)
+            drawn = piece.copy()
+            del drawn["residual"], drawn["threshold"]
+            self._arm.append(drawn, self._stages)
             self._speed.text = f"{run.speed:.1f} × real time, {piece['time'][-1]:.0f} s"
         if events:
             self._events += events

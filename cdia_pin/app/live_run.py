@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Any
+from typing import cast
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from cdia_pin.app.live_sources import Source
 from cdia_pin.diagnosis import Event, Status
 from cdia_pin.errors import CdiaError
 from cdia_pin.viewers.live import FrameMaker
+from cdia_pin.viewers.scene import Frame
 
 FRAMES = 20.0  # [Hz]
 LATE = 0.25  # [s], by which the clock may be missed before it is set anew
@@ -33,7 +34,7 @@ class LiveRun:
     def __init__(self, source: Source, *, replay: bool = False) -> None:
         self.source, self.error, self.speed = source, "", 1.0
         self._replay = replay
-        self._frames: list[dict[str, Any]] = []
+        self._frames: list[Frame] = []
         self._events: list[Event] = []
         self._stop, self._goes = threading.Event(), threading.Event()
         self._goes.set()
@@ -59,15 +60,15 @@ class LiveRun:
         """Let it wait, or go on."""
         self._goes.clear() if waits else self._goes.set()
 
-    def take(self) -> tuple[dict[str, list[Any]], list[Event]]:
+    def take(self) -> tuple[Frame, list[Event]]:
         """Return what is new since it was last asked: frames as a piece of a timeline, and events."""
         frames, self._frames = self._frames, []
         events, self._events = self._events, []
-        piece: dict[str, list[Any]] = {}
+        piece: dict[str, list[object]] = {}
         for frame in frames:
             for key, rows in frame.items():
-                piece.setdefault(key, []).extend(rows)
-        return piece, events
+                piece.setdefault(key, []).extend(cast("list[object]", rows))
+        return cast("Frame", piece), events
 
     def _run(self) -> None:
         try:
@@ -99,7 +100,7 @@ class LiveRun:
             wall, shown = now, tick.time
 
 
-def _signals(status: Status) -> dict[str, list[Any]]:
+def _signals(status: Status) -> Frame:
     """Return residual and threshold of each joint, as a page draws them."""
     return {
         "residual": [np.round(status.residual, 4).tolist()],

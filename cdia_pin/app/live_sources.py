@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -83,15 +83,20 @@ def usual_faults(loop: ClosedLoop) -> list[str]:
     joints, slides = loop.robot.joints, loop.robot.is_prismatic
     motion = loop.motion(0, MOTION)(np.linspace(0.0, MOTION, 400))
     torque = np.sqrt(np.mean(loop.robot.inverse_dynamics(*motion) ** 2, axis=0))
-    size = lambda j, share: f"{max(share * torque[j], 0.05):.2g}"  # noqa: E731
-    kinds = (
-        lambda j: f"coulomb_friction@{joints[j]}: level={size(j, 0.4)}",
-        lambda j: f"actuator_gain@{joints[j]}: gain=-0.25",
-        lambda j: f"torque_offset@{joints[j]}: offset={size(j, 0.4)}",
-        lambda j: f"viscous_friction@{joints[j]}: coefficient={size(j, 5.0 if slides[j] else 0.8)}",
+
+    def size(j: int, share: float) -> str:
+        return f"{max(share * torque[j], 0.05):.2g}"
+
+    def viscous(j: int) -> str:
+        return f"coefficient={size(j, 5.0 if slides[j] else 0.8)}"
+
+    kinds: tuple[tuple[int, str, Callable[[int], str]], ...] = (
+        (2, "coulomb_friction", lambda j: f"level={size(j, 0.4)}"),
+        (1, "actuator_gain", lambda j: "gain=-0.25"),
+        (3, "torque_offset", lambda j: f"offset={size(j, 0.4)}"),
+        (0, "viscous_friction", viscous),
     )
-    order = [2, 1, 3, 0]
-    return [kind(j) for kind, j in zip(kinds, order, strict=True) if j < len(joints)]
+    return [f"{name}@{joints[j]}: {sized(j)}" for j, name, sized in kinds if j < len(joints)]
 
 
 def replayed(robot: str, path: Path, tell: Progress) -> Source:

@@ -17,7 +17,7 @@ from cdia_pin.viewers.words import percent
 FIRST = 3  # suggestions that are shown at once, beside all that the search would add
 
 
-class Actions(Protocol):
+class MissingActions(Protocol):
     """What can be asked of the page."""
 
     def search(self) -> Any:
@@ -42,7 +42,7 @@ class Actions(Protocol):
         """Design a motion that tells two effects apart, and download it."""
 
 
-def missing_step(session: Session, do: Actions, searching: bool) -> None:
+def missing_step(session: Session, do: MissingActions, searching: bool) -> None:
     """Show history, suggestions, an effect of one's own, and the next motion."""
     _history(session, do)
     if session.preview is not None:
@@ -59,7 +59,7 @@ def missing_step(session: Session, do: Actions, searching: bool) -> None:
     _next_motion(session, do)
 
 
-def _history(session: Session, do: Actions) -> None:
+def _history(session: Session, do: MissingActions) -> None:
     history = session.history
     with node("div", classes="history", role="group", aria_label="History"):
         for k, version in enumerate(history.versions):
@@ -86,7 +86,7 @@ def _history(session: Session, do: Actions) -> None:
             )
 
 
-def _preview(session: Session, do: Actions) -> None:
+def _preview(session: Session, do: MissingActions) -> None:
     preview = session.preview
     assert preview is not None
     (text,) = preview.added
@@ -99,7 +99,7 @@ def _preview(session: Session, do: Actions) -> None:
             button("Leave it", do.drop_preview, mark="drop-preview")
 
 
-def _suggestions(session: Session, do: Actions) -> None:
+def _suggestions(session: Session, do: MissingActions) -> None:
     assert session.found is not None
     rows = suggestions(session.found)
     chosen = [r for r in rows if r.chosen]
@@ -117,7 +117,7 @@ def _suggestions(session: Session, do: Actions) -> None:
                 _row(row, do)
 
 
-def _row(row: Suggestion, do: Actions) -> None:
+def _row(row: Suggestion, do: MissingActions) -> None:
     with node("article", classes="suggestion", data_mark="suggestion", data_effect=row.text):
         with node("header"):
             with node("div"):
@@ -146,7 +146,7 @@ def _few(names: list[str]) -> str:
     return names[0] if len(names) == 1 else f"{names[0]}, or {len(names) - 1} more"
 
 
-def _own(session: Session, do: Actions) -> None:
+def _own(session: Session, do: MissingActions) -> None:
     joints = session.inputs.robot.joints
     with folded("Another effect, or one of your own", mark="own"):
         with node("datalist", id="effects"):
@@ -169,7 +169,7 @@ def _own(session: Session, do: Actions) -> None:
             button("Add", lambda: do.add(typed["text"].strip()), mark="own-add")
 
 
-def _next_motion(session: Session, do: Actions) -> None:
+def _next_motion(session: Session, do: MissingActions) -> None:
     """Say what to record next, and offer to design it."""
     rows = doubts(session)
     if not rows:

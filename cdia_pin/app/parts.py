@@ -52,7 +52,7 @@ def folded(summary: str, *, mark: str, open_: bool = False) -> Iterator[Element]
             yield made
 
 
-class Step:
+class PageStep:
     """One of the steps down the page: a number, a heading and what is filled in.
 
     Args:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 from cdia_pin.app.session import Session
 from cdia_pin.discovery import Comparison
-from cdia_pin.viewers.report_data import joint_data
-from cdia_pin.viewers.scene import Timeline, timeline_of_comparison
+from cdia_pin.viewers.report_data import JointReport, joint_data
+from cdia_pin.viewers.scene import Timeline, TimelineDocument, timeline_of_comparison
 
 FRAMES = 1500  # of a motion; 50 s at the full rate
 POINTS = 1600  # samples of a curve
@@ -20,7 +19,7 @@ def improved(session: Session) -> Comparison | None:
     return None if shown is session.history.first else shown.comparison
 
 
-def timeline(session: Session) -> dict[str, Any]:
+def timeline(session: Session) -> TimelineDocument:
     """Return the motion of the log for the browser, coloured by the error before and after."""
     whole = thinned(timeline_of_comparison(session.history.first.comparison, improved(session)), FRAMES)
     names = ("as given", "preview" if session.preview else "improved")
@@ -40,7 +39,7 @@ def thinned(whole: Timeline, most: int) -> Timeline:
     )
 
 
-def joint(session: Session, name: str) -> dict[str, Any]:
+def joint(session: Session, name: str) -> JointReport:
     """Return the signals of one joint for its charts."""
     j = session.inputs.robot.joint_index(name)
     return joint_data(j, session.history.first.comparison, improved(session), None, POINTS)

@@ -21,7 +21,7 @@ REGIONS = 3  # that are shown
 MARKS = {"ok": "✓", "info": "·", "warning": "!", "error": "✕"}
 
 
-class Actions(Protocol):
+class ResultActions(Protocol):
     """What can be asked of the page."""
 
     def convert(self, option: str) -> Any:
@@ -34,7 +34,7 @@ class Actions(Protocol):
         """Download a file."""
 
 
-def check_step(check: LogCheck, do: Actions) -> None:
+def check_step(check: LogCheck, do: ResultActions) -> None:
     """Show what `check_log` says, what needs attention first."""
     problems = check.problems
     rest = [f for f in check.findings if f not in problems]
@@ -47,7 +47,7 @@ def check_step(check: LogCheck, do: Actions) -> None:
             _finding(finding, do)
 
 
-def _finding(finding: Finding, do: Actions) -> None:
+def _finding(finding: Finding, do: ResultActions) -> None:
     with node("div", classes=f"finding {finding.severity}", data_mark="finding"):
         node("span", MARKS[finding.severity], "mark", aria_label=finding.severity)
         with node("div"):
@@ -61,7 +61,7 @@ def _finding(finding: Finding, do: Actions) -> None:
                 )
 
 
-def compare_step(session: Session, do: Actions) -> None:
+def compare_step(session: Session, do: ResultActions) -> None:
     """Show where the present model fails."""
     comparison = session.present.comparison
     short = short_names(comparison.model.robot.joints)
@@ -78,7 +78,7 @@ def compare_step(session: Session, do: Actions) -> None:
                 node("span", f" {region_words(region)}: {region.ratio:.1f} × its mean", "soft")
 
 
-def export_step(session: Session, do: Actions) -> None:
+def export_step(session: Session, do: ResultActions) -> None:
     """Offer the files, and the lines that make them."""
     with node("div", classes="actions"):
         for what, name in (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from cdia_pin.app.job import Cancelled, Job
 from cdia_pin.app.parts import button, node
@@ -20,7 +20,7 @@ class Runner:
     """Shows the job that runs. A new one takes the place of the one before, whose result is dropped."""
 
     def __init__(self) -> None:
-        self.job: Job | None = None
+        self.job: Job[Any] | None = None
         self.said = node("p", classes="said", role="status", aria_live="polite", data_mark="said")
         self.wrong = node("p", classes="wrong", role="alert", data_mark="wrong")
         with node("div", classes="running", data_mark="running") as self.bar:

@@ -12,8 +12,8 @@ from nicegui import app, ui
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 
 from cdia_pin.app.inputs import Request
+from cdia_pin.app.page_files import SERVED, served
 from cdia_pin.app.parts import node
-from cdia_pin.app.served import SERVED, served
 from cdia_pin.errors import CdiaError
 
 HOST = "127.0.0.1"

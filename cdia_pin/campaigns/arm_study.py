@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
 from cdia_pin.campaigns.loop_comparison import Comparison, compare_loops, onset
 from cdia_pin.dynamics.dynamics import Dynamics
@@ -22,7 +23,6 @@ from cdia_pin.robot import load_robot
 Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
 
-SCHEMA = "cdia-study-arms/1"
 ARMS = ("panda", "ur5", "xarm7")
 FIRST, SECOND, DURATION = 2.0, 5.0, 12.0  # [s]
 SETTLED = 3.0  # [s] after the last fault began, from which tracking is compared
@@ -147,4 +147,4 @@ def arm_faults(loop: ClosedLoop, duration: float) -> dict[str, tuple[Term, ...]]
 
 def to_dict(cases: Sequence[ArmCase]) -> dict[str, Any]:
     """Return a study as ``cdia study arms --json`` writes it."""
-    return {"schema": SCHEMA, "cases": [case.to_dict() for case in cases]}
+    return {"schema": schemas.STUDY_ARMS, "cases": [case.to_dict() for case in cases]}

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.robot import load_robot, scara
 
 Array = NDArray[np.float64]
 
-SCHEMA = "cdia-study-scara-model/1"
 TOLERANCE = 1e-11  # of the corrected form against Pinocchio, in the unit of each term
 SPEED = np.pi * np.array([10 / 3, 5, 55 / 3, 1.2 / np.pi])  # [rad/s, rad/s, rad/s, m/s], Table 1
 
@@ -56,7 +56,7 @@ class ScaraModelStudy:
     def to_dict(self) -> dict[str, Any]:
         """Return the result as ``cdia study scara-model --json`` writes it."""
         return {
-            "schema": SCHEMA,
+            "schema": schemas.STUDY_SCARA_MODEL,
             "robot": "scara",
             "states": self.states,
             "seed": self.seed,

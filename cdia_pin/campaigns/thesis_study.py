@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.campaigns.scara_run import UNITS, Run, Scenario, run
 from cdia_pin.campaigns.thesis_presets import (
     KNOWN,
@@ -27,7 +28,6 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
 
-SCHEMA = "cdia-study-thesis/1"
 SETTLED = 2.0  # [s] after the last fault began, from which tracking is compared
 GRACE = 2.0  # [s], in which filters may learn, where they may
 NO_GRACE, WITH_GRACE = "as printed", f"with {GRACE:g} s to learn"
@@ -123,7 +123,7 @@ class ThesisStudy:
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers as ``cdia study thesis --json`` writes them."""
         return {
-            "schema": SCHEMA,
+            "schema": schemas.STUDY_THESIS,
             "robot": "scara",
             "joints": list(self.joints),
             "units": dict(zip(self.joints, UNITS, strict=True)),

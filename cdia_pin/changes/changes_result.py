@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.changes.finding import Finding
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
@@ -15,8 +16,6 @@ from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
-
-SCHEMA = "cdia-changes/1"
 
 
 @dataclass(frozen=True)
@@ -109,7 +108,7 @@ class Changes:
         robot = self.model.robot
         by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
         return {
-            "schema": SCHEMA,
+            "schema": schemas.CHANGES,
             "robot": robot.name,
             "joints": list(robot.joints),
             "before": list(self.before),

@@ -67,7 +67,7 @@ def what_changed(
         raise LogError("what changed is asked of at least one log before and one after")
     tell("conditioning", 0.0)
     motions = [condition(log, model.robot, settings.conditioning) for log in (*first, *last)]
-    experiment = Experiment.of(model.robot, motions)
+    experiment = Experiment.of(model.robot, motions, settings.rest)
     sides = [
         tuple(s.state.log for s in part)
         for part in (experiment.segments[: len(first)], experiment.segments[len(first) :])

@@ -26,7 +26,6 @@ from cdia_pin.selection.evidence import Evidence
 
 Array = NDArray[np.float64]
 
-WORTH = 0.05  # least share of what is left of a joint after that a change must explain
 GENERIC_SIZE = 10  # parameters from which an effect does not take part in the first guess of the noise
 # Links stay what they are, and a steady force on a tool is nearly always a weight: searched only if asked for.
 UNUSUAL = (LinkInertia, ToolWrench, ViscousMedium)
@@ -108,6 +107,7 @@ class Differing:
         changes: What may differ, zero before.
         searched: In how many shapes each change, by label, is looked for.
         noise: Of each joint's compared torque, as far as it is rough [N·m or N], shape (n,).
+        settings: What may have changed, and what it must explain.
         edges: First sample of each block of time, none of which has samples of both sides, shape (B + 1,).
     """
 
@@ -118,6 +118,7 @@ class Differing:
     changes: dict[Difference, dict[int, Array]]
     searched: dict[str, int]
     noise: Array
+    settings: DiscoverySettings
     edges: NDArray[np.intp]
 
     @classmethod
@@ -161,6 +162,7 @@ class Differing:
             changes,
             {f[0].label: len(f) for f in families},
             noise,
+            settings,
             np.concatenate([edges[0][:-1], edges[1]]).astype(int),
         )
         left = rms(differing.beside_common(differing.generic())[0], experiment.informative)
@@ -177,7 +179,9 @@ class Differing:
         x = self.experiment
         left, used = self.beside_common(changed)
         parts = zip(left.T, x.informative.T, x.nearness.T, used, strict=True)
-        noise = [fit_noise(e, use, near, x.lengths, m) for e, use, near, m in parts]
+        noise = [
+            fit_noise(e, use, near, x.lengths, m, settings=self.settings.noise) for e, use, near, m in parts
+        ]
         misfit = np.maximum(rms(left, x.informative) / self.noise, 1.0)
         noise = [replace(m, sigma=m.sigma * more) for m, more in zip(noise, misfit, strict=True)]
         return Whitening.of(x, noise, self.edges)
@@ -211,8 +215,10 @@ class Differing:
         blocks += prior / len(blocks)
         return Evidence(
             NormalEquations(robot, effects, blocks, whitening.samples),
+            self.settings.criterion,
             searched=self.searched,
-            needed=WORTH * np.array([np.sum(r[self.after, -1] ** 2) for r in rows]),
+            needed=self.settings.criterion.least_share_of_change
+            * np.array([np.sum(r[self.after, -1] ** 2) for r in rows]),
         )
 
     def _parts(self, changes: Sequence[Difference]) -> list[ColumnGroup]:

@@ -9,6 +9,7 @@ import typer
 
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.options import Model
+from cdia_pin.extras import require
 
 
 def app(
@@ -36,6 +37,8 @@ def app(
 
     It asks nothing of the network, and only this machine can reach it.
     """
+    require("app", "the pages of cdia app")
+    require("view", "the pages of cdia app")
     from cdia_pin.app.inputs import Request
     from cdia_pin.app.server import serve
     from cdia_pin.cli.inputs import load_inputs

@@ -23,7 +23,7 @@ from cdia_pin.cli.options import (
     Robot,
     Topic,
 )
-from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison
@@ -59,6 +59,7 @@ def compare(
     Of several logs of one arm, show the error in each and what changed from the first to the others: a payload,
     friction that grew, drives that warmed up. Their motions may differ.
     """
+    require_report(report)
     require_writable(report, json, inputs=[*logs, *([model] if model else [])])
     conditions = parse_conditions(condition, logs)
     console = stdout(json)

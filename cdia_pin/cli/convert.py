@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
+from cdia_pin import schemas
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Robot, Topic
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
-
-SCHEMA = "cdia-conversion/1"
 
 
 def convert(
@@ -34,7 +33,7 @@ def convert(
     What gains, joint map and --convert say is applied, so that the new file needs none of them.
     """
     from cdia_pin.logs import write_log
-    from cdia_pin.logs.writing import WRITABLE
+    from cdia_pin.logs.log_writer import WRITABLE
 
     if out.suffix.lower() not in WRITABLE:
         raise CommandError(f"cannot write {out}: the suffix must be one of {', '.join(WRITABLE)}")
@@ -45,8 +44,8 @@ def convert(
         reading = Reading(gains, joint_map, convert, topic)
         (read,), _ = read_logs([log], model.robot, reading, check=False, tell=tell)
     show_inputs(console, model, [read])
-    document: dict[str, Any] = {
-        "schema": SCHEMA,
+    document: dict[str, object] = {
+        "schema": schemas.CONVERSION,
         "source": str(log),
         "sha256": read.sha256,
         "written": str(out),

@@ -13,6 +13,7 @@ from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs
 from cdia_pin.cli.options import Json, Report
+from cdia_pin.extras import missing_modules
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -41,7 +42,9 @@ def demo(
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise CommandError(f"cannot make the directory {out}: {error.strerror}") from None
-    files = DiscoveryFiles(save=out / "demo_model.json", json=json, report=report or out / "demo_report.html")
+    if report is None and not missing_modules("view"):
+        report = out / "demo_report.html"
+    files = DiscoveryFiles(save=out / "demo_model.json", json=json, report=report)
     files.require_writable([log])
     _tell_the_story(stdout(json), log, files)
 
@@ -68,7 +71,8 @@ def _tell_the_story(console: Console, log: Path, files: DiscoveryFiles) -> None:
     console.print(comparison_table(before))
     console.print(where_it_fails(before))
 
-    found_by = f"cdia discover {name} --robot {ROBOT} --save {files.save} --report {files.report}"
+    found_by = f"cdia discover {name} --robot {ROBOT} --save {files.save}"
+    found_by += f" --report {files.report}" if files.report else ""
     _step(console, 3, "Which physical effects does it lack?", found_by)
     with progress() as tell:
         found = discover(known, logs, progress=tell)
@@ -85,11 +89,16 @@ def _tell_the_story(console: Console, log: Path, files: DiscoveryFiles) -> None:
         f"One effect at a time: cdia add {strongest} {name} --robot {ROBOT}", markup=False, soft_wrap=True
     )
     console.print("Your own log: cdia check LOG --robot R, with R from cdia robots or a URDF file")
-    console.print(
-        f"\nOpen {files.report} in a browser: the arm moves, links whose torque the URDF gets wrong are coloured, "
-        "and the error falls as the effects are added.",
-        markup=False,
-        soft_wrap=True,
+    console.print(f"\n{_last_words(files.report)}", markup=False, soft_wrap=True)
+
+
+def _last_words(report: Path | None) -> str:
+    """Say what to do with the report, or what to install for one."""
+    if report is None:
+        return 'A report with the arm in motion needs one more part: pip install "cdia-pin[view]"'
+    return (
+        f"Open {report} in a browser: the arm moves, links whose torque the URDF gets wrong are coloured, and the "
+        "error falls as the effects are added."
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -33,7 +33,16 @@ class DiscoveryFiles:
     report: Path | None = None
 
     def require_writable(self, inputs: Sequence[Path]) -> None:
-        """Refuse files that cannot be written, or that are inputs."""
+        """Refuse files that cannot be written or that are inputs.
+
+        Args:
+            inputs: Files that are read.
+
+        Raises:
+            CommandError: If there is such a file.
+            MissingExtraError: If a report is wanted and the extra ``view`` is not installed.
+        """
+        require_report(self.report)
         require_writable(self.save, self.json, self.report, inputs=inputs)
 
     def write(

@@ -5,10 +5,11 @@ from __future__ import annotations
 import inspect
 import itertools
 import re
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, TypedDict
 
 import typer
 
+from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_json
@@ -18,8 +19,31 @@ if TYPE_CHECKING:
 
     from cdia_pin.effects import Effect
 
-SCHEMA = "cdia-effects/1"
 EXAMPLE_ROBOT = "scara"  # ships; has turning and sliding joints, whose units differ
+
+
+class ParameterEntry(TypedDict):
+    """A parameter of an effect, with its bounds and its units on a turning and on a sliding joint."""
+
+    name: str
+    unit: str
+    unit_sliding: str
+    lower: float
+    upper: float
+    bounded_by_robot: bool
+
+
+class EffectEntry(TypedDict):
+    """An effect as ``cdia effects --json`` writes it."""
+
+    effect: str
+    equation: str
+    scope: list[str]
+    write: str
+    parameters: list[ParameterEntry]
+    shape: list[str]
+    dissipative: bool
+    says: str
 
 
 def effects(
@@ -43,10 +67,10 @@ def effects(
     else:
         _show_all(console, entries)
     if json:
-        write_json({"schema": SCHEMA, "effects": entries}, json)
+        write_json({"schema": schemas.EFFECTS, "effects": entries}, json)
 
 
-def describe(kind: type[Effect]) -> dict[str, Any]:
+def describe(kind: type[Effect]) -> EffectEntry:
     """Return everything about an effect; units on a turning and on a sliding joint."""
     from cdia_pin.robot import load_robot
 
@@ -88,7 +112,7 @@ def _first_paragraphs(kind: type[Effect]) -> str:
     return "\n".join(" ".join(paragraph.split()) for paragraph in text.split("\n\n"))
 
 
-def _show_all(console: Console, entries: list[dict[str, Any]]) -> None:
+def _show_all(console: Console, entries: list[EffectEntry]) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
@@ -106,7 +130,7 @@ def _show_all(console: Console, entries: list[dict[str, Any]]) -> None:
     )
 
 
-def _brief(parameters: list[dict[str, Any]]) -> str:
+def _brief(parameters: list[ParameterEntry]) -> str:
     """Parameters with units, those of one unit together, counted ones as a range."""
     groups = []
     for unit, group in itertools.groupby(parameters, key=lambda p: p["unit"]):
@@ -117,7 +141,7 @@ def _brief(parameters: list[dict[str, Any]]) -> str:
     return ", ".join(groups)
 
 
-def _show_one(console: Console, entry: dict[str, Any]) -> None:
+def _show_one(console: Console, entry: EffectEntry) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
@@ -131,7 +155,7 @@ def _show_one(console: Console, entry: dict[str, Any]) -> None:
     for heading in ("parameter", "unit", "on a sliding joint", "from", "to"):
         table.add_column(heading, style="bold" if heading == "parameter" else None)
     for p in entry["parameters"]:
-        ends = ["any" if abs(p[k]) == float("inf") else f"{p[k]:.4g}" for k in ("lower", "upper")]
+        ends = ["any" if abs(x) == float("inf") else f"{x:.4g}" for x in (p["lower"], p["upper"])]
         if p["bounded_by_robot"]:
             ends[0] = "the robot's"
         table.add_row(Text(p["name"]), Text(p["unit"]), Text(p["unit_sliding"]), *ends)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
+from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs
 from cdia_pin.cli.options import Json, Robot
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
-
-SCHEMA = "cdia-export/1"
 
 
 def export(
@@ -50,8 +49,8 @@ def export(
         console.print(f"not in the URDF  {label}: {why}", markup=False)
     if values.damping or values.friction:
         console.print("Friction in a URDF is for simulators: cdia takes it from the model, with --model.")
-    document: dict[str, Any] = {
-        "schema": SCHEMA,
+    document: dict[str, object] = {
+        "schema": schemas.EXPORT,
         "robot": known.robot.name,
         "urdf": str(urdf),
         "written": values.written,

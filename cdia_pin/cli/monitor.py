@@ -23,7 +23,7 @@ from cdia_pin.cli.options import (
     Save,
     Topic,
 )
-from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -73,6 +73,7 @@ def monitor(
     Thresholds are learned from healthy runs at the rate of LOG; from the first part of LOG if there are none.
     """
     given = [log, *(healthy or [])]
+    require_report(report)
     require_writable(save, json, report, inputs=[*given, *([model] if model else [])])
     if healthy_until is not None and (healthy or threshold):
         raise CommandError("--healthy-until is of LOG itself: leave out --healthy and --threshold")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from cdia_pin.cli.console import close_stdout
 from cdia_pin.cli.failures import CommandError
+from cdia_pin.extras import require
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -59,7 +60,17 @@ def _probe(path: Path) -> None:
         raise CommandError(f"cannot write {path}: {error.strerror}") from None
 
 
-def write_json(document: Mapping[str, Any], file: str) -> None:
+def require_report(report: Path | None) -> None:
+    """Refuse a report that nothing here can draw, before time is spent on what goes into it.
+
+    Raises:
+        MissingExtraError: If a report is wanted and the extra ``view`` is not installed.
+    """
+    if report is not None:
+        require("view", "reports")
+
+
+def write_json(document: Mapping[str, object], file: str) -> None:
     """Write a document as JSON, to a file or, for ``-``, to stdout."""
     text = json.dumps(plain(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     if file == STDOUT:

@@ -2,20 +2,36 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, TypedDict
 
 import typer
 
+from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_json
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
     from rich.console import Console
 
     from cdia_pin.robot import RobotModel
 
-SCHEMA = "cdia-robots/1"
+
+class RobotEntry(TypedDict):
+    """A robot as ``cdia robots --json`` writes it: mass [kg], gravity [m/s²]."""
+
+    name: str
+    description: str
+    joints: list[str]
+    urdf: str
+    tool_frame: str
+    mass: float
+    gravity: NDArray[np.float64]
+    licence: str
+    origin: str
+    warnings: list[str]
 
 
 def robots(
@@ -38,10 +54,10 @@ def robots(
         entries = [_entry(load_robot(known)) for known in catalogue()]
         _show_all(console, entries)
     if json:
-        write_json({"schema": SCHEMA, "robots": entries}, json)
+        write_json({"schema": schemas.ROBOTS, "robots": entries}, json)
 
 
-def _entry(robot: RobotModel) -> dict[str, Any]:
+def _entry(robot: RobotModel) -> RobotEntry:
     from cdia_pin.robot import catalogue
 
     known = catalogue().get(robot.name)
@@ -59,7 +75,7 @@ def _entry(robot: RobotModel) -> dict[str, Any]:
     }
 
 
-def _show_all(console: Console, entries: list[dict[str, Any]]) -> None:
+def _show_all(console: Console, entries: list[RobotEntry]) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 

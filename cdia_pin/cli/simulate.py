@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cdia_pin import schemas
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs, show_inputs
 from cdia_pin.cli.monitor_options import MONITOR, Bank, Engine
 from cdia_pin.cli.options import Json, Report, Robot
-from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
 from cdia_pin.cli.simulation_options import SIMULATION, Duration, Fault, Seed
 from cdia_pin.version import __version__
 
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from cdia_pin.dynamics import Dynamics
     from cdia_pin.logs import Log
 
-SCHEMA = "cdia-events/1"
 RATE, CONTROL_RATE = 250.0, 1000.0  # [Hz]
 QUANTUM = 2e-5  # [rad or m], of the encoders of an arm with noise
 
@@ -98,12 +98,13 @@ def simulate(
     from cdia_pin.dynamics.trajectories import exciting_trajectory
     from cdia_pin.effects import parse_term
     from cdia_pin.logs import write_log
-    from cdia_pin.logs.writing import WRITABLE
+    from cdia_pin.logs.log_writer import WRITABLE
 
     if out.suffix.lower() not in WRITABLE:
         raise CommandError(f"cannot write {out}: the suffix must be one of {', '.join(WRITABLE)}")
     if seed < 0:
         raise CommandError(f"a seed is 0 or more, given {seed}")
+    require_report(report)
     require_writable(out, json, report)
     console = stdout(json)
     arm = load_inputs(robot, None).robot
@@ -131,8 +132,8 @@ def simulate(
     tracking = dict(zip(plant.robot.joints, error.tolist(), strict=True))
     show_inputs(console, plant, [log], role="plant")
     _show(console, plant, log, tracking)
-    document: dict[str, Any] = {
-        "schema": SCHEMA,
+    document: dict[str, object] = {
+        "schema": schemas.EVENTS,
         "robot": plant.robot.name,
         "joints": list(plant.robot.joints),
         "events": [],

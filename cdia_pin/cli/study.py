@@ -14,6 +14,7 @@ from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 from cdia_pin.errors import unknown_name
+from cdia_pin.extras import require
 from cdia_pin.version import __version__
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ REPORT, ARMS_REPORT = "thesis_study.html", "arm_study.html"
 
 
 @dataclass(frozen=True)
-class Request:
+class StudyRequest:
     """What was asked for.
 
     Attributes:
@@ -75,10 +76,10 @@ def study(
     """Repeat a numerical study of the thesis, with figures and the numbers that were measured."""
     if name not in STUDIES:
         raise CommandError(unknown_name("study", name, STUDIES))
-    STUDIES[name](stdout(json), Request(preset, out, json, ctx.obj or f"cdia study {name}"))
+    STUDIES[name](stdout(json), StudyRequest(preset, out, json, ctx.obj or f"cdia study {name}"))
 
 
-def _scara_model(console: Console, asked: Request) -> None:
+def _scara_model(console: Console, asked: StudyRequest) -> None:
     """M, V and G of the URDF against the closed form, as it should be and as it is printed."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -106,7 +107,7 @@ def _scara_model(console: Console, asked: Request) -> None:
     write_all(console, (asked.json, lambda f: write_json({**found.to_dict(), "record": _record()}, f)))
 
 
-def _thesis(console: Console, asked: Request) -> None:
+def _thesis(console: Console, asked: StudyRequest) -> None:
     """Accommodation and isolation on the SCARA arm, with figures and a report."""
     from cdia_pin.campaigns.thesis_presets import PRESETS
     from cdia_pin.campaigns.thesis_study import thesis_study
@@ -116,6 +117,7 @@ def _thesis(console: Console, asked: Request) -> None:
     preset = asked.preset or "both"
     if preset not in {*PRESETS, "both"}:
         raise CommandError(unknown_name("preset", preset, [*PRESETS, "both"]))
+    require("figures", "figures")
     out = _directory(asked)
     require_writable(asked.json, out / REPORT)
     with progress() as tell:
@@ -156,7 +158,7 @@ def _show_thesis(console: Console, found: ThesisStudy) -> None:
         console.print(table)
 
 
-def _arms(console: Console, asked: Request) -> None:
+def _arms(console: Console, asked: StudyRequest) -> None:
     """Tracking of several arms healthy, with faults, and with a monitor."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -167,6 +169,7 @@ def _arms(console: Console, asked: Request) -> None:
 
     if asked.preset:
         raise CommandError("the study arms takes no --preset")
+    require("figures", "figures")
     out = _directory(asked)
     require_writable(asked.json, out / ARMS_REPORT)
     with progress() as tell:
@@ -190,7 +193,7 @@ def _arms(console: Console, asked: Request) -> None:
     )
 
 
-def _directory(asked: Request) -> Path:
+def _directory(asked: StudyRequest) -> Path:
     """Make the directory for figures and report."""
     out = asked.out or Path("out")
     try:
@@ -204,7 +207,7 @@ def _record() -> dict[str, str]:
     return {"version": __version__}
 
 
-STUDIES: dict[str, Callable[[Console, Request], None]] = {
+STUDIES: dict[str, Callable[[Console, StudyRequest], None]] = {
     "scara-model": _scara_model,
     "thesis": _thesis,
     "arms": _arms,

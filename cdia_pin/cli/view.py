@@ -11,6 +11,7 @@ from cdia_pin.cli.inputs import Reading
 from cdia_pin.cli.monitor_options import MONITOR, Bank, Healthy
 from cdia_pin.cli.options import AtMostOneLog, Check, Convert, Gains, JointMap, Model, Robot, Topic
 from cdia_pin.cli.simulation_options import SIMULATION, Duration, Fault, Seed
+from cdia_pin.extras import require
 
 PAGE = "Page"
 
@@ -97,6 +98,7 @@ def view(
         raise CommandError(
             f"a view needs duration > 0 s, speed ≥ 0 and seed ≥ 0, given {duration:g}, {speed:g} and {seed}"
         )
+    require("view", "live views")
     from cdia_pin.cli import view_sources
     from cdia_pin.cli.view_page import Page
 

@@ -2,8 +2,8 @@
 
 from cdia_pin.diagnosis.bank import DEFAULT_BANK, Bank
 from cdia_pin.diagnosis.monitor import Monitor
+from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.record import MonitorRun, Recorder, replay
-from cdia_pin.diagnosis.settings import MonitorSettings
 from cdia_pin.diagnosis.status import Event, Stage, Status, Verdict
 
 __all__ = [

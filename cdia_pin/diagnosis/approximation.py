@@ -1,83 +1,96 @@
-"""A fault that no known effect explains, learned as radial bases in q and q̇ and a torque neuron ([Thesis] eq. 3.1)."""
+"""An unknown fault, learned as radial bases in q and q̇ and one torque neuron ([Thesis] eq. 3.1)."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.diagnosis.isolation import symmetric
-from cdia_pin.diagnosis.learning import Healthy
-from cdia_pin.diagnosis.observer import Observer
+from cdia_pin.diagnosis.healthy_arm import HealthyArm
+from cdia_pin.diagnosis.joint_gram import gram_parts
+from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.effects import Term, Unknown
 
 Array = NDArray[np.float64]
 
-WIDEST = 10.0  # [rad or m, and per s], range of a signal that nothing limits
-RIDGE = 1e-3  # [1], of the weights, relative to the mean energy of their columns: keeps them bounded
-VISIBLE = 2.0  # [1], torque of the neurons over the threshold, above which it would be missed
-GONE = 0.6  # [s] without it, where it would show, after which it is dropped
+WIDEST_RANGE = (
+    10.0  # [rad or m, and per s], largest position and speed that neurons cover where nothing limits them
+)
+LEAST_RANGE = 1e-3  # [rad or m, and per s], so that neurons of a signal that stood still do not coincide
+OVERLAP = 1.5  # [1], width of a neuron over the distance to the next: neighbours blend without a gap
+RIDGE = 1e-3  # [1], penalty of the weights over the mean energy of their columns: keeps them bounded
+VISIBLE = 2.0  # [1], learned torque over the threshold, from which its absence would show
+CLEARED_AFTER = 0.6  # [s] without the learned torque, where it would show, after which the fault is cleared
 
 
-def neurons_of(joint: str, reach: Array, count: int) -> Unknown:
-    """Return neurons spread over what a joint does.
+def neurons_over(joint: str, position: Array, velocity: Array, count: int) -> Unknown:
+    """Return neurons spread evenly over ranges of a joint's position and velocity.
 
     Args:
         joint: Name of the joint.
-        reach: Smallest and largest position, then velocity, shape (2, 2).
-        count: Neurons in position, and in velocity.
+        position: Smallest and largest position [rad or m], shape (2,).
+        velocity: Smallest and largest velocity [rad/s or m/s], shape (2,).
+        count: K, neurons in position, and as many in velocity; at least two each.
     """
-    (q0, q1), (v0, v1) = np.clip(reach, -WIDEST, WIDEST)
-    q = np.linspace(q0, max(q1, q0 + 1e-3), max(count, 2))
-    v = np.linspace(v0, max(v1, v0 + 1e-3), max(count, 2))
+    q0, q1 = np.clip(position, -WIDEST_RANGE, WIDEST_RANGE)
+    v0, v1 = np.clip(velocity, -WIDEST_RANGE, WIDEST_RANGE)
+    q = np.linspace(q0, max(q1, q0 + LEAST_RANGE), max(count, 2))
+    v = np.linspace(v0, max(v1, v0 + LEAST_RANGE), max(count, 2))
     return Unknown(
         joint=joint,
         position_centres=tuple(q.tolist()),
         velocity_centres=tuple(v.tolist()),
-        position_width=float(1.5 * (q[1] - q[0])),
-        velocity_width=float(1.5 * (v[1] - v[0])),
+        position_width=float(OVERLAP * (q[1] - q[0])),
+        velocity_width=float(OVERLAP * (v[1] - v[0])),
     )
 
 
 def weights(gram: Array) -> Array:
-    """Return the weights of the neurons that explain a residual, shape (p,).
+    """Return the weights of the neurons that explain a residual, by ridge regression, shape (H,).
+
+    One penalty serves all weights, so a neuron that the motion has hardly visited stays near zero.
 
     Args:
-        gram: Gram matrix of the neurons and of what is left to them, upper triangle, shape (p + 1, p + 1).
+        gram: Gram matrix of the neurons and the residual, upper triangle, shape (H + 1, H + 1).
     """
-    full = symmetric(gram)
-    G, g = full[:-1, :-1], full[:-1, -1]
+    G, g, _ = gram_parts(gram, len(gram) - 1)
     if not np.trace(G) > 0.0:
         return np.zeros(len(g))
-    # one size of ridge for all: a neuron that has hardly been visited stays near zero
     return np.asarray(np.linalg.solve(G + RIDGE * np.trace(G) / len(g) * np.eye(len(g)), g))
 
 
-def unknown_of(healthy: Healthy, j: int, count: int) -> Unknown:
-    """Return the neurons of a joint over the reach of the healthy runs."""
-    return neurons_of(healthy.nominal.robot.joints[j], healthy.reach[:, :, j], count)
+def unknown_of(healthy: HealthyArm, j: int, count: int) -> Unknown:
+    """Return the neurons of a joint over the range of the healthy runs.
+
+    Args:
+        healthy: What is known of the healthy arm.
+        j: The joint's index.
+        count: K, neurons in position, and as many in velocity.
+    """
+    joint = healthy.nominal.robot.joints[j]
+    return neurons_over(joint, healthy.position_range[:, j], healthy.velocity_range[:, j], count)
 
 
 class Approximator:
-    """The neurons of one joint: they learn from a detection on, and are believed when nothing known is.
+    """The neurons of one joint: they learn from a detection on, and are used where no known effect fits.
 
     Args:
-        j: The joint.
+        j: The joint's index.
         observer: Filters the neurons and collects their normal equations.
         unknown: The neurons.
     """
 
-    def __init__(self, j: int, observer: Observer, unknown: Unknown) -> None:
+    def __init__(self, j: int, observer: MomentumObserver, unknown: Unknown) -> None:
         self.j, self.observer, self.unknown = j, observer, unknown
-        self._away = 0
+        self._looks_without = 0
 
     @property
     def term(self) -> Term:
-        """The torque that is believed."""
-        return Term(self.unknown, tuple(self.observer.neurons[self.observer.k.WEIGHTS, self.j]))
+        """The learned torque as an effect."""
+        return Term(self.unknown, tuple(self.observer.state.weights[self.j]))
 
     def start(self) -> None:
-        """Begin to learn, or go on."""
-        if not self.observer.joint[self.observer.k.LEARNING, self.j]:
+        """Start to learn, or go on."""
+        if not self.observer.state.learning[self.j]:
             self.observer.start_learning(self.j)
 
     def stop(self) -> None:
@@ -85,24 +98,24 @@ class Approximator:
         self.observer.stop_learning(self.j)
 
     def believe(self) -> None:
-        """Believe what has been learned so far."""
-        self._set(weights(self.observer.neuron_gram[self.j]))
+        """Use the torque as learned so far."""
+        self._set(weights(self.observer.state.neuron_gram[self.j]))
 
     def disbelieve(self) -> None:
-        """Believe no unknown torque; what has been learned stays, in case that nothing known holds."""
+        """Use no learned torque; the normal equations stay, in case that no known effect holds."""
         self._set(0.0)
 
-    def is_away(self) -> bool:
-        """Look whether the torque that is believed is there; tell if it has stayed away where it would show."""
+    def is_cleared(self) -> bool:
+        """Return whether the learned torque has stayed away where it would show; call it at every look."""
         o = self.observer
-        learned, threshold = float(o.joint[o.k.LEARNED, self.j]), o.threshold[self.j]
+        learned, threshold = float(o.state.learned[self.j]), o.threshold[self.j]
         if abs(learned) > VISIBLE * threshold:
-            self._away = self._away + 1 if abs(o.residual[self.j]) < threshold else 0
-        if self._away * o.settings.decide_every < GONE:
+            self._looks_without = self._looks_without + 1 if abs(o.residual[self.j]) < threshold else 0
+        if self._looks_without * o.settings.decide_every < CLEARED_AFTER:
             return False
-        self._away = 0
+        self._looks_without = 0
         return True
 
     def _set(self, w: Array | float) -> None:
-        self.observer.neurons[self.observer.k.WEIGHTS, self.j] = w
+        self.observer.state.weights[self.j] = w
         self.observer.refresh(self.j)

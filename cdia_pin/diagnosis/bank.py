@@ -1,4 +1,4 @@
-"""The bank: the effects that are asked of every joint, and where their columns stand."""
+"""The bank: the known effects that are tested on every joint, and the places of their columns."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+MOST_SHOWN = 6  # effects that `repr` lists
 DEFAULT_BANK = (
     "coulomb_friction",
     "viscous_friction",
@@ -24,17 +25,17 @@ DEFAULT_BANK = (
     "joint_spring",
     "position_ripple",
 )
-MOST_EFFECTS = 12  # 2^12 combinations are decided upon in a few milliseconds
+MOST_EFFECTS = 12  # a decision between 2^12 combinations takes a few milliseconds
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Bank:
     """Effects of one joint, the same for every joint, with their columns side by side.
 
     Attributes:
-        robot: Whose joints are asked.
+        robot: The arm.
         prototypes: One of each effect, on the robot's first joint.
-        profiles: Where each may be present at all.
+        profiles: Where in the motion each effect may be present.
     """
 
     robot: RobotModel
@@ -46,24 +47,28 @@ class Bank:
         """Build a bank.
 
         Args:
-            robot: Whose joints are asked.
-            effects: Names of effects of one joint, with their shape or profile where need be, such as
+            robot: The arm.
+            effects: Names of effects of one joint, with a shape or a profile if needed, such as
                 ``coulomb_friction``, ``position_ripple: frequency=7``, ``viscous_friction: speed=0.5..``; lines of
-                arithmetic such as ``sin(3*q)*dq``; or effects, of whatever joint.
+                arithmetic such as ``sin(3*q)*dq``; or effects, on any joint.
 
         Raises:
-            EffectError: If an effect is not one of a joint, is named twice, or there are too many.
+            EffectError: If an effect is not one of a joint, is given twice, or there are too many.
         """
         given = [_entry(e, robot) for e in effects]
         names = [bare(p) for p, _ in given]
         if len(set(names)) < len(names):
-            raise EffectError(f"the bank names an effect twice: {', '.join(names)}")
+            raise EffectError(f"a bank holds each effect once, given twice in {', '.join(names)}")
         if not 0 < len(given) <= MOST_EFFECTS:
             raise EffectError(f"a bank holds 1 to {MOST_EFFECTS} effects, given {len(given)}")
         return cls(robot, tuple(p for p, _ in given), tuple(profile for _, profile in given))
 
     def __len__(self) -> int:
         return len(self.prototypes)
+
+    def __repr__(self) -> str:
+        more = ", …" if len(self) > MOST_SHOWN else ""
+        return f"Bank({self.robot.name}, {len(self)} effects: {', '.join(self.names[:MOST_SHOWN])}{more})"
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -81,17 +86,29 @@ class Bank:
         return int(self.ends[-1])
 
     def span(self, i: int) -> slice:
-        """Return the columns of an effect."""
+        """Return the columns of an effect.
+
+        Args:
+            i: Index of the effect.
+        """
         return slice(int(self.ends[i]), int(self.ends[i + 1]))
 
     def columns(self, chosen: Sequence[int]) -> NDArray[np.int64]:
-        """Return the columns of some effects."""
+        """Return the columns of some effects, shape (p,).
+
+        Args:
+            chosen: Indices of the effects.
+        """
         return np.concatenate(
             [np.arange(self.ends[i], self.ends[i + 1]) for i in chosen] or [np.zeros(0, int)]
         )
 
     def members(self, mask: int) -> list[int]:
-        """Return the effects of a combination, which has one bit for each."""
+        """Return the indices of the effects of a combination.
+
+        Args:
+            mask: The combination, one bit for each effect.
+        """
         return [i for i in range(len(self)) if mask >> i & 1]
 
     @cached_property
@@ -101,27 +118,50 @@ class Bank:
         return np.concatenate(lower), np.concatenate(upper)
 
     def effect(self, i: int, joint: str) -> JointEffect:
-        """Return an effect of the bank on a joint."""
+        """Return an effect of the bank on a joint.
+
+        Args:
+            i: Index of the effect.
+            joint: Name of the joint.
+        """
         return replace(self.prototypes[i], joint=joint)
 
     def index(self, effect: JointEffect) -> int | None:
-        """Return which effect of the bank another one is, whatever its joint."""
+        """Return the index of an effect in the bank, whatever its joint; None if the bank does not have it.
+
+        Args:
+            effect: The effect.
+        """
         alike = replace(effect, joint=self.robot.joints[0])
         return self.prototypes.index(alike) if alike in self.prototypes else None
 
 
 def prototype(effect: JointEffect, robot: RobotModel) -> JointEffect:
-    """Return an effect of one joint on the robot's first joint."""
+    """Return an effect of one joint on the robot's first joint.
+
+    Args:
+        effect: The effect.
+        robot: The arm.
+    """
     return replace(effect, joint=robot.joints[0])
 
 
 def bare(effect: JointEffect) -> str:
-    """Return the label of an effect without its joint."""
+    """Return the label of an effect without its joint.
+
+    Args:
+        effect: The effect.
+    """
     return effect.label.rpartition("@")[0]
 
 
 def on_joint(profile: Profile, joint: str) -> Profile:
-    """Return a profile as it is on a joint."""
+    """Return a profile on a joint; one of a whole arm stays as it is.
+
+    Args:
+        profile: The profile.
+        joint: Name of the joint.
+    """
     return replace(profile, joint=joint) if isinstance(profile, Region) else profile
 
 
@@ -133,7 +173,9 @@ def _entry(given: str | JointEffect, robot: RobotModel) -> tuple[JointEffect, Pr
         ]
         raise EffectError(f"{effect.name} is not an effect of one joint; a bank holds {', '.join(of_joint)}")
     if effect.name == "unknown":
-        raise EffectError("what is unknown is learned when no effect of the bank explains it; leave it out")
+        raise EffectError(
+            "an unknown fault is learned when no effect of the bank explains it; leave 'unknown' out"
+        )
     if effect.memories:
         raise EffectError(f"{effect.name} has memory; a bank cannot hold it yet")
     return prototype(effect, robot), profile
@@ -142,10 +184,10 @@ def _entry(given: str | JointEffect, robot: RobotModel) -> tuple[JointEffect, Pr
 def _parsed(text: str, robot: RobotModel) -> tuple[Effect, Profile]:
     label, colon, rest = (part.strip() for part in text.partition(":"))
     if "@" in label:
-        raise EffectError(f"a bank asks every joint: write '{label.partition('@')[0]}' without a joint")
+        raise EffectError(f"a bank tests every joint: write '{label.partition('@')[0]}' without a joint")
     kind = EFFECTS.get(label)
     scope = "@" + "+".join(robot.joints[: len(kind.scope_fields)]) if kind and kind.scope_fields else ""
     term = parse_term((label + (scope if kind else f"@{robot.joints[0]}")) + colon + rest, robot)
     if any(term.theta):
-        raise EffectError(f"'{text}': a bank asks for the size of an effect, it is not given one")
+        raise EffectError(f"'{text}': a bank estimates the parameters of an effect, it is not given them")
     return term.effect, term.profile

@@ -1,4 +1,4 @@
-"""A belief about one joint: which effects are there, and how large."""
+"""A belief about one joint: which effects are present, and how large they are."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Belief:
-    """A combination of effects of a bank with its sizes, or none.
+class JointBelief:
+    """A combination of effects of a bank with their parameters, or none.
 
     Attributes:
-        theta: Parameters of all effects of the bank, zero where an effect is not believed in, shape (P,).
+        theta: Parameters of all effects of the bank, zero for those not believed in, shape (P,).
         mask: The effects, one bit each.
-        verdict: What isolation says; without effects ``unknown`` or ``none``.
-        ci95: Intervals of the parameters of the effects, shape (p, 2), where they are known.
-        rivals: Other combinations that explain the same, each with parameters of shape (P,).
+        verdict: Result of isolation; without effects ``unknown`` or ``none``.
+        ci95: 95 % intervals of the believed effects' parameters, shape (p, 2); None where they are not known.
+        rivals: Other combinations that explain the residual equally well, each with parameters of shape (P,).
     """
 
     theta: Array
@@ -33,20 +33,34 @@ class Belief:
     rivals: tuple[tuple[int, Array], ...] = ()
 
     @classmethod
-    def nothing(cls, bank: Bank, verdict: Verdict = Verdict.NONE) -> Belief:
-        """Return the belief in no effect of a bank."""
+    def nothing(cls, bank: Bank, verdict: Verdict = Verdict.NONE) -> JointBelief:
+        """Return the belief in no effect of a bank.
+
+        Args:
+            bank: The known effects.
+            verdict: ``unknown`` if there is a fault nevertheless.
+        """
         return cls(np.zeros(bank.width), verdict=verdict)
 
-    def parted(self, bank: Bank, effects: Sequence[int]) -> tuple[Belief, Belief]:
-        """Return the belief in some of its effects, and the one in all others."""
+    def parted(self, bank: Bank, effects: Sequence[int]) -> tuple[JointBelief, JointBelief]:
+        """Return the belief in some of its effects, and the belief in the others.
+
+        Args:
+            bank: The known effects.
+            effects: Indices of the first part.
+        """
         mask = sum(1 << i for i in effects)
         within = np.isin(np.arange(len(self.theta)), bank.columns(effects))
-        part = Belief(np.where(within, self.theta, 0.0), mask)
-        rest = Belief(np.where(within, 0.0, self.theta), self.mask & ~mask, self.verdict)
+        part = JointBelief(np.where(within, self.theta, 0.0), mask)
+        rest = JointBelief(np.where(within, 0.0, self.theta), self.mask & ~mask, self.verdict)
         return part, rest
 
-    def joined(self, other: Belief) -> Belief:
-        """Return the belief in the effects of both."""
+    def joined(self, other: JointBelief) -> JointBelief:
+        """Return the belief in the effects of both.
+
+        Args:
+            other: A belief in other effects of the same bank.
+        """
         return replace(
             self, theta=self.theta + other.theta, mask=self.mask | other.mask, ci95=None, rivals=()
         )

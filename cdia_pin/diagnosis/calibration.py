@@ -1,4 +1,4 @@
-"""What healthy runs correct of a model: the torque's delay, and small errors of the masses; over whole runs at once."""
+"""Calibration of a model by healthy runs: the delay of the torques, and small errors of the masses."""
 
 from __future__ import annotations
 
@@ -10,40 +10,44 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.alignment import slope_of
 from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
-from cdia_pin.diagnosis.residuals import SETTLE, pooled, residuals_of
-from cdia_pin.diagnosis.settings import MonitorSettings
+from cdia_pin.diagnosis.residuals import SETTLING, pooled, residuals_of
 from cdia_pin.logs.log import Log
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-DELAYS = 0.010  # [s], the longest delay of a torque loop that is looked for
-WORTH = 0.98  # residual left, relative, below which a delay or a correction of masses is believed
-SURPRISING = 0.05  # [1], error of an inertial parameter that would surprise nobody
-REACH = 0.1  # [m], least scale of a link's size
-ROWS_PER_SECOND = 100  # of the regression of the masses
-PASSES = 3  # of its weights
-TURNS = 5  # between masses and delay
+LONGEST_DELAY = 0.010  # [s], longest delay of a torque loop that is searched; usual drives have 1 to 5 ms
+DELAY_SEARCH = 60.0  # [s], part of the longest run on which the delay is searched: more adds nothing
+WORTHWHILE = 0.98  # [1], residual left, below which a delay or a correction of masses is accepted
+PRIOR_ERROR = 0.05  # [1], prior standard deviation of an inertial parameter, relative
+LEAST_LINK_SIZE = 0.1  # [m], least length by which first and second moments of a link are scaled
+LEAST_MASS = 1e-3  # [kg], by which the moments of a massless link are scaled
+ROWS_PER_SECOND = 100  # [1/s], rows of the regression of the masses
+INDEPENDENT_TIME = 0.1  # [s] of motion that count as one independent row
+REWEIGHTINGS = 3  # of the joints by what they leave: the weights settle after two
+TURNS = 5  # between masses and delay; they usually settle after two
+TINY = 1e-12  # keeps a signal that is zero from dividing by zero
 
 
 def calibrated(
     given: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings
 ) -> tuple[Nominal, list[str]]:
-    """Return a model with its delay and, where that is wanted and worth it, its masses corrected.
+    """Return a model with its delay and, if that is asked for and worthwhile, its masses corrected.
 
     Args:
         given: The model.
-        runs: Of the healthy arm.
+        runs: Runs of the healthy arm.
         dt: Time between ticks [s].
-        bank: Of the monitor.
-        settings: Whether masses are corrected.
+        bank: The monitor's bank.
+        settings: Bandwidth, and whether masses are corrected.
 
     Returns:
-        The model, and what was corrected, one sentence each.
+        The model, and one sentence for each correction.
     """
     nominal, notes = given, []
-    # Masses and delay hide each other: a better guess of the one shows the other.
+    # An error of the masses hides the delay and the other way round, so both are estimated in turns.
     for _ in range(TURNS):
         before = nominal.delay
         if settings.calibrate:
@@ -57,7 +61,7 @@ def calibrated(
         plain = replace(given, delay=nominal.delay)
         stated, after = (pooled(residuals_of(x, runs, dt, bank, settings)) for x in (plain, nominal))
         share = float(np.mean(after / stated))
-        if share > WORTH:
+        if share > WORTHWHILE:
             nominal = plain
         else:
             notes.append(f"masses corrected by the healthy runs: {share:.0%} of the residual is left")
@@ -66,7 +70,7 @@ def calibrated(
 
 @dataclass(frozen=True)
 class _Signals:
-    """A run at one instant per row: state, and torque with its own delay taken out; shape (K, n) each."""
+    """A run with all signals of a row at one instant: state, and torque without its delay; shape (K, n) each."""
 
     q: Array
     v: Array
@@ -94,58 +98,62 @@ def _filter(
 
     E = np.exp(-settings.bandwidth * dt)
     zi = np.zeros((1, *x.shape[1:])) if state is None else state
-    return lfilter([1 - E], [1, -E], x, axis=0, zi=zi)
+    filtered, state = lfilter([1 - E], [1, -E], x, axis=0, zi=zi)
+    return filtered, state
 
 
 def _delay(
     nominal: Nominal, runs: Sequence[Log], dt: float, settings: MonitorSettings, stated: float
 ) -> float:
-    """Return the delay that leaves least, in half ticks; the stated one where none is clearly better."""
+    """Return the delay of least residual, in half ticks [s]; the stated one where none is clearly better."""
     run = max(runs, key=lambda r: r.duration)
-    run = run.slice(0, min(len(run.time), round(60.0 / dt)))
-    candidates = sorted({stated, *(0.5 * dt * i for i in range(int(2 * DELAYS / dt) + 1))})
+    run = run.slice(0, min(len(run.time), round(DELAY_SEARCH / dt)))
+    candidates = sorted({stated, *(0.5 * dt * i for i in range(int(2 * LONGEST_DELAY / dt) + 1))})
     first = candidates.index(stated)
-    settle = round(SETTLE / settings.bandwidth / dt)
+    settle = round(SETTLING / settings.bandwidth / dt)
     left = []
     x = _signals(run, nominal, dt, nominal.delay)
     known = nominal.robot.inverse_dynamics(x.q, x.v, x.a)
     ticks = np.arange(len(x.tau), dtype=float)
-    scale = x.tau.std(axis=0) + 1e-12
+    scale = x.tau.std(axis=0) + TINY
     for delay in candidates:
         late = ticks - (delay - nominal.delay) / dt
         tau = np.column_stack([np.interp(late, ticks, column) for column in x.tau.T])
         r, _ = _filter(known - tau, dt, settings)
         left.append(float(np.mean((r[settle:].std(axis=0) / scale) ** 2)))
     best = int(np.argmin(left))
-    return candidates[best] if left[best] < WORTH * left[first] else stated
+    return candidates[best] if left[best] < WORTHWHILE * left[first] else stated
 
 
 def _with_masses(
     nominal: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings
 ) -> Nominal:
-    """Return the model with inertial parameters nearer to what the runs say; as it is if a mass would vanish."""
+    """Return the model with inertial parameters corrected by ridge regression; unchanged if a mass would vanish."""
     robot = nominal.robot
     residuals = residuals_of(nominal, runs, dt, bank, settings)
     every = max(1, round(1 / ROWS_PER_SECOND / dt))
-    regressors, lacking = [], []
+    regressors, missing = [], []
     for run, r in zip(runs, residuals, strict=True):
         y = _filtered_regressor(_signals(run, nominal, dt, nominal.delay), robot, dt, settings, every)
-        seldom = r[::-1][::every][::-1]  # both end at the last sample
-        count = min(len(seldom), len(y))
+        thinned = r[::-1][::every][::-1]  # both end at the last sample
+        count = min(len(thinned), len(y))
         regressors.append(y[-count:])
-        lacking.append(seldom[-count:])
-    Y, r = np.concatenate(regressors), -np.concatenate(lacking)  # bodies too heavy make the residual positive
-    prior = 1.0 / _scales(robot) ** 2
-    sigma = r.std(axis=0) + 1e-12
+        missing.append(thinned[-count:])
+    Y, r = (
+        np.concatenate(regressors),
+        -np.concatenate(missing),
+    )  # bodies that are too heavy make the residual positive
+    precision = 1.0 / _prior_standard_deviations(robot) ** 2
+    sigma = r.std(axis=0) + TINY
     delta = np.zeros(10 * robot.n)
-    independent = max(1.0, 0.1 / (every * dt))  # rows that count as one: 0.1 s of motion
-    for _ in range(PASSES):
+    independent = max(1.0, INDEPENDENT_TIME / (every * dt))  # rows that count as one
+    for _ in range(REWEIGHTINGS):
         weighted = Y / sigma[:, None]
         gram = np.einsum("kji,kjm->im", weighted, weighted) / independent
         right = np.einsum("kji,kj->i", weighted, r / sigma) / independent
-        unit = np.sqrt(1.0 / prior)
+        unit = np.sqrt(1.0 / precision)
         delta = unit * np.linalg.solve(gram * np.outer(unit, unit) + np.eye(len(unit)), unit * right)
-        sigma = (r - Y @ delta).std(axis=0) + 1e-12
+        sigma = (r - Y @ delta).std(axis=0) + TINY
     pi = robot.inertial_parameters + delta.reshape(robot.n, 10)
     if (pi[:, 0] <= 0).any():
         return nominal
@@ -169,11 +177,11 @@ def _filtered_regressor(
     return np.concatenate(out)
 
 
-def _scales(robot: RobotModel) -> Array:
-    """Return the size of error that would surprise nobody, for every inertial parameter, shape (10 n,)."""
+def _prior_standard_deviations(robot: RobotModel) -> Array:
+    """Return the prior standard deviation of every inertial parameter, shape (10 n,)."""
     rows = []
     for p in robot.inertial_parameters:
-        mass = max(p[0], 1e-3)
-        reach = max(float(np.linalg.norm(p[1:4])) / mass, REACH)
-        rows.append([mass, *[mass * reach] * 3, *[mass * reach**2] * 6])
-    return SURPRISING * np.concatenate(rows)
+        mass = max(p[0], LEAST_MASS)
+        size = max(float(np.linalg.norm(p[1:4])) / mass, LEAST_LINK_SIZE)
+        rows.append([mass, *[mass * size] * 3, *[mass * size**2] * 6])
+    return PRIOR_ERROR * np.concatenate(rows)

@@ -1,14 +1,15 @@
-"""The engines by name: each is loaded when a monitor asks for it."""
+"""The engines by name; each is imported when a monitor asks for it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
 from cdia_pin.diagnosis.bank import Bank
-from cdia_pin.diagnosis.engine import Engine
-from cdia_pin.diagnosis.settings import MonitorSettings
+from cdia_pin.diagnosis.engine_interface import Engine
+from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.errors import ModelError, unknown_name
 from cdia_pin.logs.log import Log
@@ -17,16 +18,26 @@ if TYPE_CHECKING:
     from cdia_pin.diagnosis.thesis import ThesisSettings
 
 
+class EngineName(StrEnum):
+    """Names of the engines."""
+
+    MOMENTUM = "momentum"  # residuals in torque units, joint by joint
+    THESIS = "thesis"  # the scheme of [Thesis], for study and comparison
+
+
 def settings_of(engine: str, **chosen: Any) -> MonitorSettings | ThesisSettings:
-    """Return settings of an engine by its name; raises ModelError if there is no such engine.
+    """Return settings of an engine by its name.
 
     Args:
         engine: ``momentum`` or ``thesis``.
-        **chosen: What is not to be as usual.
+        **chosen: Settings that differ from their defaults.
+
+    Raises:
+        ModelError: If there is no such engine.
     """
     if engine not in ENGINES:
         raise ModelError(unknown_name("engine", engine, ENGINES))
-    if engine == "momentum":
+    if engine == EngineName.MOMENTUM:
         return MonitorSettings(**chosen)
     from cdia_pin.diagnosis.thesis import ThesisSettings
 
@@ -35,7 +46,7 @@ def settings_of(engine: str, **chosen: Any) -> MonitorSettings | ThesisSettings:
 
 @dataclass(frozen=True)
 class Knowledge:
-    """What is known of the healthy arm; the attributes are the arguments of `Monitor`."""
+    """What is known of the healthy arm; the attributes are arguments of `Monitor`."""
 
     healthy: tuple[Log, ...]
     threshold: Mapping[str, float] | None
@@ -46,7 +57,7 @@ class Knowledge:
 def _momentum(
     model: Dynamics, bank: Bank, settings: MonitorSettings | ThesisSettings | None, known: Knowledge
 ) -> tuple[Engine, MonitorSettings | ThesisSettings]:
-    from cdia_pin.diagnosis.momentum import MomentumEngine
+    from cdia_pin.diagnosis.momentum_engine import MomentumEngine
 
     if not isinstance(settings, MonitorSettings | None):
         raise ModelError(f"the engine momentum takes MonitorSettings, given {type(settings).__name__}")
@@ -57,7 +68,7 @@ def _momentum(
 def _thesis(
     model: Dynamics, bank: Bank, settings: MonitorSettings | ThesisSettings | None, known: Knowledge
 ) -> tuple[Engine, MonitorSettings | ThesisSettings]:
-    from cdia_pin.diagnosis.guard import Guarded
+    from cdia_pin.diagnosis.guard import GuardedEngine
     from cdia_pin.diagnosis.thesis import ThesisEngine, ThesisSettings
 
     if not isinstance(settings, ThesisSettings | None):
@@ -70,10 +81,10 @@ def _thesis(
     if known.threshold is not None:
         joints = model.robot.joints
         settings = replace(settings, unmodelled=tuple(known.threshold[joint] for joint in joints))
-    return Guarded(ThesisEngine(model, bank.prototypes, settings, known.healthy)), settings
+    return GuardedEngine(ThesisEngine(model, bank.prototypes, settings, known.healthy)), settings
 
 
 ENGINES: dict[str, Callable[..., tuple[Engine, MonitorSettings | ThesisSettings]]] = {
-    "momentum": _momentum,
-    "thesis": _thesis,
+    EngineName.MOMENTUM: _momentum,
+    EngineName.THESIS: _thesis,
 }

@@ -1,27 +1,34 @@
-"""Every combination of effects fitted to the normal equations of a joint, compiled."""
+"""Least-squares fits of all combinations of effects to the normal equations of a joint, compiled."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
+BOUND_SLACK = (
+    0.3  # [1], share of the residual, in units of a parameter, by which noise may carry it past its bound
+)
+RIDGE = 1e-9  # added to the unit diagonal: keeps the factorisation of good columns from failing by rounding
+LEAST_PIVOT = 1e-5  # pivot of unit columns, below which they are sums of each other on this motion
+TINY = 1e-300  # keeps a column that was never excited from dividing by zero
+
 
 @njit(cache=True)
 def subsets(gram, ends, lower, upper, required, prior, centre, most, out_theta, out_rss, out_ok):
-    """Fit every combination of effects that holds the required ones to the normal equations of a joint.
+    """Fit every combination of effects that contains the required ones to the normal equations of a joint.
 
     Args:
         gram: Gram matrix of [y; r], upper triangle, shape (P + 1, P + 1).
         ends: Columns of the effects, shape (N + 1,).
         lower: Smallest parameters, shape (P,).
         upper: Largest parameters, shape (P,).
-        required: Bits of the effects that every combination holds.
-        prior: Weight of what is believed already, shape (P,).
-        centre: What is believed already, shape (P,).
-        most: Largest number of further effects.
-        out_theta: Parameters of each combination, shape (2^N, P).
-        out_rss: Sum of squares that each leaves, shape (2^N,).
-        out_ok: Whether it was fitted and is physical, shape (2^N,).
+        required: Effects that every combination contains, one bit each.
+        prior: Precision of the parameters that are believed already, beside the Gram matrix, shape (P,).
+        centre: Parameters that are believed already, shape (P,).
+        most: Largest number of effects besides the required ones.
+        out_theta: Parameters of each combination; filled, shape (2^N, P).
+        out_rss: Sum of squared residuals of each; filled, shape (2^N,).
+        out_ok: Whether its fit exists and is physical; filled, shape (2^N,).
     """
     N = len(ends) - 1
     P = len(gram) - 1
@@ -57,8 +64,7 @@ def subsets(gram, ends, lower, upper, required, prior, centre, most, out_theta, 
         for i in range(p):
             k = index[i]
             out_theta[mask, k] = theta[i]
-            # a number may pass its bound by as much as noise explains, not more
-            slack = np.sqrt(max(rss, 0.0) / max(full[k, k], 1e-300)) * 0.3
+            slack = np.sqrt(max(rss, 0.0) / max(full[k, k], TINY)) * BOUND_SLACK
             if theta[i] < lower[k] - slack or theta[i] > upper[k] + slack:
                 ok = False
         out_rss[mask] = max(rss, 0.0)
@@ -67,7 +73,15 @@ def subsets(gram, ends, lower, upper, required, prior, centre, most, out_theta, 
 
 @njit(cache=True)
 def solve(full, index, p, prior, centre):
-    """Solve the normal equations of some columns by Cholesky; returns the parameters, and whether it went well."""
+    """Solve the normal equations of some columns by Cholesky; return the parameters, and whether it succeeded.
+
+    Args:
+        full: Gram matrix of [y; r], shape (P + 1, P + 1).
+        index: The columns; the first p entries count.
+        p: Number of columns.
+        prior: Precision of the parameters that are believed already, shape (P,).
+        centre: Parameters that are believed already, shape (P,).
+    """
     theta = np.zeros(p)
     P = len(full) - 1
     L = np.zeros((p, p))
@@ -82,11 +96,11 @@ def solve(full, index, p, prior, centre):
         for k in range(i + 1):
             value = full[index[i], index[k]] * scale[i] * scale[k]
             if i == k:
-                value += prior[index[i]] * scale[i] * scale[i] + 1e-9
+                value += prior[index[i]] * scale[i] * scale[i] + RIDGE
             for m in range(k):
                 value -= L[i, m] * L[k, m]
             if i == k:
-                if value < 1e-5:  # columns that are sums of each other on this motion
+                if value < LEAST_PIVOT:
                     return theta, False
                 L[i, i] = np.sqrt(value)
             else:

@@ -1,4 +1,4 @@
-"""A guard before an engine that refuses bad samples: nominal control and one event, instead of an exception."""
+"""A guard for an engine that raises on bad samples: nominal control and one event instead of an exception."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.diagnosis.engine import BadSampleError
-from cdia_pin.diagnosis.status import Event, Stage, Status, Verdict
-from cdia_pin.diagnosis.thesis.engine import ThesisEngine
+from cdia_pin.diagnosis.engine_interface import BadSampleError
+from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
+from cdia_pin.diagnosis.thesis.thesis_engine import ThesisEngine
 from cdia_pin.effects import Term
 
 Array = NDArray[np.float64]
 
-GOOD_FOR = 0.2  # [s], how long samples must have been good before the torque is corrected again
+RECOVERY_TIME = 0.2  # [s] of good samples before torques are corrected again: one good sample proves little
 
 
-class Guarded:
-    """The engine of the thesis in a control loop, where nothing may be raised for what a sensor does.
+class GuardedEngine:
+    """The engine of the thesis in a control loop, where a bad sensor must not raise an exception.
 
-    The engine of the momentum observer does the same by itself, inside its compiled tick.
+    The momentum engine does the same by itself, in its compiled tick.
 
     Args:
-        engine: Raises `BadSampleError`, and is then as it was before.
+        engine: The engine; it raises `BadSampleError` and keeps its state then.
     """
 
     def __init__(self, engine: ThesisEngine) -> None:
@@ -44,7 +44,7 @@ class Guarded:
 
     @property
     def events(self) -> list[Event]:
-        """All events so far, those of bad samples among them."""
+        """All events so far, with those of bad samples."""
         return self.engine.events
 
     @property
@@ -54,11 +54,11 @@ class Guarded:
 
     @property
     def decisions(self) -> tuple[()]:
-        """None of this kind: hypotheses of the thesis die one by one."""
+        """None: the thesis excludes its hypotheses one by one."""
         return ()
 
     def reset(self) -> None:
-        """Return to the start, keeping what healthy runs taught."""
+        """Return to the start; what healthy runs taught stays."""
         self.engine.reset()
         self._forget()
 
@@ -70,22 +70,23 @@ class Guarded:
             return self._refused(t, str(error))
         if self._bad:
             self._good_since = t if self._good_since is None else self._good_since
-            self._bad = t - self._good_since < GOOD_FOR
+            self._bad = t - self._good_since < RECOVERY_TIME
         if self._bad:
             status = replace(status, torque_correction=np.zeros(self._n))
         self._last = status
         return status
 
     def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
-        """Return the torque to command in place of a nominal one [N·m or N], shape (n,)."""
+        """Return the torque to command in place of a nominal one; see `Engine.correct`."""
         return tau if self._bad else self.engine.correct(tau, v_desired)
 
     def _refused(self, t: float, reason: str) -> Status:
-        """Correct nothing until samples have been good for a while; what is believed stays."""
+        """Correct nothing until samples have been good for a while; beliefs stay."""
         new: tuple[Event, ...] = ()
         if not self._bad:
             joints = self.engine.robot.joints
-            new = (Event(t, "accommodation", joints, Verdict.NONE, reason=f"{reason}; nominal control"),)
+            said = f"{reason}; nominal control"
+            new = (Event(t, EventStage.ACCOMMODATION, joints, Verdict.NONE, reason=said),)
             self.engine.events += new
         self._bad, self._good_since = True, None
         self.engine.pause()

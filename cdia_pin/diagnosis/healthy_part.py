@@ -1,4 +1,4 @@
-"""What of a log a monitor may learn from, where nobody gives it runs of the healthy arm."""
+"""The healthy part of a log, from which a monitor learns if there are no runs of the healthy arm."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from dataclasses import replace
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
 
-SHARE, LEAST, MOST = 0.3, 5.0, 20.0  # [1, s, s], of a log that is taken as healthy
+HEALTHY_SHARE = 0.3  # [1], share of a log that is taken as healthy
+LEAST_HEALTHY = 5.0  # [s]; from less, thresholds come out too low
+MOST_HEALTHY = 20.0  # [s]; more teaches little, and hides faults that begin early
 
 
 def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:
-    """Part a log into what is taken as healthy, and what is monitored.
+    """Return the part of a log that is taken as healthy, and the part to monitor.
 
     Args:
         log: The log.
@@ -23,27 +25,27 @@ def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:
     """
     length = until
     if length is None:
-        length = min(max(SHARE * log.duration, LEAST), MOST)
+        length = min(max(HEALTHY_SHARE * log.duration, LEAST_HEALTHY), MOST_HEALTHY)
     begin = int((log.time < log.time[0] + length).sum())
     if not 1 < begin < len(log.time) - 1:
         raise LogError(
-            f"{log.source}: {log.duration:.3g} s cannot be parted at {length:.3g} s into a healthy part and one to "
+            f"{log.source}: {log.duration:.3g} s cannot be split at {length:.3g} s into a healthy part and a part to "
             "monitor; give runs of the healthy arm with --healthy"
         )
     return log.slice(0, begin), log.slice(begin, len(log.time))
 
 
 def alike(logs: Sequence[Log], velocity: bool, announced: list[str]) -> list[Log]:
-    """Return logs that all have velocities, or none of them.
+    """Return logs that either all have velocities or none.
 
     Args:
         logs: The logs.
-        velocity: Whether recorded velocities are wanted.
-        announced: Where it is said if they are left out.
+        velocity: Whether recorded velocities are used.
+        announced: Gets a sentence if recorded velocities are left out.
     """
     have = [log.velocity is not None for log in logs]
     if not any(have) or (velocity and all(have)):
         return list(logs)
     if velocity:
-        announced.append("not all logs have velocities: they are derived from the positions of all")
+        announced.append("not all logs have velocities: those of all logs are derived from positions")
     return [replace(log, velocity=None) for log in logs]

@@ -1,10 +1,14 @@
-r"""Which combination of known effects explains a joint's residual, from its normal equations.
+r"""Isolation: which combination of known effects explains a joint's residual, from its normal equations.
 
-Every one of the 2^N − 1 combinations is fitted. Against a healthy residual of RMS σ that forgets itself within
-the time T, a combination m that leaves the mean square s_m over a window W has the log-likelihood
-−(W / T) s_m / (2 σ²); each of its parameters has a price. A combination is *possible* if its parameters are, and
-if it leaves no more than a healthy residual, with a tolerance. The one that leads all other possible ones is the
-answer; if it does not lead by enough, the answer is ambiguous; if none is possible, the fault is unknown.
+Every one of the 2^N − 1 combinations is fitted. Take a healthy residual of RMS σ with the correlation time T, and a
+combination m that leaves the mean square s_m over a window W. Its score is
+
+.. math:: J_m = \frac{W}{T} \frac{s_m}{2 \sigma^2} + c\,(p_m + k_m - 1)
+
+the negative log-likelihood, with a penalty c for each of its p_m parameters and for each of its k_m effects after the
+first. A combination is *possible* if its parameters are physical and it leaves no more than a healthy residual, with a
+tolerance. The possible combination of least score is the answer. If its lead is too small, the answer is ambiguous;
+if no combination is possible, the fault is unknown.
 """
 
 from __future__ import annotations
@@ -15,22 +19,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.bank import Bank
-from cdia_pin.diagnosis.settings import MonitorSettings
+from cdia_pin.diagnosis.joint_gram import first_columns, symmetric
+from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 
 Array = NDArray[np.float64]
 
-MOST_RIVALS = 4  # that are reported
+MOST_RIVALS = 4  # combinations that a report may list beside the leading one, to stay readable
+NORMAL_95 = 1.96  # [1], standard deviations to either side of a 95 % interval
+TINY = 1e-300  # keeps a column that was never excited from dividing by zero
 
 
 @dataclass(frozen=True)
 class Decision:
-    """What one look at the normal equations of a joint says.
+    """Result of one look at the normal equations of a joint.
 
     Attributes:
         mask: Effects of the leading combination, one bit each; None if no combination is possible.
-        theta: Its parameters, zero for the others, shape (P,).
-        rivals: Other combinations that explain the same, best first.
-        noise: RMS that the residual is allowed [N·m or N].
+        theta: Its parameters, zero for the other effects, shape (P,).
+        rivals: Other combinations that explain the residual equally well, best first.
+        noise: RMS that the residual is allowed to keep [N·m or N].
     """
 
     mask: int | None
@@ -40,18 +47,18 @@ class Decision:
 
     @property
     def key(self) -> int:
-        """What votes compare; −1 stands for unknown."""
+        """Number that votes compare: the mask, or −1 for an unknown fault."""
         return -1 if self.mask is None else self.mask
 
 
 class Isolator:
-    """Decide between the combinations of a bank.
+    """Decides between the combinations of a bank.
 
     Args:
         bank: The known effects.
         lower: Smallest parameters on each joint, shape (n, P).
         upper: Largest parameters on each joint, shape (n, P).
-        settings: Tolerance, price and lead.
+        settings: Tolerance, penalty and lead.
     """
 
     def __init__(self, bank: Bank, lower: Array, upper: Array, settings: MonitorSettings) -> None:
@@ -82,26 +89,26 @@ class Isolator:
         """Decide on a joint.
 
         Args:
-            j: The joint.
-            gram: Gram matrix of [y; r], upper triangle, the bank's columns first, the residual last.
-            weight: Number of samples in it.
+            j: The joint's index.
+            gram: Gram matrix of [y; r], upper triangle, the bank's columns first, the residual last, shape
+                (P + 1, P + 1) or larger.
+            weight: Number of samples in it, old ones discounted [1].
             level: RMS of a healthy residual [N·m or N].
-            independent: Samples after which a healthy residual has forgotten itself.
-            required: Effects that are there already.
-            prior: Weight of what is believed of their parameters, shape (P,).
-            centre: What is believed of them, shape (P,).
+            independent: Correlation time of a healthy residual [samples].
+            required: Effects that every combination contains, one bit each.
+            prior: Precision of the parameters that are believed already, shape (P,); none if omitted.
+            centre: Parameters that are believed already, shape (P,).
         """
         P, s, weight = self.bank.width, self.settings, max(weight, 1.0)
         zero = np.zeros(P)
-        own = np.empty((P + 1, P + 1))
-        own[:P, :P], own[:P, P], own[P, P] = gram[:P, :P], gram[:P, -1], gram[-1, -1]
+        own = first_columns(gram, P)
         self._theta[:] = 0.0
         self._subsets(
             own, self.bank.ends, self.lower[j], self.upper[j], required,
             zero if prior is None else prior, zero if centre is None else centre,
             s.most_effects, self._theta, self._rss, self._ok,
         )  # fmt: skip
-        noise2 = level**2 + s.mismatch**2 * own[P, P] / weight
+        noise2 = level**2 + s.mismatch**2 * own[-1, -1] / weight
         possible = self._ok & (self._rss / weight <= s.tolerance**2 * noise2)
         if not possible.any():
             return Decision(None, zero, noise=float(np.sqrt(noise2)))
@@ -113,7 +120,7 @@ class Isolator:
         for m in order[: 4 * MOST_RIVALS]:
             if m == best or score[m] - score[best] > s.lead:
                 continue
-            # what needs more parameters and gains less than their price is no rival
+            # A combination that needs more parameters and gains less than their penalty is no rival.
             if self._parameters[m] > self._parameters[best] or not self._is_distinct(int(m)):
                 continue
             rivals.append((int(m), self._theta[m].copy()))
@@ -122,12 +129,20 @@ class Isolator:
         )
 
     def intervals(self, mask: int, theta: Array, gram: Array, noise: float, independent: float) -> Array:
-        """Return the 95 % interval of each parameter of a combination, shape (p, 2)."""
+        """Return the 95 % interval of each parameter of a combination, shape (p, 2).
+
+        Args:
+            mask: The effects, one bit each.
+            theta: Parameters of all effects of the bank, shape (P,).
+            gram: Gram matrix of [y; r], upper triangle, the bank's columns first.
+            noise: RMS of what is left of the residual [N·m or N].
+            independent: Correlation time of a healthy residual [samples].
+        """
         columns = self.bank.columns(self.bank.members(mask))
         part = symmetric(gram)[np.ix_(columns, columns)]
-        unit = 1.0 / np.sqrt(np.maximum(np.diag(part), 1e-300))
+        unit = 1.0 / np.sqrt(np.maximum(np.diag(part), TINY))
         inverse = np.linalg.pinv(part * np.outer(unit, unit), hermitian=True)
-        half = 1.96 * noise * unit * np.sqrt(np.maximum(np.diag(inverse), 0.0) * independent)
+        half = NORMAL_95 * noise * unit * np.sqrt(np.maximum(np.diag(inverse), 0.0) * independent)
         return np.column_stack([theta[columns] - half, theta[columns] + half])
 
     def _first_distinct(self, order: NDArray[np.int64], score: Array) -> int:
@@ -139,14 +154,8 @@ class Isolator:
         return int(order[0])
 
     def _is_distinct(self, mask: int) -> bool:
-        """Tell whether every effect of a combination is more than a simpler one with another name."""
+        """Return whether no effect of a combination has degenerated to a simpler one of another name."""
         theta = self._theta[mask]
         return all(
             self.bank.prototypes[i].is_distinct(theta[self.bank.span(i)]) for i in self.bank.members(mask)
         )
-
-
-def symmetric(gram: Array) -> Array:
-    """Return a matrix of which only the upper triangle is kept, shape (p, p)."""
-    upper = np.triu(gram)
-    return np.asarray(upper + np.triu(upper, 1).T)

@@ -1,4 +1,4 @@
-"""What a monitor thought over time: which hypotheses lived, and how large it took the faults to be."""
+"""The course of a diagnosis over time: which hypotheses were possible, and the parameters of the believed faults."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from cdia_pin.diagnosis.monitor import Monitor
 from cdia_pin.diagnosis.status import Stage, Status
 from cdia_pin.effects import Term
 
-DECIDED_UPON = frozenset({Stage.DETECTED, Stage.ISOLATED, Stage.ACCOMMODATED})  # stages with looks
-NOTED = 10.0  # [Hz], how often beliefs are noted at most
+STAGES_WITH_LOOKS = frozenset({Stage.DETECTED, Stage.ISOLATED, Stage.ACCOMMODATED})
+LARGEST_RATE = 10.0  # [Hz], at which beliefs are noted: enough for a figure
 
 
 @dataclass(frozen=True)
 class Look:
-    """What isolation makes of a joint from a moment on, until its next look.
+    """Result of isolation on a joint from a time on, until the next look at that joint.
 
     Attributes:
-        time: When [s].
+        time: Time from which on it holds [s].
         joint: Name of the joint.
-        leading: Effects of the combination that leads; empty where nothing is looked for; None where no
+        leading: Names of the effects of the leading combination; empty where isolation has ended; None where no
             combination of the known effects is possible.
-        rivals: Effects of each other combination that explains the same.
+        rivals: Names of the effects of each other combination that explains the residual equally well.
     """
 
     time: float
@@ -33,12 +33,12 @@ class Look:
 
 
 @dataclass(frozen=True)
-class Belief:
-    """What was believed from a moment on.
+class BelievedFaults:
+    """Believed faults from a time on.
 
     Attributes:
-        time: When [s].
-        faults: With their sizes and, where they are known, 95 % intervals.
+        time: Time from which on they are believed [s].
+        faults: The faults with parameters and, where known, 95 % intervals.
     """
 
     time: float
@@ -46,23 +46,27 @@ class Belief:
 
 
 class Journal:
-    """Keeps looks and beliefs, wherever they change.
+    """Keeps looks and believed faults, wherever they change.
 
     Args:
-        monitor: Whose thoughts are kept; of an engine that takes no decisions there are no looks.
+        monitor: The monitor; for an engine without decisions there are no looks.
     """
 
     def __init__(self, monitor: Monitor) -> None:
         self.looks: list[Look] = []
-        self.beliefs: list[Belief] = []
+        self.beliefs: list[BelievedFaults] = []
         self._joints, self._names = monitor.model.robot.joints, monitor.bank.names
         self._engine, self._seen = monitor.engine, monitor.engine.decisions
-        self._live: dict[int, Look] = {}  # of the joints that are decided upon
+        self._live: dict[int, Look] = {}  # by index of the joint, where isolation goes on
         self._faults: tuple[Term, ...] = ()
         self._next = -np.inf
 
     def __call__(self, status: Status) -> None:
-        """Take note of a tick."""
+        """Take note of a tick.
+
+        Args:
+            status: Status after the tick.
+        """
         seen, self._seen = self._seen, self._engine.decisions
         for j, decision in enumerate(self._seen):
             if decision is None or decision is seen[j]:
@@ -70,13 +74,13 @@ class Journal:
             leading = None if decision.mask is None else self._effects(decision.mask)
             rivals = tuple(self._effects(mask) for mask, _ in decision.rivals)
             self._note(j, Look(status.time, self._joints[j], leading, rivals))
-        for j in [j for j in self._live if status.stages[j] not in DECIDED_UPON]:
+        for j in [j for j in self._live if status.stages[j] not in STAGES_WITH_LOOKS]:
             self._note(j, Look(status.time, self._joints[j], ()))
             del self._live[j]
         if status.faults is not self._faults and (status.events or status.time >= self._next):
-            self._faults, self._next = status.faults, status.time + 1.0 / NOTED
+            self._faults, self._next = status.faults, status.time + 1.0 / LARGEST_RATE
             if status.faults or self.beliefs:
-                self.beliefs.append(Belief(status.time, status.faults))
+                self.beliefs.append(BelievedFaults(status.time, status.faults))
 
     def _note(self, j: int, look: Look) -> None:
         last = self._live.get(j)

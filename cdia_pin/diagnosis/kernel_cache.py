@@ -1,4 +1,4 @@
-"""Generated code on disk, beside numba's own cache of it: the second start of a program does not compile again."""
+"""The cache of generated code on disk, beside numba's own: a program compiles at its first start only."""
 
 from __future__ import annotations
 
@@ -18,7 +18,12 @@ from cdia_pin.version import __version__
 
 
 def load(source: str, effects: Sequence[JointEffect]) -> ModuleType:
-    """Import the generated module from the cache folder, writing it there first."""
+    """Import the generated module from the cache folder; write it there first if need be.
+
+    Args:
+        source: Text of the module.
+        effects: Effects whose source the module compiles.
+    """
     name = f"tick_{_fingerprint(source, effects)}"
     if name in sys.modules:
         return sys.modules[name]
@@ -29,9 +34,7 @@ def load(source: str, effects: Sequence[JointEffect]) -> ModuleType:
             if not path.exists():
                 draft = path.with_suffix(f".{os.getpid()}")
                 draft.write_text(source, encoding="utf-8")
-                draft.replace(
-                    path
-                )  # at once, so that two programs that start together do not meet half a file
+                draft.replace(path)  # in one step: a program that starts meanwhile never reads half a file
         except OSError:
             continue
         spec = importlib.util.spec_from_file_location(name, path)
@@ -40,26 +43,27 @@ def load(source: str, effects: Sequence[JointEffect]) -> ModuleType:
         sys.modules[name] = module
         spec.loader.exec_module(module)
         return module
-    raise OSError("no folder to keep compiled code in")  # pragma: no cover  (a temporary one always works)
+    raise OSError("no folder to keep compiled code in")  # pragma: no cover  (a temporary folder always works)
 
 
 def _folders() -> Iterator[Path]:
-    """Yield the user's cache folder, then a private one that lasts no longer than the machine's memory of it."""
+    """Yield the user's cache folder, then a private temporary one."""
     home = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     yield Path(home) / "cdia-pin" / "kernels"
     yield Path(tempfile.mkdtemp(prefix="cdia-pin-"))
 
 
 def _fingerprint(source: str, effects: Sequence[JointEffect]) -> str:
-    """Return a hash that changes with all the text that is compiled, of which numba sees only a part."""
-    from cdia_pin.diagnosis import codes, kernels
+    """Return a hash of all the text that is compiled; numba itself watches only a part of it."""
+    from cdia_pin.diagnosis import kernel_rows, kernels, tick_flags
 
     digest = hashlib.sha256(f"{__version__}\n{source}".encode())
     linecache.checkcache()
-    modules = {type(e).__module__ for e in effects} | {Unknown.__module__, codes.__name__, kernels.__name__}
+    own = {Unknown.__module__, kernel_rows.__name__, kernels.__name__, tick_flags.__name__}
+    modules = {type(e).__module__ for e in effects} | own
     for name in sorted(modules):
         try:
             digest.update(inspect.getsource(sys.modules[name]).encode())
         except (OSError, TypeError, KeyError):
-            digest.update(os.urandom(16))  # typed at a prompt: whether it is new nobody can tell
+            digest.update(os.urandom(16))  # typed at a prompt: its source is not known, so it counts as new
     return digest.hexdigest()[:16]

@@ -6,11 +6,11 @@ Discretised exactly for a torque held over the tick, E = exp(−γΔ), with a γ
 
 .. math:: y^+ = E y + (1-E)\,\bar\varphi
 
-with φ̄ the mean of both ends, or for effects of torque and acceleration the value over the interval.
+φ̄ is the mean of φ at both ends, or, for effects of torque and acceleration, the value over the interval.
 Then r_j = c_jᵀ y_j + filtered η_j: joints do not mix.
 
-All state is in one array that the caller owns, see `compiled`. Only this file and what is generated need numba;
-it is imported when a monitor is first made.
+All state is in one array that the caller owns, see `layout`; `kernel_rows` names its rows. This module, `fits` and the
+generated modules are the only ones that need numba. They are imported when a monitor is first made.
 """
 
 from __future__ import annotations
@@ -20,53 +20,99 @@ from collections import namedtuple
 import numpy as np
 from numba import njit
 
-from cdia_pin.diagnosis.codes import ABSENT, ALARM
+from cdia_pin.diagnosis.kernel_rows import (
+    ACTIVATED,
+    ACTIVATION,
+    AMPLITUDE,
+    BELIEVED,
+    BOUND,
+    COLLECTING,
+    EXCEEDED,
+    FILTERED,
+    KNOWN,
+    KNOWN_AMPLITUDE,
+    LEARNED,
+    LEARNING,
+    MOVING,
+    MUTED,
+    NLE,
+    OUTSIDE,
+    PHI,
+    POSITION,
+    PRESENT,
+    REMAINDER,
+    RESIDUAL,
+    REST_SPEED,
+    SLOPE,
+    THRESHOLD,
+    VELOCITY,
+    WEIGHT,
+    WEIGHTS,
+)
+from cdia_pin.diagnosis.tick_flags import ABSENT, ALARM
 
-# What `JointEffect.columns` reads, here with arrays that run over the joints.
+# What `JointEffect.columns` reads, here with arrays over the joints, shape (n,).
 Signals = namedtuple("Signals", "q v a effort sign time")
 # What `Unknown.columns` reads, here with arrays of shape (K, n) and (n,).
 Neurons = namedtuple("Neurons", "position_centres velocity_centres position_width velocity_width")
 
-# Rows of `joint`, each of shape (n,).
-RESIDUAL, THRESHOLD, REMAINDER, EXCEEDED = 0, 1, 2, 3  # r, its bound, r − ĉᵀy, ticks beyond the bound
-BOUND, SLOPE, WIDTH = 4, 5, 6  # η₀ = BOUND + SLOPE |M q̈ + nle|; speed over which sgn is smoothed
-VELOCITY, NLE = 7, 8  # of the last tick
-WATCHED, WEIGHT = 9, 10  # is the joint being decided upon, or how many ticks until then; samples collected
-OUTSIDE = 11  # torque of model terms that are not of one joint, over the interval
-LEARNING, LEARNED = 12, 13  # does the joint learn an unknown fault? what it has learned, filtered
-AMPLITUDE = 14  # largest explained torque of late
-MUTED = 16  # does nobody want to hear of an alarm?
-POSITION, BANDWIDTH, ADDITION = 17, 18, 19  # q of the last tick, γ, what to add to a nominal torque
-SOFT = 20  # speed over which sgn is smoothed where friction is compensated
-REST = 21  # speed below which a joint may rest, and dry friction be anything
-KNOWN_AMPLITUDE = 22  # largest torque of the model's own terms of late
-MOVING = 15  # share of the filter's memory in which the joint moved: at rest dry friction can be anything
-JOINT_ROWS = 23
-
-# Rows of `columns`, each of shape (n, P).
-PHI, FILTERED, BELIEVED, KNOWN = 0, 1, 2, 3  # φ of the last tick, y, ĉ, θ of the model's own terms
-PRESENT = 4  # β of the effect's profile
-COLUMN_ROWS = 5
-
-# Rows of `neurons`, each of shape (n, 2 K + 1).
-ACTIVATION, ACTIVATED, WEIGHTS = 0, 1, 2  # of the last tick, filtered, learned
-NEURON_ROWS = 3
-
-# Entries of `scalars`.
-TIME, FORGET, REMEMBER, DEBOUNCE, IDLE, FLOOR, LEARNS, CORRECTS, DRIVEN, COUNT = range(10)
-SCALARS = 10
-SELDOM = 4  # ticks between two of the neurons, which take more time than all else
-
-ROUGH = (
+NEURON_PERIOD = 4  # ticks between two evaluations of the neurons, which cost more than the rest of the tick
+ROUGHNESS = (
     0.2  # [1], share of a believed fault that its formula may miss for a moment, as friction's does at rest
+)
+VISIBLE = 2.0  # [1], torque of an effect over the threshold, from which its absence would show
+GONE_SHARE = (
+    0.1  # [1], share of an absent effect's torque by which the residual may be off beside the threshold
+)
+EXPLAINED_SHARE = 0.5  # [1], remainder over an effect's torque, below which the effect explains the residual
+MOVING_SHARE = (
+    0.9  # [1], least share of the filter's memory in motion, for a sample to be used for a decision
 )
 
 
 @njit(cache=True)
 def advance(
-    joint, columns, gram, absent, mass, phi, interval, ends, q, v, tau, M, nle, a, E, forget, debounce, idle
+    joint,
+    columns,
+    gram,
+    absent,
+    mass,
+    phi,
+    interval,
+    ends,
+    q,
+    v,
+    tau,
+    M,
+    nle,
+    a,
+    E,
+    forget,
+    debounce,
+    absent_ticks,
 ):
-    """Advance all joints by one tick; returns what needs attention."""
+    """Advance all joints by one tick; return what needs attention, see `tick_flags`.
+
+    Args:
+        joint: Part of the state, shape (rows, n).
+        columns: Part of the state, shape (rows, n, P).
+        gram: Gram matrices of [y; r], upper triangles, shape (n, P + 1, P + 1).
+        absent: Ticks for which an effect's torque has stayed away, shape (n, N).
+        mass: M of the last tick, shape (n, n).
+        phi: Columns of this tick, shape (n, P).
+        interval: Which columns hold over the interval instead of at its end, shape (P,).
+        ends: First column of each effect, and P, shape (N + 1,).
+        q: Positions [rad or m], shape (n,).
+        v: Velocities [rad/s or m/s], shape (n,).
+        tau: Torque since the last tick [N·m or N], shape (n,).
+        M: Mass matrix at q, shape (n, n).
+        nle: Coriolis, centrifugal and gravity torque [N·m or N], shape (n,).
+        a: Mean acceleration since the last tick [rad/s² or m/s²], shape (n,).
+        E: exp(−γΔ) [1], shape (n,).
+        forget: Weight that a sample keeps from tick to tick [1].
+        debounce: Ticks in a row beyond the threshold that raise an alarm.
+        absent_ticks: Ticks without an effect's torque, where it would show, that report it as absent.
+    """
     n, P = phi.shape
     asks = 0
     for j in range(n):
@@ -95,9 +141,9 @@ def advance(
         joint[REMAINDER, j] = remainder
         explained = abs(r - remainder)
         joint[AMPLITUDE, j] = max(explained, forget * joint[AMPLITUDE, j])
-        joint[MOVING, j] = E[j] * joint[MOVING, j] + (1.0 - E[j] if abs(v[j]) > joint[REST, j] else 0.0)
+        joint[MOVING, j] = E[j] * joint[MOVING, j] + (1.0 - E[j] if abs(v[j]) > joint[REST_SPEED, j] else 0.0)
         resting = 1.0 - joint[MOVING, j]
-        rough = (ROUGH + resting) * joint[AMPLITUDE, j] + resting * joint[KNOWN_AMPLITUDE, j]
+        rough = (ROUGHNESS + resting) * joint[AMPLITUDE, j] + resting * joint[KNOWN_AMPLITUDE, j]
         if abs(remainder) > threshold + rough:
             joint[EXCEEDED, j] += 1.0
             if joint[EXCEEDED, j] >= debounce and joint[MUTED, j] == 0.0:
@@ -112,20 +158,22 @@ def advance(
                 continue
             # Without the effect the rest explains the residual, though the effect would be well visible.
             without = abs(remainder + own)
-            if abs(own) > 2.0 * threshold and without < min(threshold + 0.1 * abs(own), 0.5 * abs(own)):
+            if abs(own) > VISIBLE * threshold and without < min(
+                threshold + GONE_SHARE * abs(own), EXPLAINED_SHARE * abs(own)
+            ):
                 absent[j, e] += 1.0
-                if absent[j, e] >= idle:
+                if absent[j, e] >= absent_ticks:
                     asks |= ABSENT
-            elif abs(own) > threshold and abs(remainder) < 0.5 * abs(own):
+            elif abs(own) > threshold and abs(remainder) < EXPLAINED_SHARE * abs(own):
                 absent[j, e] = 0.0
         joint[POSITION, j], joint[VELOCITY, j], joint[NLE, j] = q[j], v[j], nle[j]
         for i in range(n):
             mass[j, i] = M[j, i]
-        if joint[WATCHED, j] < 0.0:
-            joint[WATCHED, j] += 1.0
-            if joint[WATCHED, j] == 0.0:
-                joint[WATCHED, j] = 1.0
-        elif joint[WATCHED, j] > 0.0 and joint[MOVING, j] > 0.9:
+        if joint[COLLECTING, j] < 0.0:
+            joint[COLLECTING, j] += 1.0
+            if joint[COLLECTING, j] == 0.0:
+                joint[COLLECTING, j] = 1.0
+        elif joint[COLLECTING, j] > 0.0 and joint[MOVING, j] > MOVING_SHARE:
             accumulate(gram[j], columns[FILTERED, j], r, forget)
             joint[WEIGHT, j] = forget * joint[WEIGHT, j] + 1.0
     return asks
@@ -133,7 +181,14 @@ def advance(
 
 @njit(cache=True)
 def accumulate(gram, y, r, forget):
-    """Add a sample to the upper triangle of the forgetting Gram matrix of [y; r], shape (P + 1, P + 1)."""
+    """Add a sample to the upper triangle of the Gram matrix of [y; r], and discount the old ones.
+
+    Args:
+        gram: The Gram matrix, shape (P + 1, P + 1).
+        y: Filtered columns, shape (P,).
+        r: Residual [N·m or N].
+        forget: Weight that old samples keep [1].
+    """
     P = len(y)
     for i in range(P):
         for k in range(i, P):
@@ -144,7 +199,14 @@ def accumulate(gram, y, r, forget):
 
 @njit(cache=True)
 def activate(joint, neurons, activations, E):
-    """Filter the neurons of the joints that learn; the last neuron is that of torque."""
+    """Filter the neurons of the joints that learn; the last neuron is that of torque.
+
+    Args:
+        joint: Part of the state, shape (rows, n).
+        neurons: Part of the state, shape (rows, n, H).
+        activations: H arrays of shape (n,).
+        E: exp(−γΔ) over the ticks since the last call [1], shape (n,).
+    """
     size, n = len(activations), joint.shape[1]
     for j in range(n):
         if joint[LEARNING, j] == 0.0:
@@ -162,21 +224,40 @@ def activate(joint, neurons, activations, E):
 
 @njit(cache=True)
 def learn(joint, neurons, gram, forget):
-    """Add the tick to the normal equations of the joints that learn."""
+    """Add the tick to the normal equations of the joints that learn.
+
+    Args:
+        joint: Part of the state, shape (rows, n).
+        neurons: Part of the state, shape (rows, n, H).
+        gram: Gram matrices of the neurons and the residual, upper triangles, shape (n, H + 1, H + 1).
+        forget: Weight that old samples keep [1].
+    """
     for j in range(joint.shape[1]):
-        if joint[LEARNING, j] > 0.0 and joint[WATCHED, j] >= 0.0:
+        if joint[LEARNING, j] > 0.0 and joint[COLLECTING, j] >= 0.0:
             accumulate(gram[j], neurons[ACTIVATED, j], joint[RESIDUAL, j], forget)
 
 
 @njit(cache=True)
-def correction(joint, columns, neurons, activations, phi0, phi1, interval, smooth, tau, floor, divide):
-    """Return the torque that makes up for what is believed and for the remainder, shape (n,).
+def correction(joint, columns, neurons, activations, unloaded, loaded, interval, smooth, tau, floor, divide):
+    """Return the torque that compensates the believed faults and the remainder [N·m or N], shape (n,).
 
-    ``phi0`` holds the columns without torque, ``phi1`` those at the torque ``tau``. With ``divide`` the torque
-    that replaces a nominal ``tau``, else what to add if ``tau`` acts already; then the columns of acceleration are
-    the filtered ones, for nobody knows which acceleration is wanted.
+    With ``divide`` it is the torque that replaces a nominal ``tau``. Without, it is what to add if ``tau`` acts
+    already; columns of acceleration are then the filtered ones, because the wanted acceleration is not known.
+
+    Args:
+        joint: Part of the state, shape (rows, n).
+        columns: Part of the state, shape (rows, n, P).
+        neurons: Part of the state, shape (rows, n, H).
+        activations: H arrays of shape (n,).
+        unloaded: Columns without torque, shape (n, P).
+        loaded: Columns at the torque ``tau``, shape (n, P).
+        interval: Which columns depend on torque or acceleration, shape (P,).
+        smooth: Which columns depend on acceleration, shape (P,).
+        tau: Nominal torque, or the torque that acts [N·m or N], shape (n,).
+        floor: Least 1 + h that a torque is divided by [1].
+        divide: Whether the torque replaces a nominal one.
     """
-    n, P = phi0.shape
+    n, P = unloaded.shape
     out = np.empty(n)
     for j in range(n):
         state, driven = 0.0, 0.0
@@ -184,8 +265,8 @@ def correction(joint, columns, neurons, activations, phi0, phi1, interval, smoot
             c = columns[BELIEVED, j, k] * columns[PRESENT, j, k]
             if c == 0.0:
                 continue
-            state += c * (phi0[j, k] if divide or not smooth[k] else columns[FILTERED, j, k])
-            driven += c * (phi1[j, k] - phi0[j, k]) if interval[k] and not smooth[k] else 0.0
+            state += c * (unloaded[j, k] if divide or not smooth[k] else columns[FILTERED, j, k])
+            driven += c * (loaded[j, k] - unloaded[j, k]) if interval[k] and not smooth[k] else 0.0
         if joint[LEARNING, j] > 0.0:
             for k in range(len(activations) - 1):
                 state += neurons[WEIGHTS, j, k] * activations[k][j]

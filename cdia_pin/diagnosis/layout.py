@@ -1,4 +1,4 @@
-"""The one array that holds the state of all joints, and its parts."""
+"""The layout of the observer's state: one array, and the shapes of its named parts."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis import kernel_rows as rows
 from cdia_pin.effects import JointEffect
 
 Array = NDArray[np.float64]
@@ -14,33 +15,35 @@ Shape = tuple[int, ...]
 
 
 def layout(n: int, effects: Sequence[JointEffect], neurons: int) -> dict[str, Shape]:
-    """Return the shape of each part of the state of n joints, in its order.
+    """Return the shape of each part of the state of n joints, in the order of the parts.
 
     Args:
         n: Number of joints.
-        effects: Effects whose columns are filtered.
-        neurons: Radial basis functions per joint, in position and in velocity each.
+        effects: Effects whose columns are filtered, with P parameters together.
+        neurons: K, radial basis functions per joint in position, and as many in velocity.
     """
-    from cdia_pin.diagnosis import kernels as k
-
     P, hidden = sum(e.size for e in effects), 2 * neurons + 1
     return {
-        "scalars": (k.SCALARS,),
-        "joint": (k.JOINT_ROWS, n),
-        "columns": (k.COLUMN_ROWS, n, P),
+        "scalars": (rows.SCALARS,),
+        "joint": (rows.JOINT_ROWS, n),
+        "columns": (rows.COLUMN_ROWS, n, P),
         "gram": (n, P + 1, P + 1),
         "absent": (n, len(effects)),
         "mass": (n, n),
-        "phi": (3, n, P),  # of the tick, and for corrections without and with torque
-        "centres": (2, neurons, n),
-        "widths": (2, n),
-        "neurons": (k.NEURON_ROWS, n, hidden),
+        "phi": (rows.PHI_ROWS, n, P),
+        "centres": (rows.SIGNAL_ROWS, neurons, n),
+        "widths": (rows.SIGNAL_ROWS, n),
+        "neurons": (rows.NEURON_ROWS, n, hidden),
         "neuron_gram": (n, hidden + 1, hidden + 1),
     }
 
 
 def spans(parts: Mapping[str, Shape]) -> Iterator[tuple[str, int, int, Shape]]:
-    """Yield name, begin, end and shape of each part."""
+    """Yield name, begin, end and shape of each part in the array.
+
+    Args:
+        parts: Shapes by name, as `layout` returns them.
+    """
     end = 0
     for name, shape in parts.items():
         begin, end = end, end + int(np.prod(shape))
@@ -48,6 +51,10 @@ def spans(parts: Mapping[str, Shape]) -> Iterator[tuple[str, int, int, Shape]]:
 
 
 def allocate(parts: Mapping[str, Shape]) -> tuple[Array, dict[str, Array]]:
-    """Return the array, all zero, and a view of each part."""
+    """Return the array, all zero, and a view of each part.
+
+    Args:
+        parts: Shapes by name, as `layout` returns them.
+    """
     state = np.zeros(sum(int(np.prod(shape)) for shape in parts.values()))
     return state, {name: state[a:b].reshape(shape) for name, a, b, shape in spans(parts)}

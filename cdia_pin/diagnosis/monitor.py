@@ -1,17 +1,17 @@
-"""`Monitor`: one object that watches an arm while it moves, one call a tick."""
+"""`Monitor`: monitors an arm while it moves, one call per tick."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NotRequired, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.diagnosis.bank import DEFAULT_BANK, Bank
 from cdia_pin.diagnosis.engines import ENGINES, Knowledge
-from cdia_pin.diagnosis.settings import MonitorSettings
+from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.status import Event, Status
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import JointEffect, Term
@@ -24,11 +24,56 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SAME_RATE = 1.2  # [1], how far rates may differ
+RATE_SPREAD = 1.2  # [1], rate of a log over the monitor's, and its inverse: thresholds depend on the rate
+PROGRESS_EVERY = 500  # samples between two reports of a replay's progress
+
+
+class RunSource(TypedDict):
+    """Source of a log.
+
+    Attributes:
+        source: File or name.
+        sha256: Hash of the file, if there is one.
+        duration: Length [s].
+        rate: Samples per second [Hz].
+    """
+
+    source: str
+    sha256: str | None
+    duration: NotRequired[float]
+    rate: NotRequired[float]
+
+
+class MonitorRecord(TypedDict):
+    """What a monitor is made of, enough to make it again; plain JSON.
+
+    Attributes:
+        version: Version of the package.
+        engine: Name of the engine.
+        bank: Names of the known effects.
+        settings: Settings of the engine by name.
+        model: Labels of the model's terms.
+        healthy: Sources of the healthy runs.
+        rate: Ticks per second [Hz]; None if it was not given.
+        notes: What healthy runs taught, one sentence each.
+        log: Source of the log, of a replay.
+        loop: Settings of the loop, of a closed loop.
+    """
+
+    version: str
+    engine: str
+    bank: list[str]
+    settings: dict[str, Any]
+    model: list[str]
+    healthy: list[RunSource]
+    rate: float | None
+    notes: list[str]
+    log: NotRequired[RunSource]
+    loop: NotRequired[dict[str, Any]]
 
 
 class Monitor:
-    """Notice a change of an arm, name it, correct for it, and notice when it is gone.
+    """Detects a change of an arm, isolates its cause, compensates it, and notices when it has cleared.
 
         monitor = Monitor(Dynamics(robot), healthy=[log])
         while True:
@@ -36,23 +81,23 @@ class Monitor:
             tau = monitor.correct(nominal_torque)      # or nominal_torque + status.torque_correction
 
     Args:
-        model: What the arm is while it is healthy.
-        healthy: Runs of the healthy arm, at the rate of the ticks, to learn thresholds from.
-        threshold: Largest healthy residual of each joint [N·m or N], where there are no such runs.
-        rate: Ticks per second, where there are no such runs [Hz].
-        position_only: Whether `update` gets no velocities, where there are no such runs.
-        bank: Known effects that are asked of every joint.
-        engine: ``momentum`` or ``thesis``, the scheme as the thesis has it.
-        settings: Of the engine; `MonitorSettings` or `ThesisSettings`.
+        model: The healthy arm.
+        healthy: Runs of the healthy arm at the rate of the ticks, from which thresholds are learned.
+        threshold: Largest healthy residual of each joint [N·m or N], if there are no healthy runs.
+        rate: Ticks per second [Hz], if there are no healthy runs.
+        position_only: Whether `update` gets no velocities, if there are no healthy runs.
+        bank: Known effects; each is tested on every joint.
+        engine: ``momentum``, or ``thesis`` for the scheme of [Thesis].
+        settings: Settings of the engine, `MonitorSettings` or `ThesisSettings`; the defaults if omitted.
 
     Attributes:
         record: Engine, bank, settings, model, healthy runs, what they taught, and version; plain JSON.
 
     Raises:
         ModelError: If neither or both of runs and thresholds are given, the engine is unknown, or the settings
-            are not its own.
+            belong to another engine.
         LogError: If the runs are too short or differ in rate.
-        EffectError: If the bank names what is not an effect of one joint.
+        EffectError: If the bank holds something other than effects of one joint.
     """
 
     def __init__(
@@ -79,9 +124,9 @@ class Monitor:
         self._limit = model.robot.limits.effort
         known = Knowledge(tuple(healthy), threshold, rate, position_only)
         self.engine, used = ENGINES[engine](model, self.bank, settings, known)
-        self.record: dict[str, Any] = {
+        self.record: MonitorRecord = {
             "version": __version__,
-            "engine": engine,
+            "engine": str(engine),
             "bank": list(self.bank.names),
             "settings": _plain(asdict(used)),
             "model": [term.label for term in model.terms],
@@ -90,16 +135,20 @@ class Monitor:
             "notes": list(self.engine.notes),
         }
 
-    def update(self, t: float, q: ArrayLike, v: ArrayLike | None, tau: ArrayLike) -> Status:
-        """Take one tick.
+    def __repr__(self) -> str:
+        robot, faults = self.model.robot, ", ".join(t.label for t in self.faults[:3]) or "none"
+        return f"Monitor({robot.name}, {self.record['engine']}, {len(self.bank)} effects, faults: {faults})"
 
-        A sample that is not finite, or not later than the last, is answered by nominal control: no correction
-        until data have been good for a while. Nothing is raised in a control loop for what a sensor does.
+    def update(self, t: float, q: ArrayLike, v: ArrayLike | None, tau: ArrayLike) -> Status:
+        """Take one tick and return the diagnosis.
+
+        A sample that is not finite, or not later than the last, switches to nominal control: nothing is corrected
+        until samples have been good for a while. A bad sensor raises no exception in the control loop.
 
         Args:
             t: Time [s].
             q: Positions [rad or m], shape (n,).
-            v: Velocities [rad/s or m/s], shape (n,); None where the robot has none.
+            v: Velocities [rad/s or m/s], shape (n,); None where the robot does not measure them.
             tau: Torque that has acted since the last tick [N·m or N], shape (n,).
 
         Raises:
@@ -113,12 +162,12 @@ class Monitor:
         return self.engine.update(t, q, v, tau)
 
     def correct(self, tau: ArrayLike, v_desired: ArrayLike | None = None) -> Array:
-        """Return the torque to command in place of a nominal one, within the effort limits [N·m or N], shape (n,).
+        """Return the torque to command instead of a nominal one, within the effort limits [N·m or N], shape (n,).
 
         Args:
             tau: The nominal torque [N·m or N], shape (n,).
-            v_desired: Velocity asked for [rad/s or m/s], shape (n,). Dry friction is compensated in its direction,
-                so that a joint that rests where it should move is set going; the measured one if omitted.
+            v_desired: Desired velocity [rad/s or m/s], shape (n,). Dry friction is compensated in its direction, so
+                that a joint at rest starts to move; the measured velocity if omitted.
 
         Raises:
             ModelError: If a signal has another shape.
@@ -137,12 +186,12 @@ class Monitor:
 
     @property
     def faults(self) -> tuple[Term, ...]:
-        """Faults now believed in."""
+        """Believed faults."""
         return self.engine.faults
 
     def improved_model(self) -> Dynamics:
-        """Return the model with the faults now believed in as terms: of a fault of the same name, the sum."""
-        terms = []
+        """Return the model with the believed faults as terms; parameters of the same effect are added."""
+        terms: list[Term] = []
         for term in self.faults:
             same = next((t for t in self.model.terms if t.label == term.label), None)
             theta = np.array(term.theta) + (0 if same is None else np.array(same.theta))
@@ -150,7 +199,7 @@ class Monitor:
         return self.model.add(*terms)
 
     def reset(self) -> None:
-        """Return to the start, keeping what healthy runs taught."""
+        """Return to the start; what healthy runs taught stays."""
         self.engine.reset()
 
     def replay(
@@ -159,12 +208,12 @@ class Monitor:
         watch: Callable[[Status], None] | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> tuple[Event, ...]:
-        """Feed a log sample by sample, just as a loop would; returns the events.
+        """Feed a log sample by sample, as a loop would, and return the events.
 
         Args:
             log: At the rate of the healthy runs.
-            watch: Told the status after each sample.
-            progress: Told the share that is done, now and then.
+            watch: Gets the status after each sample.
+            progress: Gets the share that is done [1], from time to time.
 
         Raises:
             LogError: If the log is of other joints, or at another rate.
@@ -174,17 +223,17 @@ class Monitor:
             raise LogError(f"{log.source}: joints are {', '.join(log.joints)}; expected {expected}")
         self.reset()
         count = len(log.time)
-        if self.rate and not 1 / SAME_RATE < log.rate / self.rate < SAME_RATE:
+        if self.rate and not 1 / RATE_SPREAD < log.rate / self.rate < RATE_SPREAD:
             raise LogError(
-                f"{log.source}: {log.rate:.4g} Hz, but the monitor's thresholds are of {self.rate:.4g} Hz; give a "
-                "log and healthy runs of one rate"
+                f"{log.source}: {log.rate:.4g} Hz, but the monitor's thresholds are for {self.rate:.4g} Hz; give a "
+                "log and healthy runs of the same rate"
             )
         for k in range(count):
             v = None if log.velocity is None else log.velocity[k]
             status = self.update(float(log.time[k]), log.position[k], v, log.effort[k])
             if watch is not None:
                 watch(status)
-            if progress is not None and k % 500 == 0:
+            if progress is not None and k % PROGRESS_EVERY == 0:
                 progress(k / count)
         return self.events
 
@@ -201,7 +250,7 @@ def _check_threshold(threshold: Mapping[str, float], model: Dynamics) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """Return settings as JSON has them."""
+    """Return settings as plain JSON values."""
     if isinstance(value, dict):
         return {k: _plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""What the monitor holds for healthy: a model, taken apart into what a tick can evaluate quickly."""
+"""The nominal model of the healthy arm, taken apart into what a tick can evaluate quickly."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ class Nominal:
     """A model of the healthy arm.
 
     Attributes:
-        robot: The rigid body, with the bodies and the tilt that the model adds to it.
-        of_joints: Terms of one joint that are always present, evaluated by the compiled tick.
-        others: All other terms, evaluated in Python at every tick, which takes tens of microseconds.
-        offset: What encoders read too little [rad or m], shape (n,).
-        delay: By how much the torque acts later than its signal says [s].
+        robot: The rigid bodies, with the bodies and the tilt that the model adds to them.
+        of_joints: Terms of one joint that are always present; the compiled tick evaluates them.
+        others: All other terms; they are evaluated in Python at every tick, in tens of microseconds.
+        offset: Angle to add to the encoders' readings [rad or m], shape (n,).
+        delay: Delay of the torques after their signal [s].
     """
 
     robot: RobotModel
@@ -46,8 +46,11 @@ class Nominal:
     def of(cls, model: Dynamics) -> Nominal:
         """Take a model apart.
 
+        Args:
+            model: The healthy arm.
+
         Raises:
-            ModelError: If a body of it is impossible, a delay differs from joint to joint, or an effect has memory.
+            ModelError: If a body of the model is not physical, a delay is of one joint only, or an effect has memory.
         """
         _require_no_memory(model)
         robot, of_joints, others = model.robot, [], []
@@ -65,7 +68,7 @@ class Nominal:
                 offset += effect.offset(robot, theta)
             elif isinstance(effect, EffortDelay):
                 if effect.scope:
-                    raise ModelError("a monitor takes a delay of all torques alike, not of one joint")
+                    raise ModelError("a monitor takes one delay for all torques, not of one joint")
                 delay -= float(theta[0])
             elif always and isinstance(effect, JointEffect) and effect.name != "unknown":
                 of_joints.append(term)
@@ -74,7 +77,7 @@ class Nominal:
         if not np.array_equal(pi, robot.inertial_parameters):
             if not all(is_physical(p, 1e-6) for p in pi):
                 raise ModelError(
-                    "the bodies of the model are not possible; a monitor needs a model that can be"
+                    "the bodies of the model are not physical; a monitor needs masses and inertias that are"
                 )
             robot = robot.with_inertial_parameters(pi)
         if not np.array_equal(g, robot.gravity_vector):
@@ -82,9 +85,19 @@ class Nominal:
         return cls(robot, tuple(of_joints), Dynamics(robot, tuple(others)), offset, delay)
 
     def outside(self, q: Array, v: Array, a: Array, tau: Array, time: float, width: Array) -> Array:
-        """Return the torque of the other terms [N·m or N], shape (n,)."""
+        """Return the torque of the other terms [N·m or N], shape (n,).
+
+        Args:
+            q: Positions [rad or m], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,).
+            a: Accelerations [rad/s² or m/s²], shape (n,).
+            tau: Torques [N·m or N], shape (n,).
+            time: Time [s].
+            width: Speed over which sgn q̇ is smoothed [rad/s or m/s], shape (n,).
+        """
         x = State.of(self.robot, q, v, a, effort=tau, time=time, sign_width=width)
-        return self.others.missing_torque(x)[0]
+        torque: Array = self.others.missing_torque(x)[0]
+        return torque
 
 
 def _require_no_memory(model: Dynamics) -> None:

@@ -1,4 +1,4 @@
-"""Where in the motion the effects of one joint are present: as the bank has it, or as it was seen."""
+"""Presence of the effects of one joint in the motion: as the bank states it, or as it was seen."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.bank import Bank, on_joint
-from cdia_pin.diagnosis.belief import Belief
-from cdia_pin.diagnosis.observer import Observer
+from cdia_pin.diagnosis.belief import JointBelief
+from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.region import RegionLearner
 from cdia_pin.effects import Profile, Region, Term
 
 Array = NDArray[np.float64]
 
-VISIBLE = 1.5  # [1], torque of an effect over the threshold, above which a look at it is a sighting
+SIGHTING = 1.5  # [1], torque of an effect over the threshold, above which a look shows whether it is present
 
 
 class Presence:
     """Profiles of the effects of a joint.
 
     Args:
-        joint: Its name.
-        bank: The effects.
+        joint: Name of the joint.
+        bank: The known effects.
 
     Attributes:
-        profiles: Of the effects that are corrected for only where they are present, by index.
+        profiles: Profiles of the effects that are not always present, by index; they are corrected only where present.
     """
 
     def __init__(self, joint: str, bank: Bank) -> None:
@@ -37,47 +37,57 @@ class Presence:
         }
         self._learners: dict[int, RegionLearner] = {}
 
-    def look(self, observer: Observer, j: int, belief: Belief, memories: Iterable[Belief]) -> None:
-        """Collect sightings of the effects that are believed in or remembered, and show enough to tell.
+    def look(
+        self, observer: MomentumObserver, j: int, belief: JointBelief, memories: Iterable[JointBelief]
+    ) -> None:
+        """Collect sightings of the believed and the remembered effects, where their torque is large enough.
 
         Args:
-            observer: What is seen now.
+            observer: Its residual, columns and motion of this tick.
             j: The joint's index.
             belief: What is believed.
-            memories: What is remembered.
+            memories: Cleared faults.
         """
         y, residual = observer.filtered[j], float(observer.residual[j])
-        threshold = VISIBLE * float(observer.threshold[j])
+        threshold = SIGHTING * float(observer.threshold[j])
         for one in (belief, *memories):
             for i in self.bank.members(one.mask):
                 if i in self.profiles:
                     continue
                 span = self.bank.span(i)
                 own = float(one.theta[span] @ y[span])
-                if abs(own) <= threshold:  # both are 0 where the filters have just begun
+                if abs(own) <= threshold:  # both are 0 where the filters have just started
                     continue
                 others = float(observer.believed[j] @ y) - (own if one.mask & belief.mask else 0.0)
                 learner = self._learners.setdefault(i, RegionLearner(self.joint))
                 learner.add((residual - others) / own, float(observer.q[j]), float(observer.v[j]))
 
     def region(self, i: int) -> Region | None:
-        """Return where an effect was seen, if that tells a region from the rest of the motion."""
+        """Return the region in which an effect is present, or None if what was seen does not show one.
+
+        Args:
+            i: The effect's index.
+        """
         return self._learners[i].region if i in self._learners else None
 
     def confine(self, effects: Iterable[int]) -> None:
-        """Hold effects for present only in the regions where they were seen; those must be known."""
+        """Take effects as present only in the regions where they were seen.
+
+        Args:
+            effects: Their indices; their regions must be known.
+        """
         for i in effects:
             region = self.region(i)
             assert region is not None
             self.profiles[i] = region
 
     def terms(self, mask: int, theta: Array, ci95: Array | None = None) -> tuple[Term, ...]:
-        """Return effects with sizes and profiles.
+        """Return effects with parameters and profiles.
 
         Args:
             mask: The effects, one bit each.
             theta: Parameters of all effects of the bank, shape (P,).
-            ci95: Intervals of those of the given effects, shape (p, 2).
+            ci95: 95 % intervals of the parameters of the given effects, shape (p, 2).
         """
         terms, at = [], 0
         for i in self.bank.members(mask):

@@ -1,18 +1,19 @@
-"""`MonitorRun`: what a monitor left behind, for tables, pages and files."""
+"""`MonitorRun`: the record of a monitored run, for tables, pages and files."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NotRequired, TypedDict, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.diagnosis.journal import Belief, Journal, Look
-from cdia_pin.diagnosis.monitor import Monitor
-from cdia_pin.diagnosis.status import SCHEMA, Event, Stage, Status, fault_to_dict
-from cdia_pin.display import Displayed
+from cdia_pin import schemas
+from cdia_pin.diagnosis.engines import EngineName
+from cdia_pin.diagnosis.journal import BelievedFaults, Journal, Look
+from cdia_pin.diagnosis.monitor import Monitor, MonitorRecord
+from cdia_pin.diagnosis.status import Event, EventDict, FaultDict, Stage, Status, fault_to_dict
 from cdia_pin.effects import Term
 from cdia_pin.logs.log import Log
 from cdia_pin.robot.model import RobotModel
@@ -20,30 +21,44 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 
 STAGES = tuple(Stage)  # what the numbers in `MonitorRun.stages` mean
-STORED = 100.0  # [Hz], ticks that are kept; an hour of seven joints is then 165 MB
+STORED_RATE = 100.0  # [Hz] of the ticks that are kept; an hour of seven joints is then 165 MB
+ROUNDING = 1e-9  # [s], by which a tick may come early for its turn
+SIGNALS = 8  # columns of a row per joint: stages and seven signals
 
 
-@dataclass(frozen=True, eq=False)
-class MonitorRun(Displayed):
-    """A replay or a closed loop as the monitor saw it, K ticks of n joints in the robot's order.
+class MonitorDocument(TypedDict):
+    """A file of the schema cdia-events/1."""
+
+    schema: str
+    robot: str
+    joints: list[str]
+    events: list[EventDict]
+    faults: list[FaultDict]
+    tracking_rms: NotRequired[dict[str, float]]
+    record: MonitorRecord
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MonitorRun:
+    """A replay or a closed loop as the monitor recorded it: K ticks of n joints in the robot's order.
 
     Attributes:
         robot: The arm.
         time: Time of the ticks kept [s], shape (K,).
-        residual: Torque that the model lacks, filtered [N·m or N], shape (K, n); of the engine ``thesis`` the
+        residual: Filtered torque that the model lacks [N·m or N], shape (K, n); of the engine ``thesis`` the
             velocity error of its observer [rad/s or m/s].
-        threshold: What a healthy arm's residual stays below, same unit, shape (K, n).
+        threshold: Bound of a healthy arm's residual, in the same unit, shape (K, n).
         stages: Index in `STAGES` of each joint's stage, shape (K, n).
-        torque_correction: What is added to the nominal torque [N·m or N], shape (K, n).
-        position: Positions as measured [rad or m], shape (K, n).
-        velocity: Velocities as measured [rad/s or m/s], shape (K, n); None where there are none.
+        torque_correction: Torque to add to the nominal one [N·m or N], shape (K, n).
+        position: Measured positions [rad or m], shape (K, n).
+        velocity: Measured velocities [rad/s or m/s], shape (K, n); None where there are none.
         effort: Torque that acted before the tick [N·m or N], shape (K, n).
-        desired: Positions asked for [rad or m], shape (K, n); None in a replay.
-        events: Everything that was said, at whichever tick.
-        faults: What was believed at the end.
+        desired: Desired positions [rad or m], shape (K, n); None in a replay.
+        events: All events, also those of ticks that are not kept.
+        faults: Faults believed at the end.
         record: Engine, bank, settings, healthy runs, thresholds and version.
-        looks: Which hypotheses lived on each joint, wherever that changed; none of the engine ``thesis``.
-        beliefs: The faults believed in and their sizes, wherever they changed.
+        looks: Results of isolation on each joint, wherever they changed; none for the engine ``thesis``.
+        beliefs: Believed faults with their parameters, wherever they changed.
     """
 
     robot: RobotModel
@@ -58,9 +73,14 @@ class MonitorRun(Displayed):
     desired: Array | None
     events: tuple[Event, ...]
     faults: tuple[Term, ...]
-    record: dict[str, Any]
+    record: MonitorRecord
     looks: tuple[Look, ...] = ()
-    beliefs: tuple[Belief, ...] = ()
+    beliefs: tuple[BelievedFaults, ...] = ()
+
+    def __repr__(self) -> str:
+        span = float(self.time[-1] - self.time[0]) if len(self.time) else 0.0
+        faults = ", ".join(t.label for t in self.faults[:3]) or "none"
+        return f"MonitorRun({self.robot.name}, {span:.4g} s, {len(self.events)} events, faults at the end: {faults})"
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -69,14 +89,14 @@ class MonitorRun(Displayed):
 
     @property
     def in_torque(self) -> bool:
-        """Whether residuals are torques, and not velocities."""
-        return self.record["engine"] != "thesis"
+        """Whether residuals are torques; otherwise they are velocities."""
+        return self.record["engine"] != EngineName.THESIS
 
     def tracking_rms(self, since: float = -np.inf) -> dict[str, float]:
         """Return the RMS of position less desired position of each joint [rad or m]; empty without reference.
 
         Args:
-            since: From when on [s].
+            since: Begin of the span [s].
         """
         if self.desired is None:
             return {}
@@ -84,29 +104,28 @@ class MonitorRun(Displayed):
         error = np.sqrt(np.mean((self.position[kept] - self.desired[kept]) ** 2, axis=0))
         return dict(zip(self.joints, error.tolist(), strict=True))
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> MonitorDocument:
         """Return the run as files of the schema cdia-events/1 have it."""
-        out: dict[str, Any] = {
-            "schema": SCHEMA,
+        tracking: dict[str, Any] = {} if self.desired is None else {"tracking_rms": self.tracking_rms()}
+        out = {
+            "schema": schemas.EVENTS,
             "robot": self.robot.name,
             "joints": list(self.joints),
             "events": [e.to_dict(self.robot) for e in self.events],
             "faults": [fault_to_dict(t, self.robot) for t in self.faults],
         }
-        if self.desired is not None:
-            out["tracking_rms"] = self.tracking_rms()
-        return {**out, "record": self.record}
+        return cast("MonitorDocument", {**out, **tracking, "record": self.record})
 
 
 class Recorder:
-    """Keeps what a monitor says and sees, as many ticks as are asked for and every one with an event.
+    """Records statuses and signals of a monitor: thinned ticks, and every tick with an event.
 
     Args:
-        monitor: Whose statuses are recorded.
-        rate: Ticks that are kept [Hz]; all of them if the monitor is slower.
+        monitor: The monitor.
+        rate: Rate of the ticks that are kept [Hz]; all of them if the monitor is slower.
     """
 
-    def __init__(self, monitor: Monitor, rate: float = STORED) -> None:
+    def __init__(self, monitor: Monitor, rate: float = STORED_RATE) -> None:
         self._monitor, self._period = monitor, 1.0 / rate
         self._rows = bytearray()
         self._next = -np.inf
@@ -120,11 +139,11 @@ class Recorder:
         """Take note of a tick.
 
         Args:
-            status: What the monitor said.
-            q: Positions it was given [rad or m], shape (n,).
+            status: Status after the tick.
+            q: Positions that the monitor got [rad or m], shape (n,).
             v: Velocities [rad/s or m/s], shape (n,), or None.
             tau: Torque [N·m or N], shape (n,).
-            desired: Position asked for [rad or m], shape (n,), or None.
+            desired: Desired positions [rad or m], shape (n,), or None.
         """
         self._journal(status)
         late = status.time - self._next  # a little below zero: not due; far below: time has gone back
@@ -134,8 +153,8 @@ class Recorder:
         if due:
             carried = (
                 late if 0 < late < 0.5 * self._period else 0.0
-            )  # keeps the rate where ticks do not divide it
-            self._next = status.time + self._period - carried - 1e-9
+            )  # carried over, so that the rate holds where ticks do not divide it
+            self._next = status.time + self._period - carried - ROUNDING
         self._velocity, self._desired = v is not None, desired is not None
         signals = (status.residual, status.threshold, status.torque_correction, q, v, tau, desired)
         stages = [STAGES.index(s) for s in status.stages]
@@ -146,11 +165,11 @@ class Recorder:
         """Return what has been recorded.
 
         Args:
-            **record: Added to the monitor's own record.
+            **record: Entries added to the monitor's own record, ``log`` or ``loop``.
         """
         monitor, n = self._monitor, len(self._nothing)
-        rows = np.frombuffer(bytes(self._rows)).reshape(-1, 1 + 8 * n)
-        stages, *signals = (rows[:, 1 + k * n : 1 + (k + 1) * n] for k in range(8))
+        rows = np.frombuffer(bytes(self._rows)).reshape(-1, 1 + SIGNALS * n)
+        stages, *signals = (rows[:, 1 + k * n : 1 + (k + 1) * n] for k in range(SIGNALS))
         residual, threshold, correction, q, v, tau, desired = signals
         return MonitorRun(
             robot=monitor.model.robot,
@@ -165,22 +184,22 @@ class Recorder:
             desired=desired if self._desired else None,
             events=monitor.events,
             faults=monitor.faults,
-            record={**monitor.record, **record},
+            record=cast("MonitorRecord", {**monitor.record, **record}),
             looks=tuple(self._journal.looks),
             beliefs=tuple(self._journal.beliefs),
         )
 
 
 def replay(
-    monitor: Monitor, log: Log, *, rate: float = STORED, progress: Callable[[float], None] | None = None
+    monitor: Monitor, log: Log, *, rate: float = STORED_RATE, progress: Callable[[float], None] | None = None
 ) -> MonitorRun:
-    """Feed a log to a monitor as a loop would, and return what it said.
+    """Feed a log to a monitor as a loop would, and return the record of the run.
 
     Args:
         monitor: Returned to its start first.
         log: At the rate of the healthy runs.
-        rate: Ticks that are kept [Hz].
-        progress: Told the share that is done, now and then.
+        rate: Rate of the ticks that are kept [Hz].
+        progress: Gets the share that is done [1], from time to time.
 
     Raises:
         LogError: If the log is of other joints, or at another rate.

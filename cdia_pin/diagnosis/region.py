@@ -1,4 +1,4 @@
-"""Where a fault is present: the region P_j of its profile, learned from where it was seen ([Thesis] 2.2.2)."""
+"""The region P_j of the motion in which a fault is present, learned from where it was seen ([Thesis] §2.2.2)."""
 
 from __future__ import annotations
 
@@ -9,14 +9,20 @@ from cdia_pin.effects import Region
 
 Array = NDArray[np.float64]
 
-PRESENT, ABSENT = 0.6, 0.3  # [1], share of the predicted torque above, or below which it is there, or is not
-ENOUGH = 20  # sightings of either kind
-MOST = 2000  # sightings that are kept
-PURE = 0.93  # [1], share of sightings that a region must get right
+PRESENT_SHARE = (
+    0.6  # [1], share of the predicted torque above which a sighting says that the fault is present
+)
+ABSENT_SHARE = 0.3  # [1], share below which it says that it is absent; in between it says neither
+LEAST_SIGHTINGS = 20  # of either kind, before a region is stated
+KEPT_SIGHTINGS = 2000  # at 20 looks a second, the last 100 s
+LEAST_ACCURACY = 0.93  # [1], balanced share of sightings that a region must get right
+CLEARLY_BETTER = (
+    0.01  # [1], accuracy that a later signal must gain: speed is preferred to position and velocity
+)
 
 
 class RegionLearner:
-    """Collect sightings of an effect of a joint, and say in which region it is present.
+    """Sightings of an effect of a joint, and the region that they show.
 
     Args:
         joint: Name of the joint.
@@ -30,32 +36,40 @@ class RegionLearner:
         """Add a sighting.
 
         Args:
-            share: Torque that is there over the torque that the effect would have [1].
+            share: Torque that is there over the torque that the effect predicts [1].
             q: Position [rad or m].
             v: Velocity [rad/s or m/s].
         """
-        if share > PRESENT or share < ABSENT:
-            self._seen.append((share > PRESENT, q, v))
-            del self._seen[:-MOST]
+        if share > PRESENT_SHARE or share < ABSENT_SHARE:
+            self._seen.append((share > PRESENT_SHARE, q, v))
+            del self._seen[:-KEPT_SIGHTINGS]
 
     @property
     def region(self) -> Region | None:
-        """The half-line of position, velocity or speed that tells best, if it tells well."""
+        """The half-line of speed, position or velocity that separates the sightings best; None if none does well."""
         present = np.array([s[0] for s in self._seen], bool)
-        if present.sum() < ENOUGH or (~present).sum() < ENOUGH:
+        if present.sum() < LEAST_SIGHTINGS or (~present).sum() < LEAST_SIGHTINGS:
             return None
         q, v = (np.array([s[i] for s in self._seen]) for i in (1, 2))
         best: tuple[float, Region] | None = None
         for signal, x in (("speed", np.abs(v)), ("position", q), ("velocity", v)):
             cut, above, right = best_cut(x, present)
-            if right >= PURE and (best is None or right > best[0] + 0.01):
+            if right >= LEAST_ACCURACY and (best is None or right > best[0] + CLEARLY_BETTER):
                 limits = {"lower": cut} if above else {"upper": cut}
                 best = right, Region(self.joint, signal, **limits)
         return best[1] if best else None
 
 
 def best_cut(x: Array, present: NDArray[np.bool_]) -> tuple[float, bool, float]:
-    """Return the cut that tells present from absent best, whether present is above it, and its balanced accuracy."""
+    """Return the cut that separates present from absent best, whether present is above it, and its accuracy.
+
+    Args:
+        x: The signal at each sighting, shape (K,).
+        present: Whether the fault was present, shape (K,).
+
+    Returns:
+        Cut in the signal's unit, side, and balanced accuracy [1].
+    """
     order = np.argsort(x)
     x, present = x[order], present[order]
     weight = np.where(present, 0.5 / present.sum(), -0.5 / (~present).sum())

@@ -1,10 +1,10 @@
-"""What a monitor says: a status each tick, and an event whenever its mind changes."""
+"""What a monitor reports: a status at each tick, and an event whenever its diagnosis changes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Any, NotRequired, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,56 +14,97 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-SCHEMA = "cdia-events/1"
-
 
 class Stage(StrEnum):
-    """Where a joint stands between healthy and accommodated ([Thesis] fig. 6); later is graver."""
+    """Stage of a joint between healthy and accommodated ([Thesis] fig. 6); later members are graver."""
 
     HEALTHY = "healthy"
-    IDLE = "idle"  # a fault was there, is gone, and is remembered
-    SUSPECT = "suspect"  # the residual is beyond the threshold, not yet for long enough
-    ACCOMMODATED = "accommodated"  # isolated, and the control law has been corrected
-    ISOLATED = "isolated"  # known, and not corrected
-    DETECTED = "detected"  # there is a fault, which one is being decided
+    IDLE = "idle"  # a fault has cleared, and is remembered
+    SUSPECT = "suspect"  # the residual is beyond the threshold, but not yet for long enough
+    ACCOMMODATED = "accommodated"  # the fault is isolated and compensated
+    ISOLATED = "isolated"  # the fault is isolated, and not compensated
+    DETECTED = "detected"  # there is a fault, and isolation goes on
 
 
 class Verdict(StrEnum):
-    """What isolation says of a fault."""
+    """Result of isolation."""
 
-    UNIQUE = "unique"  # one combination of known effects explains it
-    AMBIGUOUS = "ambiguous"  # several do, equally well
-    UNKNOWN = "unknown"  # none does
+    UNIQUE = "unique"  # one combination of known effects explains the fault
+    AMBIGUOUS = "ambiguous"  # several combinations explain it equally well
+    UNKNOWN = "unknown"  # no combination explains it
     NONE = "none"  # there is no fault
 
 
-@dataclass(frozen=True)
-class Event:
-    """A change of mind.
+class EventStage(StrEnum):
+    """Stage of the scheme that an event belongs to."""
 
-    Attributes:
-        time: When [s].
-        stage: ``detection``, ``isolation``, ``accommodation`` or ``idle``.
-        joints: Joints concerned.
-        verdict: What isolation says.
-        faults: The effects with their sizes and intervals; of several equal combinations the likeliest.
-        alternatives: Other combinations that explain the same.
-        reason: In words, what a reader should know besides.
-    """
+    DETECTION = "detection"
+    ISOLATION = "isolation"
+    ACCOMMODATION = "accommodation"
+    IDLE = "idle"  # a fault has cleared, or is present only in a region of the motion
+
+
+class FaultDict(TypedDict):
+    """A fault in files of the schema cdia-events/1."""
+
+    effect: str
+    joint: str | None
+    parameters: dict[str, Any]
+    shape: NotRequired[dict[str, float]]
+    profile: NotRequired[dict[str, Any]]
+
+
+class EventDict(TypedDict):
+    """An event in files of the schema cdia-events/1."""
 
     time: float
     stage: str
+    joints: list[str]
+    status: str
+    faults: list[FaultDict]
+    alternatives: list[list[FaultDict]]
+    reason: str
+
+
+@dataclass(frozen=True, repr=False)
+class Event:
+    """A change of the diagnosis.
+
+    Attributes:
+        time: Time of the change [s].
+        stage: Stage of the scheme: detection, isolation, accommodation, or idle for a cleared fault.
+        joints: Names of the joints concerned.
+        verdict: Result of isolation.
+        faults: The effects with parameters and intervals; of equal combinations the likeliest.
+        alternatives: Other combinations that explain the residual equally well.
+        reason: A remark for the reader, or empty.
+    """
+
+    time: float
+    stage: EventStage
     joints: tuple[str, ...]
     verdict: Verdict
     faults: tuple[Term, ...] = ()
     alternatives: tuple[tuple[Term, ...], ...] = ()
     reason: str = ""
 
-    def to_dict(self, robot: RobotModel) -> dict[str, Any]:
-        """Return the event as the files of the schema cdia-events/1 have it."""
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "stage", EventStage(self.stage))
+
+    def __repr__(self) -> str:
+        faults = ", ".join(t.label for t in self.faults[:2]) + (", …" if len(self.faults) > 2 else "")
+        joints = ", ".join(self.joints[:2]) + (", …" if len(self.joints) > 2 else "")
+        return f"Event({self.time:.3f} s, {self.stage}, {joints}, {self.verdict}{': ' if faults else ''}{faults})"
+
+    def to_dict(self, robot: RobotModel) -> EventDict:
+        """Return the event as files of the schema cdia-events/1 have it.
+
+        Args:
+            robot: The arm, for the units of parameters.
+        """
         return {
             "time": self.time,
-            "stage": self.stage,
+            "stage": str(self.stage),
             "joints": list(self.joints),
             "status": str(self.verdict),
             "faults": [fault_to_dict(t, robot) for t in self.faults],
@@ -72,19 +113,21 @@ class Event:
         }
 
 
-@dataclass(slots=True, eq=False)  # one is made at every tick: frozen, it would take four times as long
+@dataclass(
+    slots=True, eq=False, repr=False
+)  # one is made at every tick: frozen, it would take four times as long
 class Status:
-    """What a monitor says after a tick; arrays are in the order of the robot's joints, shape (n,).
+    """Diagnosis after a tick; arrays are in the order of the robot's joints, shape (n,).
 
     Attributes:
         time: Time of the tick [s].
         stages: Stage of each joint.
-        residual: Torque that the model lacks, filtered [N·m or N]; of the engine ``thesis`` the velocity
-            error of its observer [rad/s or m/s].
-        threshold: What a healthy arm's residual stays below, same unit.
-        torque_correction: What to add to the nominal torque so that the arm moves as if healthy [N·m or N].
-        faults: Faults now believed in, with their sizes.
-        events: What changed at this tick; mostly nothing.
+        residual: Filtered torque that the model lacks [N·m or N]; of the engine ``thesis`` the velocity error of
+            its observer [rad/s or m/s].
+        threshold: Bound of a healthy arm's residual, in the same unit.
+        torque_correction: Torque to add to the nominal one, so that the arm moves as if healthy [N·m or N].
+        faults: Believed faults with their parameters.
+        events: Changes at this tick; mostly none.
     """
 
     time: float
@@ -95,6 +138,11 @@ class Status:
     faults: tuple[Term, ...] = ()
     events: tuple[Event, ...] = ()
 
+    def __repr__(self) -> str:
+        return (
+            f"Status({self.time:.3f} s, {self.stage}, {len(self.faults)} faults, {len(self.events)} events)"
+        )
+
     @property
     def stage(self) -> Stage:
         """The gravest stage of any joint."""
@@ -102,9 +150,14 @@ class Status:
         return max(self.stages, key=order.index)
 
 
-def fault_to_dict(term: Term, robot: RobotModel) -> dict[str, Any]:
-    """Return one fault as the files of the schema cdia-events/1 have it."""
-    out: dict[str, Any] = {
+def fault_to_dict(term: Term, robot: RobotModel) -> FaultDict:
+    """Return one fault as files of the schema cdia-events/1 have it.
+
+    Args:
+        term: The fault.
+        robot: The arm, for the units of parameters.
+    """
+    out: FaultDict = {
         "effect": term.effect.name,
         "joint": term.effect.scope[0] if term.effect.scope else None,
         "parameters": term.parameters_to_dict(robot),

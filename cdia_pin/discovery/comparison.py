@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.display import Displayed
+from cdia_pin import schemas
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.log import Log
@@ -18,7 +18,6 @@ from cdia_pin.version import __version__
 
 Array = NDArray[np.float64]
 
-SCHEMA = "cdia-comparison/1"
 BINS = 10  # regions of each signal
 FEWEST = 12  # samples a region must hold to be spoken of
 REGIONS = 3  # worst regions reported per joint
@@ -69,7 +68,7 @@ class Shape:
 
 
 @dataclass(frozen=True)
-class Comparison(Displayed):
+class Comparison:
     """A model against logs, joint by joint; arrays have shape (n,) unless stated.
 
     Attributes:
@@ -117,7 +116,7 @@ class Comparison(Displayed):
         robot = self.model.robot
         by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
         return {
-            "schema": SCHEMA,
+            "schema": schemas.COMPARISON,
             "robot": robot.name,
             "joints": list(robot.joints),
             "rms": by_joint(self.rms),

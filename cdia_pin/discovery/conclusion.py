@@ -57,7 +57,10 @@ def concluded(
             "per_log": [*settings.per_log, *logs.differing],
             "most_effects": settings.most_effects,
         },
-        findings=(*findings, *recognised(logs.with_noise_of(misfit).regression, final, left)),
+        findings=(
+            *findings,
+            *recognised(logs.with_noise_of(misfit).regression, final, left, settings.memory),
+        ),
     )
 
 

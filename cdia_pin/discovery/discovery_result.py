@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.changes.finding import Finding
-from cdia_pin.display import Displayed
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.identifiability.confusion import Confusion
@@ -17,7 +17,6 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-SCHEMA = "cdia-discovery/1"
 VERDICTS = ("nothing-missing", "explained", "unexplained")
 
 
@@ -58,7 +57,7 @@ class Ranked:
 
 
 @dataclass(frozen=True)
-class Discovery(Displayed):
+class Discovery:
     """The outcome of `discover`.
 
     Attributes:
@@ -93,7 +92,7 @@ class Discovery(Displayed):
         robot = self.model.robot
         by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
         return {
-            "schema": SCHEMA,
+            "schema": schemas.DISCOVERY,
             "robot": robot.name,
             "joints": list(robot.joints),
             "verdict": self.verdict,

@@ -45,7 +45,7 @@ def rank(problem: WhitenedProblem, model: Dynamics) -> tuple[Ranked, ...]:
         least_fall = problem.settings.criterion.least_fall
         if not (after.heldout_rms < (1 - least_fall) * before.heldout_rms).any():
             continue
-        confusions = Alternatives(beside, [*present, c]).of(c)
+        confusions = Alternatives(beside, [*present, c], settings=problem.settings.alternatives).of(c)
         out.append(
             Ranked(term, before.heldout_rms, after.heldout_rms, _plausible(beside, [*present, c]), confusions)
         )

@@ -14,6 +14,7 @@ from cdia_pin.regression.experiment import Experiment, Prediction
 from cdia_pin.regression.friction_memory import bent
 from cdia_pin.regression.regression import Regression
 from cdia_pin.robot.model import RobotModel
+from cdia_pin.selection.discovery_settings import MemorySettings
 
 Array = NDArray[np.float64]
 
@@ -21,19 +22,20 @@ REACHES = np.geomspace(
     0.005, 0.5, 16
 )  # of friction with memory, beside the joint's travel; the first is too short
 NEURONS = 9  # radial bases over a joint's speed
-WORTH = 0.1  # least share of what is left of a joint that memory must explain
-LEAST_LEVEL = 0.01  # of the joint's RMS torque
 
 
-def recognised(regression: Regression, model: Dynamics, left: Sequence[str]) -> tuple[Finding, ...]:
+def recognised(
+    regression: Regression, model: Dynamics, left: Sequence[str], settings: MemorySettings
+) -> tuple[Finding, ...]:
     """Return what is recognised in a fitted model, and in what it leaves.
 
     Args:
         regression: The conditioned logs and their noise.
         model: Fitted to them, with intervals.
         left: Joints on which structure is left.
+        settings: When friction counts as having memory.
     """
-    return (*_drifts(model, left), *_memories(regression, model))
+    return (*_drifts(model, left), *_memories(regression, model, settings))
 
 
 def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
@@ -65,7 +67,7 @@ def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
         )
 
 
-def _memories(regression: Regression, model: Dynamics) -> Iterator[Finding]:
+def _memories(regression: Regression, model: Dynamics, settings: MemorySettings) -> Iterator[Finding]:
     """Yield a sentence for each joint whose torque after a reversal follows the distance travelled."""
     experiment, whitening = regression.experiment, regression.whitening
     prediction = experiment.predict(model)
@@ -93,9 +95,10 @@ def _memories(regression: Regression, model: Dynamics) -> Iterator[Finding]:
         best = int(np.argmax(gains))
         torque = float(np.sqrt(np.mean(experiment.measured[:, j] ** 2)))
         enough = max(
-            WORTH * float(left @ left), 4 * np.log(max(len(y), 2)) + 2 * np.log(len(REACHES) * model.robot.n)
+            settings.least_share * float(left @ left),
+            4 * np.log(max(len(y), 2)) + 2 * np.log(len(REACHES) * model.robot.n),
         )
-        if best > 0 and gains[best] > enough and levels[best] > LEAST_LEVEL * torque:
+        if best > 0 and gains[best] > enough and levels[best] > settings.least_torque * torque:
             yield _presliding(model.robot, joint, levels[best], float(REACHES[best] * travel))
 
 

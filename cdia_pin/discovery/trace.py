@@ -18,7 +18,6 @@ from cdia_pin.regression.intervals import with_intervals
 from cdia_pin.selection.problem import WhitenedProblem
 from cdia_pin.selection.replacement import refitting
 
-WORSE = 0.005  # share by which an effect may raise the held-out error, mean over the joints
 ITERATIONS = 2  # of the refits between the first and the last
 
 
@@ -46,7 +45,7 @@ def trace(
     for term in ordered:
         trial, _ = refit(problem.regression, model.add(term), ITERATIONS)
         with_it = _mean_error(problem, trial)
-        if with_it < error * (1 + WORSE) or term.label in forced:
+        if with_it < error * (1 + problem.settings.criterion.most_harm) or term.label in forced:
             model, error = trial, with_it
             models.append((term.label, trial))
     final, equations = refit(problem.regression, model)
@@ -57,7 +56,9 @@ def trace(
         return trace(problem, base, found.remove(least.label), forced)
     beside = problem.evidence(final)
     index = {e.label: i for i, e in enumerate(beside.effects) if e in {t.effect for t in final.terms}}
-    alternatives = Alternatives(beside, list(index.values()), refitting(problem, final, beside))
+    alternatives = Alternatives(
+        beside, list(index.values()), refitting(problem, final, beside), problem.settings.alternatives
+    )
     steps = [step_of(problem, None, base)]
     for k, (label, partial) in enumerate(models):
         shown = final if k == len(models) - 1 else partial

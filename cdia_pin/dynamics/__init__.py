@@ -1,4 +1,4 @@
-"""The equation of motion with terms, and what runs it: files, trajectories, control, simulation."""
+"""The equation of motion with terms, model files, trajectories, control and simulation."""
 
 from cdia_pin.dynamics.controllers import ComputedTorque, Controller
 from cdia_pin.dynamics.dynamics import Dynamics, Torques

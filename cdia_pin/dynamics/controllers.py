@@ -1,8 +1,8 @@
-r"""Control of a simulated arm: computed torque, the nominal control of the scheme.
+r"""Controllers of a simulated arm: computed torque, the nominal control law.
 
 .. math:: \tau = M(q)\,[\ddot q_d - K_p (q - q_d) - K_v (\dot q - \dot q_d)] + \mathrm{nle} - f
 
-with M, nle and f those of the controller's own model [Siciliano2009]. A model with terms compensates them.
+with M, nle and f of the controller's own model [Siciliano2009]. A model with terms compensates them.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ Array = NDArray[np.float64]
 
 
 class Controller(Protocol):
-    """Anything that answers a reading with a torque, once per step of the simulation."""
+    """A control law: a torque for each reading, once per step of the simulation."""
 
     def __call__(self, t: float, q: Array, v: Array, reference: Reference) -> Array:
-        """Return the torque to command.
+        """Compute the torque to command.
 
         Args:
             t: Time [s].
             q: Positions as read [rad or m], shape (n,).
             v: Velocities [rad/s or m/s], shape (n,).
-            reference: The motion asked for at that time.
+            reference: The desired motion at that time.
 
         Returns:
             Torques [N·m or N], shape (n,).
@@ -44,12 +44,12 @@ class ComputedTorque:
     """Feedback that makes the arm behave as unit masses on springs and dampers, if the model is right.
 
     Attributes:
-        model: What the controller knows of the arm; a bare `Dynamics(robot)` is the nominal control.
+        model: The controller's model of the arm; `Dynamics(robot)` without terms gives the nominal control law.
         stiffness: K_p [1/s²].
-        damping: K_v [1/s]; 2 √K_p is critical.
+        damping: K_v [1/s]; 2 √K_p is critical damping.
         sign_width: Speed below which the model's friction is compensated only in part [rad/s or m/s]; a
-            narrow one overcompensates at rest.
-        limited: Whether torques stay within the robot's effort limits.
+            narrow width compensates too much at rest.
+        limited: True if torques stay within the robot's effort limits.
     """
 
     model: Dynamics
@@ -66,7 +66,17 @@ class ComputedTorque:
             )
 
     def __call__(self, t: float, q: Array, v: Array, reference: Reference) -> Array:
-        """Return the torque to command [N·m or N], shape (n,)."""
+        """Compute the torque to command.
+
+        Args:
+            t: Time [s].
+            q: Positions as read [rad or m], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,).
+            reference: The desired motion at that time.
+
+        Returns:
+            Torques [N·m or N], shape (n,).
+        """
         a = reference.a - self.stiffness * (q - reference.q) - self.damping * (v - reference.v)
         robot = self.model.robot
         if self.model.terms:
@@ -77,4 +87,4 @@ class ComputedTorque:
         if self.limited:
             most = robot.limits.effort
             tau = np.minimum(np.maximum(tau, -most), most)
-        return tau
+        return np.asarray(tau)

@@ -1,4 +1,4 @@
-r"""An arm with terms added: the true plant, the nominal model and the improved model are one class."""
+r"""The dynamics of an arm with terms: one class for the true plant, the nominal and the improved model."""
 
 from __future__ import annotations
 
@@ -14,22 +14,25 @@ from cdia_pin.effects import Channel, Signal, State, Term, parse_effect
 from cdia_pin.effects.memory import Memory
 from cdia_pin.effects.state import DEFAULT_SIGN_WIDTH
 from cdia_pin.errors import ModelError
+from cdia_pin.phrases import shortened, some
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-SMALLEST_GAIN = 0.05  # [1], 1 + ∂f/∂τ is kept above it when solving for the torque
-MOST_DIVISIONS = 20  # to solve for the torque; effects in proportion to it take one, and one to see that
-SOLVED = 1e-9  # [1], change of the torque, relative to the largest, that needs no further division
+SMALLEST_GAIN = (
+    0.05  # [1], lower bound of 1 + ∂f/∂τ in the solution: an arm with less torque cannot be driven
+)
+MOST_DIVISIONS = 20  # divisions to solve for the torque; effects in proportion to it need one and a check
+SOLVED = 1e-9  # [1], change of the torque over the largest torque at which the divisions stop
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Torques:
     """Torques of a motion [N·m or N], each of shape (N, n).
 
     Attributes:
-        actuator: What the actuators must give.
-        reading: What a log would say they gave.
+        actuator: Torque that the actuators must give.
+        reading: Torque that a log would record.
         gain: 1 + ∂f/∂τ [1]; a missing torque f changes the actuator torque by −f / gain.
     """
 
@@ -37,14 +40,18 @@ class Torques:
     reading: Array
     gain: Array
 
+    def __repr__(self) -> str:
+        samples, joints = self.actuator.shape
+        return f"Torques({samples} samples, {joints} joints)"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Dynamics:
     r"""Dynamics of an arm, :math:`M \ddot q + \mathrm{nle} = \tau + \sum \beta \Phi \theta`.
 
     Attributes:
-        robot: The rigid body as the URDF has it.
-        terms: What is added to it.
+        robot: The rigid bodies of the URDF.
+        terms: Terms Σ β Φ θ that are added to them.
     """
 
     robot: RobotModel
@@ -54,19 +61,36 @@ class Dynamics:
         for term in self.terms:
             term.check(self.robot)
 
+    def __repr__(self) -> str:
+        terms = some([shortened(t.label, 50) for t in self.terms], 2)
+        return f"Dynamics({shortened(self.robot.name)}, {f'terms {terms}' if terms else 'no terms'})"
+
     # ------------------------------------------------------------- composing
 
     def add(self, *terms: Term) -> Self:
-        """Return the model with terms added; a term of the same effect and scope is replaced."""
+        """Return the model with more terms; a term of the same effect and scope is replaced.
+
+        Args:
+            terms: Terms to add.
+
+        Returns:
+            A new model; this one is not changed.
+        """
         labels = {t.label for t in terms}
         kept = tuple(t for t in self.terms if t.label not in labels)
         return type(self)(self.robot, kept + terms)
 
     def remove(self, label: str) -> Self:
-        """Return the model without the term of that label.
+        """Return the model without a term.
+
+        Args:
+            label: Label of the term, such as ``coulomb_friction@elbow_joint``.
+
+        Returns:
+            A new model; this one is not changed.
 
         Raises:
-            ModelError: If no term has it.
+            ModelError: If no term has this label.
         """
         kept = tuple(t for t in self.terms if t.label != label)
         if len(kept) == len(self.terms):
@@ -75,7 +99,17 @@ class Dynamics:
         return type(self)(self.robot, kept)
 
     def find(self, label: str) -> Term:
-        """Return the term of that label; raises ModelError if there is none."""
+        """Find a term by its label.
+
+        Args:
+            label: Label of the term, such as ``coulomb_friction@elbow_joint``.
+
+        Returns:
+            The term.
+
+        Raises:
+            ModelError: If no term has this label.
+        """
         known = {t.label: t for t in self.terms}
         if label not in known:
             label = parse_effect(label, self.robot).label
@@ -86,16 +120,37 @@ class Dynamics:
     # ------------------------------------------------------------- torques
 
     def true_state(self, x: State) -> State:
-        """Return the state where the arm is, under the gravity there is, given what its encoders read."""
+        """Return the true state: at the true positions and under the true gravity.
+
+        Args:
+            x: The state as the encoders read it, N samples.
+
+        Returns:
+            The state with shifted positions and changed gravity.
+        """
         shifting = self.on(Channel.POSITION_READING)
         return self.under_gravity(x.with_position(x.q + sum(t.shift(x) for t in shifting)) if shifting else x)
 
     def under_gravity(self, x: State) -> State:
-        """Return the state under the gravity that bodies on the arm feel."""
+        """Return the state under the gravity that acts on the arm.
+
+        Args:
+            x: The state, N samples.
+
+        Returns:
+            The state with changed gravity.
+        """
         return x.with_gravity_change(self.gravity_change(x)) if self.turns_gravity else x
 
     def missing_torque(self, x: State) -> Array:
-        """Return f = Σ β Φ θ for a state with its actuator torque [N·m or N], shape (N, n)."""
+        """Compute f = Σ β Φ θ.
+
+        Args:
+            x: The state as it is read, with its actuator torque, N samples.
+
+        Returns:
+            f [N·m or N], shape (N, n).
+        """
         at = self.true_state(x)
         others = (t for t in self.terms if t.effect.traits.channel is not Channel.POSITION_READING)
         return x.rigid_torque - at.rigid_torque + _sum(others, at)
@@ -103,15 +158,15 @@ class Dynamics:
     def torques(self, x: State) -> Torques:
         """Solve for the actuator torque and the torque that is read, given the motion.
 
-        Torque-dependent effects are proportional to the torque of their own joint for either of its signs, so
-        that one division solves for it; where one is not, divisions are repeated. Effects of the reading come
-        last. All effects but those of the encoders are evaluated where the arm is.
+        Effects that depend on torque are proportional to the torque of their own joint for each of its signs. Then
+        one division solves for it; otherwise divisions are repeated. Effects of the reading come last. All effects
+        except those of the encoders are evaluated at the true positions.
 
         Args:
-            x: The motion as it is read; its ``effort`` is not used.
+            x: The motion as it is read, N samples; its ``effort`` is not used.
 
         Returns:
-            The torques, and how a small missing torque would change them.
+            The torques, and their response to a small missing torque.
         """
         at = self.true_state(x)
         on_motion = self.on_motion
@@ -139,7 +194,18 @@ class Dynamics:
         time: ArrayLike | None = None,
         sign_width: ArrayLike = DEFAULT_SIGN_WIDTH,
     ) -> Array:
-        """Return the torque reading that the model predicts for a motion [N·m or N], shape as q."""
+        """Compute the torque reading that the model predicts for a motion.
+
+        Args:
+            q: Positions [rad or m], shape (n,) or (N, n).
+            v: Velocities [rad/s or m/s], shape of q.
+            a: Accelerations [rad/s² or m/s²], shape of q.
+            time: Time [s], scalar or shape (N,); zero if omitted.
+            sign_width: Speed below which sgn q̇ is smoothed [rad/s or m/s], scalar or shape (n,).
+
+        Returns:
+            Torques [N·m or N], shape of q.
+        """
         x = State.of(self.robot, q, v, a, time=time, sign_width=sign_width)
         reading = self.torques(x).reading
         return reading[0] if np.ndim(q) == 1 else reading
@@ -153,10 +219,20 @@ class Dynamics:
         sign_width: ArrayLike = DEFAULT_SIGN_WIDTH,
         memory: Mapping[Memory, Array] | None = None,
     ) -> Array:
-        """Return the acceleration of one sample under an actuator torque [rad/s² or m/s²], shape (n,).
+        """Compute the acceleration of one sample under an actuator torque.
 
-        Every effect is affine in q̈: its torque at zero and at each unit acceleration gives the inertia with
-        all terms included. Effects of the torque reading have no part in it.
+        Every effect is affine in q̈: its torque at zero and at each unit acceleration gives the inertia with all
+        terms. Effects of the torque reading do not act on the motion.
+
+        Args:
+            q: Positions [rad or m], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,).
+            tau: Actuator torques [N·m or N], shape (n,).
+            time: Time [s].
+            sign_width: Speed below which sgn q̇ is smoothed [rad/s or m/s], scalar or shape (n,).
+
+        Returns:
+            Accelerations [rad/s² or m/s²], shape (n,).
 
         Args:
             q: Positions [rad or m], shape (n,).
@@ -167,7 +243,7 @@ class Dynamics:
             memory: States of effects with memory, from `memory` and `remembered`; initial ones if omitted.
 
         Raises:
-            ModelError: If the inertia is singular, as a missing mass or rotor can make it.
+            ModelError: If the inertia is singular, for example because of a missing mass or rotor inertia.
         """
         q1, v1, tau1 = (np.asarray(s, float) for s in (q, v, tau))
         if not self.terms:
@@ -187,11 +263,18 @@ class Dynamics:
             raise ModelError(f"the inertia of '{self.robot.name}' with {labels} is singular") from None
 
     def mass_matrix(self, x: State) -> Array:
-        """Return M − ∂f/∂q̈ of one sample, whose positions are those that are read, shape (n, n)."""
+        """Compute the mass matrix with all terms, M − ∂f/∂q̈.
+
+        Args:
+            x: The state as it is read, one sample.
+
+        Returns:
+            Inertia [kg·m², kg·m or kg], shape (n, n).
+        """
         return self._inertia(self.true_state(x))
 
     def _inertia(self, x: State) -> Array:
-        """M − ∂f/∂q̈ of one sample at the positions where the arm is."""
+        """Compute M − ∂f/∂q̈ of one sample at the true positions, shape (n, n)."""
         n = self.robot.n
         M = self.robot.mass_matrix(x.q[0])
         if self.inertial:

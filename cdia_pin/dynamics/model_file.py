@@ -1,11 +1,13 @@
-"""Models as JSON files that people can read, compare and edit."""
+"""Model files: JSON that people can read, compare and edit."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
+from cdia_pin import schemas
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.errors import CdiaError, ModelError
@@ -13,23 +15,44 @@ from cdia_pin.robot import catalogue
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.version import __version__
 
-SCHEMA = "cdia-model/1"
+
+class ModelDocument(TypedDict):
+    """A model file, schema ``cdia-model/1``.
+
+    Attributes:
+        schema: Name of the schema.
+        version: Version of the package that wrote the file.
+        robot: Name of the robot.
+        joints: Names of its joints.
+        terms: Records of the terms.
+        record: Origin of the numbers: logs, hashes, settings.
+    """
+
+    schema: str
+    version: str
+    robot: str
+    joints: list[str]
+    terms: Sequence[Mapping[str, object]]
+    record: Mapping[str, object]
 
 
-def save_model(model: Dynamics, path: str | Path, *, record: dict[str, Any] | None = None) -> Path:
+def save_model(model: Dynamics, path: str | Path, *, record: Mapping[str, Any] | None = None) -> Path:
     """Write a model.
 
     Args:
-        model: The robot's terms are written, the robot by name.
+        model: Its terms and the name of its robot are written.
         path: File to write.
-        record: How the numbers came about: logs, hashes, settings.
+        record: Origin of the numbers: logs, hashes, settings; plain JSON.
+
+    Returns:
+        The path that was written.
 
     Raises:
         ModelError: If the record is not plain JSON, or the file cannot be written.
     """
     path = Path(path)
-    document = {
-        "schema": SCHEMA,
+    document: ModelDocument = {
+        "schema": schemas.MODEL,
         "version": __version__,
         "robot": model.robot.name,
         "joints": list(model.robot.joints),
@@ -48,10 +71,17 @@ def save_model(model: Dynamics, path: str | Path, *, record: dict[str, Any] | No
 
 
 def load_model(path: str | Path, robot: RobotModel) -> Dynamics:
-    """Read a model written by `save_model`.
+    """Read a model that `save_model` wrote.
+
+    Args:
+        path: The file.
+        robot: The robot of the model.
+
+    Returns:
+        The model.
 
     Raises:
-        ModelError: If the file is no model, or belongs to another robot.
+        ModelError: If the file is not a model, or belongs to another robot.
     """
     path = Path(path)
     try:
@@ -60,15 +90,15 @@ def load_model(path: str | Path, robot: RobotModel) -> Dynamics:
         raise ModelError(f"cannot read the model {path}: {error.strerror}") from None
     except (ValueError, RecursionError) as error:
         raise ModelError(f"{path} is not a model: {error}") from None
-    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
-        raise ModelError(f'{path} is not a model: expected a JSON object with "schema": "{SCHEMA}"')
+    if not isinstance(document, dict) or document.get("schema") != schemas.MODEL:
+        raise ModelError(f'{path} is not a model: expected a JSON object with "schema": "{schemas.MODEL}"')
     _require_same_robot(document, path, robot)
     try:
         return Dynamics(robot, tuple(Term.from_dict(t) for t in document["terms"]))
     except CdiaError as error:
         raise ModelError(f"{path}: {error}") from None
     except (KeyError, TypeError, AttributeError, ValueError, IndexError) as error:
-        raise ModelError(f"{path}: a term is not written as it must be ({error!r})") from None
+        raise ModelError(f"{path}: a term is not valid ({error!r})") from None
 
 
 def _require_same_robot(document: dict[str, Any], path: Path, robot: RobotModel) -> None:

@@ -1,12 +1,12 @@
-r"""A plant under control in time, and the log that its sensors record.
+r"""Simulation of a plant under control, and of the log that its sensors record.
 
 Positions live at t_k, velocities halfway between them (leapfrog [Hairer2006]); with h the step,
 
 .. math:: a_k = \ddot q(q_k, \dot q_k, \tau_k), \quad \dot q_{k+1/2} = \dot q_{k-1/2} + h a_k, \quad
           q_{k+1} = q_k + h \dot q_{k+1/2}, \quad \dot q_{k+1} = \dot q_{k+1/2} + \tfrac{h}{2} a_k
 
-of second order in h for one evaluation per step. The second difference of the positions around t_k is just
-the acceleration that the torque recorded at t_k causes: holding it over a step adds no lag to the log.
+which is of second order in h with one evaluation per step. The second difference of the positions around t_k equals
+the acceleration of the torque that is recorded at t_k: holding the torque over a step adds no lag to the log.
 """
 
 from __future__ import annotations
@@ -31,24 +31,24 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-FASTEST = 1e3  # [rad/s or m/s], beyond which a simulation has diverged
-HIGHEST_RATE = 1e5  # [Hz] of a log
-WATCHED = 50  # steps between looks at that
-AHEAD = 1000  # steps of the motion asked for that are computed at once
-WIDE = 0.05  # [1], smoothing of sgn over largest speed that a log makes a note of
+FASTEST = 1e3  # [rad/s or m/s], a simulation with a larger speed has diverged: no arm is nearly as fast
+HIGHEST_RATE = 1e5  # [Hz], of a log; no drive records at a higher rate
+WATCHED = 50  # [steps], between two checks of the speed
+AHEAD = 1000  # [steps] of the desired motion that are computed at once, for speed
+WIDE = 0.05  # [1], smoothing width of sgn over the largest speed above which the log gets a note
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Run:
-    """What really happened at every step of a simulation.
+    """True motion and torques of a simulation, at every step.
 
     Attributes:
         time: Time [s], shape (K,).
-        q: Positions where the arm was [rad or m], shape (K, n).
+        q: True positions [rad or m], shape (K, n).
         v: Velocities [rad/s or m/s], shape (K, n).
         a: Accelerations [rad/s² or m/s²], shape (K, n).
-        effort: Torques commanded [N·m or N], shape (K, n).
-        sign_width: Smoothing of sgn q̇ [rad/s or m/s], shape (n,).
+        effort: Commanded torques [N·m or N], shape (K, n).
+        sign_width: Speed below which sgn q̇ is smoothed [rad/s or m/s], shape (n,).
     """
 
     time: Array
@@ -58,20 +58,31 @@ class Run:
     effort: Array
     sign_width: Array
 
+    def __repr__(self) -> str:
+        steps, joints = self.q.shape
+        return f"Run({joints} joints, {steps} steps, {self.time[-1]:.4g} s)"
+
     def state(self, plant: Dynamics) -> State:
-        """Return the run as effects see it."""
+        """Return the run as a state on which effects act.
+
+        Args:
+            plant: The plant of this run.
+
+        Returns:
+            K samples.
+        """
         return State(plant.robot, self.q, self.v, self.a, self.effort, self.time, self.sign_width)
 
 
 class Step(NamedTuple):
-    """What really happens at one step of a simulation.
+    """True motion and torques at one step of a simulation.
 
     Attributes:
         time: Time [s].
-        q: Positions where the arm is [rad or m], shape (n,).
+        q: True positions [rad or m], shape (n,).
         v: Velocities [rad/s or m/s], shape (n,).
         a: Accelerations [rad/s² or m/s²], shape (n,).
-        effort: Torques commanded [N·m or N], shape (n,).
+        effort: Commanded torques [N·m or N], shape (n,).
     """
 
     time: float
@@ -96,15 +107,15 @@ def simulate(
     """Let a plant follow a motion and record it.
 
     Args:
-        plant: The true arm. Its encoder offsets and effort delays act on what is read.
-        trajectory: The motion asked for; the arm starts in it, at rest.
-        controller: Computed torque on the bare robot if omitted. It is asked at every step.
+        plant: The true arm. Its encoder offsets and effort delays act on the readings.
+        trajectory: The desired motion; the arm starts at its first position, at rest.
+        controller: Called at every step; computed torque on the robot without terms if omitted.
         duration: Length [s]; that of the motion if omitted.
         rate: Samples of the log per second [Hz].
-        step: Largest step [s]; between 1 ms and 0.2 ms if omitted, as sharp as friction needs it.
+        step: Largest step [s]; if omitted, between 1 ms and 0.2 ms, according to the friction.
         sensors: Imperfections of the recording; none if omitted.
         rng: Source of their noise.
-        progress: Told the share that is done, now and then.
+        progress: Called with the share that is done [1], now and then.
 
     Returns:
         Log of positions, velocities and commanded torques.
@@ -138,12 +149,15 @@ def run_plant(
 
     Args:
         plant: The true arm.
-        trajectory: The motion asked for.
-        controller: Computed torque on the bare robot if omitted.
-        stiffness: Of the plant along the motion, where it is known already.
+        trajectory: The desired motion.
+        controller: Computed torque on the robot without terms if omitted.
+        stiffness: Stiffness of the plant's friction along the motion; computed if omitted.
         duration: Length [s]; that of the motion if omitted.
         step: Step h [s].
-        progress: Told the share that is done, now and then.
+        progress: Called with the share that is done [1], now and then.
+
+    Returns:
+        True motion and torques at every step.
 
     Raises:
         ModelError: If the simulation diverges.
@@ -169,13 +183,13 @@ def steps(
     width: Array,
     step: float,
 ) -> Iterator[Step]:
-    """Integrate a plant under control, step by step and without end.
+    """Integrate a plant under control step by step, without an end.
 
     Args:
-        plant: The true arm at a time; its effects may change, its body may not.
-        trajectory: The motion asked for; the arm starts in it, at rest.
-        controller: Computed torque on the bare robot if omitted.
-        width: Smoothing of sgn q̇ [rad/s or m/s], shape (n,).
+        plant: Returns the true arm at a time [s]; its terms may change, its robot must not.
+        trajectory: The desired motion; the arm starts at its first position, at rest.
+        controller: Computed torque on the robot without terms if omitted.
+        width: Speed below which sgn q̇ is smoothed [rad/s or m/s], shape (n,).
         step: Step h [s].
 
     Yields:
@@ -213,7 +227,7 @@ def steps(
 
 
 def _acting(plant: Dynamics) -> tuple[Dynamics, tuple[Term, ...]]:
-    """Return what acts on the motion of a plant, and what shifts the readings of its positions."""
+    """Return the plant with the terms of its motion, and the terms that shift its position readings."""
     return Dynamics(plant.robot, plant.on_motion), plant.on(Channel.POSITION_READING)
 
 
@@ -222,8 +236,8 @@ def _require_bounded(robot: RobotModel, v: Array, t: float, step: float) -> None
         return
     joint = robot.joints[int(np.argmax(np.nan_to_num(np.abs(v), nan=np.inf)))]
     raise ModelError(
-        f"the simulation diverged, {joint} is beyond all speeds at {t:.3g} s; are the parameters and "
-        f"the controller's gains possible, and is a step of {step:g} s small enough?"
+        f"the simulation diverged: {joint} is faster than {FASTEST:g} rad/s or m/s at {t:.3g} s; check the parameters, "
+        f"the controller's gains and the step of {step:g} s"
     )
 
 
@@ -234,14 +248,17 @@ def record(
     sensors: Sensors | None = None,
     rng: np.random.Generator | None = None,
 ) -> Log:
-    """Return the log of a run: readings distorted by the plant's own sensor effects, then by noise.
+    """Return the log of a run: readings with the plant's sensor effects, then noise and rounding.
 
     Args:
-        plant: Whose encoder offsets and effort delays act.
-        run: What happened.
-        every: How many steps make a sample.
-        sensors: Noise and quanta; none if omitted.
+        plant: The true arm; its encoder offsets and effort delays act on the readings.
+        run: Its true motion and torques.
+        every: Number of steps per sample [1].
+        sensors: Noise and rounding; none if omitted.
         rng: Source of the noise.
+
+    Returns:
+        The log, without notes.
     """
     sensors = sensors or Sensors()
     x = run.state(plant)
@@ -259,7 +276,7 @@ def record(
 
 
 def _shift(shifting: Sequence[Term], x: State) -> Array:
-    """How much further the arm is than its encoders read [rad or m], shape (N, n)."""
+    """Return true position minus encoder reading [rad or m], shape (N, n)."""
     return sum((t.shift(x) for t in shifting), np.zeros_like(x.q))
 
 

@@ -1,13 +1,13 @@
-r"""How sharply friction may change its sign, and how large a step may be, in an explicit integration.
+r"""Smoothing of friction's sign and size of the step for a stable explicit integration.
 
-A joint that dry friction stops within a step overshoots: instead of resting it chatters by α h / m, with
-friction α, step h and inertia m. With sgn q̇ smoothed to tanh(q̇ / w) friction is at rest a damper α / w, and
+A joint that dry friction stops within one step overshoots: it chatters by α h / m instead of resting, with
+friction α, step h and inertia m. If sgn q̇ is smoothed to tanh(q̇ / w), friction at rest is a damper α / w, and
 steps are stable as long as
 
 .. math:: h\, \rho(M^{-1} A W^{-1}) < 1, \qquad A_{ij} = -\tfrac12 [f_i(\dot q_j = 0^+) - f_i(\dot q_j = 0^-)]
 
-with ρ the spectral radius and W the widths w. Widths here are the narrowest that keep it at 0.5 along the
-motion. The price: below its w a joint creeps where real friction would hold it.
+with ρ the spectral radius and W the diagonal matrix of the widths w. The widths here are the narrowest that keep the
+left side at 0.5 along the motion. The disadvantage: below its w a joint creeps where real friction would hold it.
 """
 
 from __future__ import annotations
@@ -25,32 +25,47 @@ from cdia_pin.errors import ModelError
 
 Array = NDArray[np.float64]
 
-STABLE = 0.5  # [1], h ρ that is aimed at; the integrator's own limit is 1
-POSTURES = 12  # along the motion, at which friction is looked at
-NUDGE = 1e-5  # [rad/s or m/s], to either side of a speed
-SHARP = 1e-9  # [rad/s or m/s], width at which sgn is a step beside the nudge
-LONGEST_STEP, FINEST_STEP = 1e-3, 2e-4  # [s], between which a step is chosen
-SMALLEST_STEP = 1e-5  # [s], what needs a smaller one is refused
+STABLE = (
+    0.5  # [1], target of h ρ; the limit of the integrator is 1, and the rest is a margin between postures
+)
+POSTURES = 12  # postures along the motion at which friction is evaluated
+NUDGE = 1e-5  # [rad/s or m/s], difference of speed for derivatives
+SHARP = 1e-9  # [rad/s or m/s], width at which sgn is a step compared with the nudge
+LONGEST_STEP, FINEST_STEP = (
+    1e-3,
+    2e-4,
+)  # [s], range of the step: the rate of a controller, and five times that
+SMALLEST_STEP = 1e-5  # [s], a plant that needs a smaller step is refused: it would take hours
 SHARP_ENOUGH = 0.005  # [1], width over largest speed that needs no smaller step
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Stiffness:
-    """How fast friction acts on an arm along a motion.
+    """Rates at which friction acts on an arm along a motion.
 
     Attributes:
-        dry: M⁻¹A, by how much dry friction slows each joint [rad/s² or m/s²], shape (K, n, n).
-        viscous: Largest rate ρ(M⁻¹ ∂f/∂q̇) at which friction damps a joint in motion [1/s].
-        speed: Largest speed asked of each joint [rad/s or m/s], shape (n,).
+        dry: M⁻¹A, deceleration of each joint by dry friction [rad/s² or m/s²], shape (K, n, n).
+        viscous: Largest rate ρ(M⁻¹ ∂f/∂q̇) at which friction damps a moving joint [1/s].
+        speed: Largest desired speed of each joint [rad/s or m/s], shape (n,).
     """
 
     dry: Array
     viscous: float
     speed: Array
 
+    def __repr__(self) -> str:
+        return f"Stiffness({int(self.rough.sum())} of {len(self.speed)} joints rough, damped at {self.viscous:.3g}/s)"
+
     @classmethod
     def of(cls, plant: Dynamics, trajectory: Trajectory) -> Stiffness:
-        """Look at a plant's friction along a motion, as if all its terms were present all the time.
+        """Evaluate a plant's friction along a motion, as if all its terms were always present.
+
+        Args:
+            plant: The true arm.
+            trajectory: The desired motion.
+
+        Returns:
+            Rates at postures along the motion.
 
         Raises:
             ModelError: If the arm would have negative inertia.
@@ -76,11 +91,18 @@ class Stiffness:
 
     @property
     def rough(self) -> NDArray[np.bool_]:
-        """Which joints have dry friction, shape (n,)."""
-        return np.einsum("kjj->kj", self.dry).max(axis=0) > 0
+        """True for joints with dry friction, shape (n,)."""
+        return np.asarray(np.einsum("kjj->kj", self.dry).max(axis=0) > 0)
 
     def sign_width(self, step: float) -> Array:
-        """Return the narrowest stable smoothing of each joint's sgn [rad/s or m/s], shape (n,)."""
+        """Compute the narrowest stable smoothing of each joint's sgn q̇.
+
+        Args:
+            step: Step h of the integration [s].
+
+        Returns:
+            Widths w [rad/s or m/s], shape (n,).
+        """
         own = step * np.einsum("kjj->kj", self.dry).max(axis=0)
         rough = self.rough
         if not rough.any():
@@ -90,7 +112,13 @@ class Stiffness:
         return np.maximum(width, DEFAULT_SIGN_WIDTH)
 
     def step(self, given: float | None) -> float:
-        """Return a stable step [s]: the one given, or else one at which friction is sharp.
+        """Choose a stable step.
+
+        Args:
+            given: Step of the user [s]; if None, a step is chosen at which friction is sharp.
+
+        Returns:
+            Step h [s].
 
         Raises:
             ModelError: If the given step, or any, is too large for the plant's friction.
@@ -99,7 +127,7 @@ class Stiffness:
         if given is not None:
             if not 0 < given <= stable:
                 raise ModelError(
-                    f"for this friction a step lies within 0 and {stable:.2g} s, given {given:g} s"
+                    f"for this friction a step must be above 0 and at most {stable:.2g} s, given {given:g} s"
                 )
             return given
         if stable < SMALLEST_STEP:
@@ -114,7 +142,7 @@ class Stiffness:
 
 
 def _jump(plant: Dynamics, x: State, before: float, after: float) -> Array:
-    """f(q̇ⱼ + after) − f(q̇ⱼ + before) for each joint j, shape (K, n, n)."""
+    """Compute f(q̇ⱼ + after) − f(q̇ⱼ + before) for each joint j [N·m or N], shape (K, n, n)."""
     columns = []
     for axis in np.eye(plant.robot.n):
         later, sooner = (plant.missing_torque(replace(x, v=x.v + s * axis)) for s in (after, before))
@@ -123,8 +151,8 @@ def _jump(plant: Dynamics, x: State, before: float, after: float) -> Array:
 
 
 def _radius(matrices: Array) -> Array:
-    """Spectral radius of each matrix, shape (K,)."""
-    return np.abs(np.linalg.eigvals(matrices)).max(axis=-1)
+    """Compute the spectral radius of each matrix, shape (K,)."""
+    return np.asarray(np.abs(np.linalg.eigvals(matrices)).max(axis=-1))
 
 
 def _row(x: State, k: int) -> State:

@@ -1,10 +1,10 @@
-r"""Motions that an arm is asked to make.
+r"""Desired motions of an arm.
 
 Exciting motions are finite Fourier series, which are smooth, periodic and rich [Swevers1997]:
 
 .. math:: q_j(t) = c_j + w(t) \sum_{k=1}^{H} a_{kj} \sin(k \omega t) + b_{kj} \cos(k \omega t)
 
-with an envelope w that takes them from rest and back to it.
+with an envelope w that starts and ends at rest.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-RAMP = 2.0  # [s], longest time in which a motion grows from rest, and fades to it
-WIDEST = 2.0  # [rad], half the range used of a joint that turns further, or endlessly
+RAMP = 2.0  # [s], longest time of the envelope's rise from rest, and of its fall
+WIDEST = 2.0  # [rad], largest half range of a joint: cables of real arms do not allow many turns
 LONGEST_SLIDE = 0.3  # [m], the same for a prismatic joint
-FASTEST = 3.0  # [rad/s], largest speed asked of a joint, whatever its limit
-FASTEST_SLIDE = 0.5  # [m/s]
-GRID = 0.002  # [s], on which the largest speed and position are found
-SAFE = 0.999  # [1], for what lies between the times of that grid
+FASTEST = 3.0  # [rad/s], largest speed of a joint, whatever its limit: a safe speed for most arms
+FASTEST_SLIDE = 0.5  # [m/s], the same for a prismatic joint
+GRID = 0.002  # [s], step of the times at which the largest speed and position are evaluated
+SAFE = 0.999  # [1], factor that covers larger values between the times of that grid
 
 
 class Reference(NamedTuple):
-    """A motion that is asked for; one sample (n,), or a trajectory (N, n).
+    """A desired motion: one sample, shape (n,), or a trajectory, shape (N, n).
 
     Attributes:
         q: Positions [rad or m].
@@ -42,9 +42,12 @@ class Reference(NamedTuple):
     v: Array
     a: Array
 
+    def __repr__(self) -> str:
+        return f"Reference(q, v, a of shape {self.q.shape})"
+
 
 class Trajectory(Protocol):
-    """Anything that gives a motion as a function of time."""
+    """A desired motion as a function of time."""
 
     @property
     def duration(self) -> float:
@@ -52,21 +55,28 @@ class Trajectory(Protocol):
         ...
 
     def __call__(self, t: ArrayLike) -> Reference:
-        """Return the motion at a time, or at times of shape (N,) [s]."""
+        """Evaluate the motion.
+
+        Args:
+            t: Time [s], scalar or shape (N,).
+
+        Returns:
+            Positions, velocities and accelerations, shape (n,) or (N, n).
+        """
         ...
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FourierTrajectory:
     """A sum of sines of one base frequency and its multiples, at rest at both ends.
 
     Attributes:
         duration: Length of the motion [s]; at rest before and after.
         base: Base frequency [Hz].
-        centre: Posture around which it moves, and in which it rests [rad or m], shape (n,).
+        centre: Posture around which it moves, and at which it rests [rad or m], shape (n,).
         sine: Amplitudes a of the sines [rad or m], shape (H, n).
         cosine: Amplitudes b of the cosines [rad or m], shape (H, n).
-        ramp: Time in which it grows from rest, and fades to it [s].
+        ramp: Time of the envelope's rise from rest, and of its fall [s].
     """
 
     duration: float
@@ -76,8 +86,19 @@ class FourierTrajectory:
     cosine: Array
     ramp: float
 
+    def __repr__(self) -> str:
+        harmonics, joints = self.sine.shape
+        return f"FourierTrajectory({joints} joints, {self.duration:g} s, {harmonics} harmonics of {self.base:g} Hz)"
+
     def __call__(self, t: ArrayLike) -> Reference:
-        """Return the motion at a time, shapes (n,), or at times (N,) [s], shapes (N, n)."""
+        """Evaluate the motion.
+
+        Args:
+            t: Time [s], scalar or shape (N,).
+
+        Returns:
+            Positions, velocities and accelerations, shape (n,) or (N, n).
+        """
         time = np.atleast_1d(np.asarray(t, float))
         omega = 2 * np.pi * self.base * np.arange(1, len(self.sine) + 1)  # [rad/s], (H,)
         s, c = np.sin(np.outer(time, omega)), np.cos(np.outer(time, omega))
@@ -91,10 +112,10 @@ class FourierTrajectory:
 
 @dataclass(frozen=True, eq=False)
 class Repeated:
-    """A motion that rests at both ends in one posture, again and again.
+    """Endless repetition of a motion that starts and ends at rest in one posture.
 
     Attributes:
-        motion: What is repeated.
+        motion: The motion that is repeated.
     """
 
     motion: Trajectory
@@ -105,7 +126,14 @@ class Repeated:
         return self.motion.duration
 
     def __call__(self, t: ArrayLike) -> Reference:
-        """Return the motion at a time, or at times (N,) [s]."""
+        """Evaluate the motion.
+
+        Args:
+            t: Time [s], scalar or shape (N,); beyond the duration the motion starts again.
+
+        Returns:
+            Positions, velocities and accelerations, shape (n,) or (N, n).
+        """
         return self.motion(np.mod(t, self.motion.duration))
 
 
@@ -121,18 +149,21 @@ def exciting_trajectory(
 ) -> FourierTrajectory:
     """Draw a motion within the robot's position and velocity limits.
 
-    Each joint reaches its largest speed or the edge of its range, whichever comes first. Joints without
-    limits keep within 2 rad of zero, or 0.3 m, and every joint below 3 rad/s, or 0.5 m/s. The arm's own body,
-    its surroundings and the efforts that the motion takes are not looked at.
+    Each joint reaches its largest speed or the edge of its range, whichever comes first. Joints without limits
+    stay within 2 rad of zero, or 0.3 m, and every joint below 3 rad/s, or 0.5 m/s. Collisions and the efforts of the
+    motion are *not* checked.
 
     Args:
         robot: The arm.
         rng: Source of the amplitudes.
         duration: Length [s].
-        speed: Largest speed, as a share of the joint's limit [1]; zero holds the arm still.
+        speed: Largest speed, as a share of the joint's limit [1]; zero gives an arm at rest.
         reach: Largest distance from the middle of the range, as a share of half the range [1].
-        harmonics: Number of sines.
-        base: Frequency of the slowest [Hz].
+        harmonics: Number of sines [1].
+        base: Frequency of the slowest sine [Hz].
+
+    Returns:
+        The motion, at rest at both ends.
 
     Raises:
         RobotError: If a setting is out of its range.
@@ -158,17 +189,17 @@ def exciting_trajectory(
 
 
 def _range(robot: RobotModel) -> tuple[Array, Array]:
-    """Middle and half of the range that a motion may use [rad or m], shape (n,) each."""
+    """Return the middle and half of the range that a motion may use [rad or m], shape (n,) each."""
     lower, upper = robot.limits.lower, robot.limits.upper
     most = np.where(robot.is_prismatic, LONGEST_SLIDE, WIDEST)
     both = np.isfinite(lower) & np.isfinite(upper)
-    with np.errstate(invalid="ignore"):  # inf − inf, where the other choice is taken
+    with np.errstate(invalid="ignore"):  # inf − inf, where np.where takes the other value
         middle = np.where(both, (lower + upper) / 2, np.clip(0.0, lower + most, upper - most))
     return middle, np.minimum(np.minimum(upper - middle, middle - lower), most)
 
 
 def _envelope(t: Array, duration: float, ramp: float) -> tuple[Array, Array, Array]:
-    """Share of the motion that is present, 0 at both ends, and its two derivatives, shape (N,) each."""
+    """Return the envelope w, 0 at both ends, and its two derivatives [1, 1/s, 1/s²], shape (N,) each."""
     up, dup, ddup = _quintic(t / ramp)
     down, ddown, dddown = _quintic((duration - t) / ramp)
     return (
@@ -179,6 +210,6 @@ def _envelope(t: Array, duration: float, ramp: float) -> tuple[Array, Array, Arr
 
 
 def _quintic(s: Array) -> tuple[Array, Array, Array]:
-    """Step from 0 to 1 over s ∈ [0, 1] and its two derivatives; constant outside."""
+    """Return a smooth step from 0 to 1 over s ∈ [0, 1], constant outside, and its two derivatives."""
     s = np.clip(s, 0.0, 1.0)
     return s**3 * (10 - 15 * s + 6 * s**2), 30 * s**2 * (1 - s) ** 2, 60 * s * (1 - s) * (1 - 2 * s)

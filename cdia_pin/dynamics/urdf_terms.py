@@ -1,10 +1,10 @@
-"""What a URDF can hold of a model's terms, and what it cannot."""
+"""The terms of a model that a URDF can state, and those that it cannot."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,17 +23,26 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 
 
-@dataclass
+class UrdfChanges(TypedDict):
+    """Arguments of ``write_corrected_urdf``; keys and units as the attributes of `UrdfValues`."""
+
+    inertial: dict[str, Array]
+    damping: dict[str, float]
+    friction: dict[str, float]
+    payload: Array | None
+
+
+@dataclass(repr=False)
 class UrdfValues:
-    """What a URDF can hold of a model's terms.
+    """Values of a model's terms that a URDF can state.
 
     Attributes:
-        inertial: Inertial parameters by joint, as ``write_corrected_urdf`` takes them.
+        inertial: Inertial parameters [kg, kg·m, kg·m²], shape (10,), by joint, as ``write_corrected_urdf`` takes them.
         damping: Viscous friction by joint [N·m·s/rad or N·s/m].
         friction: Coulomb friction by joint [N·m or N].
-        payload: Inertial parameters of the payload, if there is one.
-        written: Labels of the terms with a place.
-        left_out: Labels of the others, with the reason.
+        payload: Inertial parameters of the payload, shape (10,) or (4,); None without a payload.
+        written: Labels of the terms that a URDF can state.
+        left_out: Labels of the other terms, with the reason.
     """
 
     inertial: dict[str, Array] = field(default_factory=dict)
@@ -43,22 +52,33 @@ class UrdfValues:
     written: list[str] = field(default_factory=list)
     left_out: dict[str, str] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        return f"UrdfValues(written: {len(self.written)} terms, left out: {len(self.left_out)} terms)"
+
     @classmethod
     def of(cls, terms: Iterable[Term], robot: RobotModel) -> UrdfValues:
-        """Sort a model's terms into what a URDF can hold and what it cannot."""
+        """Sort a model's terms into those that a URDF can state and the others.
+
+        Args:
+            terms: Terms of the model.
+            robot: Its robot.
+
+        Returns:
+            Values for the URDF, and the labels of all terms.
+        """
         out = cls()
         for term in terms:
             if term.profile != ALWAYS:
-                out.left_out[term.label] = "present only at times or in a region"
+                out.left_out[term.label] = "it is present only at times or in a region"
             elif not out._take(term, robot):
-                out.left_out[term.label] = "a URDF has no such thing"
+                out.left_out[term.label] = "a URDF has no element for it"
             else:
                 out.written.append(term.label)
         return out
 
     @property
-    def arguments(self) -> dict[str, Any]:
-        """What ``write_corrected_urdf`` takes."""
+    def arguments(self) -> UrdfChanges:
+        """Keyword arguments of ``write_corrected_urdf``."""
         return {
             "inertial": self.inertial,
             "damping": self.damping,
@@ -67,7 +87,7 @@ class UrdfValues:
         }
 
     def _take(self, term: Term, robot: RobotModel) -> bool:
-        # A fit may end on the edge of what a body can be; a URDF must not be beyond it.
+        # A fit may end on the boundary of physical consistency; the values of a URDF must be inside.
         theta = term.effect.nearest_physical(np.array(term.theta), robot)
         match term.effect:
             case ViscousFriction(joint=joint):

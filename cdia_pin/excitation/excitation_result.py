@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.dynamics import Reference, Trajectory
 from cdia_pin.excitation.limits import MotionLimits
 from cdia_pin.logs.trajectories import write_joint_trajectory, write_motion
@@ -16,7 +17,6 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-SCHEMA = "cdia-excitation/1"
 APART = 10.0  # standard deviations between two explanations, from which `discover` chooses the true one
 
 
@@ -135,7 +135,7 @@ class Excitation:
         peaks, limits = self.peaks(), self.limits
         allowed = {name: getattr(limits, name) for name in peaks}
         return {
-            "schema": SCHEMA,
+            "schema": schemas.EXCITATION,
             "robot": self.robot.name,
             "joints": list(self.joints),
             "duration": float(self.time[-1]),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cdia_pin.dynamics import Dynamics, Trajectory
 from cdia_pin.effects import Effect
 from cdia_pin.logs.conditioning import MOTION_OVERSAMPLING, TORQUE_OVERSAMPLING, Motion
+from cdia_pin.logs.motion import MotionRecord
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.scaled_gram import ScaledGram
@@ -98,6 +99,7 @@ def planned(robot: RobotModel, *trajectories: Trajectory, cutoff: float = CUTOFF
         cutoff: Of the filter through which they are looked at [Hz].
     """
     rate = MOTION_OVERSAMPLING * cutoff
+    decimation = max(1, int(rate / (TORQUE_OVERSAMPLING * cutoff)))
     motions = []
     for k, trajectory in enumerate(trajectories):
         time = np.arange(0.0, trajectory.duration, 1.0 / rate)
@@ -112,14 +114,30 @@ def planned(robot: RobotModel, *trajectories: Trajectory, cutoff: float = CUTOFF
                 effort=np.zeros_like(q),
                 rate=rate,
                 cutoff=cutoff,
-                decimation=max(1, int(rate / (TORQUE_OVERSAMPLING * cutoff))),
+                decimation=decimation,
                 speed_noise=np.zeros(robot.n),
                 acceleration_noise=np.zeros(robot.n),
                 effort_step=np.zeros(robot.n),
-                record={"source": "planned", "trim": 0.0, "condition": f"planned {k}"},
+                record=_record(f"planned {k}", rate, cutoff, decimation),
             )
         )
     return Experiment.of(robot, motions)
+
+
+def _record(condition: str, rate: float, cutoff: float, decimation: int) -> MotionRecord:
+    return MotionRecord(
+        cutoff=cutoff,
+        trim=0.0,
+        source="planned",
+        condition=condition,
+        sha256="",
+        log_rate=rate,
+        motion_rate=rate,
+        compared_rate=rate / decimation,
+        velocity="planned",
+        acceleration_drowned=[],
+        notes=[],
+    )
 
 
 def torque_rms(experiment: Experiment, model: Dynamics) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,27 +12,9 @@ from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.identifiability.distinguishing_motions import motion_between
 from cdia_pin.identifiability.structural_rank import are_alike, contains, generic_rank, torque_elsewhere
 from cdia_pin.regression.gauss_newton import is_exact
+from cdia_pin.selection.discovery_settings import AlternativeSettings
 from cdia_pin.selection.evidence import Evidence, SetFit
 from cdia_pin.selection.replacement import Refit, promising
-
-
-@dataclass(frozen=True)
-class AlternativeSettings:
-    """When another explanation counts as possible.
-
-    Attributes:
-        doubt: Difference of χ² up to which two explanations are hard to tell apart, in variances of the noise [1].
-            Under white noise a difference of 30 has a probability of 3e-7 where one of the two is true; residuals with
-            structure need such a margin.
-        undetermined_share: Torque that an alternative may have on other motions, by one standard deviation, over the
-            torque that the effect explains [1]. Below it the alternative is the effect with another name.
-        first_order_share: Share of what an effect explains that an effect which is not linear must explain to first
-            order to be fitted at its own optimum [1].
-    """
-
-    doubt: float = 30.0
-    undetermined_share: float = 0.2
-    first_order_share: float = 0.9
 
 
 @dataclass(frozen=True)
@@ -58,7 +40,7 @@ class Alternatives:
     evidence: Evidence
     chosen: Sequence[int]
     refit: Refit | None = None
-    settings: AlternativeSettings = AlternativeSettings()
+    settings: AlternativeSettings = field(default_factory=AlternativeSettings)
 
     def of(self, one: int) -> tuple[Confusion, ...]:
         """Return what explains as much in the place of one effect, or of it and another on its joint.

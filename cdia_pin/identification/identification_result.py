@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.effects.body import Body
@@ -15,8 +16,6 @@ from cdia_pin.identification.base import BaseParameters
 from cdia_pin.robot.inertia import physical_margin
 
 Array = NDArray[np.float64]
-
-SCHEMA = "cdia-identification/1"
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ class Identification:
         b = self.base
         rows = zip(b.names, b.units, b.grouped, b.urdf, b.value, b.half_width, b.told, strict=True)
         return {
-            "schema": SCHEMA,
+            "schema": schemas.IDENTIFICATION,
             "robot": robot.name,
             "joints": list(robot.joints),
             "torque_rms": by_joint(self.torque_rms),

@@ -1,9 +1,19 @@
-"""Measured logs: read them, write them, check them, take derivatives of them."""
+"""Measured logs: reading, writing, checks, derivatives and conditioning."""
 
-from cdia_pin.logs.checks import Finding, LogCheck, check_log
+from cdia_pin.logs.checks import Finding, LogCheck, Severity, Topic, check_log
 from cdia_pin.logs.conversion import Conversion
 from cdia_pin.logs.log import Log
-from cdia_pin.logs.reading import read_log
-from cdia_pin.logs.writing import write_log
+from cdia_pin.logs.log_reader import read_log
+from cdia_pin.logs.log_writer import write_log
 
-__all__ = ["Conversion", "Finding", "Log", "LogCheck", "check_log", "read_log", "write_log"]
+__all__ = [
+    "Conversion",
+    "Finding",
+    "Log",
+    "LogCheck",
+    "Severity",
+    "Topic",
+    "check_log",
+    "read_log",
+    "write_log",
+]

@@ -1,8 +1,7 @@
-"""Names of columns: which signal of which joint a column holds.
+"""Names of columns: the signal and the joint that each column holds.
 
-The dialect is ``<signal>.<joint>``; the names that people use for the same thing are in
-one table. The separator may be ``.``, ``/``, ``_`` or a space, ``q[3]`` and ``q3`` are
-understood, and so is the joint first (``elbow_joint/position``).
+The dialect is ``<signal>.<joint>``; one table lists the other names of each signal. The separator may be ``.``,
+``/``, ``_`` or a space. ``q[3]``, ``q3`` and the joint first (``elbow_joint/position``) are accepted too.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ ALIASES: dict[str, tuple[str, ...]] = {
     "effort": ("effort", "efforts", "eff", "tau", "torque", "torques", "joint_effort", "joint_torque"),
     "current": ("current", "currents", "motor_current", "joint_current", "actual_current"),
 }
-"""Names of each signal; the first one is ours."""
+"""Names of each signal; the first one is that of the dialect."""
 
 _TIME = re.compile(
     r"^(?:time|t|timestamp|stamp|time_?stamp)(?:[._/ ]?[\[(]?(s|sec|secs|seconds|ms|us|µs|μs|ns)[\])]?)?$",
@@ -33,14 +32,14 @@ _JOINT_FIRST = re.compile(rf"^(.+)(?:[./ ]({_LONGEST_FIRST})|_({_WORDS}))$", re.
 
 
 @dataclass(frozen=True)
-class Columns:
-    """What the columns of a table hold.
+class ColumnNames:
+    """Column names of a table, sorted by what the columns hold.
 
     Attributes:
-        time: Columns that hold times, with their unit where the name states it.
-        signals: For each signal, the column of each joint label, as named in the log.
-        repeated: Columns whose signal and joint another column has already.
-        other: Columns that are none of these.
+        time: Columns that hold times, with their unit if the name states it.
+        signals: For each signal, the column of each joint label of the log.
+        repeated: Columns whose signal and joint an earlier column holds.
+        other: All other columns.
     """
 
     time: dict[str, str | None]
@@ -50,16 +49,30 @@ class Columns:
 
     @property
     def time_column(self) -> str | None:
-        """The column of times; ``time`` where there are several."""
+        """The column of times: ``time``, or else the first one; None without one."""
         return "time" if "time" in self.time else next(iter(self.time), None)
 
     def labels(self, signal: str) -> dict[str, str]:
-        """Return joint label → column of a signal, empty where the log has none."""
+        """Find the columns of a signal.
+
+        Args:
+            signal: ``position``, ``velocity``, ``effort`` or ``current``.
+
+        Returns:
+            The column of each joint label; empty if the log lacks the signal.
+        """
         return self.signals.get(signal, {})
 
 
-def understand(names: Iterable[str]) -> Columns:
-    """Sort column names into times, signals of joints and the rest."""
+def sort_names(names: Iterable[str]) -> ColumnNames:
+    """Sort column names into times, signals of joints and the rest.
+
+    Args:
+        names: Names of the columns, in the order of the file.
+
+    Returns:
+        The sorted names.
+    """
     time: dict[str, str | None] = {}
     signals: dict[str, dict[str, str]] = {}
     repeated, other = [], []
@@ -75,11 +88,18 @@ def understand(names: Iterable[str]) -> Columns:
                 signals[signal][label] = name
         else:
             other.append(name)
-    return Columns(time, signals, tuple(repeated), tuple(other))
+    return ColumnNames(time, signals, tuple(repeated), tuple(other))
 
 
 def signal_of(name: str) -> tuple[str, str] | None:
-    """Return (signal, joint label) of a column name, or None where it is neither."""
+    """Find the signal and the joint label in a column name.
+
+    Args:
+        name: Name of a column, such as ``effort.elbow_joint`` or ``q_3``.
+
+    Returns:
+        Signal (first name of ``ALIASES``) and joint label; None if the name is not of this form.
+    """
     plain = name.strip().lstrip("/")
     if match := _SIGNAL_FIRST.match(plain):
         label = match.group(2) or match.group(3) or match.group(4)

@@ -1,9 +1,10 @@
-"""Explicit conversions from what a log holds to SI units and the URDF's signs."""
+"""Explicit conversions of a log's numbers to SI units and to the signs of the URDF."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,20 +12,28 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError, unknown_name
 from cdia_pin.logs.timestamps import SECONDS
+from cdia_pin.phrases import shortened, some
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-ANGLES = {"rad": 1.0, "deg": np.pi / 180.0}  # [rad]
-LENGTHS = {"m": 1.0, "mm": 1e-3}  # [m]
-TORQUES = {"Nm": 1.0, "Nmm": 1e-3, "A": 1.0}  # [N·m]; A becomes N·m through the drive gains
+ANGLES = {"rad": 1.0, "deg": np.pi / 180.0}  # [rad] in one of each unit
+LENGTHS = {"m": 1.0, "mm": 1e-3}  # [m] in one of each unit
+TORQUES = {"Nm": 1.0, "Nmm": 1e-3, "A": 1.0}  # [N·m] in one of each unit; drive gains turn A into N·m
 
 
-@dataclass(frozen=True)
+class GravityInEffort(StrEnum):
+    """Whether a log's efforts contain the gravity torque."""
+
+    INCLUDED = "included"
+    COMPENSATED = "compensated"  # the controller subtracted it; the URDF's gravity is added back
+
+
+@dataclass(frozen=True, repr=False)
 class Conversion:
-    """What a log's numbers mean where they are not SI or not in the URDF's sense.
+    """Units and signs of a log that are not SI or not those of the URDF.
 
     Attributes:
         time: Unit of time, ``s``, ``ms``, ``us`` or ``ns``; inferred if None.
@@ -34,17 +43,17 @@ class Conversion:
         flip_position: Joints whose axis points the other way: position and velocity change sign.
         flip_velocity: Joints of which only the velocity changes sign.
         flip_effort: Joints of which the effort changes sign.
-        gravity: ``included`` in the efforts, or ``compensated``: the controller took it out, and the
-            URDF's gravity is added back.
-        reduction: {joint: gear ratio} where the effort is that of the motor before the gear.
-        use_velocity: False to leave recorded velocities out; they are derived from positions then.
+        gravity: ``included`` in the efforts, or ``compensated`` by the controller: then the URDF's gravity is
+            added back.
+        reduction: {joint: gear ratio [1]} where the effort is that of the motor before the gear.
+        use_velocity: False to ignore recorded velocities; then they are derived from the positions.
     """
 
     time: str | None = None
     angle: str = "rad"
     length: str = "m"
     torque: str = "Nm"
-    gravity: str = "included"
+    gravity: str = GravityInEffort.INCLUDED
     flip_position: tuple[str, ...] = ()
     flip_velocity: tuple[str, ...] = ()
     flip_effort: tuple[str, ...] = ()
@@ -57,7 +66,7 @@ class Conversion:
             ("unit of angle", self.angle, ANGLES),
             ("unit of length", self.length, LENGTHS),
             ("unit of torque", self.torque, TORQUES),
-            ("gravity", self.gravity, ("included", "compensated")),
+            ("gravity", self.gravity, tuple(GravityInEffort)),
         ):
             if given is not None and given not in valid:
                 raise LogError("convert: " + unknown_name(kind, str(given), valid))
@@ -68,13 +77,21 @@ class Conversion:
         if bad:
             raise LogError(f"convert: reduction must be a gear ratio above 0, given {bad}")
 
+    def __repr__(self) -> str:
+        plain = Conversion()
+        changed = [f.name for f in fields(self) if getattr(self, f.name) != getattr(plain, f.name)]
+        return f"Conversion({some([f'{n}={shortened(str(getattr(self, n)), 30)}' for n in changed], 3)})"
+
     @classmethod
     def of(cls, given: Conversion | Mapping[str, Any] | Sequence[str] | None) -> Conversion:
         """Make a conversion from keywords in a dict or from texts ``key=value``.
 
         Args:
-            given: For instance ``{"angle": "deg"}`` or ``["angle=deg", "flip_effort=a,b",
-                "reduction=elbow_joint:101"]``.
+            given: Such as ``{"angle": "deg"}`` or ``["angle=deg", "flip_effort=a,b",
+                "reduction=elbow_joint:101"]``; None for SI units and the URDF's signs.
+
+        Returns:
+            The conversion.
 
         Raises:
             LogError: If a key, a unit or a number cannot be understood.
@@ -91,29 +108,57 @@ class Conversion:
         return cls(**dict(texts))
 
     def check_joints(self, joints: Sequence[str]) -> None:
-        """Raise LogError where a joint is named that the robot does not have."""
+        """Check that every joint that the conversion names exists.
+
+        Args:
+            joints: Joints of the robot.
+
+        Raises:
+            LogError: If the robot lacks one of them.
+        """
         named = (*self.flip_position, *self.flip_velocity, *self.flip_effort, *self.reduction)
         for joint in named:
             if joint not in joints:
                 raise LogError("convert: " + unknown_name("joint", joint, joints))
 
     def position_scale(self, robot: RobotModel) -> Array:
-        """Factor from the log's positions to rad or m, signed, shape (n,)."""
+        """Return the signed factor from the log's positions to SI units.
+
+        Args:
+            robot: The robot, which tells the prismatic joints.
+
+        Returns:
+            Factor [rad or m per unit of the log], shape (n,).
+        """
         scale = np.where(robot.is_prismatic, LENGTHS[self.length], ANGLES[self.angle])
-        return scale * _signs(robot.joints, self.flip_position)
+        return np.asarray(scale * _signs(robot.joints, self.flip_position))
 
     def velocity_scale(self, robot: RobotModel) -> Array:
-        """Factor from the log's velocities to rad/s or m/s, signed, shape (n,)."""
+        """Return the signed factor from the log's velocities to SI units.
+
+        Args:
+            robot: The robot, which tells the prismatic joints.
+
+        Returns:
+            Factor [rad/s or m/s per unit of the log], shape (n,).
+        """
         return self.position_scale(robot) * _signs(robot.joints, self.flip_velocity)
 
     def effort_scale(self, robot: RobotModel) -> Array:
-        """Factor from the log's efforts to N·m or N (gains apart), signed, shape (n,)."""
+        """Return the signed factor from the log's efforts to SI units, without drive gains.
+
+        Args:
+            robot: The robot, which tells the prismatic joints.
+
+        Returns:
+            Factor [N·m or N per unit of the log], shape (n,).
+        """
         scale = np.where(robot.is_prismatic, 1.0, TORQUES[self.torque])
         gears = np.array([self.reduction.get(j, 1.0) for j in robot.joints])
-        return scale * gears * _signs(robot.joints, self.flip_effort)
+        return np.asarray(scale * gears * _signs(robot.joints, self.flip_effort))
 
     def notes(self) -> list[str]:
-        """Say what was converted, one sentence each."""
+        """Describe each conversion in one sentence."""
         said = []
         if self.angle != "rad":
             said.append(f"angles converted from {self.angle} to rad, as asked")
@@ -128,7 +173,7 @@ class Conversion:
         ):
             if joints:
                 said.append(f"sign of {what} changed, as asked: {', '.join(joints)}")
-        if self.gravity == "compensated":
+        if self.gravity == GravityInEffort.COMPENSATED:
             said.append("the URDF's gravity torque added to the efforts, as asked")
         if self.reduction:
             gears = ", ".join(f"{j} {r:g}" for j, r in self.reduction.items())

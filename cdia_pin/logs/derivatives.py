@@ -1,4 +1,4 @@
-"""Derivatives of measured signals: a uniform grid, a filter without lag, central differences."""
+"""Derivatives of measured signals: uniform resampling, a filter without lag, central differences."""
 
 from __future__ import annotations
 
@@ -12,28 +12,26 @@ from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
 
-UNIFORM_TOLERANCE = (
-    1e-3  # largest error of a sample's time, as a share of the period, that needs no resampling
-)
-LARGEST_GROWTH = 4.0  # a uniform grid this many times longer than the log means the log has huge gaps
+# [1], largest error of a sample's time over the period without resampling: below the jitter of any clock
+UNIFORM_TOLERANCE = 1e-3
+LARGEST_GROWTH = 4.0  # [1], samples of the grid over those of the log; above it most of the log is gaps
 
 
 def uniform(log: Log) -> Log:
     """Resample a log to a uniform grid at its median rate.
 
-    Positions follow Akima's cubic: as smooth as the arm at a reversal, where PCHIP is flat, and
-    without overshoot on held samples, where a spline rings. Velocities and efforts, which
-    carry white noise, are interpolated linearly. A log whose samples already
-    lie on a uniform grid is returned as it is, with its times.
+    Positions are interpolated by Akima's cubic. It is smooth at a reversal, where PCHIP is flat, and does not
+    overshoot on held samples, where a spline rings. Velocities and efforts carry white noise and are interpolated
+    linearly. A log that is already uniform is returned unchanged, with its times.
 
     Args:
-        log: Any log; times in s.
+        log: Any log.
 
     Returns:
-        The log on times t₀ + k / rate that do not pass its last sample.
+        The log at the times t₀ + k / rate up to its last sample [s].
 
     Raises:
-        LogError: If gaps would make the grid several times longer than the log.
+        LogError: If gaps make the grid several times longer than the log.
     """
     period = 1.0 / log.rate
     count = int(np.floor(log.duration / period * (1.0 + 1e-12) + 1e-9)) + 1
@@ -62,17 +60,16 @@ def zero_phase(signal: ArrayLike, cutoff: float, rate: float, *, order: int = 4)
 
     .. math:: |H(f)|^2 = \frac{1}{1 + (\tan(\pi f/r) / \tan(\pi f_c/r))^{2 n}}
 
-    The product of both passes, |H|², is applied in the frequency domain to the signal less
-    the line through its ends; what is left is odd about both ends, so this equals filtfilt
-    with padding that never stops. A constant and a ramp pass unchanged. As with any odd
-    padding the first and last sample pass unfiltered: cut about ``rate / cutoff`` samples
-    from each end before trusting derivatives.
+    The product of both passes, |H|², is applied in the frequency domain to the signal without the line through its
+    ends. The rest is odd about both ends, so the result equals filtfilt with endless odd padding. A constant and a
+    ramp pass unchanged. As with any odd padding, the first and the last sample pass unfiltered: cut about
+    ``rate / cutoff`` samples from each end before derivatives are used.
 
     Args:
         signal: Uniformly sampled signal, shape (N,) or (N, n), in any unit.
-        cutoff: Frequency where the two passes together leave half the amplitude [Hz].
+        cutoff: Frequency at which the two passes together halve the amplitude [Hz].
         rate: Sampling rate [Hz].
-        order: Order of the Butterworth filter of one pass.
+        order: Order of the Butterworth filter of one pass [1].
 
     Returns:
         Filtered signal, shape and unit of ``signal``.
@@ -96,7 +93,7 @@ def zero_phase(signal: ArrayLike, cutoff: float, rate: float, *, order: int = 4)
         gain = 1.0 / (1.0 + (np.tan(angle) / np.tan(np.pi * cutoff / rate)) ** (2 * order))
     gain = gain.reshape(-1, *([1] * (x.ndim - 1)))
     smooth = np.fft.irfft(spectrum * gain, n=len(odd), axis=0)
-    return line + smooth[:count]
+    return np.asarray(line + smooth[:count])
 
 
 def differentiate(signal: ArrayLike, rate: float) -> Array:
@@ -108,6 +105,9 @@ def differentiate(signal: ArrayLike, rate: float) -> Array:
 
     Returns:
         Derivative [unit of ``signal`` per s], shape of ``signal``.
+
+    Raises:
+        LogError: If there are fewer than three samples.
     """
     x = np.asarray(signal, dtype=np.float64)
     if len(x) < 3:

@@ -1,4 +1,4 @@
-"""Drive gains: how much joint torque one ampere of motor current makes."""
+"""Drive gains: joint torque per ampere of motor current."""
 
 from __future__ import annotations
 
@@ -15,7 +15,14 @@ Array = NDArray[np.float64]
 
 
 def read_gains(gains: Mapping[str, float] | str | Path, joints: Sequence[str]) -> Array:
-    """Return the drive gain of each joint [N·m/A], shape (n,), from a dict or a JSON file.
+    """Read the drive gain of each joint.
+
+    Args:
+        gains: {joint: gain [N·m/A]}, or a JSON file with it.
+        joints: Joints of the robot.
+
+    Returns:
+        Gains in the order of the joints [N·m/A], shape (n,).
 
     Raises:
         LogError: If the file cannot be read, a joint is missing or a gain is not a number above 0.

@@ -1,4 +1,4 @@
-"""Which of the log's joint names is which joint of the robot."""
+"""Matching of the joint names of a log with the joints of a robot."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ _NOT_MEASURED = {"d", "des", "desired", "target", "cmd", "command", "ref", "refe
 
 @dataclass(frozen=True)
 class JointNames:
-    """The log's label of each joint of the robot.
+    """The label of each joint of the robot in the log.
 
     Attributes:
-        labels: Label in the log, in the robot's order.
-        note: How labels became joints, empty where they are the same.
+        labels: Labels of the log, in the robot's order.
+        note: How the labels were matched; empty if they equal the names of the joints.
     """
 
     labels: tuple[str, ...]
@@ -31,9 +31,8 @@ def match_joints(
 ) -> JointNames:
     """Find the log's label of every joint of a robot.
 
-    Labels are tried as they are (or as ``joint_map`` renames them), then with one prefix that
-    all of them carry or lack, then by number (``q_1`` … ``q_6``, ``joint0`` … ``joint5``),
-    which are taken in the robot's order.
+    Labels are matched by name, after ``joint_map``; then with one prefix that all of them have or lack; then by
+    number (``q_1`` … ``q_6``, ``joint0`` … ``joint5``), in the robot's order.
 
     Args:
         given: Labels of the log.
@@ -41,10 +40,10 @@ def match_joints(
         joint_map: {label in the log: joint of the robot} for some or all of them.
 
     Returns:
-        The labels, with a note wherever something was inferred.
+        The labels, with a note if something was inferred.
 
     Raises:
-        LogError: If a joint has no label, or more than one reading is possible.
+        LogError: If a joint has no label, or more than one match is possible.
     """
     renamed = {label: (joint_map or {}).get(label, label) for label in given}
     by_name = {name: label for label, name in renamed.items()}
@@ -65,7 +64,17 @@ def match_joints(
 
 
 def joint_map_of(given: Mapping[str, str] | Sequence[str] | None) -> dict[str, str]:
-    """Return {name in the log: joint} from a dict or from texts ``name=joint``, several with commas."""
+    """Read a joint map from a dict or from texts.
+
+    Args:
+        given: {name in the log: joint}, or texts ``name=joint``, several separated by commas.
+
+    Returns:
+        {name in the log: joint}; empty for None.
+
+    Raises:
+        LogError: If a text is not of this form.
+    """
     if given is None or isinstance(given, Mapping):
         return dict(given or {})
     out = {}
@@ -79,7 +88,16 @@ def joint_map_of(given: Mapping[str, str] | Sequence[str] | None) -> dict[str, s
 
 
 def check_joint_map(joint_map: Mapping[str, str], given: Sequence[str], joints: Sequence[str]) -> None:
-    """Raise LogError where ``joint_map`` names a label or a joint that does not exist, or one twice."""
+    """Check that a joint map names existing labels and joints, each joint once.
+
+    Args:
+        joint_map: {name in the log: joint of the robot}.
+        given: Labels of the log.
+        joints: Joints of the robot.
+
+    Raises:
+        LogError: If a label or a joint is unknown, or a joint is named twice.
+    """
     for label, joint in joint_map.items():
         if label not in given:
             raise LogError("joint_map: " + unknown_name("name in the log", label, given))
@@ -91,7 +109,7 @@ def check_joint_map(joint_map: Mapping[str, str], given: Sequence[str], joints: 
 
 
 def _same_but_for_a_prefix(given: Sequence[str], joints: Sequence[str]) -> tuple[str, ...] | None:
-    """Labels that are a common prefix + joint, or joints that are a common prefix + label."""
+    """Match labels that are a common prefix + joint, or joints that are a common prefix + label."""
     readings = []
     for label in given:
         if label.endswith(joints[0]):
@@ -105,12 +123,12 @@ def _same_but_for_a_prefix(given: Sequence[str], joints: Sequence[str]) -> tuple
     measured = [r for r in possible if not _words(r[0].removesuffix(joints[0])) & _NOT_MEASURED]
     if len(measured) > 1:
         starts = ", ".join(f"'{r[0]}' …" for r in measured)
-        raise LogError(f"joint {joints[0]} could be {starts}; say which with --joint-map name=joint,…")
+        raise LogError(f"joint {joints[0]} could be {starts}; choose one with --joint-map name=joint,…")
     return measured[0] if measured else None
 
 
 def _counted(given: Sequence[str], joints: Sequence[str]) -> tuple[str, ...] | None:
-    """Labels of one stem with the numbers 0 … n−1 or 1 … n, by number."""
+    """Match labels of one stem with the numbers 0 … n−1 or 1 … n, by number."""
     groups: dict[str, dict[int, str]] = {}
     for label in given:
         if match := _NUMBERED.match(label):

@@ -1,4 +1,4 @@
-"""A log: what an arm was measured to do, joints in the robot's order, SI units."""
+"""A log: measured signals of an arm, joints in the robot's order, SI units."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
+from cdia_pin.phrases import shortened
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Log:
     """Measured signals of an arm.
 
@@ -22,11 +23,11 @@ class Log:
         time: Time of each sample [s], strictly increasing, shape (N,).
         position: Joint positions [rad or m], shape (N, n).
         effort: Joint torques or forces [N·m or N], shape (N, n).
-        velocity: Joint velocities [rad/s or m/s], shape (N, n), or None where not recorded.
-        source: Where the log came from, for messages and records.
+        velocity: Joint velocities [rad/s or m/s], shape (N, n); None if they were not recorded.
+        source: Name of the file or simulation, for messages and records.
         sha256: Hash of the file's bytes; empty for a log made in memory.
-        notes: What the reader inferred or converted, one sentence each.
-        condition: What logs have in common that others have not, such as ``warm``; empty if its own.
+        notes: Inferences and conversions of the reader, one sentence each.
+        condition: Condition that this log shares with others, such as ``warm``; empty if it shares none.
     """
 
     joints: tuple[str, ...]
@@ -69,6 +70,10 @@ class Log:
                 f"come after the one before it (t = {self.time[row - 1]:g} s)"
             )
 
+    def __repr__(self) -> str:
+        size = f"{len(self.joints)} joints, {len(self.time)} samples, {self.duration:.4g} s at {self.rate:.4g} Hz"
+        return f"Log({shortened(self.source)}, {size})"
+
     @property
     def duration(self) -> float:
         """Time from the first to the last sample [s]."""
@@ -80,7 +85,15 @@ class Log:
         return float(1.0 / np.median(np.diff(self.time)))
 
     def slice(self, start: int, stop: int) -> Log:
-        """Return samples start to stop (exclusive) as a log of their own."""
+        """Return a part of the log.
+
+        Args:
+            start: Index of the first sample.
+            stop: Index after the last sample.
+
+        Returns:
+            The samples start to stop − 1, with their times.
+        """
         part = np.s_[start:stop]
         return replace(
             self,
@@ -91,12 +104,31 @@ class Log:
         )
 
     def noted(self, *notes: str) -> Log:
-        """Return the log with sentences added to its notes."""
+        """Return the log with more notes.
+
+        Args:
+            notes: Sentences that are added.
+
+        Returns:
+            A new log; this one is not changed.
+        """
         return replace(self, notes=(*self.notes, *notes))
 
 
 def require_joints(given: Sequence[str], wanted: Sequence[str], source: str) -> list[int]:
-    """Return the column of each wanted joint; raises LogError naming what is missing."""
+    """Find the column of each joint.
+
+    Args:
+        given: Joints of the columns.
+        wanted: Joints whose columns are needed.
+        source: Name of the log, for messages.
+
+    Returns:
+        Index of the column of each wanted joint.
+
+    Raises:
+        LogError: If a joint has no column; the message names the missing joints.
+    """
     missing = [j for j in wanted if j not in given]
     if missing:
         raise LogError(
@@ -107,5 +139,12 @@ def require_joints(given: Sequence[str], wanted: Sequence[str], source: str) -> 
 
 
 def listed(logs: Log | Sequence[Log] | None) -> list[Log]:
-    """Return one log, several or none as a list."""
+    """Return one log, several or none as a list.
+
+    Args:
+        logs: A log, logs, or None.
+
+    Returns:
+        A new list.
+    """
     return [] if logs is None else [logs] if isinstance(logs, Log) else list(logs)

@@ -1,4 +1,4 @@
-"""Resolution: the steps in which a signal was recorded."""
+"""Resolution: the step between the levels of a recorded signal."""
 
 from __future__ import annotations
 
@@ -7,12 +7,19 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-FEW = 0.01  # levels per sample of a signal that moves by a few steps only
-MOST = 0.8  # levels per sample of a signal that hardly has a value twice
+FEW = 0.01  # [1], levels per sample below which a signal surely moves in steps
+MOST = 0.8  # [1], levels per sample above which values hardly repeat: then steps must be multiples of different size
 
 
 def quantum(signal: Array) -> float:
-    """Return the step between the levels of a rounded signal (N,), 0 where values are as good as continuous."""
+    """Estimate the step to which a signal is rounded.
+
+    Args:
+        signal: Values in any unit, shape (N,).
+
+    Returns:
+        The step [unit of the signal]; 0 if the values are practically continuous.
+    """
     levels = np.unique(signal)
     step = np.diff(levels)
     step = step[step > 1e-9 * max(float(np.abs(levels).max()), 1e-12)]
@@ -26,7 +33,7 @@ def quantum(signal: Array) -> float:
     ratio = step / smallest
     near = ratio[ratio < 20]
     multiples = np.mean(np.abs(near - np.round(near)) < 0.1) > 0.95 and ratio.min() > 0.9
-    if len(levels) > MOST * len(signal):  # even motion has one step all the time, and need not be rounded
+    if len(levels) > MOST * len(signal):  # a joint at constant speed has equal steps and may be unrounded
         multiples = multiples and np.mean(near > 1.5) > FEW
     even = smallest > 0.5 * np.median(step) and len(levels) < 0.3 * len(signal)
     return smallest if len(near) >= 5 and (multiples or even) else 0.0

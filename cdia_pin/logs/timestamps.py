@@ -1,4 +1,4 @@
-"""Times as people log them, in seconds."""
+"""Conversion of logged times to seconds."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from cdia_pin.errors import LogError, unknown_name
 Array = NDArray[np.float64]
 
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # [s] in one of each unit
-EPOCH = 1e8  # [s]; a log that starts later counts from 1970, not from its own start
+EPOCH = 1e8  # [s], three years; a log that starts later counts from 1970 and not from its own start
 
-# Median step between samples below which a number without a unit is taken as s, ms, µs: robot
-# logs have 5 Hz to 5 kHz, which makes the steps in these units follow one another without overlap.
+# Median step between samples below which times without a unit are taken as s, ms, µs. Robot logs have 5 Hz to
+# 5 kHz, so the ranges of the steps in these units do not overlap.
 _LARGEST_STEP = (("s", 0.5), ("ms", 200.0), ("us", 2e5))
 _EPOCH_NOW = (1.2e9, 2.6e9)  # [s]: years 2008 to 2052
 
@@ -29,7 +29,7 @@ def in_seconds(raw: NDArray[Any], unit: str | None, source: str) -> tuple[Array,
         source: Name of the log, for messages.
 
     Returns:
-        Times [s], shape (N,), and a note for everything that was inferred or changed.
+        Times [s], shape (N,), and a note for each inference and change.
 
     Raises:
         LogError: If the unit is unknown or a time is not finite.
@@ -43,13 +43,13 @@ def in_seconds(raw: NDArray[Any], unit: str | None, source: str) -> tuple[Array,
         if unit != "s":
             notes.append(
                 f"times taken as {unit}, because their median step is {_median_step(raw):g}; "
-                "--convert time=s says otherwise"
+                "--convert time=s changes it"
             )
     elif unit not in SECONDS:
         raise LogError(f"{source}: " + unknown_name("unit of time", unit, SECONDS))
     scale = SECONDS[unit]
     if len(raw) and abs(float(raw[0])) * scale > EPOCH:
-        # Subtracted before the conversion: integer nanoseconds since 1970 do not fit a double.
+        # The start is subtracted before the conversion: integer nanoseconds since 1970 do not fit a double.
         notes.append(
             f"time counts from the first sample, which was at {float(raw[0]) * scale:.6f} s since 1970"
         )

@@ -1,4 +1,4 @@
-"""Write a motion that an arm is to make: as CSV in the project's dialect, and as ROS 2 controllers take it."""
+"""Files of a motion that an arm shall make: CSV in the project's dialect, and YAML for ROS 2 controllers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cdia_pin.errors import LogError
 
 Array = NDArray[np.float64]
 
-DIGITS = 9  # decimals of an exported number: a nanometre, a nanoradian
+DIGITS = 9  # decimals of an exported number: to a nanometre or a nanoradian, below any encoder's step
 
 
 def write_motion(path: str | Path, joints: Sequence[str], time: Array, signals: Mapping[str, Array]) -> Path:
@@ -24,6 +24,9 @@ def write_motion(path: str | Path, joints: Sequence[str], time: Array, signals: 
         joints: Joint names, in the order of the columns.
         time: Time of each sample [s], shape (N,).
         signals: Signals by name [SI units], shape (N, n) each.
+
+    Returns:
+        The path that was written.
 
     Raises:
         LogError: If the file cannot be written.
@@ -55,10 +58,13 @@ def write_joint_trajectory(
         velocity: Velocities [rad/s or m/s], shape (N, n).
         acceleration: Accelerations [rad/s² or m/s²], shape (N, n).
 
+    Returns:
+        The path that was written.
+
     Raises:
         LogError: If the file cannot be written.
     """
-    # JSON's lists and strings are YAML too
+    # lists and strings of JSON are valid YAML
     lines = [f"joint_names: {json.dumps(list(joints))}", "points:"]
     for t, *point in zip(time, position, velocity, acceleration, strict=True):
         nanoseconds = round(float(t) * 1e9)

@@ -14,21 +14,12 @@ from cdia_pin.dynamics.dynamics import Torques
 from cdia_pin.effects import Channel, Effect, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
+from cdia_pin.regression.rest import RestSettings
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-WIDTH_OVER_NOISE = 3.0  # sgn is smoothed over this many standard deviations of the speed's noise
-WIDTH_OVER_SPEED = 0.005  # and over at least this share of the speeds driven
-NEAR_REST = 2.0  # widths; slower than that, friction is whatever keeps the joint where it is
-DISTANCES = (
-    0.5,
-    1.0,
-    2.0,
-    4.0,
-)  # classes of distance from rest, in periods of the cut-off; the first is left out
 POSTURES = 200  # at which the inertia is asked for
-RESTING = 0.75  # a joint near rest for longer than this share of each log is taken as resting
 
 
 @dataclass(frozen=True)
@@ -66,6 +57,7 @@ class Experiment:
         moving: Whether a sample tells about friction: its joint clearly moves, shape (K, n).
         nearness: Class of distance in time from each joint's rest, 0 at rest and largest far away, shape (K, n).
         resting: Whether a joint is near rest for most of every log, shape (n,).
+        rest: Which samples show friction.
     """
 
     robot: RobotModel
@@ -74,10 +66,16 @@ class Experiment:
     moving: NDArray[np.bool_]
     nearness: NDArray[np.intp]
     resting: NDArray[np.bool_]
+    rest: RestSettings
 
     @classmethod
-    def of(cls, robot: RobotModel, motions: Sequence[Motion]) -> Experiment:
+    def of(cls, robot: RobotModel, motions: Sequence[Motion], rest: RestSettings | None = None) -> Experiment:
         """Prepare conditioned logs for comparison.
+
+        Args:
+            robot: The arm.
+            motions: Conditioned logs.
+            rest: Which samples show friction.
 
         Raises:
             LogError: If a log has other joints than the robot, or nothing is left to compare.
@@ -85,7 +83,8 @@ class Experiment:
         for motion in motions:
             if motion.joints != robot.joints:
                 raise LogError(f"the log's joints {motion.joints} are not the robot's {robot.joints}")
-        width = np.max([_sign_width(m) for m in motions], axis=0)
+        rest = rest or RestSettings()
+        width = np.max([rest.sign_width(m) for m in motions], axis=0)
         segments, moving, nearness = [], [], []
         for motion, name in zip(motions, _names(motions), strict=True):
             zero = np.zeros_like(motion.q)
@@ -97,9 +96,9 @@ class Experiment:
                     f"{motion.cutoff:g} Hz; record for longer"
                 )
             segments.append(Segment(motion, state, measured))
-            distance = _distance_from_rest(motion, motion.v, width)
-            nearness.append(np.digitize(distance, DISTANCES))
-            moving.append(distance > DISTANCES[0])
+            distance = rest.distance(motion, motion.v, width)
+            nearness.append(rest.nearness(distance))
+            moving.append(rest.is_clear(distance))
         all_moving = np.vstack(moving)
         return cls(
             robot,
@@ -107,7 +106,8 @@ class Experiment:
             np.vstack([s.measured for s in segments]),
             all_moving,
             np.vstack(nearness),
-            np.max([m.mean(axis=0) for m in moving], axis=0) < 1 - RESTING,
+            np.max([m.mean(axis=0) for m in moving], axis=0) < 1 - rest.resting_share,
+            rest,
         )
 
     def without_rest_of(self, effects: Iterable[Effect]) -> Experiment:
@@ -124,10 +124,10 @@ class Experiment:
             width = np.hypot(*self.segments[0].state.sign_width[joints])
             motions = [s.motion for s in self.segments]
             distance = np.concatenate(
-                [_distance_from_rest(m, m.v[:, joints].sum(axis=1, keepdims=True), width) for m in motions]
+                [self.rest.distance(m, m.v[:, joints].sum(axis=1, keepdims=True), width) for m in motions]
             )
-            moving[:, joints] &= distance > DISTANCES[0]
-            nearness[:, joints] = np.minimum(nearness[:, joints], np.digitize(distance, DISTANCES))
+            moving[:, joints] &= self.rest.is_clear(distance)
+            nearness[:, joints] = np.minimum(nearness[:, joints], self.rest.nearness(distance))
         return replace(self, moving=moving, nearness=nearness) if shared else self
 
     @property
@@ -245,34 +245,3 @@ def _names(motions: Sequence[Motion]) -> list[str]:
             name = f"{given} ({count})"
         out.append(motion.record["condition"] or name)
     return out
-
-
-def _sign_width(motion: Motion) -> Array:
-    return np.maximum(
-        WIDTH_OVER_NOISE * motion.speed_noise,
-        WIDTH_OVER_SPEED * np.percentile(np.abs(motion.v), 95, axis=0) + 1e-6,
-    )
-
-
-def _distance_from_rest(motion: Motion, v: Array, width: Array | float) -> Array:
-    """Time from each compared sample to the nearest rest or reversal of some speeds, before or after.
-
-    Args:
-        motion: The conditioned log.
-        v: Speeds [rad/s or m/s], shape (N, m).
-        width: Over which their sgn is smoothed, scalar or shape (m,).
-
-    Returns:
-        In periods of the cut-off [1], shape (K, m).
-    """
-    near_rest = np.abs(v) < NEAR_REST * width
-    time, out = motion.sampled(motion.time), np.full((len(motion.kept), v.shape[1]), np.inf)
-    for j in range(v.shape[1]):
-        turns = np.append(v[1:, j] * v[:-1, j] < 0, False)
-        at = motion.time[near_rest[:, j] | turns]
-        if len(at):
-            k = np.searchsorted(at, time)
-            before = time - at[np.maximum(k - 1, 0)]
-            after = at[np.minimum(k, len(at) - 1)] - time
-            out[:, j] = np.minimum(np.abs(before), np.abs(after))
-    return out * motion.cutoff

@@ -10,18 +10,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
-from cdia_pin.regression.noise import NoiseModel, fit_noise
+from cdia_pin.regression.noise import NoiseModel, NoiseSettings, fit_noise
 
 Array = NDArray[np.float64]
 
 NEURONS = 7  # radial bases over position, speed and load
-LEAST_IMPROVEMENT = 0.03  # share by which held-out RMS must fall for structure to be worth a word
-SURE_IMPROVEMENT = 0.12  # the same where slow structure was not whitened away as noise
-PLAIN_IMPROVEMENT = 0.25  # the same without proof that it is not noise
-SMALLEST_STRUCTURE = 0.001  # of a joint's RMS torque: a structure below that is no flaw of a model
 FINEST_TORQUE = 1e-7  # of a joint's RMS torque: noise below that is what computers round
 RIDGES = (1e-3, 1e-2, 1e-1)  # how firmly smooth functions are held back, beside columns of unit norm
-ALARM = 1e-4  # probability of calling noise structure, per joint
+
+
+@dataclass(frozen=True)
+class LackOfFitSettings:
+    """When what a model leaves counts as structure.
+
+    Smooth functions of the motion are fitted to the residual beside the model's terms. Shares are falls of the RMS of
+    held-out blocks.
+
+    Attributes:
+        false_alarm: Probability of calling white noise structure, for each joint [1].
+        least_improvement: Least share of a significant structure [1].
+        sure_improvement: The same where slow structure was not whitened away as noise [1].
+        plain_improvement: The same without a proof of significance [1].
+        least_torque: RMS torque of a structure over the joint's RMS torque [1]. Less is no flaw of a model.
+    """
+
+    false_alarm: float = 1e-4
+    least_improvement: float = 0.03
+    sure_improvement: float = 0.12
+    plain_improvement: float = 0.25
+    least_torque: float = 0.001
 
 
 @dataclass(frozen=True)
@@ -75,7 +92,12 @@ def smooth_columns(experiment: Experiment, prediction: Prediction, j: int) -> Ar
 
 
 def lack_of_fit(
-    experiment: Experiment, prediction: Prediction, own: list[Array], edges: NDArray[np.intp]
+    experiment: Experiment,
+    prediction: Prediction,
+    own: list[Array],
+    edges: NDArray[np.intp],
+    settings: LackOfFitSettings | None = None,
+    noise_settings: NoiseSettings | None = None,
 ) -> LackOfFit:
     """Compare each joint's residual with smooth functions of the motion.
 
@@ -84,15 +106,17 @@ def lack_of_fit(
         prediction: Of a model fitted to them.
         own: Columns of the model's terms for each joint, refitted alongside; shapes (K, p_j).
         edges: Blocks of time for held-out errors, shape (B + 1,).
+        settings: When what is left counts as structure.
+        noise_settings: How the noise of each joint is estimated.
     """
     from scipy.special import fdtrc
 
-    n = experiment.robot.n
+    settings, n = settings or LackOfFitSettings(), experiment.robot.n
     left, improvement, floor = np.zeros(n, bool), np.zeros(n), np.zeros(n)
     outer: list[NoiseModel] = []
     inner: list[NoiseModel] = []
     torque = rms(experiment.measured, experiment.informative)
-    smallest = np.maximum(experiment.resolution, SMALLEST_STRUCTURE * torque)
+    smallest = np.maximum(experiment.resolution, settings.least_torque * torque)
     for j in range(n):
         use, nearness = experiment.informative[:, j], experiment.nearness[:, j]
         smooth = smooth_columns(experiment, prediction, j)
@@ -105,7 +129,9 @@ def lack_of_fit(
                 experiment.resolution[j], y - explained, explained - _project(slow, explained, use), use
             )
             least = FINEST_TORQUE * torque[j]
-            found.append(fit_noise(noise, use, nearness, experiment.lengths, columns.shape[1], least))
+            found.append(
+                fit_noise(noise, use, nearness, experiment.lengths, columns.shape[1], least, noise_settings)
+            )
         rest = y - _project(both, y, use)
         floor[j] = np.sqrt(np.sum(rest[use] ** 2) / max(int(use.sum()) - both.shape[1], 1))
         by_outer, by_inner = (partial(_white, noise=noise, use=use) for noise in (outer[j], inner[j]))
@@ -117,8 +143,8 @@ def lack_of_fit(
         improvement[j], plain = (
             _improvement(white(fitted), white(smooth), white(y), edges) for white in (by_outer, by_inner)
         )
-        sure = chance < ALARM and (improvement[j] > LEAST_IMPROVEMENT or plain > SURE_IMPROVEMENT)
-        shown = sure or plain > PLAIN_IMPROVEMENT
+        visible = improvement[j] > settings.least_improvement or plain > settings.sure_improvement
+        shown = (chance < settings.false_alarm and visible) or plain > settings.plain_improvement
         left[j] = shown and np.sqrt(max(np.mean(y[use] ** 2) - floor[j] ** 2, 0.0)) > smallest[j]
     return LackOfFit(left, improvement, tuple(outer), tuple(inner), floor)
 

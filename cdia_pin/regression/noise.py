@@ -9,9 +9,23 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-HIGHEST_ORDER = 12
-WHITE = 0.03  # share of white noise taken for granted: no frequency is trusted without limit
-BORROWED = 20.0  # samples' worth of trust in the joint's overall noise
+SAMPLES_PER_ORDER = 30  # at least, so that a short log has a simple noise model
+TAPER = 0.05  # relative fall of the longest lag's covariance, which keeps the estimate a valid covariance
+
+
+@dataclass(frozen=True)
+class NoiseSettings:
+    """How the noise of a joint is estimated.
+
+    Attributes:
+        highest_order: Largest order of the autoregressive model.
+        white_share: Share of white noise that is assumed beside it [1], so that no frequency is trusted without limit.
+        borrowed: Weight of the joint's overall noise in a class of distance from rest, in samples.
+    """
+
+    highest_order: int = 12
+    white_share: float = 0.03
+    borrowed: float = 20.0
 
 
 @dataclass(frozen=True)
@@ -50,6 +64,7 @@ def fit_noise(
     lengths: list[int],
     parameters: float,
     least: float = 0.0,
+    settings: NoiseSettings | None = None,
 ) -> NoiseModel:
     """Fit autoregressive noise by Yule and Walker, over informative samples only.
 
@@ -61,14 +76,16 @@ def fit_noise(
         informative: Samples that count, shape (K,).
         nearness: Class of distance to the joint's last or next reversal, shape (K,).
         lengths: Samples of each segment, adding up to K.
-        parameters: Degrees of freedom that the fit used up.
+        parameters: Effective number of parameters of the fit.
         least: Least standard deviation of an innovation [N·m or N].
+        settings: How the noise is estimated.
 
     Returns:
         The noise, its size corrected for those degrees of freedom.
     """
     used = np.where(informative, residual, 0.0)
-    order = int(np.clip(informative.sum() // 30, 1, HIGHEST_ORDER))
+    settings = settings or NoiseSettings()
+    order = int(np.clip(informative.sum() // SAMPLES_PER_ORDER, 1, settings.highest_order))
     starts = np.cumsum([0, *lengths[:-1]])
     products, counts = np.zeros(order + 1), np.zeros(order + 1)
     for start, length in zip(starts, lengths, strict=True):
@@ -78,8 +95,8 @@ def fit_noise(
             products[k] += e[k:] @ e[: length - k]
             counts[k] += w[k:] @ w[: length - k]
     covariance = products / np.maximum(counts, 1.0)
-    covariance *= 1.0 - np.arange(order + 1) / (order + 1) * 0.05  # keeps the estimate a valid covariance
-    covariance[0] = covariance[0] * (1 + WHITE) + 1e-18
+    covariance *= 1.0 - np.arange(order + 1) / (order + 1) * TAPER
+    covariance[0] = covariance[0] * (1 + settings.white_share) + 1e-18
     toeplitz = covariance[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
     coefficients = np.linalg.solve(toeplitz + 1e-9 * covariance[0] * np.eye(order), covariance[1:])
     noise = NoiseModel(coefficients, np.ones(len(residual)), tuple(lengths))
@@ -91,6 +108,6 @@ def fit_noise(
         here = usable & (nearness == k)
         # a class of few samples borrows from the whole
         own = float(np.sum(innovations[here] ** 2))
-        sigma[nearness == k] = (own + BORROWED * power) / (here.sum() + BORROWED)
+        sigma[nearness == k] = (own + settings.borrowed * power) / (here.sum() + settings.borrowed)
     freedom = max(usable.sum() - parameters, 0.2 * usable.sum(), 1.0) / max(usable.sum(), 1)
     return NoiseModel(coefficients, np.maximum(np.sqrt(sigma / freedom), max(least, 1e-12)), tuple(lengths))

@@ -1,4 +1,4 @@
-"""Robots known by name, and the loader of any fixed-base arm from a URDF file."""
+"""Robots that are known by name, and the loader of any fixed-base arm from a URDF file."""
 
 from __future__ import annotations
 
@@ -9,30 +9,42 @@ import sys
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from cdia_pin.errors import RobotError, unknown_name
+from cdia_pin.phrases import shortened
 from cdia_pin.resources import robots_dir
 from cdia_pin.robot.checks import description_warnings
-from cdia_pin.robot.locking import LockRequest, LockRule, locked_joints, require_chain
-from cdia_pin.robot.model import STANDARD_GRAVITY, RobotModel
+from cdia_pin.robot.locked_joints import LockRequest, LockRule, locked_joints, require_chain
+from cdia_pin.robot.model import RobotModel
 from cdia_pin.robot.urdf import MOVABLE, Urdf, read_urdf
 from cdia_pin.robot.urdf_values import welded
+
+STANDARD_GRAVITY = 9.81  # [m/s²], the value that Pinocchio takes by default
+
+
+class RobotSource(StrEnum):
+    """Place from which a robot of the catalogue is read."""
+
+    SHIPS = "ships"  # a file of this package
+    EXAMPLE_ROBOT_DATA = "example-robot-data"  # a file of the package example-robot-data
 
 
 @dataclass(frozen=True)
 class LimitRule:
-    """Limits that a URDF does not state; None leaves the URDF's.
+    """Limits that a URDF does not state; None keeps the URDF's limit.
 
     Attributes:
         joints: Names, or patterns of names.
-        why: Where the numbers come from.
+        why: Source of the numbers.
         lower: Smallest position [rad or m].
         upper: Largest position [rad or m].
         velocity: Largest speed [rad/s or m/s].
@@ -49,24 +61,24 @@ class LimitRule:
 
 @dataclass(frozen=True)
 class CatalogueEntry:
-    """A robot of ``robots.toml``; the file's head explains every key.
+    """A robot of ``robots.toml``; the head of that file explains every key.
 
     Attributes:
         name: Name that ``--robot`` takes.
-        description: What it is.
-        source: ``ships`` or ``example-robot-data``.
-        urdf: File, relative to the source.
+        description: Kind of robot, in a few words.
+        source: Place from which it is read.
+        urdf: File, relative to the folder of the source.
         licence: Licence of the description.
-        origin: Where the description comes from.
+        origin: Authors or repository of the description.
         tool_frame: Frame that carries a payload.
         gravity: Size of gravity [m/s²], along −z of the base.
-        lock: Joints that do not move.
-        limits: Limits that the file lacks.
+        lock: Joints that are locked.
+        limits: Limits that the file does not state.
     """
 
     name: str
     description: str
-    source: str
+    source: RobotSource
     urdf: str
     licence: str
     origin: str
@@ -75,16 +87,23 @@ class CatalogueEntry:
     lock: tuple[LockRule, ...] = ()
     limits: tuple[LimitRule, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"CatalogueEntry({shortened(self.name)}, {self.source.value}, urdf={shortened(self.urdf)})"
+
     @property
     def path(self) -> Path:
-        """The URDF file on this machine; raises RobotError if its package is missing."""
-        folder = robots_dir() if self.source == "ships" else example_robots_dir()
+        """The URDF file on this machine.
+
+        Raises:
+            RobotError: If the package that holds it is not installed.
+        """
+        folder = robots_dir() if self.source is RobotSource.SHIPS else example_robots_dir()
         return folder / self.urdf
 
 
 @cache
 def catalogue() -> dict[str, CatalogueEntry]:
-    """Every robot known by name, in the order of ``robots.toml``."""
+    """Return every robot that is known by name, in the order of ``robots.toml``."""
     with (robots_dir() / "robots.toml").open("rb") as file:
         tables = tomllib.load(file)
     return {name: _entry(name, table) for name, table in tables.items()}
@@ -101,22 +120,23 @@ def load_robot(
 ) -> RobotModel:
     """Load a fixed-base arm by its name in the catalogue or from a URDF file.
 
-    Mimic joints never move: they have no torque of their own. Joints at the tips that are named like
-    fingers, grippers or wheels do not move either. ``robot.locked`` says which joints, where and why.
+    Mimic joints are always locked: they have no torque of their own. Joints at the tips that are named like
+    fingers, grippers or wheels are locked too. ``robot.locked`` gives each locked joint, its position and the reason.
 
     Args:
         name_or_path: ``ur5``, or a path to a ``.urdf`` file.
-        lock: More joints to hold, names or patterns (``right_*``); a mapping gives positions [rad or m].
-        keep: Joints that move although they look like a finger or a wheel, or the catalogue holds them.
-        tool_frame: Frame that carries a payload; the catalogue's, or a likely one, if omitted.
-        gravity: Size along −z [m/s²], or the vector in the base frame, shape (3,); 9.81 if nothing says else.
+        lock: More joints to lock, names or patterns (``right_*``); a mapping gives positions [rad or m].
+        keep: Joints that move although they are named like a finger or a wheel, or are locked by the catalogue.
+        tool_frame: Frame that carries a payload; if omitted, that of the catalogue, else a likely one.
+        gravity: Size along −z [m/s²], or the vector in the base frame, shape (3,). If omitted, that of the
+            catalogue, else 9.81 m/s².
         package_dirs: Folders in which ``package://`` addresses of meshes resolve.
 
     Returns:
-        The arm, with what is doubtful about it in ``robot.warnings``.
+        The arm; ``robot.warnings`` lists what is doubtful in its description.
 
     Raises:
-        RobotError: If the name is unknown, the file cannot be used, or more than one arm would move.
+        RobotError: If the name is unknown, the file cannot be used, or the moving joints branch.
     """
     entry = _find(name_or_path)
     path = entry.path if entry else Path(name_or_path).expanduser()
@@ -130,7 +150,7 @@ def load_robot(
     if gravity is None:
         gravity = entry.gravity if entry else STANDARD_GRAVITY
     model.gravity.linear = _gravity(gravity)
-    # The model of a robot without moving joints is refused by RobotModel: its sentence comes first.
+    # RobotModel refuses a robot without moving joints, with a clearer message than these checks would give.
     warnings = description_warnings(urdf, model, held) if model.nv else []
     return RobotModel(
         model,
@@ -145,14 +165,17 @@ def load_robot(
 
 @cache
 def example_robots_dir() -> Path:
-    """Folder of the robots that the package example-robot-data installs.
+    """Find the folder of the robots that the package example-robot-data installs.
+
+    Returns:
+        The folder ``share/example-robot-data/robots``.
 
     Raises:
         RobotError: If that package is not installed.
     """
     inside = Path("share/example-robot-data/robots")
-    # Its wheel puts data beside lib/pythonX.Y/site-packages, wherever that is; its own getModelPath
-    # would answer with a folder of the machine that built it.
+    # The wheel puts its data beside lib/pythonX.Y/site-packages. Its own getModelPath returns a folder of
+    # the machine that built it.
     modules = [importlib.util.find_spec(module) for module in ("example_robot_data", "pinocchio")]
     origins = [Path(spec.origin) for spec in modules if spec and spec.origin]
     prefixes = [p for origin in origins for p in origin.parents] + [Path(sys.prefix)]
@@ -165,7 +188,7 @@ def example_robots_dir() -> Path:
 
 
 def _find(name_or_path: str | Path) -> CatalogueEntry | None:
-    """The catalogue's entry, or None if this is a path."""
+    """Return the entry of the catalogue, or None for a path."""
     given = str(name_or_path)
     if given in catalogue():
         return catalogue()[given]
@@ -175,7 +198,7 @@ def _find(name_or_path: str | Path) -> CatalogueEntry | None:
 
 
 def _build(urdf: Urdf, held: dict[str, float]) -> pin.Model:
-    """Pinocchio's model with the held joints welded at their positions."""
+    """Build Pinocchio's model with the locked joints welded at their positions."""
     wide = [name for name in held if urdf.joints[name].kind not in MOVABLE]
     if wide:
         raise RobotError(
@@ -210,16 +233,17 @@ def _gravity(gravity: float | ArrayLike) -> np.ndarray:
 
 
 def _package_dirs(path: Path) -> list[Path]:
-    """Folders above the file, then ROS's, then example-robot-data's: all that a package:// may mean."""
+    """List the folders that ``package://`` may mean: those above the file, of ROS, of example-robot-data."""
     ros = [Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if p]
     ament = [Path(p) / "share" for p in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
     found = [*list(path.resolve().parents)[:4], *ros, *ament]
-    with contextlib.suppress(RobotError):  # a user's own file does not need that package
+    with contextlib.suppress(RobotError):  # a file of the user does not need that package
         found.append(example_robots_dir().parents[1])  # share/, for package://example-robot-data/robots/...
     return list(dict.fromkeys(found))
 
 
-def _entry(name: str, table: dict) -> CatalogueEntry:
+def _entry(name: str, table: dict[str, Any]) -> CatalogueEntry:
     lock = tuple(LockRule(tuple(r["joints"]), float(r["position"]), r["why"]) for r in table.pop("lock", ()))
     limits = tuple(LimitRule(**{**r, "joints": tuple(r["joints"])}) for r in table.pop("limits", ()))
-    return CatalogueEntry(name=name, lock=lock, limits=limits, **table)
+    source = RobotSource(table.pop("source"))
+    return CatalogueEntry(name=name, source=source, lock=lock, limits=limits, **table)

@@ -1,4 +1,4 @@
-"""What is doubtful in a robot description: said once at loading, never corrected silently."""
+"""Checks of a robot description: doubtful values are reported at loading and never corrected silently."""
 
 from __future__ import annotations
 
@@ -8,23 +8,24 @@ import pinocchio as pin
 
 from cdia_pin.errors import RobotError
 from cdia_pin.robot.inertia import physical_margin
-from cdia_pin.robot.model import LockedJoint
+from cdia_pin.robot.joints import LockedJoint
 from cdia_pin.robot.urdf import Urdf
 
-# URDFs print five or six digits: a flat or thin body may miss the triangle inequality by that much.
+# [1], share of the sum of the principal moments. URDFs print five or six digits: a flat or thin body may break
+# the triangle inequality by that much.
 ROUNDING = 1e-4
 
 
 def description_warnings(urdf: Urdf, model: pin.Model, held: Mapping[str, LockedJoint]) -> list[str]:
-    """List doubtful inertias, ranges and mimic joints of the part that moves.
+    """List doubtful inertias, ranges and mimic joints of the bodies that move.
 
     Args:
         urdf: The description.
-        model: What Pinocchio made of it, with the held joints fixed.
-        held: The joints that do not move.
+        model: Pinocchio's model of it, with the locked joints fixed.
+        held: The locked joints, by name.
 
     Returns:
-        One line each; empty for a sound description.
+        One line per doubt; empty for a sound description.
 
     Raises:
         RobotError: If no moving body has any mass.
@@ -37,7 +38,7 @@ def description_warnings(urdf: Urdf, model: pin.Model, held: Mapping[str, Locked
 
 
 def _unphysical(urdf: Urdf, model: pin.Model) -> list[str]:
-    """Links that move and whose inertia no body can have [Wensing2018]_."""
+    """Find moving links whose inertia is not physically consistent [Wensing2018]_."""
     out = []
     moving = {f.name for f in model.frames if f.type == pin.FrameType.BODY and f.parentJoint > 0}
     for link in urdf.links:
@@ -49,16 +50,16 @@ def _unphysical(urdf: Urdf, model: pin.Model) -> list[str]:
             out.append(f"link '{link}': negative mass {parameters[0]:g} kg")
         elif margin < -ROUNDING:
             out.append(
-                f"link '{link}': no body has this inertia (triangle inequality of the principal moments "
-                f"broken by {-margin:.2g} of their sum)"
+                f"link '{link}': no body has this inertia (it breaks the triangle inequality of the principal "
+                f"moments by {-margin:.2g} of their sum)"
             )
     return out
 
 
 def _massless(model: pin.Model) -> list[str]:
-    """Joints that move nothing with a mass: M is singular there.
+    """Find joints that move no mass: M is singular there.
 
-    A massless body that carries others is fine: wrists are often drawn as two joints at one point.
+    A body without mass that carries others is fine: wrists are often modelled as two joints at one point.
     """
     carried = [model.inertias[i].mass for i in range(model.njoints)]
     for i in range(model.njoints - 1, 0, -1):
@@ -71,21 +72,23 @@ def _massless(model: pin.Model) -> list[str]:
 
 
 def _ranges(model: pin.Model) -> list[str]:
-    """Joints whose range has no width: exporters write 0 and 0 where nothing is known."""
+    """Find joints whose range has no width: exporters write 0 and 0 where they know no limit."""
     out = []
     for i in range(1, model.njoints):
         at = model.joints[i].idx_q
         lower, upper = model.lowerPositionLimit[at], model.upperPositionLimit[at]
         if lower >= upper:
-            out.append(f"joint '{model.names[i]}': its range is [{lower:g}, {upper:g}]; taken as not limited")
+            out.append(
+                f"joint '{model.names[i]}': its range is [{lower:g}, {upper:g}]; it is taken as unlimited"
+            )
     return out
 
 
 def _lost_mimics(urdf: Urdf, model: pin.Model) -> list[str]:
-    """A held mimic joint whose leader moves is a linkage that this model does not have."""
+    """Find locked mimic joints whose leader moves: this model does not have that linkage."""
     moving = set(model.names[1:])
     return [
-        f"joint '{j.name}' mimics the moving joint '{j.mimic.followed}': held, its motion is not modelled"
+        f"joint '{j.name}' mimics the moving joint '{j.mimic.followed}': it is locked, and its motion is not modelled"
         for j in urdf.joints.values()
         if j.mimic is not None and j.mimic.followed in moving
     ]

@@ -1,7 +1,7 @@
 """Collisions of an arm with itself and with a floor, from the URDF's collision shapes.
 
-Neighbouring links touch at their joint, and shapes that overlap whatever the posture are drawn too large: such
-pairs are left out. What surrounds the arm is not in a URDF and is not known here.
+Neighbouring links touch at their joint, and shapes that overlap in every posture are drawn too large: such pairs
+are left out. The surroundings of the arm are not in a URDF and are not known here.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.errors import RobotError
+from cdia_pin.phrases import shortened
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.robot.urdf import read_urdf
 from cdia_pin.robot.urdf_values import welded
@@ -24,20 +25,22 @@ from cdia_pin.robot.urdf_values import welded
 Array = NDArray[np.float64]
 
 FLOOR = "floor"
-TRIED = 100  # random postures, by which overlapping shapes are known
-ALWAYS = 0.95  # share of them in which a pair touches that counts as overlapping
-WIDEST = np.pi  # [rad or m], how far these postures go where the URDF has no limit
-FINE = 1000  # vertices; a finer mesh is replaced by its convex hull, which holds it, and costs a hundredth
-DEEP = 50.0  # [m], below every point of an arm
+TRIED = 100  # [postures], random ones in which pairs of shapes are tried
+ALWAYS = 0.95  # [1], share of these postures in which a pair must touch to count as overlapping
+WIDEST = np.pi  # [rad or m], largest position of these postures where the URDF states no limit
+FINE = (
+    1000  # [vertices]; a finer mesh is replaced by its convex hull, which contains it and is 100 times faster
+)
+DEEP = 50.0  # [m], depth of the floor's box; more than the reach of any arm
 
 
 @dataclass(frozen=True)
 class Contact:
-    """Two shapes that are closer than they may be.
+    """Two shapes that are closer than the clearance.
 
     Attributes:
-        sample: Index of the posture.
-        shapes: Their names; a link's name with a number, or ``floor``.
+        sample: Index of the posture in the trajectory.
+        shapes: Names of the shapes: a link's name with a number, or ``floor``.
     """
 
     sample: int
@@ -49,9 +52,9 @@ class CollisionModel:
 
     Args:
         robot: The arm.
-        clearance: Distance that pairs keep [m]; those that are always nearer must only not touch.
+        clearance: Distance that pairs must keep [m]; pairs that are always nearer must only not touch.
         floor: Height of a floor above the base's origin, against gravity [m]; None for no floor.
-        srdf: File whose ``<disable_collisions>`` pairs are left out too; None for all other pairs.
+        srdf: File whose ``<disable_collisions>`` pairs are left out too; None for no file.
 
     Raises:
         RobotError: If the clearance is negative, or the shapes of the URDF or the SRDF cannot be read.
@@ -68,7 +71,8 @@ class CollisionModel:
         if not 0 <= clearance < np.inf:
             raise RobotError(f"a clearance is 0 m or more, given {clearance:g}")
         self.robot = robot
-        self._model, self._data = robot._model, robot._model.createData()
+        self._model = robot.pinocchio_model
+        self._data = self._model.createData()
         self._shapes = _shapes(robot)
         if floor is not None:
             self._shapes.addGeometryObject(_slab(_up(robot), floor))
@@ -85,16 +89,22 @@ class CollisionModel:
             for k in self._usual_contacts():
                 self._found.collisionRequests[k].security_margin = 0.0
 
+    def __repr__(self) -> str:
+        return f"CollisionModel({shortened(self.robot.name)}, {len(self.pairs)} pairs of shapes)"
+
     @property
     def pairs(self) -> tuple[tuple[str, str], ...]:
-        """Pairs of shapes that are looked at."""
+        """Names of the pairs of shapes that are checked."""
         return tuple(self._names(k) for k in range(len(self._shapes.collisionPairs)))
 
     def first_contact(self, q: ArrayLike) -> Contact | None:
-        """Return the first posture in which two shapes are too close, None if none is.
+        """Find the first posture in which two shapes are too close.
 
         Args:
             q: Positions [rad or m], shape (n,) or (N, n).
+
+        Returns:
+            The sample and the two shapes; None if no posture has a contact.
         """
         for sample, posture in enumerate(np.atleast_2d(np.asarray(q, float))):
             if self._touches(posture, first=True):
@@ -104,13 +114,14 @@ class CollisionModel:
     # ------------------------------------------------------------- internals
 
     def _pair(self) -> None:
-        """Pair every two shapes but those of one link or of neighbours."""
+        """Pair all shapes except those of one link or of neighbouring links."""
         parents = list(self._model.parents)
         joints = [shape.parentJoint for shape in self._shapes.geometryObjects]
         self._shapes.addAllCollisionPairs()
         pairs = [self._pair_of(k) for k in range(len(self._shapes.collisionPairs))]
-        neighbours = lambda i, j: parents[joints[i]] == joints[j] or parents[joints[j]] == joints[i]  # noqa: E731
-        self._remove([pair for pair in pairs if neighbours(*pair)])
+        self._remove(
+            [(i, j) for i, j in pairs if parents[joints[i]] == joints[j] or parents[joints[j]] == joints[i]]
+        )
 
     def _disable(self, srdf: Path) -> None:
         if not srdf.is_file():
@@ -133,7 +144,7 @@ class CollisionModel:
             request.security_margin = clearance
 
     def _usual_contacts(self) -> list[int]:
-        """Return the pairs that touch in nearly all postures."""
+        """Return the indices of the pairs that touch in nearly all postures."""
         limits = self.robot.limits
         lower, upper = np.maximum(limits.lower, -WIDEST), np.minimum(limits.upper, WIDEST)
         lower, upper = np.minimum(lower, upper), np.maximum(lower, upper)
@@ -144,7 +155,7 @@ class CollisionModel:
         return [int(k) for k in np.flatnonzero(counts >= ALWAYS * TRIED)]
 
     def _touches(self, posture: Array, *, first: bool) -> bool:
-        (c,) = self.robot._configuration(posture[None])
+        (c,) = self.robot.configurations(posture[None])
         return bool(pin.computeCollisions(self._model, self._data, self._shapes, self._found, c, first))
 
     def _touching(self) -> Iterator[int]:
@@ -156,16 +167,20 @@ class CollisionModel:
 
 
 def _slab(up: Array, height: float) -> pin.GeometryObject:
-    """Return a floor: a box under it, since a mesh is held against a half-space triangle by triangle."""
+    """Make a floor: a box, because a mesh is tested against a half-space triangle by triangle."""
     turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), up).toRotationMatrix()
     at = pin.SE3(turn, (height - DEEP / 2) * up)
     return pin.GeometryObject(FLOOR, 0, at, coal.Box(2 * DEEP, 2 * DEEP, DEEP))
 
 
 def standing_height(robot: RobotModel) -> float | None:
-    """Return how high above the base's origin, against gravity, its lowest fixed point is [m].
+    """Find the height of the plane on which an arm stands: that of the lowest point of its fixed shapes.
 
-    It is the plane on which an arm stands; None for an arm without gravity, or whose base has no shape.
+    Args:
+        robot: The arm.
+
+    Returns:
+        Height above the base's origin, against gravity [m]; None without gravity, or if the base has no shape.
     """
     if not robot.gravity_vector.any():
         return None
@@ -181,7 +196,7 @@ def standing_height(robot: RobotModel) -> float | None:
 
 
 def _up(robot: RobotModel) -> Array:
-    """Unit vector against gravity in the base frame, shape (3,); z without gravity."""
+    """Return the unit vector against gravity in the base frame [1], shape (3,); z without gravity."""
     g = robot.gravity_vector
     return -g / np.linalg.norm(g) if g.any() else np.array([0.0, 0.0, 1.0])
 
@@ -192,9 +207,9 @@ def _shapes(robot: RobotModel) -> pin.GeometryModel:
     folders = [str(p) for p in robot.package_dirs]
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # pinocchio's own, of how its arguments are given
+            warnings.simplefilter("ignore")  # Pinocchio warns about its own argument conversion
             shapes = pin.buildGeomFromUrdfString(
-                robot._model, text, pin.GeometryType.COLLISION, None, folders
+                robot.pinocchio_model, text, pin.GeometryType.COLLISION, None, folders
             )
     except (ValueError, RuntimeError) as error:
         said = " ".join(str(error).split())

@@ -9,7 +9,7 @@ mass [kg], first moments [kg·m], second moments [kg·m²]. They are linear in t
 .. math:: J(\pi) = \begin{bmatrix} \Sigma & m c \\ m c^\top & m \end{bmatrix}, \qquad
           \Sigma = \tfrac12 \mathrm{tr}(I)\, 1 - I = \int \rho\, x x^\top dV
 
-and a mass distribution with these parameters exists exactly if J is positive semidefinite [Wensing2018]_.
+and a mass distribution with these parameters exists if and only if J is positive semidefinite [Wensing2018]_.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ N_PARAMETERS = 10
 PARAMETER_NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 PARAMETER_UNITS = ("kg",) + ("kg·m",) * 3 + ("kg·m²",) * 6
 
-# Row and column of the six second moments in Pinocchio's order: lower triangle, row by row.
+# Row and column of the six second moments in Pinocchio's order: the lower triangle, row by row.
 _ROW = np.array([0, 1, 1, 2, 2, 2])
 _COLUMN = np.array([0, 0, 1, 0, 1, 2])
 
 
 def pseudo_inertia(parameters: ArrayLike) -> Array:
-    """Pseudo-inertia J(π) of a body [Wensing2018]_; linear in π.
+    """Compute the pseudo-inertia J(π) of a body [Wensing2018]_; it is linear in π.
 
     Args:
         parameters: The ten parameters, shape (..., 10).
@@ -49,10 +49,10 @@ def pseudo_inertia(parameters: ArrayLike) -> Array:
 
 
 def from_pseudo_inertia(J: ArrayLike) -> Array:
-    """Parameters π of a pseudo-inertia: the inverse of ``pseudo_inertia``.
+    """Compute the parameters π of a pseudo-inertia: the inverse of ``pseudo_inertia``.
 
     Args:
-        J: Symmetric matrices, shape (..., 4, 4).
+        J: Symmetric matrices, shape (..., 4, 4), units as ``pseudo_inertia``.
 
     Returns:
         The ten parameters, shape (..., 10).
@@ -70,7 +70,14 @@ def from_pseudo_inertia(J: ArrayLike) -> Array:
 
 
 def rotational_inertia(parameters: ArrayLike) -> Array:
-    """Inertia tensor about the frame's origin [kg·m²], shape (..., 3, 3)."""
+    """Compute the inertia tensor about the frame's origin.
+
+    Args:
+        parameters: The ten parameters, shape (..., 10).
+
+    Returns:
+        Tensors [kg·m²], shape (..., 3, 3).
+    """
     p = _ten(parameters)
     inertia = np.empty((*p.shape[:-1], 3, 3))
     inertia[..., _ROW, _COLUMN] = p[..., 4:]
@@ -79,7 +86,7 @@ def rotational_inertia(parameters: ArrayLike) -> Array:
 
 
 def parameters_of(mass: float, com: ArrayLike, inertia_at_com: ArrayLike) -> Array:
-    """Parameters about the frame's origin, from the values a URDF or data sheet states.
+    """Compute the parameters about the frame's origin from the values that a URDF or data sheet states.
 
     Args:
         mass: Mass [kg].
@@ -96,13 +103,16 @@ def parameters_of(mass: float, com: ArrayLike, inertia_at_com: ArrayLike) -> Arr
 
 
 def at_centre_of_mass(parameters: ArrayLike) -> tuple[float, Array, Array]:
-    """Mass [kg], centre of mass [m] and inertia tensor about it [kg·m²]: what a URDF states.
+    """Compute what a URDF states: mass, centre of mass, and the inertia tensor about the centre of mass.
 
     Args:
         parameters: The ten parameters of one body, shape (10,).
 
+    Returns:
+        Mass [kg], centre of mass [m], shape (3,), and inertia tensor [kg·m²], shape (3, 3).
+
     Raises:
-        RobotError: If the body has first moments but no mass: no centre of mass exists.
+        RobotError: If the body has first moments but no mass: it has no centre of mass.
     """
     p = _ten(parameters)
     mass = float(p[0])
@@ -115,16 +125,16 @@ def at_centre_of_mass(parameters: ArrayLike) -> tuple[float, Array, Array]:
 
 
 def transform_parameters(pose: ArrayLike) -> Array:
-    """Matrix A with π_joint = A π_frame; it holds J_joint = T J_frame Tᵀ [Wensing2018]_.
+    """Compute the matrix A with π_joint = A π_frame, from J_joint = T J_frame Tᵀ [Wensing2018]_.
 
-    A regressor given for the joint frame becomes the frame's by Y_frame = Y_joint A, so that a
-    payload can be estimated in the axes of the tool that carries it.
+    A regressor in the joint frame becomes one in the other frame by Y_frame = Y_joint A. A payload can so be
+    estimated in the axes of the tool that carries it.
 
     Args:
         pose: T, homogeneous pose of the frame in the joint frame, shape (4, 4) [1, m].
 
     Returns:
-        Shape (10, 10).
+        A, shape (10, 10), in products of m.
     """
     T = np.asarray(pose, dtype=np.float64)
     if T.shape != (4, 4):
@@ -134,14 +144,17 @@ def transform_parameters(pose: ArrayLike) -> Array:
 
 
 def physical_margin(parameters: ArrayLike) -> Array:
-    """Smallest second moment about the centre of mass, relative to the trace of Σ [1].
+    """Compute the smallest second moment about the centre of mass, relative to the trace of Σ.
 
-    At least 0 for a body that can exist, exactly 0 for points, rods and flat plates, negative where
-    the triangle inequality of the principal moments is broken. The Schur complement of the mass in J
-    is used, because the eigenvalues of J itself mix kg and kg·m².
+    It is at least 0 for a body that can exist, exactly 0 for points, rods and flat plates, and negative where
+    the principal moments break the triangle inequality. It is taken from the Schur complement of the mass in J,
+    because the eigenvalues of J itself mix kg and kg·m².
+
+    Args:
+        parameters: The ten parameters, shape (..., 10).
 
     Returns:
-        Shape (...), −inf where the mass is negative, or 0 beside first moments.
+        Margin [1], shape (...); −inf where the mass is negative, or 0 with first moments.
     """
     J = pseudo_inertia(parameters)
     mass, first, second = J[..., 3, 3], J[..., :3, 3], J[..., :3, :3]
@@ -149,21 +162,21 @@ def physical_margin(parameters: ArrayLike) -> Array:
     safe = np.where(mass > 0, mass, 1.0)
     central = second - first[..., :, None] * first[..., None, :] / safe[..., None, None]
     smallest = np.linalg.eigvalsh(central)[..., 0]
-    # scale <= 0 occurs only for a body at a point (0, then 0/1) or for one that cannot exist.
+    # scale ≤ 0 occurs only for a point at the origin (then the margin is 0) or for a body that cannot exist.
     margin = smallest / np.where(scale > 0, scale, 1.0)
     no_body = (mass < 0) | ((mass == 0) & np.any(first != 0, axis=-1))
     return np.where(no_body, -np.inf, margin)
 
 
 def is_physical(parameters: ArrayLike, tol: float = 1e-9) -> NDArray[np.bool_]:
-    """Whether a mass distribution with these parameters exists: J(π) ⪰ 0 [Wensing2018]_.
+    """Tell whether a mass distribution with these parameters exists: J(π) ⪰ 0 [Wensing2018]_.
 
     Args:
         parameters: The ten parameters, shape (..., 10).
-        tol: How far below zero ``physical_margin`` may fall to rounding [1].
+        tol: Size of a negative ``physical_margin`` that counts as rounding [1].
 
     Returns:
-        Shape (...); a NumPy bool for one body.
+        True for physically consistent bodies, shape (...); a NumPy bool for one body.
     """
     p = _ten(parameters)
     return np.asarray(np.all(np.isfinite(p), axis=-1) & (physical_margin(np.nan_to_num(p)) >= -tol))

@@ -1,4 +1,4 @@
-r"""Closed form of the thesis' SCARA arm, and the form as the thesis prints it.
+r"""The dynamics of the thesis' SCARA arm in closed form, correct and as the thesis prints them.
 
 .. math:: M(\theta)\ddot\theta + V(\theta, \dot\theta) + G = \tau, \qquad
           \theta = (\theta_1, \theta_2, \theta_3, x_4)
@@ -6,12 +6,12 @@ r"""Closed form of the thesis' SCARA arm, and the form as the thesis prints it.
 with α = l₁²(m₁ + m₂ + m₃), β = l₂²(m₂ + m₃), γ = l₁l₂(m₂ + m₃), δ = I_z3 = ½ m₃ l₃² [Thesis]_ §4.1, §6.1.
 
 ``mass_matrix``, ``velocity_torques`` and ``gravity_torques`` are the dynamics of rigid bodies and agree
-with ``robots/scara.urdf``. The ``printed_`` forms are the thesis' text to the letter, kept for study only:
+with ``robots/scara.urdf``. The ``printed_`` forms follow the text of the thesis to the letter, for study only:
 
 - the printed M leaves δ out of M₁₁, M₁₂ and M₂₂ (its assumption 5); no rigid bodies have this matrix;
-- the printed V has (θ̇₂ − 2θ̇₁) for (θ̇₂ + 2θ̇₁); it creates energy out of nothing.
+- the printed V has (θ̇₂ − 2θ̇₁) for (θ̇₂ + 2θ̇₁); it does not conserve energy.
 
-Each function takes one sample, shape (4,), or a trajectory, shape (N, 4), and answers in kind.
+Each function takes one sample, shape (4,), or a trajectory, shape (N, 4), and returns the same kind.
 Positions [rad, rad, rad, m], torques [N·m, N·m, N·m, N].
 """
 
@@ -53,12 +53,12 @@ class ScaraParameters:
 
     @property
     def alpha(self) -> float:
-        """What joint 1 carries at its distance, l₁²(m₁ + m₂ + m₃) [kg·m²]."""
+        """Inertia of all masses at the end of link 1, l₁²(m₁ + m₂ + m₃) [kg·m²]."""
         return self.l1**2 * (self.m1 + self.m2 + self.m3)
 
     @property
     def beta(self) -> float:
-        """What joint 2 carries at its distance, l₂²(m₂ + m₃) [kg·m²]."""
+        """Inertia of the masses at the end of link 2, l₂²(m₂ + m₃) [kg·m²]."""
         return self.l2**2 * (self.m2 + self.m3)
 
     @property
@@ -76,31 +76,65 @@ TABLE_1 = ScaraParameters()
 
 
 def mass_matrix(q: ArrayLike, parameters: ScaraParameters = TABLE_1) -> Array:
-    """M(θ) of the rigid bodies, with I_z3 wherever the quill turns, shape (4, 4) or (N, 4, 4)."""
+    """Compute M(θ) of the rigid bodies, with I_z3 wherever the quill turns.
+
+    Args:
+        q: Positions [rad, rad, rad, m], shape (4,) or (N, 4).
+        parameters: Sizes of the arm.
+
+    Returns:
+        M [kg·m² or kg], shape (4, 4) or (N, 4, 4).
+    """
     M = printed_mass_matrix(q, parameters)
     M[..., :2, :2] += parameters.delta
     return M
 
 
 def velocity_torques(q: ArrayLike, v: ArrayLike, parameters: ScaraParameters = TABLE_1) -> Array:
-    """Coriolis and centrifugal torques V(θ, θ̇) of the general model, shape as q."""
+    """Compute the Coriolis and centrifugal torques V(θ, θ̇) of the rigid bodies.
+
+    Args:
+        q: Positions [rad, rad, rad, m], shape (4,) or (N, 4).
+        v: Velocities [rad/s, rad/s, rad/s, m/s], shape of q.
+        parameters: Sizes of the arm.
+
+    Returns:
+        V [N·m, N·m, N·m, N], shape of q.
+    """
     return _velocity_torques(q, v, parameters, sign=+1.0)
 
 
 def gravity_torques(q: ArrayLike, parameters: ScaraParameters = TABLE_1) -> Array:
-    """Gravity torques G = (0, 0, 0, +m₃ g), x₄ up, shape as q."""
+    """Compute the gravity torques G = (0, 0, 0, +m₃ g), with x₄ upwards.
+
+    Args:
+        q: Positions [rad, rad, rad, m], shape (4,) or (N, 4).
+        parameters: Sizes of the arm.
+
+    Returns:
+        G [N·m, N·m, N·m, N], shape of q.
+    """
     G = np.zeros_like(_four(q))
     G[..., 3] = parameters.m3 * parameters.g
     return G
 
 
 def nonlinear_effects(q: ArrayLike, v: ArrayLike, parameters: ScaraParameters = TABLE_1) -> Array:
-    """Velocity and gravity torques nle = V + G, shape as q."""
+    """Compute nle = V + G.
+
+    Args:
+        q: Positions [rad, rad, rad, m], shape (4,) or (N, 4).
+        v: Velocities [rad/s, rad/s, rad/s, m/s], shape of q.
+        parameters: Sizes of the arm.
+
+    Returns:
+        nle [N·m, N·m, N·m, N], shape of q.
+    """
     return velocity_torques(q, v, parameters) + gravity_torques(q, parameters)
 
 
 def printed_mass_matrix(q: ArrayLike, parameters: ScaraParameters = TABLE_1) -> Array:
-    """M(θ) as the thesis prints it, without I_z3 in M₁₁, M₁₂, M₂₂; shape as ``mass_matrix``."""
+    """Compute M(θ) as the thesis prints it, without I_z3 in M₁₁, M₁₂, M₂₂; arguments as ``mass_matrix``."""
     q = _four(q)
     p = parameters
     c2 = np.cos(q[..., 1])
@@ -114,7 +148,7 @@ def printed_mass_matrix(q: ArrayLike, parameters: ScaraParameters = TABLE_1) -> 
 
 
 def printed_velocity_torques(q: ArrayLike, v: ArrayLike, parameters: ScaraParameters = TABLE_1) -> Array:
-    """V(θ, θ̇) as the body of the thesis prints it, (4.1): not realisable, shape as q."""
+    """Compute V(θ, θ̇) as (4.1) of the thesis prints it; arguments as ``velocity_torques``."""
     return _velocity_torques(q, v, parameters, sign=-1.0)
 
 

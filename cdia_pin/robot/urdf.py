@@ -1,28 +1,48 @@
 """A URDF file as a tree of links and joints, checked before Pinocchio reads it.
 
-Pinocchio's parser answers every fault with the same sentence, takes an unreadable inertia for zero and
-knows nothing of mimic joints: the faults are named here.
+Pinocchio's parser reports every error with the same message, reads an invalid inertia as zero and ignores mimic
+joints. The checks here name each error.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from enum import StrEnum
 from pathlib import Path
 
 from lxml import etree
 
 from cdia_pin.errors import RobotError
+from cdia_pin.phrases import shortened
 from cdia_pin.robot.urdf_values import Array, axis_of, inertial_of, number, pose_of
 
-MOVABLE = ("revolute", "continuous", "prismatic")
-_KINDS = (*MOVABLE, "fixed", "floating", "planar")
+
+class JointKind(StrEnum):
+    """Type of a joint, as URDF names it."""
+
+    REVOLUTE = "revolute"
+    CONTINUOUS = "continuous"
+    PRISMATIC = "prismatic"
+    FIXED = "fixed"
+    FLOATING = "floating"
+    PLANAR = "planar"
+
+
+MOVABLE = (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC)
+"""Kinds with one degree of freedom."""
 
 
 @dataclass(frozen=True)
 class Mimic:
-    """q = multiplier · q_followed + offset."""
+    """The rule q = multiplier · q_followed + offset of a mimic joint.
+
+    Attributes:
+        followed: Name of the leading joint.
+        multiplier: Position per position of the leader [1, m/rad or rad/m].
+        offset: Position where the leader is at zero [rad or m].
+    """
 
     followed: str
     multiplier: float
@@ -31,30 +51,41 @@ class Mimic:
 
 @dataclass(frozen=True)
 class UrdfJoint:
-    """A joint as its file states it; positions in rad or m."""
+    """A joint as its file states it.
+
+    Attributes:
+        name: Name of the joint.
+        kind: Its type.
+        parent: Name of the link that carries it.
+        child: Name of the link that it moves.
+        lower: Smallest position [rad or m]; −inf where none is stated.
+        upper: Largest position [rad or m]; inf where none is stated.
+        mimic: Its rule if it follows another joint.
+        element: Its XML.
+    """
 
     name: str
-    kind: str
+    kind: JointKind
     parent: str
     child: str
     lower: float
     upper: float
     mimic: Mimic | None
-    element: etree._Element
+    element: etree._Element = field(repr=False)
 
     @property
     def is_movable(self) -> bool:
         """Whether the joint has a degree of freedom."""
-        return self.kind != "fixed"
+        return self.kind is not JointKind.FIXED
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Urdf:
     """A parsed URDF.
 
     Attributes:
         path: The file.
-        tree: Its XML, with comments, as it stands in the file.
+        tree: Its XML with comments, unchanged.
         links: Link elements by name.
         joints: Joints by name, in the order of the file.
     """
@@ -64,30 +95,63 @@ class Urdf:
     links: dict[str, etree._Element]
     joints: dict[str, UrdfJoint]
 
+    def __repr__(self) -> str:
+        return f"Urdf({shortened(self.path.name)}, {len(self.links)} links, {len(self.joints)} joints)"
+
     @property
     def root(self) -> str:
-        """The link that no joint moves."""
+        """Name of the link that is no joint's child."""
         children = {j.child for j in self.joints.values()}
         return next(name for name in self.links if name not in children)
 
     def joint_above(self, link: str) -> UrdfJoint | None:
-        """The joint whose child is the link; none for the root."""
+        """Find the joint whose child is a link.
+
+        Args:
+            link: Name of the link.
+
+        Returns:
+            The joint; None for the root.
+        """
         return next((j for j in self.joints.values() if j.child == link), None)
 
     def joints_below(self, joint: str) -> Iterator[UrdfJoint]:
-        """Every joint further out, through fixed ones too."""
+        """Find every joint further out, also beyond fixed joints.
+
+        Args:
+            joint: Name of a joint.
+
+        Yields:
+            The joints that are carried by it, each before those that it carries.
+        """
         for j in self.joints.values():
             if j.parent == self.joints[joint].child:
                 yield j
                 yield from self.joints_below(j.name)
 
     def link_parameters(self, link: str) -> Array | None:
-        """Ten inertial parameters in the link's frame, shape (10,); None if the link states none."""
+        """Read the inertial parameters of a link.
+
+        Args:
+            link: Name of the link.
+
+        Returns:
+            Ten parameters in the link's frame [kg, kg·m, kg·m²], shape (10,); None if the link states none.
+
+        Raises:
+            RobotError: If its ``<inertial>`` cannot be read.
+        """
         return inertial_of(self.links[link], f"{self.path.name}: link '{link}'")
 
 
 def read_urdf(path: Path) -> Urdf:
     """Read and check a URDF file.
+
+    Args:
+        path: The file.
+
+    Returns:
+        Its links and joints.
 
     Raises:
         RobotError: If it is missing, not XML, not a URDF, or not one tree of links.
@@ -114,7 +178,7 @@ def read_urdf(path: Path) -> Urdf:
         raise RobotError(f"{path}: a URDF has exactly one link without a parent joint, found {held}")
     urdf = Urdf(path, tree, links, joints)
     for link in links:
-        urdf.link_parameters(link)  # says what is wrong; Pinocchio would take it for no inertia at all
+        urdf.link_parameters(link)  # raises with the reason; Pinocchio would read an invalid inertia as none
     return urdf
 
 
@@ -124,7 +188,7 @@ def _parse(path: Path) -> etree._ElementTree:
     if path.suffix == ".xacro":
         raise RobotError(f"{path}: xacro must be expanded first: xacro {path.name} > {path.stem}")
     try:
-        # No entity and no address in a robot's file may make this process read something else.
+        # An entity or an address in a robot's file must not make this process read something else.
         tree = etree.parse(str(path), etree.XMLParser(resolve_entities=False, no_network=True))
     except etree.XMLSyntaxError as error:
         raise RobotError(f"{path}: not an XML file ({error.msg})") from None
@@ -139,28 +203,29 @@ def _parse(path: Path) -> etree._ElementTree:
 def _joint(element: etree._Element, path: Path) -> UrdfJoint:
     name = _need(element, "name", path)
     where = f"{path}: joint '{name}'"
-    kind = element.get("type", "")
-    if kind not in _KINDS:
-        raise RobotError(f"{where}: unknown type '{kind}'; known: {', '.join(_KINDS)}")
+    given = element.get("type", "")
+    if given not in set(JointKind):
+        raise RobotError(f"{where}: unknown type '{given}'; known: {', '.join(JointKind)}")
+    kind = JointKind(given)
     ends = [element.find(role) for role in ("parent", "child")]
     if any(e is None or not e.get("link") for e in ends):
         raise RobotError(f"{where}: needs <parent link=...> and <child link=...>")
     parent, child = (str(e.get("link")) for e in ends if e is not None)
     limit = element.find("limit")
-    if limit is None and kind in {"revolute", "prismatic"}:
+    if limit is None and kind in {JointKind.REVOLUTE, JointKind.PRISMATIC}:
         raise RobotError(f"{where}: a {kind} joint needs <limit lower upper effort velocity>")
     if kind in MOVABLE:
         axis_of(element, where)
     pose_of(element.find("origin"), where)
     lower, upper = -math.inf, math.inf
-    if limit is not None and kind != "continuous":
+    if limit is not None and kind is not JointKind.CONTINUOUS:
         lower, upper = (number(limit.get(k, "0"), where, k) for k in ("lower", "upper"))
     return UrdfJoint(name, kind, parent, child, lower, upper, _mimic(element, where), element)
 
 
 def _mimic(element: etree._Element, where: str) -> Mimic | None:
     mimic = element.find("mimic")
-    # PAL's files leave <mimic> on joints that they have made fixed: nothing moves there.
+    # PAL's files leave <mimic> on joints that they have made fixed. Such a joint does not move.
     if mimic is None or element.get("type") == "fixed":
         return None
     multiplier = number(mimic.get("multiplier", "1"), where, "multiplier")

@@ -15,7 +15,12 @@ Array = NDArray[np.float64]
 
 
 def write_inertial(link: etree._Element, parameters: Array) -> None:
-    """Set mass, centre and tensor in place; the tensor in the link's axes (rpy = 0)."""
+    """Set the mass, centre of mass and inertia tensor of a link in place; the tensor in the link's axes (rpy = 0).
+
+    Args:
+        link: The ``<link>`` element; it is changed.
+        parameters: Ten inertial parameters in the link's frame [kg, kg·m, kg·m²], shape (10,).
+    """
     mass, com, tensor = at_centre_of_mass(parameters)
     inertial = child_of(link, "inertial")
     origin = child_of(inertial, "origin")
@@ -30,7 +35,15 @@ def write_inertial(link: etree._Element, parameters: Array) -> None:
 
 
 def child_of(parent: etree._Element, tag: str) -> etree._Element:
-    """The child of this tag; made as the last one, in the indentation of its sisters, if it is missing."""
+    """Return the child element with a tag; a missing child is added as the last one, with the usual indentation.
+
+    Args:
+        parent: The element; it may be changed.
+        tag: Name of the child's tag.
+
+    Returns:
+        The child.
+    """
     found = parent.find(tag)
     if found is not None:
         return found
@@ -46,7 +59,12 @@ def child_of(parent: etree._Element, tag: str) -> etree._Element:
 
 
 def lay_out(root: etree._Element, count: int) -> None:
-    """Indent the last children, which were added."""
+    """Indent the last children, which were added.
+
+    Args:
+        root: The ``<robot>`` element; it is changed.
+        count: Number of children that were added [1].
+    """
     for element in root[-count:]:
         etree.indent(element, level=1)
         before = element.getprevious()
@@ -56,7 +74,14 @@ def lay_out(root: etree._Element, count: int) -> None:
 
 
 def text_of(tree: etree._ElementTree) -> str:
-    """The file's text, each comment before the robot on its own line."""
+    """Return the text of a file, with each comment before the robot on its own line.
+
+    Args:
+        tree: The XML.
+
+    Returns:
+        Text with a trailing newline.
+    """
     root = tree.getroot()
     parts = [*reversed(list(root.itersiblings(preceding=True))), root]
     lines = [etree.tostring(part, encoding="unicode", with_tail=False) for part in parts]
@@ -64,14 +89,20 @@ def text_of(tree: etree._ElementTree) -> str:
 
 
 def remove(element: etree._Element | None) -> None:
-    """Take an element out of its tree, if there is one."""
+    """Remove an element, unless it is None, from its tree."""
     parent = element.getparent() if element is not None else None
     if element is not None and parent is not None:
         parent.remove(element)
 
 
 def rebase_meshes(tree: etree._ElementTree, old: Path, new: Path) -> None:
-    """Keep relative mesh paths, which hold from the file's folder, pointing at the same meshes from another."""
+    """Rewrite relative mesh paths, so that they name the same meshes from another folder.
+
+    Args:
+        tree: The XML; it is changed.
+        old: Folder from which the paths hold now.
+        new: Folder from which they shall hold.
+    """
     here, there = old.resolve(), new.resolve()
     for mesh in tree.iter("mesh", "texture"):
         name = str(mesh.get("filename", ""))
@@ -80,7 +111,12 @@ def rebase_meshes(tree: etree._ElementTree, old: Path, new: Path) -> None:
 
 
 def add_note(tree: etree._ElementTree, text: str) -> None:
-    """Put a comment at the head of the file."""
+    """Put a comment at the head of the file.
+
+    Args:
+        tree: The XML; it is changed.
+        text: Text of the comment; ``--``, which XML forbids there, becomes ``-``.
+    """
     while "--" in text:  # not allowed inside an XML comment
         text = text.replace("--", "-")
     tree.getroot().addprevious(etree.Comment(f" {text} "))

@@ -1,8 +1,8 @@
-"""Write what was found about an arm back into its URDF, leaving everything else as it stands.
+"""Writing of corrected inertias, friction and payload into an arm's URDF, which stays unchanged otherwise.
 
-Pinocchio merges links that are fixed to each other into one body per joint, and that is what is
-identified. A URDF states links: the correction of a body goes to the link that the joint moves, so that
-the body's total is right and hands, sensors and held fingers keep their own values.
+Pinocchio merges links that are fixed to each other into one body per joint, and these bodies are identified. A URDF
+states links: the correction of a body goes to the link that the joint moves. The body's total is then right, and
+hands, sensors and locked fingers keep their own values.
 """
 
 from __future__ import annotations
@@ -52,26 +52,26 @@ def write_corrected_urdf(
 ) -> Path:
     """Write the robot's URDF with other inertias, joint damping and friction, or with a payload.
 
-    Comments, meshes and order stay. Relative mesh paths are rewritten to hold from the new place.
-    Gravity, rotor inertia and any other effect have no place in a URDF and are not written.
+    Comments, meshes and order stay. Relative mesh paths are rewritten for the new folder. A URDF cannot state
+    gravity, rotor inertia or any other effect; they are not written.
 
     Args:
         robot: The arm; its file is read again and is not changed.
         path: File to write.
-        inertial: Per joint the ten parameters of all that moves with it, about the joint's frame, in the
-            order of ``robot.inertial_parameters``.
+        inertial: Per joint the ten parameters [kg, kg·m, kg·m²] of all links that move with it, about the
+            joint's frame, in the order of ``robot.inertial_parameters``.
         damping: Per joint ``<dynamics damping>`` [N·m·s/rad or N·s/m].
         friction: Per joint ``<dynamics friction>`` [N·m or N].
         payload: A body on the tool frame, about that frame: ten parameters, or mass [kg] and first
-            moments [kg·m] of a point. One that no body can have (the arm lacks a tool that the file has)
-            is taken off the last link instead of being added as a link.
-        allow_unphysical: Write inertias that no body can have; most simulators will refuse them.
+            moments [kg·m] of a point. A payload that is not physically consistent, such as a tool of the file
+            that the arm lacks, is added to the last link instead of becoming a link.
+        allow_unphysical: Write inertias that are not physically consistent; most simulators refuse them.
 
     Returns:
         The file written.
 
     Raises:
-        RobotError: If a joint is unknown, a value cannot be, or the file would overwrite the original.
+        RobotError: If a joint is unknown, a value is not possible, or the file would overwrite the original.
     """
     path = Path(path).expanduser()
     if path.resolve() == robot.urdf.resolve():
@@ -102,10 +102,22 @@ def corrected_urdf(
     payload: ArrayLike | None = None,
     allow_unphysical: bool = False,
 ) -> str:
-    """Return the text that `write_corrected_urdf` writes into a folder; the other arguments are its own.
+    """Return the text that `write_corrected_urdf` writes.
+
+    Args:
+        robot: The arm; its file is read again and is not changed.
+        folder: Folder from which relative mesh paths shall hold.
+        inertial: As in `write_corrected_urdf`.
+        damping: As in `write_corrected_urdf` [N·m·s/rad or N·s/m].
+        friction: As in `write_corrected_urdf` [N·m or N].
+        payload: As in `write_corrected_urdf`.
+        allow_unphysical: As in `write_corrected_urdf`.
+
+    Returns:
+        Text of the URDF.
 
     Raises:
-        RobotError: If a joint is unknown, or a value cannot be.
+        RobotError: If a joint is unknown, or a value is not possible.
     """
     urdf = read_urdf(robot.urdf)
     totals = {joint: _ten(joint, given) for joint, given in (inertial or {}).items()}
@@ -124,7 +136,7 @@ def corrected_urdf(
 
 
 def _set_body(robot: RobotModel, urdf: Urdf, joint: str, total: Array, allow_unphysical: bool) -> None:
-    """Give the link that a joint moves what makes its body's total right."""
+    """Set the inertia of the link that a joint moves so that the body's total is right."""
     if not allow_unphysical and not is_physical(total):
         raise RobotError(
             f"joint '{joint}': no body can have these inertial parameters (mass {total[0]:.4g} kg, margin "
@@ -135,10 +147,10 @@ def _set_body(robot: RobotModel, urdf: Urdf, joint: str, total: Array, allow_unp
     own = np.zeros(10) if stated is None else stated
     fastened = robot.inertial_parameters[robot.joint_index(joint)] - own
     left = total - fastened
-    left[np.abs(left) < 1e-14 * max(np.abs(total).max(), np.abs(fastened).max())] = 0.0  # rounding
+    left[np.abs(left) < 1e-14 * max(np.abs(total).max(), np.abs(fastened).max())] = 0.0  # rounding errors
     if is_physical(total) and not is_physical(left):
-        # The link cannot give so much: the links fixed to it give theirs too. Held joints keep theirs,
-        # because other programs let them move.
+        # The link alone has less than must be removed: the links fixed to it are merged into it. Links of
+        # locked joints keep their inertia, because other programs let these joints move.
         for other, pose in list(_fixed_to(urdf, link, np.eye(4))):
             parameters = urdf.link_parameters(other)
             if parameters is not None:
@@ -146,14 +158,14 @@ def _set_body(robot: RobotModel, urdf: Urdf, joint: str, total: Array, allow_unp
                 remove(urdf.links[other].find("inertial"))
     if not allow_unphysical and not is_physical(left):
         raise RobotError(
-            f"joint '{joint}': its total could exist, but what is left for link '{link}' beside the held "
-            "joints could not; drop what hangs on it from the file, or give allow_unphysical=True"
+            f"joint '{joint}': its total is possible, but the rest for link '{link}' beside the locked "
+            "joints is not; remove the links of these joints from the file, or give allow_unphysical=True"
         )
     write_inertial(urdf.links[link], left)
 
 
 def _fixed_to(urdf: Urdf, link: str, pose: Array) -> Iterator[tuple[str, Array]]:
-    """Links welded to a link by the file itself, with their pose in that link."""
+    """Find the links that the file fixes to a link, with their pose in that link [1, m], shape (4, 4)."""
     for joint in urdf.joints.values():
         if joint.parent == link and not joint.is_movable:
             there = pose @ homogeneous(joint.element.find("origin"), f"joint '{joint.name}'")
@@ -169,7 +181,7 @@ def _add_payload(robot: RobotModel, urdf: Urdf, payload: Array, totals: dict[str
         return
     pose = np.eye(4)
     carrier = robot.tool_frame
-    if carrier not in urdf.links:  # a joint's frame: fasten to the link behind it
+    if carrier not in urdf.links:  # the frame of a joint: fasten the payload to the link that it moves
         carrier, pose = urdf.joints[joint].child, robot.tool_placement
     name = PAYLOAD_LINK
     while name in urdf.links or f"{name}_joint" in urdf.joints:
@@ -193,7 +205,7 @@ def _set_dynamics(urdf: Urdf, key: str, values: Mapping[str, float]) -> None:
 def _summary(
     robot: RobotModel, per_joint: Mapping[str, Mapping[str, object] | None], has_payload: bool
 ) -> str:
-    """Say at the head of the file what was changed."""
+    """Summarise the changes, for the head of the file."""
     parts = [f"{what} of {', '.join(joints)}" for what, joints in per_joint.items() if joints]
     if has_payload:
         parts.append(f"payload on {robot.tool_frame}")

@@ -1,4 +1,4 @@
-"""Numbers of a URDF: poses, inertias, positions of held joints."""
+"""Numbers of a URDF: poses, inertias, positions of locked joints."""
 
 from __future__ import annotations
 
@@ -18,7 +18,18 @@ Array = NDArray[np.float64]
 
 
 def inertial_of(link: etree._Element, where: str) -> Array | None:
-    """Ten parameters in the link's frame from its ``<inertial>``, shape (10,); None if there is none."""
+    """Read the inertial parameters of a link.
+
+    Args:
+        link: The ``<link>`` element.
+        where: Name of the link, for messages.
+
+    Returns:
+        Ten parameters in the link's frame [kg, kg·m, kg·m²], shape (10,); None without ``<inertial>``.
+
+    Raises:
+        RobotError: If a part is missing or not a number.
+    """
     inertial = link.find("inertial")
     if inertial is None:
         return None
@@ -39,7 +50,18 @@ def inertial_of(link: etree._Element, where: str) -> Array | None:
 
 
 def pose_of(origin: etree._Element | None, where: str) -> tuple[Array, Array]:
-    """``xyz`` [m] and ``rpy`` [rad] of an ``<origin>``; zero where it is left out."""
+    """Read a pose.
+
+    Args:
+        origin: The ``<origin>`` element; a missing element or attribute means zero.
+        where: Name of its parent, for messages.
+
+    Returns:
+        ``xyz`` [m] and ``rpy`` [rad], shape (3,) each.
+
+    Raises:
+        RobotError: If an attribute is not three numbers.
+    """
     out = []
     for key in ("xyz", "rpy"):
         text = "0 0 0" if origin is None else origin.get(key, "0 0 0")
@@ -51,7 +73,15 @@ def pose_of(origin: etree._Element | None, where: str) -> tuple[Array, Array]:
 
 
 def homogeneous(origin: etree._Element | None, where: str) -> Array:
-    """Pose of an ``<origin>``, shape (4, 4) [1, m]."""
+    """Read a pose as a homogeneous matrix.
+
+    Args:
+        origin: The ``<origin>`` element, or None.
+        where: Name of its parent, for messages.
+
+    Returns:
+        Pose [1, m], shape (4, 4).
+    """
     xyz, rpy = pose_of(origin, where)
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = rotation(rpy), xyz
@@ -59,22 +89,52 @@ def homogeneous(origin: etree._Element | None, where: str) -> Array:
 
 
 def axis_of(joint: etree._Element, where: str) -> Array:
-    """Unit axis of a joint in its own frame, shape (3,); x where it is left out."""
+    """Read the axis of a joint.
+
+    Args:
+        joint: The ``<joint>`` element.
+        where: Name of the joint, for messages.
+
+    Returns:
+        Unit vector in the joint's frame [1], shape (3,); x where none is stated.
+
+    Raises:
+        RobotError: If the axis is not three numbers, or all of them are zero.
+    """
     element = joint.find("axis")
     text = "1 0 0" if element is None else str(element.get("xyz", "1 0 0"))
     axis = np.array([number(t, where, "axis") for t in text.split()])
     if axis.shape != (3,) or not axis.any():
         raise RobotError(f"{where}: the axis must be three numbers, not all zero, given '{text}'")
-    return axis / np.linalg.norm(axis)
+    return np.asarray(axis / np.linalg.norm(axis))
 
 
 def rotation(rpy: Array) -> Array:
-    """Rotation matrix of URDF's roll, pitch, yaw about fixed axes [rad], shape (3, 3)."""
+    """Compute the rotation matrix of URDF's roll, pitch and yaw about fixed axes.
+
+    Args:
+        rpy: Angles [rad], shape (3,).
+
+    Returns:
+        Rotation matrix [1], shape (3, 3).
+    """
     return np.asarray(pin.rpy.rpyToMatrix(rpy))
 
 
 def number(text: str | None, where: str, what: str) -> float:
-    """Read a number, or say where it is missing; ranges may be infinite."""
+    """Read a number.
+
+    Args:
+        text: Text of an attribute; None if it is missing.
+        where: Name of the element, for messages.
+        what: Name of the attribute; ``lower`` and ``upper`` may be infinite.
+
+    Returns:
+        The number, in the unit of the file.
+
+    Raises:
+        RobotError: If it is missing, not a number, or infinite.
+    """
     try:
         value = float(text or "")
     except ValueError:
@@ -85,13 +145,13 @@ def number(text: str | None, where: str, what: str) -> float:
 
 
 def welded(tree: etree._ElementTree, positions: Mapping[str, float]) -> str:
-    """The URDF's text with some joints fixed where they are held.
+    """Return the text of the URDF with the locked joints fixed at their positions.
 
-    Pinocchio's ``buildReducedModel`` would do, but fails where a link and a joint share a name.
+    Pinocchio's ``buildReducedModel`` fails where a link and a joint share a name.
 
     Args:
         tree: The URDF; it is not changed.
-        positions: Held joints, with their position [rad or m].
+        positions: Locked joints, with their position [rad or m].
 
     Returns:
         XML text.

@@ -30,9 +30,6 @@ from cdia_pin.selection.discovery_settings import DiscoverySettings
 Array = NDArray[np.float64]
 
 LARGE_FAMILY = 12  # an effect with more shapes than that is screened before it is a candidate
-LEAST_RIGID_SHARE = (
-    0.2  # of a joint's torque that must be the rigid body's for a gain to be told from friction
-)
 SLOW = (CoulombFriction, ViscousFriction, TorqueOffset)  # what may drift within a log
 SCREENED = 2  # shapes that pass the screening
 
@@ -61,7 +58,7 @@ def enumerate_candidates(
             continue
         for scope in EFFECTS[name].scopes(robot):
             effect = EFFECTS[name].from_scope(scope, {})
-            if _can_be_seen(effect, experiment, rigid_share):
+            if _can_be_seen(effect, experiment, rigid_share >= settings.criterion.least_rigid_share):
                 families.append(list(effect.shape_grid(x)))
     for effect in settings.extra:
         families.extend([e] for e in _expanded(effect, experiment))
@@ -99,18 +96,14 @@ def _expanded(effect: Effect, experiment: Experiment) -> Iterator[Effect]:
         yield effect
 
 
-def _can_be_seen(effect: Effect, experiment: Experiment, rigid_share: Array) -> bool:
+def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool_]) -> bool:
     """Tell whether an effect can show on this motion.
 
     Effects of motion need a joint that moves; those of the torque one that carries something, for where all torque is
     friction, a gain is only another name for it.
     """
     joints = [experiment.robot.joint_index(j) for j in effect.scope]
-    if (
-        Signal.TORQUE in effect.traits.depends_on
-        and joints
-        and (rigid_share[joints] < LEAST_RIGID_SHARE).any()
-    ):
+    if Signal.TORQUE in effect.traits.depends_on and joints and not loaded[joints].all():
         return False
     moves = effect.traits.dissipative or isinstance(effect, RotorInertia | PositionRipple)
     return not (moves and experiment.resting[joints].any())

@@ -46,6 +46,12 @@ class SelectionCriterion:
         heldout_share: Share of a gain that must be left on held-out blocks [1].
         exchange_share: Share of what is left beyond the noise that an exchange must gain [1].
         margin: What any move must gain, in variances of the noise [1].
+        most_harm: Share by which an effect may raise the held-out error, mean over the joints [1]. An effect that
+            raises it more is left out: the log moves too little to show it.
+        least_rigid_share: Share of a joint's torque that the rigid body must have for effects of the torque to be
+            candidates [1]. Where all torque is friction, a gain is only another name for it.
+        least_share_of_change: Share of what is left of a joint after a change that the change must explain [1]. It is
+            less than `least_share`, since all that is common to the logs is fitted along.
     """
 
     penalty_per_parameter: float = 4.0
@@ -58,6 +64,9 @@ class SelectionCriterion:
     heldout_share: float = 0.5
     exchange_share: float = 0.02
     margin: float = 1.0
+    most_harm: float = 0.005
+    least_rigid_share: float = 0.2
+    least_share_of_change: float = 0.05
 
     def per_parameter(self, samples: float) -> float:
         """Return λ, the penalty of one parameter [1].

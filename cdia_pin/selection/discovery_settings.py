@@ -1,4 +1,4 @@
-"""Settings of a discovery."""
+"""Settings of a discovery: what is searched for, and every number that decides, with its reason."""
 
 from __future__ import annotations
 
@@ -6,7 +6,59 @@ from dataclasses import dataclass, field
 
 from cdia_pin.effects import Effect
 from cdia_pin.logs.conditioning import Conditioning
+from cdia_pin.regression.lack_of_fit import LackOfFitSettings
+from cdia_pin.regression.noise import NoiseSettings
+from cdia_pin.regression.rest import RestSettings
 from cdia_pin.selection.criterion import SelectionCriterion
+
+
+@dataclass(frozen=True)
+class EveryLinkSettings:
+    """When a URDF counts as slightly wrong everywhere.
+
+    Attributes:
+        over_blur: Torque that the links must explain, over what noise of the positions makes through the accelerations
+            [1]. At one posture that noise is known to a factor of three.
+        largest_error: Largest RMS of the links' parameters over their prior standard deviations [1]. Noise of the
+            accelerations asks for more.
+        least_fall: Share by which the sum of squares of held-out blocks must fall [1].
+    """
+
+    over_blur: float = 5.0
+    largest_error: float = 0.5
+    least_fall: float = 0.08
+
+
+@dataclass(frozen=True)
+class AlternativeSettings:
+    """When another explanation counts as possible.
+
+    Attributes:
+        doubt: Difference of χ² up to which two explanations are hard to tell apart, in variances of the noise [1].
+            Under white noise a difference of 30 has a probability of 3e-7 where one of the two is true; residuals with
+            structure need such a margin.
+        undetermined_share: Torque that an alternative may have on other motions, by one standard deviation, over the
+            torque that the effect explains [1]. Below it the alternative is the effect with another name.
+        first_order_share: Share of what an effect explains that an effect which is not linear must explain to first
+            order to be fitted at its own optimum [1].
+    """
+
+    doubt: float = 30.0
+    undetermined_share: float = 0.2
+    first_order_share: float = 0.9
+
+
+@dataclass(frozen=True)
+class MemorySettings:
+    """When friction after a reversal counts as having memory.
+
+    Attributes:
+        least_share: Share of what is left of a joint that memory must explain [1].
+        least_torque: Level of the friction that builds up, over the joint's RMS torque [1].
+    """
+
+    least_share: float = 0.1
+    least_torque: float = 0.01
 
 
 @dataclass(frozen=True)
@@ -21,6 +73,12 @@ class DiscoverySettings:
         most_effects: The search ends with this many effects in the model.
         blocks: Number of contiguous blocks of time for held-out errors and intervals.
         criterion: What an effect must explain to be named.
+        every_link: When a URDF counts as slightly wrong everywhere.
+        alternatives: When another explanation counts as possible.
+        lack_of_fit: When what a model leaves counts as structure.
+        memory: When friction after a reversal counts as having memory.
+        noise: How the noise of a joint is estimated.
+        rest: Which samples show friction.
     """
 
     conditioning: Conditioning = field(default_factory=Conditioning)
@@ -30,3 +88,9 @@ class DiscoverySettings:
     most_effects: int = 40
     blocks: int = 10
     criterion: SelectionCriterion = field(default_factory=SelectionCriterion)
+    every_link: EveryLinkSettings = field(default_factory=EveryLinkSettings)
+    alternatives: AlternativeSettings = field(default_factory=AlternativeSettings)
+    lack_of_fit: LackOfFitSettings = field(default_factory=LackOfFitSettings)
+    memory: MemorySettings = field(default_factory=MemorySettings)
+    noise: NoiseSettings = field(default_factory=NoiseSettings)
+    rest: RestSettings = field(default_factory=RestSettings)

@@ -14,17 +14,8 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import LinkInertia, LinkInertias, Term
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.gauss_newton import refit
-from cdia_pin.regression.lack_of_fit import SMALLEST_STRUCTURE
 from cdia_pin.selection.problem import WhitenedProblem
 from cdia_pin.selection.search import fitted
-
-CLEAR_OF_BLUR = (
-    5.0  # times what noise of the positions makes: at one posture, its size is known to a factor of three
-)
-LARGEST = (
-    0.5  # RMS of the parameters over those that links usually have: noise of the accelerations asks for more
-)
-LEAST_FALL = 0.08  # share by which the sum of squares of blocks that were not fitted to must fall
 
 
 def with_every_link(problem: WhitenedProblem, found: Dynamics) -> Dynamics | None:
@@ -41,6 +32,7 @@ def with_every_link(problem: WhitenedProblem, found: Dynamics) -> Dynamics | Non
     asked = problem.settings.effects is None or LinkInertias.name in problem.settings.effects
     if links is None or not asked or has_every_link(found):
         return None
+    settings = problem.settings.every_link
     effects = [t.effect for t in found.terms]
     before = problem.regression.normal_equations(found, effects)
     unseen = before.held_out(range(len(effects)))
@@ -48,7 +40,11 @@ def with_every_link(problem: WhitenedProblem, found: Dynamics) -> Dynamics | Non
         trial = bare.add(Term(links, (0.0,) * links.size))
         trial, after = refit(problem.regression, trial)
         gain = unseen - after.held_out(range(len(trial.terms)))
-        if gain > LEAST_FALL * unseen and _is_slight(trial) and _is_better(problem, found, trial, gain):
+        if (
+            gain > settings.least_fall * unseen
+            and _is_slight(trial, settings.largest_error)
+            and _is_better(problem, found, trial, gain)
+        ):
             return trial
     return None
 
@@ -68,11 +64,11 @@ def _without_bodies(model: Dynamics) -> Iterator[Dynamics]:
     yield from (Dynamics(model.robot, terms) for terms in dict.fromkeys(chosen))
 
 
-def _is_slight(model: Dynamics) -> bool:
+def _is_slight(model: Dynamics, largest: float) -> bool:
     """Tell whether the links of a model differ by no more than is usual."""
     term = next(t for t in model.terms if isinstance(t.effect, LinkInertias))
     usual = term.effect.prior_scale(model.robot)
-    return bool(np.sqrt(np.mean((np.array(term.theta) / usual) ** 2)) <= LARGEST)
+    return bool(np.sqrt(np.mean((np.array(term.theta) / usual) ** 2)) <= largest)
 
 
 def _is_better(problem: WhitenedProblem, now: Dynamics, then: Dynamics, gain: float) -> bool:
@@ -82,7 +78,11 @@ def _is_better(problem: WhitenedProblem, now: Dynamics, then: Dynamics, gain: fl
     experiment = problem.experiment
     fallen = np.sqrt(np.maximum(before.errors**2 - after.errors**2, 0.0))
     torque = rms(experiment.measured, experiment.informative)
-    matters = bool((fallen > np.maximum(SMALLEST_STRUCTURE * torque, CLEAR_OF_BLUR * experiment.blur)).any())
+    settings = problem.settings
+    least = np.maximum(
+        settings.lack_of_fit.least_torque * torque, settings.every_link.over_blur * experiment.blur
+    )
+    matters = bool((fallen > least).any())
     criterion = problem.settings.criterion
     proven = cheaper > criterion.margin and gain > criterion.heldout_share * cheaper
     return after.fit.physical and matters and proven

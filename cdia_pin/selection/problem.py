@@ -82,8 +82,8 @@ class Problem:
         motions, unseen = (
             [condition(log, robot, settings.conditioning) for log in part] for part in (logs, holdout)
         )
-        experiment = Experiment.of(robot, motions)
-        held_out = Experiment.of(robot, unseen) if unseen else None
+        experiment = Experiment.of(robot, motions, settings.rest)
+        held_out = Experiment.of(robot, unseen, settings.rest) if unseen else None
         return cls(experiment, held_out, DesignMatrix(experiment), (), settings)
 
     def around(self, model: Dynamics) -> Problem:
@@ -170,7 +170,8 @@ class Problem:
             for i, j in enumerate(effect.acts_on(self.experiment.robot)):
                 own[j].append(x[:, i, :])
         columns = [np.column_stack(parts) for parts in own]
-        return lack_of_fit(self.experiment, prediction, columns, self.edges)
+        given = self.settings
+        return lack_of_fit(self.experiment, prediction, columns, self.edges, given.lack_of_fit, given.noise)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ def arm_pictures(cases: Sequence[ArmCase]) -> Iterator[Picture]:
     """Yield the tracking errors of every case.
 
     Raises:
-        CdiaError: If matplotlib is not installed.
+        MissingExtraError: If matplotlib is not installed.
     """
     for case in cases:
         words = "".join(c if c.isalnum() else " " for c in case.name).split()

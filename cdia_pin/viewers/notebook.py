@@ -77,8 +77,13 @@ def _say(sentence: object, style: str = "") -> str:
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[object]], numbers: Sequence[int] = ()) -> Markup:
     """Return a table; the columns in `numbers` stand to the right."""
-    cell = lambda tag, k, value: f"<{tag}{' class=n' if k in numbers else ''}>{_text(value)}</{tag}>"  # noqa: E731
-    line = lambda tag, row: f"<tr>{''.join(cell(tag, k, v) for k, v in enumerate(row))}</tr>"  # noqa: E731
+
+    def cell(tag: str, k: int, value: object) -> str:
+        return f"<{tag}{' class=n' if k in numbers else ''}>{_text(value)}</{tag}>"
+
+    def line(tag: str, row: Sequence[object]) -> str:
+        return f"<tr>{''.join(cell(tag, k, v) for k, v in enumerate(row))}</tr>"
+
     body = "".join(line("td", row) for row in rows)
     return Markup(f"<table><thead>{line('th', heads)}</thead><tbody>{body}</tbody></table>")
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from string import Template
-from typing import Any
 
 from cdia_pin.errors import CdiaError
 from cdia_pin.viewers.scene import scene_assets
@@ -20,8 +19,8 @@ POINTS = (2000, 1000, 500, 250, 100)  # samples of a curve, the most that fits
 
 def write_page(
     path: str | Path,
-    data: Callable[[int], dict[str, Any]],
-    scene: dict[str, Any],
+    data: Callable[[int], Mapping[str, object]],
+    scene: Mapping[str, object],
     script: str,
     sentences: Sequence[str] = (),
 ) -> Path:
@@ -51,7 +50,7 @@ def write_page(
     return path
 
 
-def embeddable(data: Any) -> str:
+def embeddable(data: object) -> str:
     """Return JSON that no text inside it can end early: ``<``, ``>`` and ``&`` are escaped."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     for character in "<>&\u2028\u2029":
@@ -59,10 +58,12 @@ def embeddable(data: Any) -> str:
     return text
 
 
-def _page(data: dict[str, Any], scene: dict[str, Any], script: str, sentences: Sequence[str]) -> bytes:
+def _page(
+    data: Mapping[str, object], scene: Mapping[str, object], script: str, sentences: Sequence[str]
+) -> bytes:
     arm = scene_assets()
     page = Template(asset("report.html")).substitute(
-        title=html.escape(data["title"]),
+        title=html.escape(str(data["title"])),
         summary=html.escape(" ".join(sentences)),
         licence=f"{asset('uPlot.LICENSE')}\nThe arm is drawn by meshcat:\n{arm.licence}".replace("--", "- -"),
         arm_style=arm.style,

@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
+from cdia_pin import schemas
 from cdia_pin.errors import CdiaError
-from cdia_pin.viewers.report_discovery import discovery_data
-from cdia_pin.viewers.report_series import SIGNALS, against, cloud, compact_one, end_to_end, over_time
+from cdia_pin.viewers.report_discovery import DiscoveryDocument, discovery_data
+from cdia_pin.viewers.report_series import (
+    SIGNALS,
+    Against,
+    Cloud,
+    OverTime,
+    against,
+    cloud,
+    compact_one,
+    end_to_end,
+    over_time,
+)
 from cdia_pin.viewers.words import joint_units, region_words, short_names
 
 if TYPE_CHECKING:
@@ -17,8 +28,85 @@ if TYPE_CHECKING:
     from cdia_pin.logs import LogCheck
     from cdia_pin.robot.model import RobotModel
 
-SCHEMA = "cdia-report/1"
 REGIONS = 12  # worst regions listed for a model
+
+
+class ErrorsDocument(TypedDict):
+    """Errors of a model on a joint; RMS and bias in its torque unit."""
+
+    rms: float | None
+    bias: float | None
+    autocorrelation: float | None
+
+
+class JointReport(TypedDict):
+    """What a report shows of a joint."""
+
+    name: str
+    short: str
+    units: dict[str, str]
+    torque_rms: float | None
+    before: ErrorsDocument
+    after: ErrorsDocument | None
+    heldout: float | None
+    floor: float | None
+    structure_left: bool
+    time: OverTime
+    cloud: Cloud
+    against: dict[str, Against]
+
+
+class RegionRow(TypedDict):
+    """A region in which the residual is large."""
+
+    joint: str
+    where: str
+    ratio: float | None
+    bias: float | None
+
+
+class RegionsDocument(TypedDict):
+    """Worst regions of both models."""
+
+    before: list[RegionRow]
+    after: list[RegionRow] | None
+
+
+class FindingRow(TypedDict):
+    """A finding of `check_log`."""
+
+    topic: str
+    severity: str
+    joint: str | None
+    message: str
+    advice: str
+
+
+class CheckDocument(TypedDict):
+    """What `check_log` says about a log."""
+
+    source: str
+    problems: int
+    findings: list[FindingRow]
+
+
+class ReportDocument(TypedDict):
+    """What a report shows: the schema ``cdia-report/1``."""
+
+    schema: str
+    title: str
+    command: str
+    version: str
+    robot: str
+    given: list[str]
+    logs: list[dict[str, Any]]  # as the record has them
+    holdout: list[dict[str, Any]]
+    duration: float
+    samples: int
+    joints: list[JointReport]
+    discovery: DiscoveryDocument | None
+    regions: RegionsDocument
+    checks: list[CheckDocument]
 
 
 def report_data(
@@ -30,7 +118,7 @@ def report_data(
     title: str = "",
     command: str = "",
     points: int = 2000,
-) -> dict[str, Any]:
+) -> ReportDocument:
     """Collect what a report shows.
 
     Args:
@@ -48,7 +136,7 @@ def report_data(
     robot = comparison.model.robot
     time, _ = end_to_end(comparison)
     return {
-        "schema": SCHEMA,
+        "schema": schemas.REPORT,
         "title": title or _title(robot, discovery),
         "command": command,
         "version": comparison.record["version"],
@@ -80,12 +168,20 @@ def require_same(comparison: Comparison, improved: Comparison | None, discovery:
         raise CdiaError("a report compares models on the same logs, filtered alike; these comparisons differ")
 
 
-def _check(check: LogCheck) -> dict[str, Any]:
-    shown = ("topic", "severity", "joint", "message", "advice")
+def _check(check: LogCheck) -> CheckDocument:
     return {
         "source": check.source,
         "problems": len(check.problems),
-        "findings": [{k: getattr(f, k) for k in shown} for f in check.findings],
+        "findings": [
+            {
+                "topic": f.topic,
+                "severity": f.severity,
+                "joint": f.joint,
+                "message": f.message,
+                "advice": f.advice,
+            }
+            for f in check.findings
+        ],
     }
 
 
@@ -94,7 +190,7 @@ def _check(check: LogCheck) -> dict[str, Any]:
 
 def joint_data(
     j: int, before: Comparison, after: Comparison | None, found: Discovery | None, points: int
-) -> dict[str, Any]:
+) -> JointReport:
     """Return what a report shows of joint j; the arguments are those of `report_data`."""
     robot = before.model.robot
     joint = robot.joints[j]
@@ -114,7 +210,7 @@ def joint_data(
     }
 
 
-def _errors(comparison: Comparison, j: int) -> dict[str, Any]:
+def _errors(comparison: Comparison, j: int) -> ErrorsDocument:
     return {
         "rms": compact_one(comparison.rms[j]),
         "bias": compact_one(comparison.bias[j]),
@@ -122,7 +218,7 @@ def _errors(comparison: Comparison, j: int) -> dict[str, Any]:
     }
 
 
-def _regions(comparison: Comparison) -> list[dict[str, Any]]:
+def _regions(comparison: Comparison) -> list[RegionRow]:
     return [
         {
             "joint": r.joint,

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
-from cdia_pin.viewers.report_series import compact, compact_one
+from cdia_pin.viewers.report_series import Numbers, compact, compact_one
 from cdia_pin.viewers.verdict import mean_share, verdict_sentences
 from cdia_pin.viewers.words import (
     confusion_words,
@@ -27,7 +27,76 @@ if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 
-def discovery_data(found: Discovery) -> dict[str, Any]:
+class ParameterRow(TypedDict):
+    """A parameter in words; ``telling``: its interval leaves out zero."""
+
+    name: str
+    text: str
+    interval: Numbers | None
+    telling: bool
+
+
+class ShapeRow(TypedDict):
+    """A shape parameter in words."""
+
+    name: str
+    text: str
+
+
+class LargestFall(TypedDict):
+    """The joint on which an effect lowers the error most; errors over its torque [1]."""
+
+    joint: str
+    before: float | None
+    after: float | None
+
+
+class ConfusionRow(TypedDict):
+    """Another explanation, and the motion that would distinguish it."""
+
+    words: str
+    motion: str
+
+
+class EffectDocument(TypedDict):
+    """An effect that was found."""
+
+    number: int
+    name: str
+    joints: list[str]
+    where: str
+    equation: str
+    parameters: list[ParameterRow]
+    shape: list[ShapeRow]
+    profile: str
+    error: LargestFall
+    confusions: list[ConfusionRow]
+
+
+class TraceRow(TypedDict):
+    """Errors after a step, as shares of the torque RMS [1]."""
+
+    added: str
+    share: Numbers
+    heldout: Numbers
+    mean: float | None
+    heldout_mean: float | None
+
+
+class DiscoveryDocument(TypedDict):
+    """What a report shows of a discovery."""
+
+    verdict: str
+    sentences: list[str]
+    structure_left: list[str]
+    effects: list[EffectDocument]
+    trace: list[TraceRow]
+    floor: Numbers
+    floor_mean: float | None
+    settings: dict[str, Any]  # as the record has them
+
+
+def discovery_data(found: Discovery) -> DiscoveryDocument:
     """Return verdict, effects and errors step by step, ready for JSON."""
     torque = np.maximum(found.torque_rms, 1e-12)
     return {
@@ -51,7 +120,7 @@ def discovery_data(found: Discovery) -> dict[str, Any]:
     }
 
 
-def _effect(k: int, found: Discovery) -> dict[str, Any]:
+def _effect(k: int, found: Discovery) -> EffectDocument:
     step, robot = found.trace[k], found.model.robot
     term = step.term
     assert term is not None  # only the first step of a trace is without
@@ -69,7 +138,7 @@ def _effect(k: int, found: Discovery) -> dict[str, Any]:
     }
 
 
-def parameters(term: Term, robot: RobotModel) -> list[dict[str, Any]]:
+def parameters(term: Term, robot: RobotModel) -> list[ParameterRow]:
     """Return name, text, interval of each parameter, and whether that leaves out zero."""
     intervals = term.ci95 or (None,) * len(term.theta)
     rows = zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True)
@@ -84,12 +153,12 @@ def parameters(term: Term, robot: RobotModel) -> list[dict[str, Any]]:
     ]
 
 
-def shape_parameters(term: Term, robot: RobotModel) -> list[dict[str, str]]:
+def shape_parameters(term: Term, robot: RobotModel) -> list[ShapeRow]:
     """Return name and text of each shape parameter of an effect."""
     effect = term.effect
     units = joint_units(robot, effect.scope[0] if effect.scope else robot.joints[0])
     words = {"{position}": units["position"], "{effort}": units["load"]}
-    out = []
+    out: list[ShapeRow] = []
     for p in effect.shape:
         unit = p.unit
         for word, meant in words.items():
@@ -98,7 +167,7 @@ def shape_parameters(term: Term, robot: RobotModel) -> list[dict[str, str]]:
     return out
 
 
-def _largest_fall(before: Step, after: Step, found: Discovery) -> dict[str, Any]:
+def _largest_fall(before: Step, after: Step, found: Discovery) -> LargestFall:
     """Return the joint on which a step lowered the error most, and the error there over its torque."""
     torque = np.maximum(found.torque_rms, 1e-12)
     j = int(np.argmax((before.rms - after.rms) / torque))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.record import STAGES
 from cdia_pin.diagnosis.status import Stage
 from cdia_pin.effects.state import State
-from cdia_pin.viewers.report_series import compact, curve_of
+from cdia_pin.viewers.report_isolation import Span, span_of
+from cdia_pin.viewers.report_series import Curve, Numbers, compact, curve_of
 from cdia_pin.viewers.words import effect_name
 
 if TYPE_CHECKING:
@@ -24,6 +25,23 @@ FAULTY = [STAGES.index(s) for s in (Stage.DETECTED, Stage.ISOLATED, Stage.ACCOMM
 FEWEST = 50  # ticks that are worth a picture
 
 
+class SignalDocument(TypedDict):
+    """A signal while the joint is at fault (``x``) and while it is healthy; the fitted torque over it."""
+
+    x: Numbers
+    healthy: Numbers
+    curve: Curve | None
+
+
+class AgainstMotion(TypedDict):
+    """Residual of a joint against its motion."""
+
+    fitted: list[str]
+    residual: Numbers
+    healthy: Numbers
+    signals: dict[str, SignalDocument]
+
+
 def motion_of(run: MonitorRun) -> State:
     """Return the motion of a run as effects see it; velocity and acceleration differentiated where they must be."""
     v = np.gradient(run.position, run.time, axis=0) if run.velocity is None else run.velocity
@@ -31,7 +49,7 @@ def motion_of(run: MonitorRun) -> State:
     return State(run.robot, run.position, v, a, run.effort, run.time)
 
 
-def presence(run: MonitorRun, x: State, j: int, present: Sequence[Term]) -> list[list[Any]]:
+def presence(run: MonitorRun, x: State, j: int, present: Sequence[Term]) -> list[Span]:
     """Return [from, to, effect] wherever the plant has a fault on a joint.
 
     Args:
@@ -46,13 +64,11 @@ def presence(run: MonitorRun, x: State, j: int, present: Sequence[Term]) -> list
             continue
         edge = np.diff(np.concatenate([[0], (term.profile(x) > 0.5).astype(int), [0]]))
         for begin, end in zip(np.flatnonzero(edge == 1), np.flatnonzero(edge == -1) - 1, strict=True):
-            spans.append(
-                [round(float(run.time[begin]), 4), round(float(run.time[end]), 4), effect_name(term.effect)]
-            )
+            spans.append(span_of(run.time[begin], run.time[end], effect_name(term.effect)))
     return spans
 
 
-def against_motion(run: MonitorRun, x: State, j: int, points: int) -> dict[str, Any] | None:
+def against_motion(run: MonitorRun, x: State, j: int, points: int) -> AgainstMotion | None:
     """Return a joint's residual against position, velocity and torque while it is at fault, and the fitted torque.
 
     The curve is the torque of the faults that were last believed in on this joint. It is None where that is no

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
 from cdia_pin.diagnosis.record import STAGES
 from cdia_pin.diagnosis.status import Stage
-from cdia_pin.viewers.report_series import compact, compact_one
+from cdia_pin.viewers.report_series import Numbers, compact, compact_one
 from cdia_pin.viewers.words import effect_name
 
 if TYPE_CHECKING:
@@ -19,17 +19,37 @@ if TYPE_CHECKING:
 
 NONE_OF_THEM = "none of these"
 
-Span = list[Any]  # from [s], to [s], what
+Span = tuple[float, float, str]  # from [s], to [s], what
+
+
+class HypothesisRow(TypedDict):
+    """A known effect, and when it was a hypothesis."""
+
+    effect: str
+    spans: list[Span]
+
+
+class ParameterHistory(TypedDict):
+    """A parameter over time, with the ends of its interval; ``real`` is its value in the plant."""
+
+    effect: str
+    name: str
+    unit: str
+    time: list[float]
+    value: Numbers
+    low: Numbers
+    high: Numbers
+    real: float | None
 
 
 def stage_spans(run: MonitorRun, j: int) -> list[Span]:
     """Return [from, to, stage] of a joint, one after the other."""
     change = np.flatnonzero(np.diff(run.stages[:, j], prepend=255))
     ends = [*run.time[change[1:]], run.time[-1]]
-    return [_span(run.time[k], end, STAGES[run.stages[k, j]]) for k, end in zip(change, ends, strict=True)]
+    return [span_of(run.time[k], end, STAGES[run.stages[k, j]]) for k, end in zip(change, ends, strict=True)]
 
 
-def hypotheses(run: MonitorRun, j: int) -> list[dict[str, Any]]:
+def hypotheses(run: MonitorRun, j: int) -> list[HypothesisRow]:
     """Return each known effect with the [from, to, how] in which it lived on a joint; nothing if it was never asked.
 
     Open: detected, and no decision taken yet. Leading: in the combination that explains best. Possible: in another
@@ -41,21 +61,21 @@ def hypotheses(run: MonitorRun, j: int) -> list[dict[str, Any]]:
     end = float(run.time[-1])
     lives = list(zip(looks, [*(look.time for look in looks[1:]), end], strict=True))
     open_ = _open(run, j, lives)
-    rows = []
+    rows: list[HypothesisRow] = []
     for effect in (*run.record["bank"], None):
-        spans = [] if effect is None else [_span(a, b, "open") for a, b in open_]
+        spans: list[Span] = [] if effect is None else [span_of(a, b, "open") for a, b in open_]
         for look, until in lives:
             how = _how(effect, look)
-            if how and spans and spans[-1][1:] == [round(look.time, 4), how]:
-                spans[-1][1] = round(until, 4)
+            if how and spans and spans[-1][1:] == (round(look.time, 4), how):
+                spans[-1] = (spans[-1][0], round(until, 4), how)
             elif how:
-                spans.append(_span(look.time, until, how))
+                spans.append(span_of(look.time, until, how))
         name = NONE_OF_THEM if effect is None else effect.replace("_", " ")
         rows.append({"effect": name, "spans": sorted(spans, key=lambda s: s[0])})
     return rows
 
 
-def parameters(run: MonitorRun, j: int, present: Sequence[Term]) -> list[dict[str, Any]]:
+def parameters(run: MonitorRun, j: int, present: Sequence[Term]) -> list[ParameterHistory]:
     """Return how each parameter of the faults believed on a joint went over time.
 
     Args:
@@ -73,12 +93,15 @@ def parameters(run: MonitorRun, j: int, present: Sequence[Term]) -> list[dict[st
     ]
 
 
-def _parameter(run: MonitorRun, term: Term, p: int, present: Sequence[Term]) -> dict[str, Any]:
+def _parameter(run: MonitorRun, term: Term, p: int, present: Sequence[Term]) -> ParameterHistory:
     known = [next((t for t in b.faults if t.label == term.label), None) for b in run.beliefs]
     value = [np.nan if t is None else t.theta[p] for t in known]
     low, high = ([np.nan if t is None or not t.ci95 else t.ci95[p][end] for t in known] for end in (0, 1))
     time = [run.time[0], *(b.time for b in run.beliefs), run.time[-1]]
-    around = lambda values: compact([np.nan, *values, values[-1]])  # noqa: E731
+
+    def around(values: list[float]) -> Numbers:
+        return compact([np.nan, *values, values[-1]])
+
     real = next((t.theta[p] for t in present if t.label == term.label), None)
     return {
         "effect": effect_name(term.effect),
@@ -111,5 +134,12 @@ def _open(run: MonitorRun, j: int, lives: list[tuple[Look, float]]) -> list[tupl
     return spans
 
 
-def _span(begin: float, end: float, what: object) -> Span:
-    return [round(float(begin), 4), round(float(end), 4), str(what)]
+def span_of(begin: float, end: float, what: object) -> Span:
+    """Return an interval of time with what holds in it.
+
+    Args:
+        begin: Its start [s].
+        end: Its end [s].
+        what: What holds.
+    """
+    return round(float(begin), 4), round(float(end), 4), str(what)

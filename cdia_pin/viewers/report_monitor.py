@@ -5,17 +5,25 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin import schemas
 from cdia_pin.viewers.event_words import event_rows, fault_words
 from cdia_pin.viewers.page import write_page
-from cdia_pin.viewers.report_faults import against_motion, motion_of, presence
-from cdia_pin.viewers.report_isolation import hypotheses, parameters, stage_spans
+from cdia_pin.viewers.report_faults import AgainstMotion, against_motion, motion_of, presence
+from cdia_pin.viewers.report_isolation import (
+    HypothesisRow,
+    ParameterHistory,
+    Span,
+    hypotheses,
+    parameters,
+    stage_spans,
+)
 from cdia_pin.viewers.report_scene import scene_of_run
-from cdia_pin.viewers.report_series import compact, extremes
+from cdia_pin.viewers.report_series import Numbers, compact, compact_one, extremes
 from cdia_pin.viewers.stage_colours import STAGE_COLOURS, STAGE_WORDS
 from cdia_pin.viewers.text_monitor import run_summary
 from cdia_pin.viewers.words import joint_units, short_names
@@ -26,7 +34,61 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SCHEMA = "cdia-monitor-report/1"
+
+class StageWords(TypedDict):
+    """How the page shows a stage."""
+
+    colour: str
+    words: str
+
+
+class MonitoredJoint(TypedDict):
+    """What the page shows of a joint; ``usual`` is the median threshold, ``largest`` the largest residual."""
+
+    name: str
+    short: str
+    units: dict[str, str]
+    time: list[float]
+    residual: Numbers
+    threshold: Numbers
+    effort: Numbers
+    correction: Numbers
+    error: Numbers | None
+    stages: list[Span]
+    present: list[Span]
+    hypotheses: list[HypothesisRow]
+    parameters: list[ParameterHistory]
+    against: AgainstMotion | None
+    usual: float | None
+    largest: float | None
+    believed: list[str]
+
+
+class TrackingDocument(TypedDict):
+    """RMS of the tracking error by run, each (n,) [rad or m]."""
+
+    since: float
+    runs: dict[str, Numbers]
+
+
+class MonitorReport(TypedDict):
+    """What the page shows: the schema ``cdia-monitor-report/1``."""
+
+    schema: str
+    title: str
+    command: str
+    version: str
+    robot: str
+    summary: str
+    engine: str
+    begin: float
+    end: float
+    stages: dict[str, StageWords]
+    events: list[dict[str, Any]]  # fields of `EventRow`
+    joints: list[MonitoredJoint]
+    tracking: TrackingDocument | None
+    notes: list[str]
+    record: dict[str, Any]
 
 
 def write_monitor_report(
@@ -57,7 +119,7 @@ def write_monitor_report(
         CdiaError: If the file cannot be written.
     """
 
-    def data(points: int) -> dict[str, Any]:
+    def data(points: int) -> MonitorReport:
         return monitor_data(
             run,
             tracking=tracking,
@@ -80,11 +142,11 @@ def monitor_data(
     title: str = "",
     command: str = "",
     points: int = 2000,
-) -> dict[str, Any]:
+) -> MonitorReport:
     """Collect what the page shows, ready for JSON; the arguments are those of `write_monitor_report`."""
     x = motion_of(run)
     return {
-        "schema": SCHEMA,
+        "schema": schemas.MONITOR_REPORT,
         "title": title or f"{run.robot.name} under watch",
         "command": command,
         "version": run.record["version"],
@@ -107,7 +169,7 @@ def monitor_data(
     }
 
 
-def _joint(run: MonitorRun, x: State, j: int, present: Sequence[Term], points: int) -> dict[str, Any]:
+def _joint(run: MonitorRun, x: State, j: int, present: Sequence[Term], points: int) -> MonitoredJoint:
     joint = run.joints[j]
     units = joint_units(run.robot, joint)
     error = None if run.desired is None else run.position[:, j] - run.desired[:, j]
@@ -130,7 +192,7 @@ def _joint(run: MonitorRun, x: State, j: int, present: Sequence[Term], points: i
         "hypotheses": hypotheses(run, j),
         "parameters": parameters(run, j, present),
         "against": against_motion(run, x, j, points),
-        "usual": compact([float(np.median(limit))])[0],
-        "largest": compact([float(np.abs(run.residual[:, j]).max())])[0],
+        "usual": compact_one(float(np.median(limit))),
+        "largest": compact_one(float(np.abs(run.residual[:, j]).max())),
         "believed": [fault_words(t, run.robot) for t in run.faults if joint in t.effect.scope],
     }

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
 from cdia_pin.viewers.report_series import compact
-from cdia_pin.viewers.scene import Scene, timeline_of_comparison, timeline_of_run
+from cdia_pin.viewers.scene import (
+    Scene,
+    SceneDocument,
+    TimelineDocument,
+    timeline_of_comparison,
+    timeline_of_run,
+)
 from cdia_pin.viewers.words import effect_words, percent, short_names
 
 if TYPE_CHECKING:
@@ -15,14 +21,30 @@ if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison, Discovery, Step
 
 
-def scene_of_run(run: MonitorRun) -> dict[str, Any]:
+class StepDocument(TypedDict):
+    """An effect that was added, and the error of each joint with it."""
+
+    name: str
+    label: str
+    level: list[float | None]
+
+
+class MotionDocument(TypedDict):
+    """The arm of a report and its motion."""
+
+    arm: SceneDocument
+    timeline: TimelineDocument
+    steps: list[StepDocument]
+
+
+def scene_of_run(run: MonitorRun) -> MotionDocument:
     """Return the arm of a run and its motion, coloured by the monitor's stages; ready for JSON."""
     return {"arm": Scene.of(run.robot).to_dict(), "timeline": timeline_of_run(run).to_dict(), "steps": []}
 
 
 def scene_of_comparison(
     before: Comparison, after: Comparison | None = None, discovery: Discovery | None = None
-) -> dict[str, Any]:
+) -> MotionDocument:
     """Return the arm of a comparison and the motion of its logs, coloured by what the model misses.
 
     Args:
@@ -36,7 +58,7 @@ def scene_of_comparison(
     return {"arm": Scene.of(before.model.robot).to_dict(), "timeline": timeline, "steps": steps}
 
 
-def _steps(found: Discovery) -> list[dict[str, Any]]:
+def _steps(found: Discovery) -> list[StepDocument]:
     torque = np.maximum(found.torque_rms, 1e-12)
     most = max(float((found.trace[0].rms / torque).max()), 1e-12)
     return [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NotRequired, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+Numbers = list[float | None]  # None where a value is not finite
+Curve = list[Numbers]  # x and y
+
 SIGNALS = ("velocity", "position", "acceleration", "load")
 CURVE_BINS = 48  # regions of the curve of what was added
 CURVE_FEWEST = 3  # samples that each of them must hold
@@ -21,7 +24,56 @@ LEAST_SHARE = 0.6  # of the variance of what was added that its curve must hold 
 SAME = 1e-9  # [N·m or N], models whose torques differ by less are one model on that joint
 
 
-def compact(values: Iterable[float]) -> list[float | None]:
+class OverTime(TypedDict):
+    """Torque and residuals of a joint over time.
+
+    ``rest`` holds the intervals near rest, which do not count; ``logs`` the times at which further logs begin.
+    """
+
+    time: list[float]
+    measured: Numbers
+    before: Numbers
+    after: Numbers | None
+    rest: list[list[float]]
+    logs: list[float]
+
+
+class Cloud(TypedDict):
+    """Motion, load and residuals of a joint at the samples that count."""
+
+    velocity: Numbers
+    position: Numbers
+    acceleration: Numbers
+    load: Numbers
+    before: Numbers
+    after: Numbers | None
+    load_after: Numbers | None
+
+
+class Means(TypedDict):
+    """Means of a residual by region of a signal; ``share`` is the part of its variance that they hold [1]."""
+
+    x: Numbers
+    mean: Numbers
+    spread: Numbers
+    share: float
+
+
+class MeansOfModels(TypedDict):
+    """Means for the model as given and, where there is one, for the improved model."""
+
+    before: Means
+    after: NotRequired[Means]
+
+
+class Against(TypedDict):
+    """A residual against a signal; ``curve`` is the torque of the added effects."""
+
+    means: MeansOfModels
+    curve: Curve | None
+
+
+def compact(values: Iterable[float]) -> Numbers:
     """Return numbers with 5 significant digits, None where they are not finite."""
     return [float(f"{v:.5g}") if np.isfinite(v) else None for v in values]
 
@@ -45,7 +97,7 @@ def end_to_end(comparison: Comparison) -> tuple[Array, list[int]]:
     return time[0] + np.concatenate([[0.0], np.cumsum(step)]), [int(b) + 1 for b in breaks]
 
 
-def over_time(before: Comparison, after: Comparison | None, j: int, points: int) -> dict[str, Any]:
+def over_time(before: Comparison, after: Comparison | None, j: int, points: int) -> OverTime:
     """Return measured torque and residuals of joint j over time, extremes kept where samples are left out.
 
     Args:
@@ -78,29 +130,35 @@ def extremes(signals: list[Array], points: int) -> NDArray[np.intp]:
     return np.unique(kept)
 
 
-def cloud(before: Comparison, after: Comparison | None, j: int, points: int) -> dict[str, Any]:
+def cloud(before: Comparison, after: Comparison | None, j: int, points: int) -> Cloud:
     """Return motion, load and residuals of joint j at the samples that count.
 
     Both models share the motion; the load is the torque of each model itself.
     """
     use = np.flatnonzero(before.informative[:, j])
     use = use[:: -(-len(use) // points) or 1]  # every so many-th, rounded up
-    pick = lambda signal: compact(signal[use, j])  # noqa: E731
+
+    def pick(signal: Array) -> Numbers:
+        return compact(signal[use, j])
+
     return {
-        **{name: pick(before.signals[name]) for name in SIGNALS},
+        "velocity": pick(before.signals["velocity"]),
+        "position": pick(before.signals["position"]),
+        "acceleration": pick(before.signals["acceleration"]),
+        "load": pick(before.signals["load"]),
         "before": pick(before.residual),
         "after": None if after is None else pick(after.residual),
         "load_after": None if after is None else pick(after.signals["load"]),
     }
 
 
-def against(signal: str, before: Comparison, after: Comparison | None, joint: str, j: int) -> dict[str, Any]:
+def against(signal: str, before: Comparison, after: Comparison | None, joint: str, j: int) -> Against:
     """Return means of a joint's residual by region of a signal, and the curve that the added effects explain.
 
     The curve is the difference of both residuals: the torque of what was added, filtered as they are. It is
     None where that torque is no function of this signal.
     """
-    means = {"before": _means(before.shapes[joint][signal])}
+    means: MeansOfModels = {"before": _means(before.shapes[joint][signal])}
     curve = None
     if after is not None:
         means["after"] = _means(after.shapes[joint][signal])
@@ -111,7 +169,7 @@ def against(signal: str, before: Comparison, after: Comparison | None, joint: st
     return {"means": means, "curve": curve}
 
 
-def _means(shape: Shape) -> dict[str, Any]:
+def _means(shape: Shape) -> Means:
     known = np.isfinite(shape.mean)
     middles = (shape.edges[:-1] + shape.edges[1:]) / 2
     return {
@@ -122,7 +180,7 @@ def _means(shape: Shape) -> dict[str, Any]:
     }
 
 
-def curve_of(x: Array, y: Array) -> list[list[float | None]] | None:
+def curve_of(x: Array, y: Array) -> Curve | None:
     """Return y as a curve over x, means of regions; None where y is no function of x.
 
     Args:

@@ -43,8 +43,11 @@ def fall(fitted: Sequence[float], heldout: Sequence[float], floor: float, words:
     """Return errors, step by step, and the floor under them."""
     top = max(*fitted, *heldout, floor) or 1.0
     x = np.linspace(8, 252, max(len(fitted), 2))[: len(fitted)]
-    level = lambda v: 78.0 - 70.0 * np.asarray(v) / top  # noqa: E731
-    base = float(level(floor))
+
+    def level(v: Sequence[float]) -> Array:
+        return 78.0 - 70.0 * np.asarray(v) / top
+
+    base = float(level([floor])[0])
     parts = [f'<path d="M0 {base:.1f}H260" stroke="{FLOOR}" stroke-dasharray="2 3"/>']
     for values, colour, dash in ((heldout, BEFORE, ' stroke-dasharray="5 4"'), (fitted, AFTER, "")):
         y = level(values)

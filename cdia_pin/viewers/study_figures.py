@@ -12,7 +12,7 @@ import numpy as np
 
 from cdia_pin.campaigns.scara_run import UNITS, Run
 from cdia_pin.campaigns.thesis_study import Case, ThesisStudy
-from cdia_pin.errors import CdiaError
+from cdia_pin.extras import require
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,7 +54,7 @@ def thesis_pictures(study: ThesisStudy) -> Iterator[Picture]:
     """Yield the figures of the last case of each preset, then those of the isolation study.
 
     Raises:
-        CdiaError: If matplotlib is not installed.
+        MissingExtraError: If matplotlib is not installed.
     """
     for name, cases in study.cases.items():
         yield from _of_case(study, f"{name}_observer", cases[-1])
@@ -162,9 +162,15 @@ def _onsets(study: ThesisStudy, case: Case) -> list[float]:
 
 
 def new_figure(height: float = 5.6) -> Figure:
-    """Return an empty figure so high [inch]; raises CdiaError without matplotlib."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise CdiaError("figures need matplotlib: pip install 'matplotlib>=3.9,<4'") from None
+    """Return an empty figure.
+
+    Args:
+        height: Of the figure [inch].
+
+    Raises:
+        MissingExtraError: If matplotlib is not installed.
+    """
+    require("figures", "figures")
+    from matplotlib.figure import Figure
+
     return Figure(figsize=(9.6, height), dpi=DPI)

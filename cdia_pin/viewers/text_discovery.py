@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from cdia_pin.viewers.cells import clean, new_table
-from cdia_pin.viewers.report_discovery import parameters, shape_parameters
+from cdia_pin.viewers.report_discovery import ShapeRow, parameters, shape_parameters
 from cdia_pin.viewers.verdict import mean_share, verdict_sentences
 from cdia_pin.viewers.words import (
     confusion_words,
@@ -84,7 +84,7 @@ def _effects(found: Discovery) -> Table:
     for step in found.steps:
         term = step.term
         assert term is not None  # only the first step of a trace is without
-        numbers = (*_told(step, found), *shape_parameters(term, found.model.robot))
+        numbers = (*_shown(step, found), *shape_parameters(term, found.model.robot))
         name = clean(effect_name(term.effect), "bold")
         name.append_text(clean(f"\n{joints_words(term.effect.scope) or 'whole arm'}", "not bold"))
         rows = [f"{p['name']} {p['text']}" for p in numbers]
@@ -94,14 +94,13 @@ def _effects(found: Discovery) -> Table:
     return table
 
 
-def _told(step: Step, found: Discovery) -> list[dict[str, str]]:
+def _shown(step: Step, found: Discovery) -> list[ShapeRow]:
     assert step.term is not None
-    told = parameters(step.term, found.model.robot)
-    if len(told) <= MANY:
-        return told
-    telling = [p for p in told if p["telling"]]
-    silent = len(told) - len(telling)
-    return [*telling, {"name": f"({silent} more, not told from 0)", "text": ""}] if silent else telling
+    every = parameters(step.term, found.model.robot)
+    shown = [p for p in every if p["telling"] or len(every) <= MANY]
+    rows: list[ShapeRow] = [{"name": p["name"], "text": p["text"]} for p in shown]
+    left = len(every) - len(shown)
+    return [*rows, {"name": f"({left} more whose interval holds 0)", "text": ""}] if left else rows
 
 
 def _confusions(found: Discovery) -> RenderableType:

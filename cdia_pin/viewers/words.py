@@ -55,7 +55,10 @@ def with_interval(value: float, interval: tuple[float, float] | None, unit: str)
     if not (math.isfinite(half) and half > 1e-9 * abs(value)):
         return with_unit(number(value), unit)
     places = _places(half)
-    fixed = lambda x: (f"{x:.{places}f}" if places <= 6 else f"{x:.2e}").replace("-", "−")  # noqa: E731
+
+    def fixed(x: float) -> str:
+        return (f"{x:.{places}f}" if places <= 6 else f"{x:.2e}").replace("-", "−")
+
     if abs((lower + upper) / 2 - value) > 0.1 * half:
         return with_unit(f"{fixed(value)} [{fixed(lower)}, {fixed(upper)}]", unit)
     return with_unit(f"{fixed(value)} ± {fixed(half)}", unit)

@@ -8,7 +8,7 @@ import pytest
 from cdia_pin import CdiaError
 from cdia_pin.app.form import Form
 from cdia_pin.app.inputs import Request
-from cdia_pin.app.served import SERVED, served
+from cdia_pin.app.page_files import SERVED, served
 from cdia_pin.app.server import HOST, free_port
 
 ASKED = Request(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,9 @@ from cdia_pin import Dynamics, compare, discover, exciting_trajectory, load_robo
 from cdia_pin.diagnosis import Monitor, replay
 from cdia_pin.dynamics.sensors import Sensors
 from cdia_pin.effects import parse_term
+from cdia_pin.ipython import SHOWN, register_html
 from cdia_pin.selection import DiscoverySettings
+from cdia_pin.viewers.notebook import html_of
 
 LEVEL = 5.0  # [N·m] of the friction that the model lacks
 
@@ -44,21 +47,33 @@ def results() -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", ["comparison", "discovery", "run"])
 def test_ipython_shows_it_as_html(results: dict[str, Any], name: str):
-    from IPython.core.formatters import DisplayFormatter
+    from IPython.core.formatters import HTMLFormatter
 
-    shown, _ = DisplayFormatter().format(results[name])
-    assert shown["text/html"] == results[name]._repr_html_()
-    assert "<script" not in shown["text/html"]
-    assert len(shown["text/html"]) < 60_000
+    shown = HTMLFormatter()
+    register_html(shown)
+    html = shown(results[name])
+    assert html == html_of(results[name])
+    assert "<script" not in html
+    assert len(html) < 60_000
 
 
-def test_importing_the_package_is_enough():
-    code = """
-import cdia_pin, sys
-assert 'cdia_pin.viewers' not in sys.modules
+@pytest.mark.parametrize(("module", "name"), SHOWN)
+def test_ipython_knows_the_types_by_the_names_that_they_have(module: str, name: str):
+    kind = getattr(import_module(module), name)
+    assert (kind.__module__, kind.__name__) == (module, name)
+
+
+@pytest.mark.parametrize("first", ["", "import cdia_pin"])
+def test_importing_the_package_is_enough(first: str):
+    code = f"""
+{first}
+import sys
 from IPython.core.interactiveshell import InteractiveShell
 shell = InteractiveShell.instance()
-shell.run_cell('import cdia_pin; robot = cdia_pin.load_robot("scara"); model = cdia_pin.Dynamics(robot)')
+{"shell.run_cell('%load_ext cdia_pin')" if first else ""}
+shell.run_cell('import cdia_pin')
+assert 'cdia_pin.viewers' not in sys.modules
+shell.run_cell('robot = cdia_pin.load_robot("scara"); model = cdia_pin.Dynamics(robot)')
 shell.run_cell('import numpy as np; rng = np.random.default_rng(0)')
 shell.run_cell('motion = cdia_pin.exciting_trajectory(robot, rng, duration=5.0)')
 shell.run_cell('log = cdia_pin.simulate(model, motion, rate=200.0)')
@@ -70,14 +85,14 @@ print(shell.display_formatter.format(result)[0]['text/html'])
 
 
 def test_what_is_shown_is_what_was_found(results: dict[str, Any]):
-    discovery = results["discovery"]._repr_html_()
+    discovery = html_of(results["discovery"])
     assert "coulomb friction" in discovery
     (level,) = re.findall(r"level (\d\.\d+) ±", discovery)
     assert float(level) == pytest.approx(LEVEL, rel=0.02)
-    run = results["run"]._repr_html_()
+    run = html_of(results["run"])
     assert "joint1" in run
     assert "coulomb friction: level" in run
-    rows = results["comparison"]._repr_html_().count("<tr>")
+    rows = html_of(results["comparison"]).count("<tr>")
     assert rows == 1 + 4
 
 
@@ -86,7 +101,7 @@ def test_names_are_never_markup(results: dict[str, Any]):
 
     comparison = results["comparison"]
     wicked = replace(comparison, worst_regions=(replace(comparison.worst_regions[0], joint="<img src=x>"),))
-    assert "<img" not in wicked._repr_html_()
+    assert "<img" not in html_of(wicked)
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -94,7 +109,7 @@ def test_it_can_be_read_on_light_and_on_dark(
     page: Any, results: dict[str, Any], scheme: str, screenshots: Path
 ):
     ink, paper = ("#111", "#fff") if scheme == "light" else ("#e0e0e0", "#111")
-    body = "<hr>".join(r._repr_html_() for r in results.values())
+    body = "<hr>".join(html_of(r) for r in results.values())
     page.set_content(f"<body style='background:{paper};color:{ink};font:14px sans-serif'>{body}")
     inks = set(
         page.evaluate(

@@ -22,7 +22,7 @@ def found():
     return arm_study.arm_study(["double_pendulum"], settings=settings, duration=8.0, cases=[LOSS])
 
 
-def test_a_torque_loss_on_all_joints_is_named_and_corrected(found):
+def test_a_torque_loss_on_all_joints_is_named_and_compensated(found):
     (case,) = found
     rms = case.tracking()
     assert case.compared.since == FIRST + SETTLED
@@ -31,7 +31,7 @@ def test_a_torque_loss_on_all_joints_is_named_and_corrected(found):
     assert (rms["accommodated"] < 0.2 * rms["faulty"]).all()
 
 
-def test_faults_are_as_large_as_the_torques_of_their_joints():
+def test_faults_are_in_proportion_to_the_torques_of_their_joints():
     loop = ClosedLoop(Dynamics(load_robot("ur5")))
     faults = arm_faults(loop, 12.0)
     assert list(faults) == [LOSS, "Coulomb friction", "friction, then torque loss"]

@@ -27,7 +27,7 @@ def loop_of(robot, **settings):
     return ClosedLoop(Dynamics(robot), LoopSettings(**given | settings))
 
 
-def test_a_model_error_is_as_large_as_asked_and_leaves_bodies_possible():
+def test_a_model_error_has_the_requested_size_and_keeps_bodies_physical():
     arm = load_robot("ur5")
     for seed in range(5):
         wrong = with_model_error(arm, 0.1, np.random.default_rng(seed))
@@ -43,7 +43,7 @@ def test_no_model_error_is_the_arm_of_the_file():
     np.testing.assert_allclose(same.inertial_parameters, arm.inertial_parameters, rtol=1e-9, atol=1e-12)
 
 
-def test_a_body_of_nothing_stays_nothing():
+def test_a_body_of_zero_mass_stays_unchanged():
     arm = load_robot("scara")
     wrong = with_model_error(arm, 0.1, np.random.default_rng(0)).inertial_parameters
     assert np.isfinite(wrong).all()
@@ -81,7 +81,7 @@ def test_without_model_error_noise_or_fault_the_arm_follows(robot):
     assert errors[1] > 5 * errors[0]
 
 
-def test_a_fault_adds_to_what_the_model_has(robot):
+def test_a_fault_adds_to_the_terms_of_the_model(robot):
     known = Dynamics(robot, (parse_term("viscous_friction@joint2: coefficient=0.1"),))
     twice = ClosedLoop(known, LoopSettings(rate=200.0, noise=0.0, model_error=0.0))
     once = ClosedLoop(Dynamics(robot), twice.settings)
@@ -93,7 +93,7 @@ def test_a_fault_adds_to_what_the_model_has(robot):
     assert (a.tracking() > 2 * twice.run(motion).tracking())[1]
 
 
-def test_an_arm_that_runs_away_without_correction_is_told_so(robot):
+def test_an_arm_that_diverges_without_compensation_is_reported(robot):
     loop = loop_of(robot, rate=500.0)
     monitor = loop.monitor(bank=("coulomb_friction", "viscous_friction"))
     ran = compare_loops(loop, monitor, [parse_term(FAULT)], 3.0)
@@ -130,7 +130,7 @@ def test_ticks_are_those_of_a_run(robot):
     np.testing.assert_array_equal([t.desired for t in ticks], motion(run.log.time).q)
 
 
-def test_a_fault_that_is_switched_on_by_hand_acts_from_then_on(robot):
+def test_a_fault_that_is_switched_on_acts_from_then_on(robot):
     loop = loop_of(robot)
     motion, fault = loop.motion(0, 4.0), parse_term("coulomb_friction@joint2: level=0.3")
     on = {"now": False}

@@ -18,7 +18,7 @@ def test_ten_thousand_states_agree(found):
     assert [a.term for a in found.agreements] == ["M", "V", "G", "power balance"]
 
 
-def test_the_printed_forms_are_off_by_what_the_design_notes_say(found):
+def test_the_printed_forms_differ_by_the_amounts_in_the_design_notes(found):
     M, V, G, power = found.agreements
     assert M.printed == pytest.approx(0.5 * 30.0 * 0.02**2)  # the quill's inertia, left out
     assert 5e3 < V.printed < 1e4
@@ -36,7 +36,7 @@ def test_a_seed_makes_it_repeatable():
     assert few[0] == few[1] != few[2]
 
 
-def test_a_wrong_model_would_be_seen(monkeypatch):
+def test_a_wrong_model_is_detected(monkeypatch):
     from cdia_pin.robot import scara
 
     right = scara.velocity_torques

@@ -70,7 +70,7 @@ def test_the_printed_component_fault_is_not_accommodated_by_the_printed_gains(ar
     assert (rms["healthy"][:2] < 0.2 * rms["faulty"][:2]).all()
 
 
-def test_a_joint_that_tracks_no_better_is_named():
+def test_a_joint_without_better_tracking_is_named():
     def tracked(error):
         return SimpleNamespace(tracking=lambda since: np.array(error))
 
@@ -80,7 +80,7 @@ def test_a_joint_that_tracks_no_better_is_named():
     assert "Not accommodated, x: elbow (2.5 against 2 rad" in sentence
 
 
-def test_the_unmodelled_torque_stays_within_the_bound_that_is_told():
+def test_the_unmodelled_torque_stays_within_the_known_bound():
     assert (np.array(physical(load_robot("scara")).settings.unmodelled) > UNMODELLED).all()
     printed = literal(load_robot("scara"))
     size = next(iter(printed.cases.values())).unmodelled
@@ -112,7 +112,7 @@ def small(arm):
         return found, told
 
 
-def test_progress_goes_from_nothing_to_all(small):
+def test_progress_runs_from_zero_to_one(small):
     _, told = small
     assert told[0] == 0.0
     assert told == sorted(told)
@@ -126,7 +126,7 @@ def test_as_printed_nothing_is_isolated(small):
     assert all(i.verdict == "unknown" and not i.isolated for i in found.isolations)
 
 
-def test_pictures_and_page_hold_together(small, monkeypatch):
+def test_figures_and_page_are_consistent(small, monkeypatch):
     pytest.importorskip("matplotlib")
     monkeypatch.setattr("cdia_pin.viewers.study_figures.DPI", 30)
     found, _ = small

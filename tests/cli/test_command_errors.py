@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cdia_pin import load_robot
-from cdia_pin.logs.writing import columns_of
+from cdia_pin.logs.log_writer import columns_of
 
 ROBOT = ("--robot", "double_pendulum")
 

@@ -129,7 +129,7 @@ def with_friction() -> Isolator:
     monitor = Monitor(
         model, threshold=dict.fromkeys(ROBOT.joints, 1.0), rate=1000.0, bank=NAMES, settings=SETTINGS
     )
-    return monitor.engine.watches[0].evidence.isolator
+    return monitor.engine.joint_monitors[0].isolation.isolator
 
 
 @pytest.mark.parametrize(("change", "named"), [(-1.5, True), (1.5, True), (-3.0, False)])

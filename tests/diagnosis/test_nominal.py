@@ -79,7 +79,7 @@ def test_a_delay_is_that_of_all_torques() -> None:
 
 def test_bodies_that_cannot_be_are_refused() -> None:
     nothing = Term(Payload(), (-30.0, *[0.0] * 9))
-    with pytest.raises(ModelError, match="not possible"):
+    with pytest.raises(ModelError, match="not physical"):
         Nominal.of(Dynamics(ROBOT, (nothing,)))
 
 

@@ -69,7 +69,7 @@ def test_the_motion_balances_the_torques(model, motion):
     np.testing.assert_allclose(x.rigid_torque, tau + f, atol=1e-8)
 
 
-def test_the_gain_says_how_the_torque_answers_a_missing_one(model, motion):
+def test_the_gain_is_the_response_of_the_torque_to_a_missing_torque(model, motion):
     extra = 1e-5
     more = model.add(Term.of(from_expression("1", "elbow_joint"), coefficient=extra))
     x = State.of(model.robot, *motion, time=5.0)
@@ -77,7 +77,7 @@ def test_the_gain_says_how_the_torque_answers_a_missing_one(model, motion):
     np.testing.assert_allclose(change, -extra / model.torques(x).gain[:, 2], rtol=1e-4)
 
 
-def test_the_mass_matrix_with_terms_is_what_accelerations_cost(model, motion):
+def test_the_mass_matrix_with_terms_is_torque_per_acceleration(model, motion):
     q, v, a = (s[0] for s in motion)
     x = State.of(model.robot, q, v, effort=np.zeros(6), time=5.0)
     M = model.mass_matrix(x)
@@ -89,7 +89,7 @@ def test_the_mass_matrix_with_terms_is_what_accelerations_cost(model, motion):
     np.testing.assert_allclose(M @ a, rigid[1] - rigid[0] - (at[1] - at[0]), atol=1e-9)
 
 
-def test_one_sample_answers_as_a_trajectory_does(model, motion):
+def test_one_sample_equals_a_batch(model, motion):
     together = model.inverse_dynamics(*motion, time=5.0)
     alone = [model.inverse_dynamics(q, v, a, time=5.0) for q, v, a in zip(*motion, strict=True)]
     np.testing.assert_allclose(together, alone, atol=1e-10)
@@ -112,7 +112,7 @@ def test_a_payload_is_a_body_added_to_the_last_link(arm, motion):
 # ------------------------------------------------------------------ sensors
 
 
-def test_all_effects_act_where_the_arm_is_not_where_it_reads(arm, motion):
+def test_all_effects_act_at_the_true_position_and_not_at_the_reading(arm, motion):
     offset = 0.1
     others = tuple(
         parse_term(t)
@@ -125,7 +125,7 @@ def test_all_effects_act_where_the_arm_is_not_where_it_reads(arm, motion):
     np.testing.assert_allclose(shifted.inverse_dynamics(q, v, a), expected, atol=1e-9)
 
 
-def test_a_late_reading_is_the_torque_of_some_time_ago(arm):
+def test_a_late_reading_is_an_earlier_torque(arm):
     time = np.linspace(0.0, 4.0, 400)
     q = np.sin(np.outer(time, np.linspace(1, 3, arm.n)))
     zero = np.zeros_like(q)
@@ -149,7 +149,7 @@ def test_a_term_of_the_same_effect_and_joint_is_replaced(arm):
     assert model.remove("coulomb_friction@elbow_joint").terms == (other,)
 
 
-def test_what_is_not_there_is_not_found(arm):
+def test_an_unknown_term_is_refused(arm):
     model = Dynamics(arm, (parse_term("payload: mass=1"),))
     with pytest.raises(ModelError, match="its terms: payload"):
         model.remove("coulomb_friction@elbow_joint")
@@ -159,7 +159,7 @@ def test_what_is_not_there_is_not_found(arm):
         Dynamics(arm, (parse_term("coulomb_friction@elbow: level=1"),))
 
 
-def test_gravity_that_tilts_keeps_its_size_whichever_way_it_points():
+def test_tilted_gravity_keeps_its_size_in_any_direction():
     for gravity in ([0, 0, -9.81], [0, 0, 9.81], [9.81, 0, 0], [3.0, -8.0, 4.0]):
         arm = load_robot("ur5", gravity=gravity)
         term = parse_term("base_tilt: tilt_x=1, tilt_y=-2")
@@ -171,7 +171,7 @@ def test_gravity_that_tilts_keeps_its_size_whichever_way_it_points():
     np.testing.assert_array_equal(term.torque(x), 0.0)
 
 
-def test_bodies_that_are_added_feel_a_tilt_too(arm):
+def test_added_bodies_feel_a_tilt_too(arm):
     """Heavier links and a tilt as terms are the arm with those links, mounted on the slope."""
     body = "link_inertia@elbow_joint: mass=2, first_moment_x=0.4, inertia_zz=0.3"
     tilt, body, medium = (

@@ -52,7 +52,7 @@ def test_velocity_and_acceleration_are_its_derivatives():
     np.testing.assert_allclose((later.v - before.v) / (2 * h), now.a, atol=1e-6)
 
 
-def test_a_time_answers_as_times_do():
+def test_one_time_equals_a_batch_of_times():
     trajectory = exciting_trajectory(load_robot("ur5"), np.random.default_rng(1))
     one, many = trajectory(3.0), trajectory([3.0, 4.0])
     assert one.q.shape == (6,)

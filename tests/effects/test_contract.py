@@ -497,6 +497,7 @@ def test_an_effect_made_of_another_acts_where_that_one_does(name, effect):
     assert effect.traits.channel is inner.traits.channel
     assert effect.plausibility == inner.plausibility
     assert effect.memories == inner.memories
+    assert effect.label.startswith(inner.label)
 
 
 @each(lambda effect: isinstance(effect, Same))

@@ -23,7 +23,7 @@ def log():
     return arm, Log(arm.joints, t, q, effort=np.cos(t)[:, None] * np.ones(6))
 
 
-def test_an_acceleration_that_is_noise_is_taken_as_zero(log):
+def test_an_acceleration_that_is_only_noise_is_set_to_zero(log):
     arm, run = log
     motion = condition(run, arm, Conditioning(cutoff=20.0))
     assert motion.record["acceleration_drowned"] == list(arm.joints[2:])
@@ -32,7 +32,7 @@ def test_an_acceleration_that_is_noise_is_taken_as_zero(log):
     assert (motion.acceleration_noise[2:] > 0).all()  # what is not known of them
 
 
-def test_a_cutoff_of_zero_is_no_cutoff(log):
+def test_a_cutoff_of_zero_is_refused(log):
     arm, run = log
     with pytest.raises(LogError, match="cut-off of 0 Hz"):
         condition(run, arm, Conditioning(cutoff=0.0))

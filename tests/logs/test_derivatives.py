@@ -21,7 +21,7 @@ def test_zero_phase_is_filtfilt_with_long_odd_padding():
     np.testing.assert_allclose(zero_phase(x, 12.0, 250.0), expected, atol=1e-6)
 
 
-def test_zero_phase_leaves_constants_and_ramps_alone():
+def test_zero_phase_passes_constants_and_ramps_unchanged():
     x = np.column_stack([np.full(500, 3.0), np.linspace(-2.0, 5.0, 500)])
     np.testing.assert_allclose(zero_phase(x, 5.0, 100.0), x, atol=1e-12)
 
@@ -40,7 +40,7 @@ def test_zero_phase_halves_a_sine_at_the_cutoff_without_shifting_it():
 
 
 @pytest.mark.parametrize("cutoff", [0.0, -1.0, 50.0, 70.0])
-def test_zero_phase_refuses_a_cutoff_that_the_rate_cannot_hold(cutoff):
+def test_zero_phase_refuses_a_cutoff_beyond_half_the_rate(cutoff):
     with pytest.raises(LogError, match="half the sampling rate"):
         zero_phase(np.zeros(100), cutoff, 100.0)
 
@@ -55,13 +55,13 @@ def test_differentiate_needs_three_samples():
         differentiate(np.zeros(2), 10.0)
 
 
-def test_a_uniform_log_is_returned_as_it_is():
+def test_a_uniform_log_is_returned_unchanged():
     time = 5.0 + np.arange(100) / 125.0
     log = make_log(time, np.random.default_rng(0).normal(size=(100, 2)))
     assert uniform(log) is log
 
 
-def test_a_jittered_log_lands_on_a_uniform_grid_of_its_median_rate():
+def test_a_jittered_log_is_resampled_to_a_uniform_grid_at_its_median_rate():
     rng = np.random.default_rng(2)
     time = np.cumsum(rng.uniform(0.008, 0.012, 2000))
     motion = np.column_stack([np.sin(time), np.cos(0.5 * time)])

@@ -36,20 +36,20 @@ def ur10_run(measured, ur10):
     return read_log(measured / "ur10" / "exciting.csv", ur10)
 
 
-def test_the_panda_log_is_in_order(panda, panda_run):
+def test_the_panda_log_has_no_problem(panda, panda_run):
     check = check_log(panda_run, panda)
     assert check.ok, check.problems
     assert check.about("duplicates")[0].value["source_rate_hz"] == pytest.approx(924, abs=5)
     assert check.about("velocity")[0].value["lag_s"] == pytest.approx(0.0053, abs=5e-4)
 
 
-def test_the_ur10_log_is_in_order(ur10, ur10_run):
+def test_the_ur10_log_has_no_problem(ur10, ur10_run):
     check = check_log(ur10_run, ur10)
     assert check.ok, check.problems
 
 
 @pytest.mark.parametrize("name", UR10E)
-def test_the_ur10e_logs_are_in_order(measured, ur10e, name):
+def test_the_ur10e_logs_have_no_problem(measured, ur10e, name):
     folder = measured / "ur10e"
     check = check_log(read_log(folder / f"{name}.csv", ur10e, gains=folder / "drive_gains.json"), ur10e)
     assert check.ok, check.problems

@@ -3,7 +3,7 @@
 import pytest
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.columns import signal_of, understand
+from cdia_pin.logs.columns import signal_of, sort_names
 from cdia_pin.logs.joint_names import joint_map_of, match_joints
 
 JOINTS = ("shoulder_pan_joint", "elbow_joint", "wrist_1_joint")
@@ -36,7 +36,7 @@ JOINTS = ("shoulder_pan_joint", "elbow_joint", "wrist_1_joint")
         ("target_q_0", None),
     ],
 )
-def test_a_column_name_says_signal_and_joint(name, expected):
+def test_a_column_name_gives_signal_and_joint(name, expected):
     assert signal_of(name) == expected
 
 
@@ -52,11 +52,11 @@ def test_a_column_name_says_signal_and_joint(name, expected):
     ],
 )
 def test_times_are_recognised_with_the_unit_in_their_name(name, unit):
-    assert understand([name]).time == {name: unit}
+    assert sort_names([name]).time == {name: unit}
 
 
 def test_the_column_called_time_is_preferred():
-    assert understand(["timestamp", "time"]).time_column == "time"
+    assert sort_names(["timestamp", "time"]).time_column == "time"
 
 
 def test_joints_are_found_by_name_in_any_order():
@@ -66,24 +66,24 @@ def test_joints_are_found_by_name_in_any_order():
     )
 
 
-def test_one_common_prefix_is_seen_through_and_noted():
+def test_one_common_prefix_is_removed_and_noted():
     found = match_joints([f"left_{j}" for j in JOINTS], JOINTS)
     assert found.labels == tuple(f"left_{j}" for j in JOINTS)
     assert "left_elbow_joint → elbow_joint" in found.note
 
 
-def test_a_prefix_that_only_the_robot_has_is_seen_through():
+def test_a_prefix_that_only_the_robot_has_is_added():
     found = match_joints(["joint1", "joint2"], ("panda_joint1", "panda_joint2"))
     assert found.labels == ("joint1", "joint2")
 
 
-def test_two_arms_in_one_log_must_be_told_apart():
+def test_two_arms_in_one_log_need_a_joint_map():
     both = [f"{side}_{j}" for side in ("left", "right") for j in JOINTS]
     with pytest.raises(LogError, match=r"left_shoulder_pan_joint.*--joint-map"):
         match_joints(both, JOINTS)
 
 
-def test_a_commanded_copy_is_not_taken_for_the_measurement():
+def test_commanded_signals_are_not_read_as_measured_ones():
     names = [f"{p}{j}" for p in ("meas_", "desired_") for j in JOINTS]
     assert match_joints(names, JOINTS).labels == tuple(f"meas_{j}" for j in JOINTS)
 

@@ -71,7 +71,7 @@ def test_the_hash_is_that_of_the_files_bytes(ur5, tmp_path):
         lambda t: '"' + '","'.join(t.split("\n", 1)[0].split(",")) + '"\n' + t.split("\n", 1)[1],
     ],
 )
-def test_separators_comments_line_ends_and_marks_do_not_matter(ur5, tmp_path, plain, change):
+def test_separators_comments_line_ends_and_marks_change_nothing(ur5, tmp_path, plain, change):
     assert same(read_log(write(tmp_path / "x.csv", change(text_of(ur5.joints))), ur5), plain)
 
 
@@ -88,7 +88,7 @@ def test_a_decimal_comma_is_read_and_noted(ur5, tmp_path, plain):
 
 @pytest.mark.parametrize("names", [("q", "dq", "tau"), ("pos", "vel", "torque"), ("q", "qd", "effort")])
 @pytest.mark.parametrize("separator", [".", "/", "_"])
-def test_aliases_and_separators_are_understood(ur5, tmp_path, plain, names, separator):
+def test_aliases_and_separators_are_accepted(ur5, tmp_path, plain, names, separator):
     text = text_of(ur5.joints)
     for ours, theirs in zip(("position", "velocity", "effort"), names, strict=True):
         text = text.replace(f"{ours}.", f"{theirs}{separator}")
@@ -109,7 +109,7 @@ def test_numbered_columns_follow_the_robots_order_with_a_note(ur5, tmp_path, pla
     assert any("numbered" in note for note in log.notes)
 
 
-def test_topics_before_joints_and_dates_as_times_are_understood(ur5, tmp_path, plain):
+def test_topics_before_joints_and_dates_as_times_are_accepted(ur5, tmp_path, plain):
     lines = text_of(ur5.joints).splitlines()
     names = [name.split(".") for name in lines[0].split(",")[1:]]
     header = ["time", *(f"/joint_states/{joint}/{signal}" for signal, joint in names)]
@@ -120,7 +120,7 @@ def test_topics_before_joints_and_dates_as_times_are_understood(ur5, tmp_path, p
     assert any("since 1970" in note for note in log.notes)
 
 
-def test_velocity_may_be_missing_and_is_not_made_up(ur5, tmp_path):
+def test_velocity_may_be_missing_and_is_not_filled_in(ur5, tmp_path):
     path = write(tmp_path / "x.csv", text_of(ur5.joints, signals=("position", "effort")))
     log = read_log(path, ur5)
     assert log.velocity is None
@@ -141,13 +141,13 @@ def test_joints_that_the_robot_lacks_are_ignored_with_a_note(ur5, tmp_path, plai
     assert any("finger_joint" in note for note in log.notes)
 
 
-def test_columns_of_text_do_no_harm_unless_they_are_needed(ur5, tmp_path, plain):
+def test_columns_of_text_are_ignored_unless_they_are_needed(ur5, tmp_path, plain):
     lines = text_of(ur5.joints).splitlines()
     text = "\n".join([lines[0] + ",state", *(line + ",RUNNING" for line in lines[1:])])
     assert same(read_log(write(tmp_path / "x.csv", text), ur5), plain)
 
 
-def test_currents_need_gains_and_the_error_says_what_to_give(ur5, tmp_path):
+def test_currents_need_gains_and_the_error_names_them(ur5, tmp_path):
     path = write(tmp_path / "x.csv", text_of(ur5.joints).replace("effort.", "current."))
     with pytest.raises(LogError, match=r"--gains gains\.json.*shoulder_pan_joint"):
         read_log(path, ur5)
@@ -157,7 +157,7 @@ def test_currents_need_gains_and_the_error_says_what_to_give(ur5, tmp_path):
     assert any("N·m/A" in note for note in log.notes)
 
 
-def test_efforts_that_are_currents_become_torques_when_asked(ur5, tmp_path, plain):
+def test_efforts_that_are_currents_become_torques_on_request(ur5, tmp_path, plain):
     path = write(tmp_path / "x.csv", text_of(ur5.joints))
     gains = dict.fromkeys(ur5.joints, 10.0)
     assert same(read_log(path, ur5, gains=gains), plain)
@@ -174,7 +174,7 @@ def test_conversions_are_applied_and_noted(ur5, tmp_path, plain):
     assert len([n for n in log.notes if "as asked" in n]) == 3
 
 
-def test_gravity_that_a_controller_took_out_is_put_back_when_asked(ur5, tmp_path, plain):
+def test_compensated_gravity_is_added_back_on_request(ur5, tmp_path, plain):
     path = write(tmp_path / "x.csv", text_of(ur5.joints))
     log = read_log(path, ur5, convert="gravity=compensated")
     np.testing.assert_allclose(log.effort, plain.effort + ur5.gravity(plain.position))
@@ -187,7 +187,7 @@ def test_a_row_written_twice_counts_once(ur5, tmp_path, plain):
     assert any("written twice" in note for note in log.notes)
 
 
-def test_a_last_row_cut_off_is_left_out_with_a_note(ur5, tmp_path):
+def test_a_last_row_that_is_cut_off_is_left_out_with_a_note(ur5, tmp_path):
     text = text_of(ur5.joints)
     log = read_log(write(tmp_path / "x.csv", text[: -len(text.splitlines()[-1]) // 2]), ur5)
     assert len(log.time) == ROWS - 1
@@ -239,7 +239,7 @@ def test_a_bad_cell_is_named_by_column_and_sample(ur5, tmp_path, kind, said):
         ("zeit;größe\n1;2\n".encode("latin-1"), "UTF-8"),
     ],
 )
-def test_a_file_that_is_no_log_is_refused_in_one_line(ur5, tmp_path, content, said):
+def test_a_file_that_is_not_a_log_is_refused_in_one_line(ur5, tmp_path, content, said):
     path = tmp_path / "x.csv"
     path.write_bytes(content)
     with pytest.raises(LogError, match=said) as error:
@@ -258,7 +258,7 @@ def test_a_file_that_is_no_log_is_refused_in_one_line(ur5, tmp_path, content, sa
             "effort: no column for joint.* elbow_joint",
         ),
         (lambda t: t.replace("velocity.elbow_joint", "position.elbow_joint"), "appear more than once"),
-        (lambda t: t.replace("velocity.elbow_joint", "q.elbow_joint"), "that another has"),
+        (lambda t: t.replace("velocity.elbow_joint", "q.elbow_joint"), "that another column has"),
     ],
 )
 def test_a_missing_or_doubled_signal_is_named(ur5, tmp_path, change, said):
@@ -266,7 +266,7 @@ def test_a_missing_or_doubled_signal_is_named(ur5, tmp_path, change, said):
         read_log(write(tmp_path / "x.csv", change(text_of(ur5.joints))), ur5)
 
 
-def test_missing_files_unknown_suffixes_and_wrong_keywords_are_errors_of_ours(ur5, tmp_path):
+def test_missing_files_unknown_suffixes_and_wrong_keywords_raise_log_errors(ur5, tmp_path):
     with pytest.raises(LogError, match="no such file"):
         read_log(tmp_path / "none.csv", ur5)
     with pytest.raises(LogError, match=r"unknown log format '\.xlsx'"):
@@ -285,7 +285,7 @@ UNHURRIED = (HealthCheck.function_scoped_fixture, HealthCheck.too_slow)  # machi
 
 @settings(max_examples=40, deadline=None, suppress_health_check=UNHURRIED)
 @given(st.binary(max_size=300), st.sampled_from([".csv", ".parquet", ".npz", ".tsv"]))
-def test_no_bytes_at_all_escape_as_a_foreign_error(ur5, tmp_path, content, suffix):
+def test_any_bytes_give_a_log_or_a_log_error(ur5, tmp_path, content, suffix):
     path = tmp_path / f"x{suffix}"
     path.write_bytes(content)
     with pytest.raises(LogError):
@@ -294,7 +294,7 @@ def test_no_bytes_at_all_escape_as_a_foreign_error(ur5, tmp_path, content, suffi
 
 @settings(max_examples=40, deadline=None, suppress_health_check=UNHURRIED)
 @given(st.integers(0, 5000), st.binary(min_size=1, max_size=8))
-def test_damage_anywhere_in_a_csv_gives_a_log_or_an_error_of_ours(ur5, tmp_path, where, junk):
+def test_damage_anywhere_in_a_csv_gives_a_log_or_a_log_error(ur5, tmp_path, where, junk):
     data = bytearray(text_of(ur5.joints).encode())
     where %= len(data)
     data[where : where + len(junk)] = junk

@@ -40,7 +40,7 @@ def test_writing_and_reading_is_exact(ur5, small, tmp_path, suffix, with_velocit
     assert (again.velocity is None) == (not with_velocity)
 
 
-def test_writing_to_an_unknown_format_or_place_is_an_error_of_ours(small, tmp_path):
+def test_writing_to_an_unknown_format_or_place_raises_a_log_error(small, tmp_path):
     with pytest.raises(LogError, match=r"\.csv, \.parquet, \.npz"):
         write_log(small, tmp_path / "x.mat")
     with pytest.raises(LogError, match="cannot be written"):
@@ -83,7 +83,7 @@ def test_npz_never_unpickles(ur5, tmp_path):
         ({"position": np.zeros((9, 6)), "effort": np.zeros((8, 6))}, "different lengths"),
     ],
 )
-def test_npz_of_the_wrong_shape_says_which(ur5, tmp_path, arrays, said):
+def test_npz_of_the_wrong_shape_is_refused_with_the_shape(ur5, tmp_path, arrays, said):
     np.savez(tmp_path / "x.npz", time=np.arange(9.0), **arrays)
     with pytest.raises(LogError, match=said):
         read_log(tmp_path / "x.npz", ur5)
@@ -91,7 +91,7 @@ def test_npz_of_the_wrong_shape_says_which(ur5, tmp_path, arrays, said):
 
 @pytest.mark.parametrize("suffix", [".parquet", ".npz", ".db3", ".mcap"])
 @pytest.mark.parametrize("content", [b"", b"nonsense " * 50])
-def test_garbage_is_refused_whatever_the_suffix_says(ur5, tmp_path, suffix, content):
+def test_garbage_is_refused_with_any_suffix(ur5, tmp_path, suffix, content):
     path = tmp_path / f"x{suffix}"
     path.write_bytes(content)
     with pytest.raises(LogError, match=r"x\."):
@@ -175,9 +175,9 @@ def test_messages_of_a_gripper_on_the_same_topic_are_left_out(ur5, small, tmp_pa
     assert any("left out" in note for note in log.notes)
 
 
-def test_two_topics_that_would_do_must_be_chosen_from(ur5, small, tmp_path):
+def test_two_topics_with_the_robots_joints_need_a_choice(ur5, small, tmp_path):
     bag = write_bag(tmp_path / "bag", {"/a": messages_of(small), "/b": messages_of(small)})
-    with pytest.raises(LogError, match=r"/a, /b; say which with --topic"):
+    with pytest.raises(LogError, match=r"/a, /b; choose one with --topic"):
         read_log(bag, ur5)
     agree(read_log(bag, ur5, topic="/b"), small)
 
@@ -211,7 +211,7 @@ def test_velocities_that_are_nan_throughout_count_as_missing(ur5, small, tmp_pat
     assert any("NaN throughout" in note for note in log.notes)
 
 
-def test_a_cut_off_bag_says_how_it_may_be_repaired(ur5, small, tmp_path):
+def test_the_error_of_a_cut_off_bag_names_the_repair(ur5, small, tmp_path):
     bag = write_bag(tmp_path / "bag", {"/joint_states": messages_of(small)}, StoragePlugin.MCAP)
     file = next(bag.glob("*.mcap"))
     cut = tmp_path / "cut.mcap"
@@ -220,7 +220,7 @@ def test_a_cut_off_bag_says_how_it_may_be_repaired(ur5, small, tmp_path):
         read_log(cut, ur5)
 
 
-def test_a_directory_that_is_no_bag_is_refused(ur5, tmp_path):
+def test_a_directory_that_is_not_a_bag_is_refused(ur5, tmp_path):
     with pytest.raises(LogError, match="not a ROS 2 bag"):
         read_log(tmp_path, ur5)
 

@@ -47,7 +47,7 @@ def test_times_in_seconds_are_left_as_given():
     assert notes == []
 
 
-def test_a_stated_unit_of_time_is_believed():
+def test_a_stated_unit_of_time_is_used():
     time, notes = in_seconds(STEPS * 1.0, "s", "log")
     assert time[1] == 1.0
     assert notes == []
@@ -69,7 +69,7 @@ def test_conversions_scale_revolute_joints_and_flip_named_ones(ur5):
     assert len(asked.notes()) == 4
 
 
-def test_conversions_are_written_alike_in_python_and_on_the_command_line():
+def test_conversions_mean_the_same_in_python_and_on_the_command_line():
     texts = ["angle=deg", "flip_effort=a,b", "reduction=a:100,b:50.5", "use_velocity=false"]
     assert Conversion.of(texts) == Conversion(
         angle="deg", flip_effort=("a", "b"), reduction={"a": 100.0, "b": 50.5}, use_velocity=False
@@ -88,12 +88,12 @@ def test_conversions_are_written_alike_in_python_and_on_the_command_line():
         ({"time": "h"}, "unit of time"),
     ],
 )
-def test_a_conversion_that_makes_no_sense_says_what_would(given, said):
+def test_an_invalid_conversion_is_refused_with_the_valid_ones(given, said):
     with pytest.raises(LogError, match=said):
         Conversion.of(given)
 
 
-def test_a_conversion_of_a_joint_that_is_not_there_names_the_nearest(ur5):
+def test_a_conversion_of_an_unknown_joint_is_refused_with_the_nearest_ones(ur5):
     with pytest.raises(LogError, match="did you mean elbow_joint"):
         Conversion(flip_effort=("elbow",)).check_joints(ur5.joints)
 
@@ -108,12 +108,12 @@ def test_a_conversion_of_a_joint_that_is_not_there_names_the_nearest(ur5):
         ("missing.json", "not readable as JSON"),
     ],
 )
-def test_gains_that_cannot_be_used_say_why(gains, said):
+def test_invalid_gains_are_refused_with_the_reason(gains, said):
     with pytest.raises(LogError, match=said):
         read_gains(gains, ("a", "b"))
 
 
-def test_gains_may_stand_in_a_file(tmp_path):
+def test_gains_may_be_in_a_file(tmp_path):
     file = tmp_path / "gains.json"
     file.write_text('{"b": 2, "a": 1.5, "gripper": 9}')
     np.testing.assert_allclose(read_gains(file, ("a", "b")), [1.5, 2.0])

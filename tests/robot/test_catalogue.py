@@ -59,7 +59,7 @@ def test_ur3_is_not_a_ur5():
     assert load_robot("ur3").total_mass < 0.6 * load_robot("ur5").total_mass
 
 
-def test_fingers_wheels_and_torso_are_held_by_name():
+def test_fingers_wheels_and_torso_are_locked_by_name():
     tiago = load_robot("tiago")
     assert tiago.joints == tuple(f"arm_{i}_joint" for i in range(1, 8))
     assert tiago.locked["wheel_left_joint"].reason == "wheel"
@@ -82,7 +82,7 @@ def test_meshes_of_packages_resolve():
 @pytest.mark.parametrize(
     "kinds", [{"tiago": "torso_lift_joint"}, {"tiago": "arm_3_joint", "kinova": "j2s6s200_joint_4"}]
 )
-def test_held_joints_weigh_where_they_are_held(kinds):
+def test_locked_joints_weigh_at_their_locked_position(kinds):
     for name, held in kinds.items():
         robot = load_robot(name, lock={held: 0.7})
         full = pin.buildModelFromUrdf(str(robot.urdf))
@@ -102,12 +102,12 @@ def test_gravity_can_be_given_as_size_or_vector():
         load_robot("ur5", gravity=[1.0, 2.0])
 
 
-def test_an_unknown_name_is_answered_with_the_nearest():
+def test_an_unknown_name_is_refused_with_the_nearest_ones():
     with pytest.raises(RobotError, match=r"unknown robot 'pnda'; did you mean panda"):
         load_robot("pnda")
 
 
-def test_an_unknown_tool_frame_is_answered_with_the_nearest():
+def test_an_unknown_tool_frame_is_refused_with_the_nearest_ones():
     with pytest.raises(RobotError, match=r"tool frame 'tol0'.*tool0"):
         load_robot("ur5", tool_frame="tol0")
 
@@ -115,7 +115,7 @@ def test_an_unknown_tool_frame_is_answered_with_the_nearest():
 # ------------------------------------------------------------------ a user's own file
 
 
-def test_mimic_joints_are_held_where_their_leader_is(urdf):
+def test_mimic_joints_are_locked_at_their_leaders_position(urdf):
     follows = '<mimic joint="slide" multiplier="-2" offset="0.1"/>'
     path = urdf(
         *[link(name) for name in ("base", "a", "b", "c")],
@@ -130,7 +130,7 @@ def test_mimic_joints_are_held_where_their_leader_is(urdf):
     assert robot.locked["slide"].reason == "asked for"
 
 
-def test_a_linkage_that_mimics_a_moving_joint_is_told(urdf):
+def test_a_mimic_joint_of_a_moving_leader_gives_a_warning(urdf):
     path = urdf(
         *[link(name) for name in ("base", "a", "b")],
         joint("shoulder", "base", "a"),
@@ -143,7 +143,7 @@ def test_a_linkage_that_mimics_a_moving_joint_is_told(urdf):
         load_robot(path, keep=["rod"])
 
 
-def test_joints_named_like_fingers_are_held_unless_kept(urdf):
+def test_joints_named_like_fingers_are_locked_unless_kept(urdf):
     path = urdf(
         *[link(name) for name in ("base", "a", "b", "c")],
         joint("shoulder", "base", "a"),
@@ -152,7 +152,7 @@ def test_joints_named_like_fingers_are_held_unless_kept(urdf):
     )
     robot = load_robot(path)
     assert robot.joints == ("shoulder",)
-    assert robot.locked["Left_Finger"].reason == "its name says 'finger'"
+    assert robot.locked["Left_Finger"].reason == "its name contains 'finger'"
     assert robot.locked["Left_Finger"].position == 0.2  # zero is out of its range
     assert load_robot(path, keep=["right_finger"]).joints == ("shoulder", "right_finger")
 
@@ -183,7 +183,7 @@ def test_two_arms_are_refused_with_the_lock_that_keeps_one(urdf):
     assert load_robot(path, lock=["right_*", "head"]).joints == ("left_1", "left_2")
 
 
-def test_a_real_robot_with_two_arms_names_what_to_lock():
+def test_a_real_robot_with_two_arms_is_refused_with_the_joints_to_lock():
     path = catalogue()["baxter_left_arm"].path
     with pytest.raises(RobotError, match=r"branches at the base.*left_s0\.\.left_w2") as error:
         load_robot(path)
@@ -191,7 +191,7 @@ def test_a_real_robot_with_two_arms_names_what_to_lock():
     assert load_robot(path, lock=[n.strip(" '[]") for n in lock.split(",")]).n == 7
 
 
-def test_continuous_joints_count_one_angle_each(urdf):
+def test_a_continuous_joint_has_one_coordinate(urdf):
     path = urdf(
         *[link(n) for n in ("base", "a", "b")], joint("j1", "base", "a", "continuous"), joint("j2", "a", "b")
     )
@@ -200,7 +200,7 @@ def test_continuous_joints_count_one_angle_each(urdf):
     assert robot.mass_matrix(np.zeros(2)).shape == (2, 2)
 
 
-def test_unphysical_and_missing_inertias_are_told(urdf):
+def test_unphysical_and_missing_inertias_give_warnings(urdf):
     path = urdf(
         link("base"),
         link("a", izz=0.5),
@@ -213,7 +213,7 @@ def test_unphysical_and_missing_inertias_are_told(urdf):
     assert any("joint 'j2'" in w and "mass 0" in w for w in warnings)
 
 
-def test_a_range_without_width_is_no_limit_and_told(urdf):
+def test_a_range_without_width_is_no_limit_and_gives_a_warning(urdf):
     path = urdf(link("base"), link("a"), joint("j1", "base", "a", lower=0, upper=0))
     robot = load_robot(path)
     assert np.isinf(robot.limits.upper).all()
@@ -254,14 +254,14 @@ BASE_AND_ARM = link("base") + link("a")
         ),
     ],
 )
-def test_a_bad_file_is_answered_in_one_line(urdf, text, said):
+def test_a_bad_file_is_refused_in_one_line(urdf, text, said):
     with pytest.raises(RobotError) as error:
         load_robot(urdf(text=text))
     assert said in str(error.value)
     assert "\n" not in str(error.value)
 
 
-def test_a_missing_file_and_a_xacro_are_named(tmp_path):
+def test_a_missing_file_and_a_xacro_are_refused_by_name(tmp_path):
     with pytest.raises(RobotError, match=r"no such URDF file: .*nowhere\.urdf"):
         load_robot(tmp_path / "nowhere.urdf")
     (tmp_path / "arm.urdf.xacro").write_text("<robot/>")
@@ -269,7 +269,7 @@ def test_a_missing_file_and_a_xacro_are_named(tmp_path):
         load_robot(tmp_path / "arm.urdf.xacro")
 
 
-def test_an_unknown_joint_to_lock_is_answered_with_the_nearest():
+def test_an_unknown_joint_to_lock_is_refused_with_the_nearest_ones():
     with pytest.raises(RobotError, match=r"'wrist_4_joint'.*wrist_"):
         load_robot("ur5", lock=["wrist_4_joint"])
 

@@ -40,7 +40,7 @@ def test_a_folded_elbow_puts_the_wrist_into_the_arm(ur5_shapes):
     assert links(contact) & {"shoulder_link", "upper_arm_link", "base_link"}
 
 
-def test_the_first_of_many_postures_is_named(ur5_shapes):
+def test_the_first_posture_with_a_contact_is_returned(ur5_shapes):
     folded = UPRIGHT + np.array([0, 0, 3.0, 0, 0, 0])
     assert ur5_shapes.first_contact(np.array([UPRIGHT, UPRIGHT, folded, folded])).sample == 2
 
@@ -57,7 +57,7 @@ def test_shapes_that_always_overlap_are_left_out():
     assert scara.left_out[0] not in scara.pairs
 
 
-def test_an_srdf_says_what_may_touch(ur5, tmp_path):
+def test_pairs_that_an_srdf_disables_are_left_out(ur5, tmp_path):
     file = tmp_path / "ur5.srdf"
     file.write_text(
         '<robot name="ur5"><disable_collisions link1="wrist_1_link" link2="wrist_3_link" reason="Never"/></robot>',
@@ -72,7 +72,7 @@ def test_an_srdf_says_what_may_touch(ur5, tmp_path):
         CollisionModel(ur5, srdf=file)
 
 
-def test_what_is_near_touches_with_a_larger_clearance(ur5):
+def test_near_shapes_touch_with_a_larger_clearance(ur5):
     free = {c: set() for c in (0.0, 0.02, 0.1)}
     for clearance, kept in free.items():
         shapes = CollisionModel(ur5, clearance=clearance)
@@ -87,7 +87,7 @@ def test_a_floor_is_touched_from_above_only(ur5):
     assert CollisionModel(ur5, floor=-2.0).first_contact(down) is None
 
 
-def test_the_floor_lies_across_gravity():
+def test_the_floor_is_perpendicular_to_gravity():
     wall = load_robot("ur5", gravity=(9.81, 0.0, 0.0))  # on a wall: x points down, and a floor is 0.3 m below
     shapes = CollisionModel(wall, floor=-0.3)
     for turned, touches in ((0.0, True), (np.pi, False)):
@@ -99,7 +99,7 @@ def test_the_floor_lies_across_gravity():
 
 
 @pytest.mark.parametrize(("name", "height"), [("ur5", 0.0), ("panda", 0.0), ("baxter_left_arm", -0.92)])
-def test_an_arm_stands_on_the_lowest_point_of_what_does_not_move(name, height):
+def test_an_arm_stands_on_the_lowest_point_of_its_fixed_shapes(name, height):
     assert standing_height(load_robot(name)) == pytest.approx(height, abs=0.01)
 
 
@@ -111,7 +111,7 @@ def test_an_arm_without_shapes_touches_nothing():
     assert standing_height(robot) is None
 
 
-def test_joints_that_turn_endlessly_are_placed(ur5):
+def test_continuous_joints_are_placed_by_their_angle(ur5):
     kinova = load_robot("kinova")
     assert kinova.is_continuous.any()
     q = postures(kinova, 20)

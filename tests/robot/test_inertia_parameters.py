@@ -25,7 +25,7 @@ def of_cloud(masses: np.ndarray, places: np.ndarray) -> np.ndarray:
     return sum(parameters_of(m, x, np.zeros((3, 3))) for m, x in zip(masses, places, strict=True))
 
 
-def test_order_is_pinocchios():
+def test_the_order_of_the_parameters_is_pinocchios():
     body = pin.Inertia.Random()
     parameters = parameters_of(body.mass, body.lever, body.inertia)
     np.testing.assert_allclose(parameters, body.toDynamicParameters(), atol=1e-14)
@@ -70,7 +70,7 @@ def test_a_point_is_on_the_edge_and_physical(where):
     assert abs(physical_margin(point)) < 1e-12
 
 
-def test_nothing_is_physical():
+def test_a_body_of_zero_mass_and_moments_is_physical():
     assert is_physical(np.zeros(10))
 
 
@@ -84,7 +84,7 @@ def test_nothing_is_physical():
         np.full(10, np.nan),
     ],
 )
-def test_bodies_that_cannot_be_are_told(impossible):
+def test_bodies_that_cannot_exist_are_recognised(impossible):
     assert not is_physical(impossible)
 
 
@@ -92,7 +92,7 @@ def test_the_triangle_inequality_may_hold_with_equality():
     assert is_physical(parameters_of(1.0, np.zeros(3), np.diag([1.0, 1.0, 2.0])))
 
 
-def test_physical_answers_for_each_body_of_a_batch():
+def test_is_physical_returns_one_value_for_each_body_of_a_batch():
     good = parameters_of(1.0, np.ones(3), np.eye(3))
     np.testing.assert_array_equal(is_physical(np.array([good, -good, good])), [True, False, True])
 

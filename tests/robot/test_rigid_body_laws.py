@@ -34,7 +34,7 @@ def test_mass_matrix_is_symmetric_and_positive_definite(arm, motion):
         assert np.linalg.eigvalsh(M)[0] > 0
 
 
-def test_inverse_dynamics_is_mass_times_acceleration_plus_the_rest(arm, motion):
+def test_inverse_dynamics_is_mass_times_acceleration_plus_nonlinear_effects(arm, motion):
     q, v, a = motion
     expected = np.einsum("nij,nj->ni", arm.mass_matrix(q), a) + arm.nonlinear_effects(q, v)
     tau = arm.inverse_dynamics(q, v, a)
@@ -66,7 +66,7 @@ def test_at_rest_only_gravity_is_left(arm, motion):
     )
 
 
-def test_velocity_torques_neither_create_nor_take_energy(arm, motion):
+def test_velocity_torques_conserve_energy(arm, motion):
     q, v, _ = motion
     step = 1e-6
     rate = (arm.mass_matrix(q + step * v) - arm.mass_matrix(q - step * v)) / (2 * step)
@@ -87,7 +87,7 @@ def test_tool_jacobian_is_the_derivative_of_the_tool_position(arm, motion):
     np.testing.assert_allclose(by_jacobian, rate, atol=1e-7 * scale(rate))
 
 
-def test_a_trajectory_answers_as_its_samples_do(arm, motion):
+def test_a_batch_equals_a_loop_over_its_samples(arm, motion):
     for name, signals in (
         ("mass_matrix", 1),
         ("gravity", 1),
@@ -117,7 +117,7 @@ def test_continuous_joints_repeat_after_a_turn(name):
     assert np.isinf(arm.limits.upper[arm.is_continuous]).all()
 
 
-def test_answers_are_copies(arm, motion):
+def test_results_are_copies(arm, motion):
     first = arm.mass_matrix(motion[0][0])
     kept = first.copy()
     arm.mass_matrix(motion[0][1])

@@ -76,7 +76,7 @@ def test_printed_mass_matrix_leaves_out_the_quills_inertia(states):
     np.testing.assert_array_equal(difference[:, 2:], 0.0)
 
 
-def test_one_sample_answers_as_a_batch(states):
+def test_one_sample_equals_a_batch(states):
     q, v = states
     for term in (scara.velocity_torques, scara.printed_velocity_torques, scara.nonlinear_effects):
         np.testing.assert_array_equal(term(q[3], v[3]), term(q, v)[3])

@@ -45,14 +45,14 @@ def test_inertias_damping_and_friction_come_back(name, tmp_path):
 
 
 @pytest.mark.parametrize("name", ARMS)
-def test_the_same_inertias_leave_the_same_robot(name, tmp_path):
+def test_the_same_inertias_give_the_same_robot(name, tmp_path):
     robot = load_robot(name)
     given = dict(zip(robot.joints, robot.inertial_parameters, strict=True))
     again = reload(robot, write_corrected_urdf(robot, tmp_path / "same.urdf", inertial=given))
     np.testing.assert_allclose(again.inertial_parameters, robot.inertial_parameters, rtol=1e-9, atol=1e-9)
 
 
-def test_joints_that_were_not_given_stay_to_the_letter(tmp_path):
+def test_joints_that_are_not_given_stay_unchanged(tmp_path):
     robot = load_robot("ur5")
     new = 1.5 * robot.inertial_parameters[2]
     again = reload(robot, write_corrected_urdf(robot, tmp_path / "one.urdf", inertial={"elbow_joint": new}))
@@ -61,7 +61,7 @@ def test_joints_that_were_not_given_stay_to_the_letter(tmp_path):
     np.testing.assert_array_equal(again.inertial_parameters[others], robot.inertial_parameters[others])
 
 
-def test_held_fingers_keep_their_own_inertia(tmp_path):
+def test_locked_fingers_keep_their_own_inertia(tmp_path):
     robot = load_robot("panda")
     path = write_corrected_urdf(robot, tmp_path / "p.urdf", inertial=heavier(robot, np.random.default_rng(1)))
     before, after = (pin.buildModelFromUrdf(str(p)) for p in (robot.urdf, path))
@@ -69,7 +69,7 @@ def test_held_fingers_keep_their_own_inertia(tmp_path):
     assert before.inertias[finger] == after.inertias[finger]
 
 
-def test_a_hand_that_is_not_there_can_be_taken_off(tmp_path):
+def test_a_missing_hand_can_be_subtracted(tmp_path):
     # The hand (0.73 kg) is half of the last body; less than the rest remains for the link itself.
     robot = load_robot("panda")
     less = 0.3 * robot.inertial_parameters[-1]
@@ -79,7 +79,7 @@ def test_a_hand_that_is_not_there_can_be_taken_off(tmp_path):
     assert again.warnings == ()
 
 
-def test_a_payload_rides_on_the_tool(tmp_path):
+def test_a_payload_is_fixed_to_the_tool_frame(tmp_path):
     robot = load_robot("panda")
     payload = parameters_of(0.8, [0.01, 0.02, 0.05], 1e-3 * np.eye(3))
     again = reload(robot, write_corrected_urdf(robot, tmp_path / "p.urdf", payload=payload))
@@ -94,7 +94,7 @@ def test_a_point_payload_needs_four_numbers(tmp_path):
     assert again.total_mass == pytest.approx(robot.total_mass + 2.0)
 
 
-def test_a_negative_payload_is_taken_off_the_last_body(tmp_path):
+def test_a_negative_payload_is_subtracted_from_the_last_body(tmp_path):
     robot = load_robot("panda")
     hand = transform_parameters(np.linalg.inv(robot.tool_placement)) @ (-0.4 * robot.inertial_parameters[-1])
     again = reload(robot, write_corrected_urdf(robot, tmp_path / "p.urdf", payload=hand))
@@ -134,7 +134,7 @@ def test_relative_meshes_still_resolve(tmp_path):
 
 
 @pytest.mark.parametrize("factor", [-1.0, 0.0])
-def test_what_no_body_can_have_is_refused(factor, tmp_path):
+def test_unphysical_inertias_are_refused(factor, tmp_path):
     robot = load_robot("ur5")
     wrong = robot.inertial_parameters[2].copy()
     wrong[4:] *= factor  # no inertia, but a lever
@@ -148,7 +148,7 @@ def test_what_no_body_can_have_is_refused(factor, tmp_path):
     np.testing.assert_allclose(reload(robot, path).inertial_parameters[2], wrong, rtol=1e-9, atol=1e-12)
 
 
-def test_wrong_requests_are_named(tmp_path):
+def test_wrong_requests_are_refused_by_name(tmp_path):
     robot = load_robot("ur5")
     path = tmp_path / "x.urdf"
     with pytest.raises(RobotError, match="elbow_joint"):

@@ -11,7 +11,7 @@ import pytest
 
 from cdia_pin import load_robot
 from cdia_pin.diagnosis import Event, MonitorRun, Stage, Verdict
-from cdia_pin.diagnosis.journal import Belief, Look
+from cdia_pin.diagnosis.journal import BelievedFaults, Look
 from cdia_pin.diagnosis.record import STAGES
 from cdia_pin.effects import Between, CoulombFriction, LoadFriction, Term, Unknown
 from cdia_pin.viewers import events_table, joints_table, run_summary, tracking_table, write_monitor_report
@@ -28,7 +28,11 @@ LOOKS = (
     Look(15.0, "joint1", ("coulomb_friction",)),
     Look(18.0, "joint1", ()),
 )
-BELIEFS = (Belief(14.0, (FRICTION,)), Belief(16.0, (replace(FRICTION, theta=(3.9,)),)), Belief(18.0, ()))
+BELIEFS = (
+    BelievedFaults(14.0, (FRICTION,)),
+    BelievedFaults(16.0, (replace(FRICTION, theta=(3.9,)),)),
+    BelievedFaults(18.0, ()),
+)
 
 
 def a_run(count=500):
@@ -114,8 +118,8 @@ def test_hypotheses_live_from_the_detection_until_they_are_excluded(run):
     rows = {row["effect"]: row["spans"] for row in first["hypotheses"]}
     assert list(rows) == ["coulomb friction", "load friction", "none of these"]
     begin = first["stages"][1][0]
-    assert rows["coulomb friction"] == [[begin, 13.5, "open"], [13.5, 18.0, "leading"]]
-    assert rows["load friction"] == [[begin, 13.5, "open"], [13.5, 15.0, "possible"]]
+    assert rows["coulomb friction"] == [(begin, 13.5, "open"), (13.5, 18.0, "leading")]
+    assert rows["load friction"] == [(begin, 13.5, "open"), (13.5, 15.0, "possible")]
     assert rows["none of these"] == []
     assert all(j["hypotheses"] == [] for j in others)
 

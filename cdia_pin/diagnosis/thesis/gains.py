@@ -23,7 +23,7 @@ TINY = 1e-12  # keeps columns that were never excited from dividing by zero
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Excitation:
+class AdaptationInputs:
     """What the law needs to know of a step.
 
     Attributes:
@@ -50,7 +50,7 @@ class Excitation:
 class Gains(Protocol):
     """A choice of P and Γ."""
 
-    def rate(self, error: Array, at: Excitation) -> Array:
+    def rate(self, error: Array, at: AdaptationInputs) -> Array:
         """Return Ẇ, (F, n, P), for the errors e of F filters [rad/s or m/s], (F, n)."""
         ...
 
@@ -67,7 +67,7 @@ class FixedGains:
     torque: tuple[float, ...]
     state: tuple[float, ...]
 
-    def rate(self, error: Array, at: Excitation) -> Array:
+    def rate(self, error: Array, at: AdaptationInputs) -> Array:
         """Return Ẇ = −Γ diag(Φ) M⁻¹ e, (F, n, P)."""
         gain = np.where(at.of_torque, np.array(self.torque)[:, None], np.array(self.state)[:, None])
         drive = error @ at.inverse_inertia.T
@@ -92,7 +92,7 @@ class ScaledGains:
 
     share: float = 25.0
 
-    def rate(self, error: Array, at: Excitation) -> Array:
+    def rate(self, error: Array, at: AdaptationInputs) -> Array:
         """Return Ẇ = −Γ diag(Φ) M⁻¹ P e, normalised, (F, n, P)."""
         P = 1.0 / at.reference
         speed = np.minimum(self.share * at.gamma**2, (FASTEST / at.duration) ** 2)  # [1/s²]

@@ -1,6 +1,6 @@
-"""Checks of a log: what it holds, in which units, signs and order, and what it can tell."""
+"""Checks of a log: its signals, units, signs and order, and what can be identified from it."""
 
 from cdia_pin.logs.checks.check import check_log
-from cdia_pin.logs.checks.finding import Finding, LogCheck
+from cdia_pin.logs.checks.finding import Finding, LogCheck, Severity, Topic
 
-__all__ = ["Finding", "LogCheck", "check_log"]
+__all__ = ["Finding", "LogCheck", "Severity", "Topic", "check_log"]

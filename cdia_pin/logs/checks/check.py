@@ -1,4 +1,4 @@
-"""Check a log against a robot: every inference, and what to do about it."""
+"""The check of a log against a robot: every inference, and advice on what to do."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs.checks.conventions import SEARCH_SAMPLES, search_conventions
 from cdia_pin.logs.checks.effort_kind import check_effort_kind
 from cdia_pin.logs.checks.excitation import check_excitation
-from cdia_pin.logs.checks.finding import Finding, LogCheck
+from cdia_pin.logs.checks.finding import Finding, LogCheck, Severity, Topic
 from cdia_pin.logs.checks.lag import check_lag
 from cdia_pin.logs.checks.limits import check_limits, check_saturation
 from cdia_pin.logs.checks.motion import motion_of
@@ -23,22 +23,22 @@ if TYPE_CHECKING:
 
 
 def check_log(log: Log, robot: RobotModel) -> LogCheck:
-    """Infer what a log holds and whether it can be trusted for this robot.
+    """Infer what a log holds, and whether it can be used for this robot.
 
-    Looks at sampling, resolution, limits, saturation and excitation, and, by comparing efforts
-    with the URDF's rigid-body torque and friction of unknown size, at units, signs, the order of
-    joints, the kind of effort and its lag. Where the evidence is weak the finding says so. It is
-    *not* shown that the zero of each position is the URDF's, nor that drive gains are right.
+    Sampling, resolution, limits, saturation and excitation are checked. Efforts are compared with the URDF's
+    rigid-body torque and friction of unknown size. This checks units, signs, the order of joints, the kind of
+    effort and its lag. A finding states where the evidence is weak. It is *not* checked whether the zero of each
+    position is the URDF's, or whether drive gains are right.
 
     Args:
         log: The log, joints in the robot's order.
-        robot: The robot that it is said to be of.
+        robot: The robot of the log.
 
     Returns:
-        The findings; ``ok`` is True where none is a warning or an error.
+        The findings; ``ok`` is True if none is a warning or an error.
 
     Raises:
-        LogError: If the log is of other joints than the robot's.
+        LogError: If the joints of the log are not those of the robot.
     """
     if log.joints != robot.joints:
         raise LogError(
@@ -49,7 +49,7 @@ def check_log(log: Log, robot: RobotModel) -> LogCheck:
 
 
 def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
-    yield from (Finding("reading", "info", note) for note in log.notes)
+    yield from (Finding(Topic.READING, Severity.INFO, note) for note in log.notes)
     yield from check_rate(log)
     yield from check_gaps(log)
     motion = motion_of(log, robot.is_prismatic)
@@ -60,9 +60,9 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     yield from check_velocity(log, motion)
     if motion is None:
         yield Finding(
-            "excitation",
-            "warning",
-            "too short to compare with the model; units, signs, order and kind of effort were not looked at",
+            Topic.EXCITATION,
+            Severity.WARNING,
+            "too short to compare with the model; units, signs, order and kind of effort were not checked",
             advice="record 10 s or more without a gap",
         )
         return

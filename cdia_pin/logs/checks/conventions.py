@@ -1,37 +1,49 @@
-"""How a log may be written otherwise than assumed: order of joints, signs, unit of angle."""
+"""Search for other conventions of a log: order of joints, signs, unit of angle."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.logs.checks.fit import misfit, physical_columns, unexplained
-from cdia_pin.logs.checks.motion import Motion
+from cdia_pin.logs.checks.motion import SmoothedMotion
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-DEGREE = float(np.pi / 180.0)
-SEARCH_SAMPLES = 400  # plenty for five coefficients; each hypothesis costs an inverse dynamics of them
-CERTAIN = 1.5  # [1] gain in misfit that no measured log came near without a reason
-LIKELY = 0.7  # [1]
-BROKEN = 0.2  # share left unexplained from which an effort may be misread; missing physics leaves less
+DEGREE = float(np.pi / 180.0)  # [rad]
+SEARCH_SAMPLES = 400  # [samples], many for five coefficients; each hypothesis needs inverse dynamics of them
+CERTAIN = 1.5  # [1], gain in misfit that is adopted: no measured log with right conventions came near it
+LIKELY = 0.7  # [1], gain in misfit that is reported as possible
+BROKEN = 0.2  # [1], unexplained share above which an effort may be misread; missing physics leaves less
+
+
+class Change(StrEnum):
+    """One change of conventions that the search tries."""
+
+    EFFORT_SIGN = "effort sign"
+    POSITION_SIGN = "position sign"
+    BOTH_SIGNS = "both signs"
+    ORDER = "order"
+    EFFORT_ORDER = "effort order"
+    DEGREES = "degrees"
 
 
 @dataclass(frozen=True)
 class Conventions:
-    """A reading of the log's columns.
+    """An assumption of what the log's columns mean.
 
     Attributes:
-        position_column: Column of position and velocity of each joint of the robot, shape (n,).
-        effort_column: Column of effort of each joint of the robot, shape (n,).
+        position_column: Index of the column of position and velocity of each joint of the robot, shape (n,).
+        effort_column: Index of the column of effort of each joint of the robot, shape (n,).
         position_sign: Sign of each joint's position and velocity, shape (n,).
         effort_sign: Sign of each joint's effort, shape (n,).
         angle: Size of the unit of angle [rad].
@@ -45,11 +57,26 @@ class Conventions:
 
     @classmethod
     def assumed(cls, n: int) -> Conventions:
-        """Return the reading that everything is as it says."""
+        """Return the conventions in which every column is what its name says.
+
+        Args:
+            n: Number of joints.
+
+        Returns:
+            Columns in order, signs +1, angles in rad.
+        """
         return cls(tuple(range(n)), tuple(range(n)), (1,) * n, (1,) * n)
 
-    def apply(self, motion: Motion, robot: RobotModel) -> Motion:
-        """Return the motion as this reading has it."""
+    def apply(self, motion: SmoothedMotion, robot: RobotModel) -> SmoothedMotion:
+        """Return the motion under these conventions.
+
+        Args:
+            motion: Signals as logged.
+            robot: The robot, which tells the prismatic joints.
+
+        Returns:
+            Signals in the robot's order, signs and SI units.
+        """
         pick = list(self.position_column)
         scale = np.where(robot.is_prismatic, 1.0, self.angle) * np.array(self.position_sign)
         return replace(
@@ -64,17 +91,17 @@ class Conventions:
 
 @dataclass(frozen=True)
 class Trial:
-    """A reading that differs in one thing, and how it fits.
+    """Conventions with one change, and how they fit.
 
     Attributes:
-        kind: ``effort sign``, ``position sign``, ``both signs``, ``order``, ``effort order`` or ``degrees``.
-        joints: Joints of the robot that it changes, by index.
-        conventions: The reading.
-        share: Unexplained share of each joint's effort, shape (n,).
-        gain: Fall of the misfit against the reading before [1].
+        kind: The change.
+        joints: Indices of the joints of the robot that it changes.
+        conventions: The conventions after the change.
+        share: Unexplained share of each joint's effort [1], shape (n,).
+        gain: Fall of the misfit by the change [1].
     """
 
-    kind: str
+    kind: Change
     joints: tuple[int, ...]
     conventions: Conventions
     share: Array
@@ -82,15 +109,15 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Search:
-    """Result of the search for a reading that fits better.
+class ConventionSearch:
+    """Result of the search for conventions that fit better.
 
     Attributes:
-        steps: Readings adopted one after the other, each with the rivals that fit about as well.
-        rest: All other readings tried from the last one, best first.
-        conventions: The last reading.
-        before: Unexplained share of each joint's effort as the log says, shape (n,).
-        after: The same with the last reading, shape (n,).
+        steps: Changes adopted one after the other, each with the rivals that fit about as well.
+        rest: Changes of the last conventions that were tried and not adopted, best first.
+        conventions: The last conventions.
+        before: Unexplained share of each joint's effort under the conventions of the log [1], shape (n,).
+        after: The same under the last conventions [1], shape (n,).
     """
 
     steps: tuple[tuple[Trial, tuple[Trial, ...]], ...]
@@ -100,8 +127,16 @@ class Search:
     after: Array
 
 
-def search_conventions(motion: Motion, robot: RobotModel) -> Search:
-    """Adopt, one at a time, the change of reading that explains most, while it explains much more."""
+def search_conventions(motion: SmoothedMotion, robot: RobotModel) -> ConventionSearch:
+    """Adopt the change of conventions that explains most, one at a time, while it explains much more.
+
+    Args:
+        motion: Signals as logged, thinned.
+        robot: The robot of the log.
+
+    Returns:
+        Adopted changes, rivals and the last conventions.
+    """
     shares = _Shares(motion, robot)
     current = Conventions.assumed(robot.n)
     share = before = shares.of(current)
@@ -109,7 +144,7 @@ def search_conventions(motion: Motion, robot: RobotModel) -> Search:
     while True:
         trials = _trials(current, shares, share)
         if not trials or trials[0].gain < CERTAIN or len(steps) >= 2 * robot.n:
-            return Search(tuple(steps), tuple(trials), current, before, share)
+            return ConventionSearch(tuple(steps), tuple(trials), current, before, share)
         best = trials[0]
         rivals = tuple(
             t for t in trials[1:] if t.gain > best.gain - LIKELY and set(t.joints) & set(best.joints)
@@ -129,48 +164,52 @@ def _trials(current: Conventions, shares: _Shares, share: Array) -> list[Trial]:
 
 
 def _mends(old: Array, new: Array) -> bool:
-    """True where an effort that did not fit does so now; what is missing in a model may look like less."""
+    """Tell whether an effort that did not fit does so now; missing physics can imitate a smaller gain."""
     return bool(np.any((old > BROKEN) & (new < 0.5 * old)))
 
 
 def _changes(
-    current: Conventions, motion: Motion, robot: RobotModel
-) -> Iterator[tuple[str, tuple[int, ...], Conventions]]:
+    current: Conventions, motion: SmoothedMotion, robot: RobotModel
+) -> Iterator[tuple[Change, tuple[int, ...], Conventions]]:
     moves = motion.moves[list(current.position_column)]
     for k in np.flatnonzero(moves).tolist():
         effort = _negated(current.effort_sign, k)
         position = _negated(current.position_sign, k)
-        yield "effort sign", (k,), replace(current, effort_sign=effort)
-        yield "position sign", (k,), replace(current, position_sign=position)
-        yield "both signs", (k,), replace(current, effort_sign=effort, position_sign=position)
+        yield Change.EFFORT_SIGN, (k,), replace(current, effort_sign=effort)
+        yield Change.POSITION_SIGN, (k,), replace(current, position_sign=position)
+        yield Change.BOTH_SIGNS, (k,), replace(current, effort_sign=effort, position_sign=position)
     for i, j in itertools.combinations(range(robot.n), 2):
         if not (moves[i] or moves[j]):
             continue
         effort_column = _swapped(current.effort_column, i, j)
         position_column = _swapped(current.position_column, i, j)
-        yield "order", (i, j), replace(current, effort_column=effort_column, position_column=position_column)
+        yield (
+            Change.ORDER,
+            (i, j),
+            replace(current, effort_column=effort_column, position_column=position_column),
+        )
         if moves[i] and moves[j]:
-            yield "effort order", (i, j), replace(current, effort_column=effort_column)
+            yield Change.EFFORT_ORDER, (i, j), replace(current, effort_column=effort_column)
     for order in _whole_orders(robot.joints):
         both = (_reordered(current.position_column, order), _reordered(current.effort_column, order))
         changed = tuple(k for k in range(robot.n) if order[k] != k)
-        yield "order", changed, replace(current, position_column=both[0], effort_column=both[1])
-        yield "effort order", changed, replace(current, effort_column=both[1])
+        yield Change.ORDER, changed, replace(current, position_column=both[0], effort_column=both[1])
+        yield Change.EFFORT_ORDER, changed, replace(current, effort_column=both[1])
     if current.angle == 1.0 and not robot.is_prismatic.all():
         revolute = tuple(np.flatnonzero(~robot.is_prismatic).tolist())
-        yield "degrees", revolute, replace(current, angle=DEGREE)
+        yield Change.DEGREES, revolute, replace(current, angle=DEGREE)
 
 
 class _Shares:
-    """Unexplained shares of readings; those that agree on the motion share its model torques."""
+    """Unexplained shares of conventions; those with the same motion share its model torques."""
 
-    def __init__(self, motion: Motion, robot: RobotModel) -> None:
+    def __init__(self, motion: SmoothedMotion, robot: RobotModel) -> None:
         self.motion, self.robot = motion, robot
         self._columns: dict[tuple[object, ...], Array] = {}
         self._known: dict[tuple[object, ...], float] = {}
 
     def of(self, conventions: Conventions) -> Array:
-        """Unexplained share of every joint that moves, NaN elsewhere, shape (n,)."""
+        """Return the unexplained share of every joint that moves, NaN elsewhere [1], shape (n,)."""
         read = conventions.apply(self.motion, self.robot)
         key = (conventions.position_column, conventions.position_sign, conventions.angle)
         if key not in self._columns:
@@ -190,7 +229,7 @@ def _negated(signs: tuple[int, ...], k: int) -> tuple[int, ...]:
 
 
 def _whole_orders(joints: Sequence[str]) -> list[tuple[int, ...]]:
-    """Orders that people meet beyond exchanges: rotated, reversed, alphabetical (ROS sorts names)."""
+    """List common orders beyond exchanges of two: rotated, reversed, alphabetical (ROS sorts names)."""
     n = len(joints)
     alphabet = sorted(joints)
     orders = [tuple((k + shift) % n for k in range(n)) for shift in range(1, n)]

@@ -1,17 +1,17 @@
-"""What the effort is: joint torque, without gravity, in other units, before the gear, or a current."""
+"""The kind of effort: joint torque, torque without gravity, motor torque, another unit, or a current."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.logs.checks.finding import Finding, Severity
+from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.fit import physical_columns
-from cdia_pin.logs.checks.motion import Motion
+from cdia_pin.logs.checks.motion import SmoothedMotion
 from cdia_pin.logs.log import Log
 
 if TYPE_CHECKING:
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-BLOCKS = 6  # parts of the log that are left out in turn
-STRONG = 0.1  # gravity of a joint against that of the strongest, below which tools and cables decide
+BLOCKS = 6  # parts of the log that are left out in turn, for the standard error
+STRONG = 0.1  # [1], gravity of a joint over the largest one; below it tools and cables outweigh the links
 
 
 @dataclass(frozen=True)
 class EffortKind:
-    """What efforts are likely to be whose gravity is so many times the URDF's.
+    """The likely kind of efforts whose gravity is a multiple of the URDF's within a range.
 
     Attributes:
         smallest: Lower end of the gain [1].
         largest: Upper end of the gain [1].
-        severity: Of the finding.
-        message: With {said}, {middle} and {inverse} to fill in.
-        advice: With {inverse} to fill in.
+        severity: Severity of the finding.
+        message: Message with the fields {said}, {middle} and {inverse}.
+        advice: Advice with the field {inverse}.
     """
 
     smallest: float
@@ -43,13 +43,13 @@ class EffortKind:
 
 
 _NEAR_ONE = (
-    "joint torque: gravity appears with gain {said}; the log cannot tell drive gains from masses or a payload"
+    "joint torque: gravity appears with gain {said}; the log cannot separate drive gain, masses and payload"
 )
 KINDS = (
     EffortKind(
         0.0,
         0.04,
-        "warning",
+        Severity.WARNING,
         "efforts are {middle:.2g} of the URDF's gravity (gain {said}): motor torque before a gear of about "
         "{inverse:.0f}, or another unit; the log cannot prove it",
         "if it is motor torque, --convert reduction={inverse} with the gear ratios of the data sheet",
@@ -57,7 +57,7 @@ KINDS = (
     EffortKind(
         0.04,
         0.5,
-        "warning",
+        Severity.WARNING,
         "efforts are {middle:.2g} of the URDF's gravity (gain {said}): motor currents in A, a scaled torque, "
         "or a URDF too heavy; the log cannot prove it",
         "if they are currents, --convert torque=A --gains gains.json; the URDF's masses would make the gains "
@@ -66,30 +66,30 @@ KINDS = (
     EffortKind(
         0.5,
         0.8,
-        "info",
+        Severity.INFO,
         _NEAR_ONE,
         "",
     ),
-    EffortKind(0.8, 1.25, "ok", "joint torque: gravity appears with gain {said}", ""),
+    EffortKind(0.8, 1.25, Severity.OK, "joint torque: gravity appears with gain {said}", ""),
     EffortKind(
         1.25,
         2.0,
-        "info",
+        Severity.INFO,
         _NEAR_ONE,
         "",
     ),
     EffortKind(
         2.0,
         20.0,
-        "info",
+        Severity.INFO,
         "gravity appears with gain {said}: a payload or masses that the URDF lacks, or another unit; the log "
         "cannot prove it",
-        "check the unit of the efforts; 'cdia discover' tells a payload from wrong masses",
+        "check the unit of the efforts; 'cdia discover' separates a payload from wrong masses",
     ),
     EffortKind(
         20.0,
         300.0,
-        "warning",
+        Severity.WARNING,
         "efforts are {middle:.3g} times the URDF's gravity (gain {said}): another unit, or a URDF that lacks "
         "mass",
         "check the unit of the efforts and the masses of the URDF",
@@ -97,31 +97,31 @@ KINDS = (
     EffortKind(
         300.0,
         3000.0,
-        "error",
+        Severity.ERROR,
         "efforts are about 1000 times the URDF's gravity (gain {said}): they are in N·mm",
         "--convert torque=Nmm",
     ),
     EffortKind(
         3000.0,
         np.inf,
-        "error",
+        Severity.ERROR,
         "efforts are {middle:.3g} times the URDF's gravity (gain {said}): in no usual unit of torque",
         "check the unit of the efforts",
     ),
 )
-"""In order of the gain; the ranges leave no gap."""
+"""Kinds in the order of the gain; their ranges leave no gap."""
 
 
 @dataclass(frozen=True)
 class GravityGain:
-    """How many times the URDF's gravity the effort of a joint holds.
+    """Gravity in the effort of a joint as a multiple of the URDF's.
 
     Attributes:
-        gain: Effort per N·m of the URDF's gravity torque; 1 for joint torque and a right URDF.
-        error: Standard error of the gain, from leaving out parts of the log in turn.
-        dynamic: The same for M q̈ + V, rotor inertia included; far from ``gain`` where gravity was
-            taken out, alike where the unit is another.
-        share: Part of the effort's standard deviation that gravity would have with gain 1.
+        gain: Effort per N·m of the URDF's gravity torque [1]; 1 for joint torque and a correct URDF.
+        error: Standard error of the gain, from leaving out parts of the log in turn [1].
+        dynamic: The same for M q̈ + V, with rotor inertia [1]. It is far from ``gain`` if gravity was
+            compensated, and near it if the unit is another.
+        share: Standard deviation of gravity with gain 1 over that of the effort [1].
     """
 
     gain: float
@@ -131,18 +131,26 @@ class GravityGain:
 
     @property
     def known(self) -> bool:
-        """True where the gain is told apart from zero and known to about 20 %."""
+        """True if the gain differs from zero and is known to about 20 %."""
         return self.error < 0.2 * abs(self.gain)
 
     @property
     def absent(self) -> bool:
-        """True where gravity should be most of the effort but is not there, while inertia is."""
+        """True if gravity should be most of the effort but is missing, while inertia is present."""
         weak = abs(self.gain) + 2 * self.error < 0.35 and self.share > 0.5
         return weak and abs(self.gain) < 0.3 * abs(self.dynamic)
 
 
-def gravity_gains(motion: Motion, robot: RobotModel) -> dict[int, GravityGain]:
-    """Fit the gain of gravity beside dynamics, friction and offset, where gravity varies."""
+def gravity_gains(motion: SmoothedMotion, robot: RobotModel) -> dict[int, GravityGain]:
+    """Fit the gain of gravity together with dynamics, friction and offset.
+
+    Args:
+        motion: Signals under the right conventions.
+        robot: The robot of the log.
+
+    Returns:
+        The gain of each joint, by its index, under which gravity varies enough.
+    """
     columns = physical_columns(motion, robot)
     spread = columns[:, :, 1].std(axis=1)
     out = {}
@@ -159,8 +167,17 @@ def gravity_gains(motion: Motion, robot: RobotModel) -> dict[int, GravityGain]:
     return out
 
 
-def check_effort_kind(log: Log, robot: RobotModel, motion: Motion) -> Iterator[Finding]:
-    """Compare the gravity in the efforts with the URDF's: its size tells units, its absence compensation."""
+def check_effort_kind(log: Log, robot: RobotModel, motion: SmoothedMotion) -> Iterator[Finding]:
+    """Compare the gravity in the efforts with the URDF's: its size shows the unit, its absence compensation.
+
+    Args:
+        log: The log, for names.
+        robot: The robot of the log.
+        motion: Signals under the right conventions.
+
+    Yields:
+        One finding on the kind of effort.
+    """
     gains = gravity_gains(motion, robot)
     known = {k: g for k, g in gains.items() if g.known and not g.absent}
     value = {
@@ -170,33 +187,33 @@ def check_effort_kind(log: Log, robot: RobotModel, motion: Motion) -> Iterator[F
     absent = {k: g for k, g in gains.items() if g.absent}
     if not known and not absent:
         yield Finding(
-            "effort_kind",
-            "info",
-            "cannot tell what kind of effort this is: no joint moves under gravity enough, or often enough",
+            Topic.EFFORT_KIND,
+            Severity.INFO,
+            "cannot determine the kind of effort: no joint moves far or often enough under gravity",
             advice="add a log in which joints move up and down several times",
             value=value,
         )
     elif absent and len(absent) >= len(known):
         yield Finding(
-            "effort_kind",
-            "warning",
-            f"the efforts hold no gravity (of the URDF's: {_said(log, absent)}): they are "
-            "gravity-compensated, or no joint torques",
-            advice="--convert gravity=compensated adds the URDF's; else gravity would look like a fault",
+            Topic.EFFORT_KIND,
+            Severity.WARNING,
+            f"the efforts contain no gravity (gain on the URDF's: {_said(log, absent)}): they are "
+            "gravity-compensated, or not joint torques",
+            advice="--convert gravity=compensated adds the URDF's gravity; without it gravity would look like a fault",
             value=value,
         )
     else:
         yield _judge(log, known, value)
 
 
-def _judge(log: Log, known: dict[int, GravityGain], value: dict[str, Any]) -> Finding:
-    """Name the kind of effort by the size of its gravity against the URDF's."""
+def _judge(log: Log, known: dict[int, GravityGain], value: Mapping[str, object]) -> Finding:
+    """Name the kind of effort by the size of its gravity relative to the URDF's."""
     middle = float(np.median([g.gain for g in known.values()]))
     said = _said(log, known)
     if middle < 0:
         return Finding(
-            "effort_kind",
-            "warning",
+            Topic.EFFORT_KIND,
+            Severity.WARNING,
             f"gravity appears with the opposite sign (gain {said})",
             advice="check the sign of the efforts, and that the URDF's base is upright",
             value=value,
@@ -206,7 +223,7 @@ def _judge(log: Log, known: dict[int, GravityGain], value: dict[str, Any]) -> Fi
     deciding = farthest if 0.5 <= min(middle, farthest) <= max(middle, farthest) < 2.0 else middle
     kind = next(kind for kind in KINDS if kind.smallest <= deciding < kind.largest)
     return Finding(
-        "effort_kind",
+        Topic.EFFORT_KIND,
         kind.severity,
         kind.message.format(said=said, middle=middle, inverse=1 / middle),
         advice=kind.advice.format(inverse=inverse),
@@ -219,6 +236,6 @@ def _said(log: Log, gains: dict[int, GravityGain]) -> str:
 
 
 def _gains(x: Array, y: Array) -> tuple[float, float]:
-    """Gains of dynamics and of gravity, the first two columns."""
+    """Fit the gains of dynamics and of gravity, the first two columns [1]."""
     dynamic, gravity = np.linalg.lstsq(x, y, rcond=None)[0][:2]
     return float(dynamic), float(gravity)

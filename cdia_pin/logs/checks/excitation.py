@@ -1,4 +1,4 @@
-"""Which motion there is, and so what the log can tell of each joint."""
+"""The motion in a log, and what can be identified of each joint from it."""
 
 from __future__ import annotations
 
@@ -7,23 +7,32 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cdia_pin.logs.checks.finding import Finding
-from cdia_pin.logs.checks.motion import Motion
+from cdia_pin.logs.checks.finding import Finding, Severity, Topic
+from cdia_pin.logs.checks.motion import SmoothedMotion
 from cdia_pin.logs.log import Log
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 
-def check_excitation(log: Log, robot: RobotModel, motion: Motion | None) -> Iterator[Finding]:
-    """Range, speeds, reversals, accelerations and gravity of every joint."""
+def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None) -> Iterator[Finding]:
+    """Report range, speeds, reversals, accelerations and gravity of every joint.
+
+    Args:
+        log: The log, for names.
+        robot: The robot of the log.
+        motion: Signals under the right conventions; None for a log that is too short.
+
+    Yields:
+        A finding per joint, and one if no joint moves.
+    """
     if motion is None:
         return
     if not motion.moves.any():
         yield Finding(
-            "excitation",
-            "warning",
-            "no joint moves: only gravity and offsets could be looked at",
+            Topic.EXCITATION,
+            Severity.WARNING,
+            "no joint moves: only gravity and offsets can be checked",
             advice="record a motion; 'cdia excite' makes a safe one",
         )
     gravity = np.ptp(robot.gravity(motion.q), axis=0)
@@ -31,9 +40,9 @@ def check_excitation(log: Log, robot: RobotModel, motion: Motion | None) -> Iter
         unit = "m" if robot.is_prismatic[k] else "rad"
         if not motion.moves[k]:
             yield Finding(
-                "excitation",
-                "info",
-                f"does not move ({np.ptp(motion.q[:, k]):.2g} {unit}): cannot tell its friction or inertia",
+                Topic.EXCITATION,
+                Severity.INFO,
+                f"does not move ({np.ptp(motion.q[:, k]):.2g} {unit}): its friction and inertia are not identifiable",
                 joint=joint,
                 advice="add a log in which it moves",
                 value={"moves": False, "range": float(np.ptp(motion.q[:, k]))},
@@ -66,8 +75,8 @@ def check_excitation(log: Log, robot: RobotModel, motion: Motion | None) -> Iter
         if quick < 1.5 * slow:
             lacks.append("it has one speed only, so Coulomb and viscous friction look alike")
         yield Finding(
-            "excitation",
-            "info" if lacks else "ok",
+            Topic.EXCITATION,
+            Severity.INFO if lacks else Severity.OK,
             "; ".join([message, *lacks]),
             joint=joint,
             advice="add a motion with other speeds in both directions ('cdia excite')" if lacks else "",

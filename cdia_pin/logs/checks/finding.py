@@ -1,40 +1,93 @@
-"""What a check says: one inference, how serious it is, and what to do about it."""
+"""Findings of a check: an inference, its severity, and advice."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from enum import StrEnum
+from typing import TypedDict
 
-Severity = Literal["ok", "info", "warning", "error"]
+from cdia_pin import schemas
+from cdia_pin.phrases import shortened
 
-SCHEMA = "cdia-check/1"
+
+class Severity(StrEnum):
+    """How much a finding matters."""
+
+    OK = "ok"  # checked, without a problem
+    INFO = "info"  # worth knowing, or it cannot be determined
+    WARNING = "warning"  # results suffer
+    ERROR = "error"  # results would describe the log and not the robot
 
 
-@dataclass(frozen=True)
+class Topic(StrEnum):
+    """Property of a log that a finding is about."""
+
+    READING = "reading"  # a note of the reader
+    RATE = "rate"
+    GAPS = "gaps"
+    JITTER = "jitter"
+    DUPLICATES = "duplicates"
+    FROZEN = "frozen"
+    RESOLUTION = "resolution"
+    LIMITS = "limits"
+    SATURATION = "saturation"
+    EXCITATION = "excitation"
+    VELOCITY = "velocity"
+    UNITS = "units"
+    SIGN = "sign"
+    JOINT_ORDER = "joint_order"
+    EFFORT_KIND = "effort_kind"
+    LAG = "lag"
+
+
+class FindingRecord(TypedDict):
+    """A finding in JSON; keys as the attributes of `Finding`."""
+
+    topic: Topic
+    severity: Severity
+    joint: str | None
+    message: str
+    advice: str
+    value: dict[str, object]
+
+
+class CheckRecord(TypedDict):
+    """A check in JSON, schema ``cdia-check/1``; keys as the attributes of `LogCheck`."""
+
+    schema: str
+    source: str
+    sha256: str
+    robot: str
+    ok: bool
+    findings: list[FindingRecord]
+
+
+@dataclass(frozen=True, repr=False)
 class Finding:
     """One inference about a log.
 
     Attributes:
-        topic: What it is about: ``reading``, ``rate``, ``gaps``, ``jitter``, ``duplicates``, ``frozen``,
-            ``resolution``, ``limits``, ``saturation``, ``excitation``, ``velocity``, ``units``, ``sign``,
-            ``joint_order``, ``effort_kind`` or ``lag``.
-        severity: ``ok`` (looked at, fine), ``info`` (worth knowing, or it cannot be told), ``warning``
-            (results suffer), ``error`` (results would be about the log, not about the robot).
+        topic: Property of the log.
+        severity: How much it matters.
         message: One sentence with the numbers.
-        joint: The joint it concerns, None for the whole log.
-        advice: What to do, naming the keyword or flag; empty where there is nothing to do.
-        value: The numbers behind it, ready for JSON.
+        joint: The joint concerned; None for the whole log.
+        advice: What to do, with the keyword or flag; empty if there is nothing to do.
+        value: The numbers of the message, ready for JSON; their keys depend on the topic.
     """
 
-    topic: str
+    topic: Topic
     severity: Severity
     message: str
     joint: str | None = None
     advice: str = ""
-    value: Mapping[str, Any] = field(default_factory=dict)
+    value: Mapping[str, object] = field(default_factory=dict)
 
-    def to_dict(self) -> dict[str, Any]:
+    def __repr__(self) -> str:
+        about = self.topic if self.joint is None else f"{self.topic} of {shortened(self.joint, 30)}"
+        return f"Finding({self.severity}, {about}: {shortened(self.message, 90)})"
+
+    def to_dict(self) -> FindingRecord:
         """Return the finding for JSON."""
         return {
             "topic": self.topic,
@@ -46,15 +99,15 @@ class Finding:
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LogCheck:
-    """Everything that was inferred about a log.
+    """All inferences about a log.
 
     Attributes:
         source: Name of the log.
-        robot: Name of the robot it was checked against.
+        robot: Name of the robot.
         findings: The inferences, in the order of the checks.
-        sha256: Hash of the log's file, empty for a log made in memory.
+        sha256: Hash of the log's file; empty for a log made in memory.
     """
 
     source: str
@@ -62,25 +115,36 @@ class LogCheck:
     findings: tuple[Finding, ...]
     sha256: str = ""
 
+    def __repr__(self) -> str:
+        counts = f"{len(self.findings)} findings, {len(self.problems)} of them warnings or errors"
+        return f"LogCheck({shortened(self.source)} of robot {shortened(self.robot)}: {counts})"
+
     @property
     def ok(self) -> bool:
-        """True where nothing needs attention: no warning and no error."""
+        """True without warnings and errors."""
         return not self.problems
 
     @property
     def problems(self) -> tuple[Finding, ...]:
         """Warnings and errors, errors first."""
-        found = [f for f in self.findings if f.severity in {"warning", "error"}]
-        return tuple(sorted(found, key=lambda f: f.severity != "error"))
+        found = [f for f in self.findings if f.severity in {Severity.WARNING, Severity.ERROR}]
+        return tuple(sorted(found, key=lambda f: f.severity is not Severity.ERROR))
 
     def about(self, topic: str) -> tuple[Finding, ...]:
-        """Findings of one topic."""
+        """Return the findings of one topic.
+
+        Args:
+            topic: The topic, or its name.
+
+        Returns:
+            The findings, in the order of the checks.
+        """
         return tuple(f for f in self.findings if f.topic == topic)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> CheckRecord:
         """Return the check for JSON, schema ``cdia-check/1``."""
         return {
-            "schema": SCHEMA,
+            "schema": schemas.CHECK,
             "source": self.source,
             "sha256": self.sha256,
             "robot": self.robot,

@@ -1,12 +1,11 @@
-r"""How much of an effort physics can explain, whatever its units.
+r"""The share of an effort that physics explains, in any unit.
 
 .. math:: \tau_j \approx \alpha (M \ddot q + V)_j + \gamma G_j
           + \beta_v \dot q_j + \beta_c\,\mathrm{sgn}\,\dot q_j + I_j \ddot q_j + c,
           \qquad \alpha, \gamma, \beta_v, \beta_c, I_j \ge 0
 
-Coefficients that cannot be negative in nature are kept so: friction dissipates, inertia resists,
-gravity pulls as the URDF says. This is what gives a wrong sign, order or unit of angle away, while
-no unit of torque and no drive gain matters.
+Coefficients that are not negative in nature are bounded at zero: friction dissipates, inertia resists, gravity
+pulls as in the URDF. So a wrong sign, order or unit of angle fits badly, whatever the unit of torque or drive gain.
 """
 
 from __future__ import annotations
@@ -18,18 +17,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.logs.checks.motion import Motion, sign_of
+from cdia_pin.logs.checks.motion import SmoothedMotion, sign_of
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-FLOOR = 0.01  # share of the variance that no URDF explains; differences below it mean nothing
+FLOOR = 0.01  # [1], share of the variance that no URDF explains; smaller differences mean nothing
 
 
-def physical_columns(motion: Motion, robot: RobotModel) -> Array:
-    """Columns (M q̈ + V)ⱼ, Gⱼ, q̇ⱼ, sgn q̇ⱼ, q̈ⱼ of every joint, shape (n, N, 5)."""
+def physical_columns(motion: SmoothedMotion, robot: RobotModel) -> Array:
+    """Compute the columns (M q̈ + V)ⱼ, Gⱼ, q̇ⱼ, sgn q̇ⱼ, q̈ⱼ of every joint.
+
+    Args:
+        motion: Signals in SI units.
+        robot: The robot of the log.
+
+    Returns:
+        Columns [N·m or N, twice; rad/s or m/s; 1; rad/s² or m/s²], shape (n, N, 5).
+    """
     gravity = robot.gravity(motion.q)
     dynamic = robot.inverse_dynamics(motion.q, motion.v, motion.a) - gravity
     stacked = np.stack([dynamic, gravity, motion.v, sign_of(motion.v), motion.a], axis=-1)  # (N, n, 5)
@@ -37,11 +44,14 @@ def physical_columns(motion: Motion, robot: RobotModel) -> Array:
 
 
 def unexplained(effort: Array, columns: Array) -> float:
-    """Share of the variance of one effort that physics leaves, 0 to 1 (NaN where it is constant).
+    """Compute the share of the variance of one effort that physics leaves unexplained.
 
     Args:
         effort: Effort of a joint in any unit, shape (N,).
         columns: Columns of that joint, shape (N, k).
+
+    Returns:
+        Share, 0 to 1 [1]; NaN for a constant effort.
     """
     y = effort - effort.mean()
     total = float(y @ y)
@@ -54,12 +64,19 @@ def unexplained(effort: Array, columns: Array) -> float:
 
 
 def misfit(share: Array) -> float:
-    """Sum over joints of the logarithm of what is unexplained [1]; one unit is a factor of e."""
+    """Sum the logarithm of the unexplained shares over the joints.
+
+    Args:
+        share: Unexplained share of each joint [1], shape (n,); NaN is left out.
+
+    Returns:
+        Misfit [1]; one unit is a factor of e.
+    """
     return float(np.nansum(np.log(share + FLOOR)))
 
 
 def _nonnegative_residual(gram: Array, moment: Array, total: float) -> float:
-    """Smallest |y − X c|² with c ≥ 0, by trying every set of columns that may be active (≤ 5)."""
+    """Minimise |y − X c|² with c ≥ 0: try every set of columns that may be active (at most 5 columns)."""
     k = len(moment)
     gram = gram + 1e-9 * np.eye(k)
     best = total

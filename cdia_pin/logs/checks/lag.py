@@ -1,4 +1,4 @@
-"""Does the effort lag behind the motion?"""
+"""The lag of the efforts behind the motion."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.logs.checks.conventions import Conventions
-from cdia_pin.logs.checks.finding import Finding
+from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.fit import physical_columns
-from cdia_pin.logs.checks.motion import SAMPLES, Motion, longest_stretch
+from cdia_pin.logs.checks.motion import SAMPLES, SmoothedMotion, longest_stretch
 from cdia_pin.logs.checks.velocity import vertex
 from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SPAN = 0.1  # [s]; searched either way
-LAGS = np.linspace(-SPAN, SPAN, 51)
-CUTOFFS = (5.0, 15.0)  # [Hz]; friction at reversals shifts the estimate with them
-BLOCKS = 6
-WIDEST = 0.06  # [s]; an interval wider than this says nothing
+SPAN = 0.1  # [s], largest lag that is tried, late or early: more than any drive or network has
+LAGS = np.linspace(-SPAN, SPAN, 51)  # [s]
+CUTOFFS = (5.0, 15.0)  # [Hz], two, because friction at reversals shifts the estimate with the cut-off
+BLOCKS = 6  # parts of the log that are left out in turn, for the standard error
+WIDEST = 0.06  # [s], width of the interval above which it tells nothing: a third of the range that is tried
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class LagEstimate:
     Attributes:
         lag: Best value [s], positive where the effort is late.
         low: Lower end of the interval [s].
-        high: Upper end [s]; the interval covers joints, parts of the log, two cutoffs, and whether
-            rotor inertia is allowed for.
-        joints: Joints whose rigid-body torque was strong enough to time, by index.
+        high: Upper end [s]. The interval covers joints, parts of the log, two cut-offs, and fits with and
+            without rotor inertia.
+        joints: Indices of the joints whose rigid-body torque was large enough.
     """
 
     lag: float
@@ -50,8 +50,15 @@ class LagEstimate:
 def estimate_lag(log: Log, robot: RobotModel, conventions: Conventions) -> LagEstimate | None:
     """Find the lag at which model torque, friction and offset explain each effort best.
 
-    Joints in which friction alone makes most of the effort are left out: friction builds up
-    after a reversal as if it were late.
+    Joints with mostly friction are left out: friction builds up after a reversal as if it were late.
+
+    Args:
+        log: The log.
+        robot: Its robot.
+        conventions: The right conventions of the log.
+
+    Returns:
+        Lag and interval; None if the log is too short or no joint can be used.
     """
     even = uniform(longest_stretch(log))
     centres, lows, highs = [], [], []
@@ -84,13 +91,22 @@ def estimate_lag(log: Log, robot: RobotModel, conventions: Conventions) -> LagEs
 
 
 def check_lag(log: Log, robot: RobotModel, conventions: Conventions) -> Iterator[Finding]:
-    """Report the lag with its interval, and what else looks like one."""
+    """Report the lag with its interval, and the effects that look like a lag.
+
+    Args:
+        log: The log.
+        robot: Its robot.
+        conventions: The right conventions of the log.
+
+    Yields:
+        One finding on the lag.
+    """
     estimate = estimate_lag(log, robot, conventions)
     if estimate is None or estimate.high - estimate.low > WIDEST:
         yield Finding(
-            "lag",
-            "info",
-            "cannot tell whether efforts lag behind positions: no joint has enough rigid-body torque to time",
+            Topic.LAG,
+            Severity.INFO,
+            "cannot determine the lag of the efforts: no joint has enough rigid-body torque",
         )
         return
     ms = [round(1e3 * x, 1) for x in (estimate.lag, estimate.low, estimate.high)]
@@ -103,8 +119,8 @@ def check_lag(log: Log, robot: RobotModel, conventions: Conventions) -> Iterator
     between = f"{ms[0]:g} ms (between {ms[1]:g} and {ms[2]:g})"
     if nearest_zero > max(5e-3, 1.0 / log.rate):
         yield Finding(
-            "lag",
-            "warning",
+            Topic.LAG,
+            Severity.WARNING,
             f"the efforts are {'late' if estimate.lag > 0 else 'early'} by {between}; a delay, viscous "
             "friction and rotor inertia look alike unless speeds and accelerations vary",
             advice="test it as an effect: cdia add effort_delay LOG; or correct the stamps",
@@ -112,10 +128,10 @@ def check_lag(log: Log, robot: RobotModel, conventions: Conventions) -> Iterator
         )
     else:
         yield Finding(
-            "lag",
-            "info",
-            f"efforts lag behind positions by {between}: no delay is proved; one so small "
-            "looks like viscous friction or rotor inertia",
+            Topic.LAG,
+            Severity.INFO,
+            f"efforts lag behind positions by {between}: no delay is proved; so small a "
+            "delay looks like viscous friction or rotor inertia",
             value=value,
         )
 
@@ -123,7 +139,7 @@ def check_lag(log: Log, robot: RobotModel, conventions: Conventions) -> Iterator
 def _prepare(
     even: Log, robot: RobotModel, conventions: Conventions, cutoff: float
 ) -> tuple[Array, Array, NDArray[np.bool_]] | None:
-    """Physical columns, and the efforts at every lag, shape (N, lags, n)."""
+    """Compute the physical columns (n, N, 5), the efforts at every lag (N, lags, n) and the moving joints (n,)."""
     rate = even.rate
     edge = int((1.0 / cutoff + SPAN) * rate) + 2
     if len(even.time) < 2 * edge + 60:
@@ -133,7 +149,7 @@ def _prepare(
     v = differentiate(q, rate)
     effort = zero_phase(even.effort, cutoff, rate)
     still = np.where(robot.is_prismatic, 0.01, 0.05)
-    motion = Motion(
+    motion = SmoothedMotion(
         time=even.time[index],
         q=q[index],
         v=v[index],
@@ -153,7 +169,7 @@ def _prepare(
 
 
 def _joint_lag(columns: Array, later: Array) -> tuple[float, float] | None:
-    """Lag of one joint [s] and its standard error; None where rigid-body torque explains too little."""
+    """Fit the lag of one joint and its standard error [s]; None if rigid-body torque explains too little."""
     x = np.column_stack([columns, np.ones(len(columns))])
     full = _left(x, later)
     best = int(full.argmin())
@@ -169,6 +185,6 @@ def _joint_lag(columns: Array, later: Array) -> tuple[float, float] | None:
 
 
 def _left(x: Array, y: Array) -> Array:
-    """Residual sum of squares of every column of y on the columns of x."""
+    """Return the residual sum of squares of every column of y regressed on the columns of x."""
     basis, _ = np.linalg.qr(x / np.maximum(np.sqrt((x * x).sum(axis=0)), 1e-12))
     return np.asarray((y**2).sum(axis=0) - ((basis.T @ y) ** 2).sum(axis=0))

@@ -1,4 +1,4 @@
-"""What the URDF's limits and the log say of each other, and efforts that were clipped."""
+"""Signals of a log beyond the URDF's limits, and efforts that were clipped."""
 
 from __future__ import annotations
 
@@ -7,20 +7,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cdia_pin.logs.checks.finding import Finding
-from cdia_pin.logs.checks.motion import Motion
-from cdia_pin.logs.checks.sampling import quantum
+from cdia_pin.logs.checks.finding import Finding, Severity, Topic
+from cdia_pin.logs.checks.motion import SmoothedMotion
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.resolution import quantum
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
-TOLERANCE = 0.01  # [rad or m]; encoder noise at a hard stop
-SLACK = 1.1  # [1]; noise and overshoot of speeds and efforts
+TOLERANCE = 0.01  # [rad or m], beyond a limit of position: encoder noise at a hard stop
+SLACK = 1.1  # [1], speed or effort over its limit: noise and overshoot stay below it
 
 
 def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
-    """Positions, speeds and efforts beyond what the URDF allows."""
+    """Report positions, speeds and efforts beyond the URDF's limits.
+
+    Args:
+        log: The log.
+        robot: Its robot.
+
+    Yields:
+        A finding per kind of signal that is beyond, or one that none is.
+    """
     limits = robot.limits
     low, high = log.position.min(axis=0), log.position.max(axis=0)
     speed = np.zeros(robot.n) if log.velocity is None else np.abs(log.velocity).max(axis=0)
@@ -51,8 +59,8 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
         joints = np.flatnonzero(where).tolist()
         if joints:
             yield Finding(
-                "limits",
-                "warning",
+                Topic.LIMITS,
+                Severity.WARNING,
                 f"{what} beyond the URDF's limits: "
                 + ", ".join(f"{log.joints[k]} {said[k]}" for k in joints),
                 joint=log.joints[joints[0]] if len(joints) == 1 else None,
@@ -60,11 +68,20 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
                 value={"signal": what, "joints": [log.joints[k] for k in joints]},
             )
     if not any(where.any() for _, where, _ in beyond.values()):
-        yield Finding("limits", "ok", "positions, speeds and efforts lie within the URDF's limits")
+        yield Finding(Topic.LIMITS, Severity.OK, "positions, speeds and efforts lie within the URDF's limits")
 
 
-def check_saturation(log: Log, robot: RobotModel, motion: Motion | None) -> Iterator[Finding]:
-    """Efforts at the URDF's limit, or cut off at a level of their own."""
+def check_saturation(log: Log, robot: RobotModel, motion: SmoothedMotion | None) -> Iterator[Finding]:
+    """Report efforts at the URDF's limit, or clipped at another level.
+
+    Args:
+        log: The log.
+        robot: Its robot.
+        motion: Smoothed signals; None for a log that is too short.
+
+    Yields:
+        A finding per joint with clipped efforts, or one that none is.
+    """
     found = False
     speed = np.abs(np.gradient(log.position, log.time, axis=0))
     for k, joint in enumerate(log.joints):
@@ -80,26 +97,26 @@ def check_saturation(log: Log, robot: RobotModel, motion: Motion | None) -> Iter
             where = (
                 f"at the URDF's limit of {robot.limits.effort[k]:.4g} in {at_limit:.1%} of the samples"
                 if at_limit > 1e-3
-                else f"cut off at {level:.4g} in {clipped:.1%} of the samples in motion"
+                else f"clipped at {level:.4g} in {clipped:.1%} of the samples in motion"
             )
             yield Finding(
-                "saturation",
-                "warning",
-                f"the effort is {where}: what the joint did there is not what the log says",
+                Topic.SATURATION,
+                Severity.WARNING,
+                f"the effort is {where}: the true torque differs from the log there",
                 joint=joint,
                 advice="leave those parts out (Log.slice), or repeat the motion more slowly",
                 value={"share": max(at_limit, clipped), "level": level or float(robot.limits.effort[k])},
             )
     if not found:
-        yield Finding("saturation", "ok", "no effort is cut off or at its limit")
+        yield Finding(Topic.SATURATION, Severity.OK, "no effort is clipped or at its limit")
 
 
 def _plateau(effort: np.ndarray) -> tuple[float, float]:
-    """Share of samples exactly at the maximum, if they are more than lie just below it; and the level."""
-    if len(effort) < 100 or len(np.unique(effort)) < 20:  # so coarsely rounded, every peak is flat
+    """Return the share of samples at the maximum, if more samples lie there than just below it, and the level."""
+    if len(effort) < 100 or len(np.unique(effort)) < 20:  # every peak is flat if the rounding is so coarse
         return 0.0, 0.0
     top = float(effort.max())
-    band = max(0.03 * (top - float(effort.min())), 3.5 * quantum(effort))  # coarse levels are no plateau
+    band = max(0.03 * (top - float(effort.min())), 3.5 * quantum(effort))  # levels of rounding are no plateau
     at_top = int(np.sum(effort >= top - 1e-6 * max(abs(top), band)))
     below = int(np.sum(effort > top - band)) - at_top
     clipped = at_top >= 5 and at_top > below and band > 0

@@ -1,4 +1,4 @@
-"""The motion behind a log: smooth, free of lag, thin enough to try many hypotheses on."""
+"""The motion of a log, smoothed without lag and thinned, so that many hypotheses can be tried."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from cdia_pin.logs.log import Log
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-CUTOFF = 8.0  # [Hz]; arms move below it, drives and quantisation ring above it
-SAMPLES = 800  # as many as tell hypotheses apart, few enough for a hundred of them
-STANDSTILL = 0.02  # [rad]; a joint that covers less is held by its brake or its controller
-STANDSTILL_PRISMATIC = 0.005  # [m]
-SLOWEST = 0.02  # [rad/s or m/s]; width of the sign of the velocity, well below working speeds
-LONGEST_GAP = 0.5  # [s]; across more than this a trajectory cannot be interpolated
-SHORTEST = 2.0  # [s]
+CUTOFF = 8.0  # [Hz], arms move below it; drives and quantisation make noise above it
+SAMPLES = 800  # [samples], enough to separate hypotheses, few enough for a hundred of them
+STANDSTILL = 0.02  # [rad], a joint that covers less is held by its brake or its controller
+STANDSTILL_PRISMATIC = 0.005  # [m], the same for a prismatic joint
+SLOWEST = 0.02  # [rad/s or m/s], smoothing width of the velocity's sign, well below working speeds
+LONGEST_GAP = 0.5  # [s], a trajectory cannot be interpolated across a longer gap
+SHORTEST = 2.0  # [s], a shorter stretch has too few reversals and accelerations
 
 
 @dataclass(frozen=True)
-class Motion:
+class SmoothedMotion:
     """Smooth positions, their derivatives and efforts on a thin uniform grid.
 
     Attributes:
         time: Times [s], shape (N,).
         q: Positions [rad or m], shape (N, n).
-        v: Velocities, derived from the positions, shape (N, n).
-        a: Accelerations, derived from the positions, shape (N, n).
-        effort: Efforts [as logged], with the same smoothing, shape (N, n).
-        moves: Joints that move enough to say anything, shape (n,).
+        v: Velocities, derived from the positions [rad/s or m/s], shape (N, n).
+        a: Accelerations, derived from the positions [rad/s² or m/s²], shape (N, n).
+        effort: Efforts with the same smoothing [as logged], shape (N, n).
+        moves: True for joints that move enough to be checked, shape (n,).
     """
 
     time: Array
@@ -43,22 +43,38 @@ class Motion:
     effort: Array
     moves: Mask
 
-    def thin(self, samples: int) -> Motion:
-        """Return at most about ``samples`` samples."""
+    def thin(self, samples: int) -> SmoothedMotion:
+        """Return the motion with fewer samples.
+
+        Args:
+            samples: Approximate number of samples that are kept.
+
+        Returns:
+            Every k-th sample.
+        """
         step = max(1, len(self.time) // samples)
         s = np.s_[::step]
         return replace(self, time=self.time[s], q=self.q[s], v=self.v[s], a=self.a[s], effort=self.effort[s])
 
 
-def motion_of(log: Log, is_prismatic: Mask, cutoff: float = CUTOFF) -> Motion | None:
-    """Smooth the longest stretch of a log without a gap; None if that is too short to say anything."""
+def motion_of(log: Log, is_prismatic: Mask, cutoff: float = CUTOFF) -> SmoothedMotion | None:
+    """Smooth the longest stretch of a log without a gap.
+
+    Args:
+        log: The log.
+        is_prismatic: True for prismatic joints, shape (n,).
+        cutoff: Cut-off of the zero-phase filter [Hz].
+
+    Returns:
+        The motion; None if the stretch is too short.
+    """
     try:
         even = uniform(longest_stretch(log))
     except LogError:  # more gaps than samples
         return None
     rate = even.rate
     cutoff = min(cutoff, 0.2 * rate)
-    edge = int(rate / cutoff) + 1  # where odd padding, not the arm, makes the acceleration
+    edge = int(rate / cutoff) + 1  # here the padding, not the arm, determines the acceleration
     if even.duration < SHORTEST or len(even.time) < 2 * edge + 30:
         return None
     q = zero_phase(even.position, cutoff, rate)
@@ -67,7 +83,7 @@ def motion_of(log: Log, is_prismatic: Mask, cutoff: float = CUTOFF) -> Motion | 
     effort = zero_phase(even.effort, cutoff, rate)
     inside = np.s_[edge:-edge]
     still = np.where(is_prismatic, STANDSTILL_PRISMATIC, STANDSTILL)
-    motion = Motion(
+    motion = SmoothedMotion(
         time=even.time[inside],
         q=q[inside],
         v=v[inside],
@@ -79,7 +95,14 @@ def motion_of(log: Log, is_prismatic: Mask, cutoff: float = CUTOFF) -> Motion | 
 
 
 def longest_stretch(log: Log) -> Log:
-    """Return the longest part of a log without a gap over ``LONGEST_GAP`` (and ten periods)."""
+    """Find the longest part of a log without a gap over ``LONGEST_GAP`` (and ten periods).
+
+    Args:
+        log: The log.
+
+    Returns:
+        That part; the log itself if it has no such gap.
+    """
     step = np.diff(log.time)
     cuts = np.flatnonzero(step > max(LONGEST_GAP, 10.0 / log.rate)) + 1
     if not len(cuts):
@@ -93,5 +116,12 @@ def longest_stretch(log: Log) -> Log:
 
 
 def sign_of(v: Array) -> Array:
-    """Smooth sign of a velocity, tanh(v / ``SLOWEST``) [1], as friction follows it."""
+    """Compute the smooth sign of a velocity, tanh(v / ``SLOWEST``), as friction has it.
+
+    Args:
+        v: Velocities [rad/s or m/s], any shape.
+
+    Returns:
+        Sign [1], shape of v.
+    """
     return np.tanh(v / SLOWEST)

@@ -1,4 +1,4 @@
-"""How the log was sampled: rate, gaps, jitter, repeated samples, resolution."""
+"""The sampling of a log: rate, gaps, jitter, repeated samples, resolution."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.logs.checks.finding import Finding
-from cdia_pin.logs.checks.motion import CUTOFF, LONGEST_GAP, SHORTEST, Motion
+from cdia_pin.logs.checks.finding import Finding, Severity, Topic
+from cdia_pin.logs.checks.motion import CUTOFF, LONGEST_GAP, SHORTEST, SmoothedMotion
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.resolution import quantum
 
@@ -18,55 +18,71 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LOWEST_RATE = 40.0  # [Hz]; below it accelerations of an arm cannot be derived
-LONG_GAP = 0.1  # [s]; an arm's acceleration can change sign in this time
-FROZEN = 0.25  # [s]; a measured signal of a moving joint changes sooner than this
+LOWEST_RATE = 40.0  # [Hz], accelerations of an arm cannot be derived at a lower rate
+LONG_GAP = 0.1  # [s], an arm's acceleration can change sign in this time
+FROZEN = 0.25  # [s], a measured signal of a moving joint changes in less than this time
 
 
 def check_rate(log: Log) -> Iterator[Finding]:
-    """Rate and length of the log."""
+    """Report the rate and the length of a log.
+
+    Args:
+        log: The log.
+
+    Yields:
+        One finding.
+    """
     value = {"rate_hz": log.rate, "samples": len(log.time), "duration_s": log.duration}
     message = f"{len(log.time)} samples in {log.duration:.4g} s, {log.rate:.4g} Hz (median)"
     if log.rate < LOWEST_RATE:
         yield Finding(
-            "rate",
-            "warning",
+            Topic.RATE,
+            Severity.WARNING,
             f"{message}: too slow to derive accelerations",
             advice=f"record at {LOWEST_RATE:g} Hz or more; check the unit of time (--convert time=ms)",
             value=value,
         )
     elif log.duration < SHORTEST:
-        yield Finding("rate", "warning", f"{message}: too short", advice="record 10 s or more", value=value)
+        yield Finding(
+            Topic.RATE, Severity.WARNING, f"{message}: too short", advice="record 10 s or more", value=value
+        )
     else:
-        yield Finding("rate", "ok", message, value=value)
+        yield Finding(Topic.RATE, Severity.OK, message, value=value)
 
 
 def check_gaps(log: Log) -> Iterator[Finding]:
-    """Steps much longer than the others, and how even the rest is."""
+    """Report gaps between samples, and the jitter of the other steps.
+
+    Args:
+        log: The log.
+
+    Yields:
+        One finding on gaps and one on jitter.
+    """
     step, period = np.diff(log.time), 1.0 / log.rate
     gaps = np.flatnonzero(step > 5.0 * period)
     if len(gaps):
         longest = float(step[gaps].max())
         at = float(log.time[gaps[step[gaps].argmax()]])
-        split = f"; only the longest stretch without a gap over {LONGEST_GAP:g} s is examined below"
+        split = f"; only the longest stretch without a gap over {LONGEST_GAP:g} s is checked further"
         yield Finding(
-            "gaps",
-            "warning" if longest > LONG_GAP else "info",
+            Topic.GAPS,
+            Severity.WARNING if longest > LONG_GAP else Severity.INFO,
             f"{len(gaps)} gap(s), the longest {longest * 1e3:.3g} ms after t = {at:.4g} s"
             + (split if longest > LONGEST_GAP else ""),
             advice="cut the log there (Log.slice) if the arm moved meanwhile" if longest > LONG_GAP else "",
             value={"count": len(gaps), "longest_s": longest, "after_s": at},
         )
     else:
-        yield Finding("gaps", "ok", "no gaps", value={"count": 0})
+        yield Finding(Topic.GAPS, Severity.OK, "no gaps", value={"count": 0})
     low, high = np.percentile(step, [5, 95])
     value = {"step_p05_s": float(low), "step_p95_s": float(high), "step_std_s": float(step.std())}
     if high - low > 0.05 * period:
         grid = _time_grid(log.time)
         stamped = f"; stamps are multiples of {grid * 1e3:g} ms" if grid else ""
         yield Finding(
-            "jitter",
-            "warning" if high > 3.0 * period else "info",
+            Topic.JITTER,
+            Severity.WARNING if high > 3.0 * period else Severity.INFO,
             f"steps from {low * 1e3:.3g} to {high * 1e3:.3g} ms (5 to 95 %){stamped}; "
             "signals are resampled to a uniform grid before derivatives are taken",
             advice="use the time of measurement as stamp, not the time of writing"
@@ -75,25 +91,33 @@ def check_gaps(log: Log) -> Iterator[Finding]:
             value=value,
         )
     else:
-        yield Finding("jitter", "ok", "evenly sampled", value=value)
+        yield Finding(Topic.JITTER, Severity.OK, "evenly sampled", value=value)
 
 
-def check_repeats(log: Log, motion: Motion | None) -> Iterator[Finding]:
-    """Samples that repeat the one before, and signals that stand still while the joint moves."""
+def check_repeats(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]:
+    """Report repeated samples, and signals that are constant while the joint moves.
+
+    Args:
+        log: The log.
+        motion: Smoothed signals, which tell the moving joints; None for a log that is too short.
+
+    Yields:
+        One finding on repeated samples, and one per frozen signal.
+    """
     signals = [log.position, log.effort] if log.velocity is None else [log.position, log.effort, log.velocity]
     held = np.all([np.all(np.diff(s, axis=0) == 0, axis=1) for s in signals], axis=0)
     share = float(held.mean())
     if share > 0.005:
         source_rate = (1.0 - share) * (len(log.time) - 1) / log.duration
         yield Finding(
-            "duplicates",
-            "warning" if source_rate < LOWEST_RATE else "info",
+            Topic.DUPLICATES,
+            Severity.WARNING if source_rate < LOWEST_RATE else Severity.INFO,
             f"{share:.1%} of the samples repeat the one before in every signal: the source updates at about "
             f"{source_rate:.4g} Hz, or the arm stands still without noise",
             value={"share": share, "source_rate_hz": source_rate},
         )
     else:
-        yield Finding("duplicates", "ok", "no repeated samples", value={"share": share})
+        yield Finding(Topic.DUPLICATES, Severity.OK, "no repeated samples", value={"share": share})
     if motion is None:
         return
     for k in np.flatnonzero(motion.moves):
@@ -103,8 +127,8 @@ def check_repeats(log: Log, motion: Motion | None) -> Iterator[Finding]:
 def _frozen(log: Log, k: int) -> Iterator[Finding]:
     if not np.ptp(log.effort[:, k]):
         yield Finding(
-            "frozen",
-            "error",
+            Topic.FROZEN,
+            Severity.ERROR,
             f"the effort is {log.effort[0, k]:.4g} throughout although the joint moves: it was not recorded",
             joint=log.joints[k],
             advice="record the effort of this joint",
@@ -115,11 +139,14 @@ def _frozen(log: Log, k: int) -> Iterator[Finding]:
     start, stop = longest_run(np.diff(log.effort[:, k]) == 0)
     seconds = float(log.time[stop] - log.time[start])
     travelled = float(np.ptp(log.position[start : stop + 1, k]))
-    extreme = log.effort[start, k] in {log.effort[:, k].min(), log.effort[:, k].max()}  # saturation says that
+    extreme = log.effort[start, k] in {
+        log.effort[:, k].min(),
+        log.effort[:, k].max(),
+    }  # check_saturation reports that
     if seconds > FROZEN and travelled > 0.05 * np.ptp(log.position[:, k]) and not extreme:
         yield Finding(
-            "frozen",
-            "warning",
+            Topic.FROZEN,
+            Severity.WARNING,
             f"the effort stands at {log.effort[start, k]:.4g} for {seconds:.3g} s from "
             f"t = {log.time[start]:.4g} s while the joint moves {travelled:.3g}",
             joint=log.joints[k],
@@ -133,8 +160,8 @@ def _frozen(log: Log, k: int) -> Iterator[Finding]:
     fastest = float(np.abs(log.velocity[start : stop + 1, k]).min())
     if seconds > FROZEN and fastest > 0.1 * max(float(speed.max()), 1e-9):
         yield Finding(
-            "frozen",
-            "warning",
+            Topic.FROZEN,
+            Severity.WARNING,
             f"the position stands still for {seconds:.3g} s from t = {log.time[start]:.4g} s while "
             f"the recorded velocity is at least {fastest:.3g}",
             joint=log.joints[k],
@@ -143,31 +170,42 @@ def _frozen(log: Log, k: int) -> Iterator[Finding]:
         )
 
 
-def check_resolution(log: Log, robot: RobotModel, motion: Motion | None) -> Iterator[Finding]:
-    """Rounding of positions and efforts, and what it does to torques that need accelerations."""
+def check_resolution(log: Log, robot: RobotModel, motion: SmoothedMotion | None) -> Iterator[Finding]:
+    """Report the rounding of positions and efforts, and the noise in torque that it causes.
+
+    Args:
+        log: The log.
+        robot: Its robot, whose inertia turns acceleration into torque.
+        motion: Smoothed signals; None for a log that is too short.
+
+    Yields:
+        A finding per signal with noticeable rounding.
+    """
     if motion is None:
         return
     inertia = np.diagonal(robot.mass_matrix(motion.thin(20).q), axis1=1, axis2=2).max(axis=0)
     # White noise of step/√12 through a low-pass at CUTOFF, differentiated twice [1/s²].
     amplify = (2 * np.pi * CUTOFF) ** 2 * np.sqrt(CUTOFF / (2.5 * log.rate)) / np.sqrt(12)
     rounded = {
-        "position": lambda k: (quantum(log.position[:, k]), amplify * inertia[k]),
-        "effort": lambda k: (quantum(log.effort[:, k]), 1 / np.sqrt(12)),
+        "position": (log.position, amplify * inertia),
+        "effort": (log.effort, np.full(robot.n, 1 / np.sqrt(12))),
     }
-    for signal, of_joint in rounded.items():
+    for signal, (values, torque_per_step) in rounded.items():
         steps, shares = {}, {}
         for k in np.flatnonzero(motion.moves).tolist():
-            step, torque_per_step = of_joint(k)
+            step = quantum(values[:, k])
             if step > 0:
                 steps[log.joints[k]] = step
-                shares[log.joints[k]] = float(step * torque_per_step / max(motion.effort[:, k].std(), 1e-12))
+                shares[log.joints[k]] = float(
+                    step * torque_per_step[k] / max(motion.effort[:, k].std(), 1e-12)
+                )
         if not steps or max(shares.values()) < 1e-3:
             continue
         worst = max(shares, key=lambda joint: shares[joint])
         coarsest = max(steps, key=lambda joint: steps[joint])
         yield Finding(
-            "resolution",
-            "warning" if shares[worst] > 0.1 else "info",
+            Topic.RESOLUTION,
+            Severity.WARNING if shares[worst] > 0.1 else Severity.INFO,
             f"{signal}s of {len(steps)} joint(s) are rounded, on {coarsest} to multiples of "
             f"{steps[coarsest]:.2g}: a noise in torque of up to {shares[worst]:.1%} of the effort ({worst})",
             advice=f"record {signal}s with more digits" if shares[worst] > 0.1 else "",
@@ -176,7 +214,14 @@ def check_resolution(log: Log, robot: RobotModel, motion: Motion | None) -> Iter
 
 
 def longest_run(true: NDArray[np.bool_]) -> tuple[int, int]:
-    """First and last+1 index of the longest run of True; (0, 0) where there is none."""
+    """Find the longest run of True.
+
+    Args:
+        true: Flags, shape (N,).
+
+    Returns:
+        First index and index after the last; (0, 0) if no flag is True.
+    """
     edge = np.diff(np.concatenate([[0], true.astype(np.int8), [0]]))
     starts, stops = np.flatnonzero(edge == 1), np.flatnonzero(edge == -1)
     if not len(starts):
@@ -186,7 +231,7 @@ def longest_run(true: NDArray[np.bool_]) -> tuple[int, int]:
 
 
 def _time_grid(time: Array) -> float:
-    """Largest of the usual clock periods [s] of which all times are multiples; 0 if none."""
+    """Return the largest of the usual clock periods of which all times are multiples [s]; 0 if none."""
     since = time - time[0]
     for grid in (0.01, 0.005, 0.004, 0.002, 0.001):
         cycles = since / grid

@@ -1,4 +1,4 @@
-"""Say which signs, which order of joints and which unit of angle the log has."""
+"""Findings on the signs, the order of joints and the unit of angle of a log."""
 
 from __future__ import annotations
 
@@ -7,19 +7,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cdia_pin.logs.checks.conventions import DEGREE, LIKELY, Conventions, Search, Trial
-from cdia_pin.logs.checks.finding import Finding
+from cdia_pin.logs.checks.conventions import DEGREE, LIKELY, Change, Conventions, ConventionSearch, Trial
+from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.log import Log
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
-UNDECIDED = 0.3  # [1] difference in misfit that decides nothing
-POOR = 0.5  # unexplained share above which friction and the URDF do not make a joint's effort
+UNDECIDED = 0.3  # [1], difference in misfit that is within the noise of a good log
+POOR = 0.5  # [1], unexplained share above which friction and the URDF are not the main part of an effort
 
 
-def check_conventions(log: Log, robot: RobotModel, search: Search) -> Iterator[Finding]:
-    """Report the search for a reading of the log that fits the model better."""
+def check_conventions(log: Log, robot: RobotModel, search: ConventionSearch) -> Iterator[Finding]:
+    """Report the search for conventions that fit the model better.
+
+    Args:
+        log: The log.
+        robot: Its robot.
+        search: Result of the search.
+
+    Yields:
+        Findings on units, signs and order, and on efforts that fit badly.
+    """
     yield from _adopted(log, robot, search)
     likely = [t for t in search.rest if t.gain > LIKELY]
     if likely:
@@ -28,7 +37,7 @@ def check_conventions(log: Log, robot: RobotModel, search: Search) -> Iterator[F
         ):
             yield Finding(
                 topic,
-                "warning",
+                Severity.WARNING,
                 f"perhaps {message}: that would fit better, but not by enough to be sure",
                 joint=joints[0] if len(joints) == 1 else None,
                 advice=f"look at another log; if so, {advice}",
@@ -40,17 +49,17 @@ def check_conventions(log: Log, robot: RobotModel, search: Search) -> Iterator[F
     yield _order(log, search)
     for k in np.flatnonzero(search.after > POOR).tolist():
         yield Finding(
-            "effort_kind",
-            "info",
+            Topic.EFFORT_KIND,
+            Severity.INFO,
             f"{search.after[k]:.0%} of its effort is neither rigid-body torque, friction nor rotor inertia: "
-            "a payload, a tilted base or an external force, which 'cdia discover' tells; or another signal",
+            "a payload, a tilted base or an external force, which 'cdia discover' can find; or another signal",
             joint=log.joints[k],
             value={"unexplained": float(search.after[k])},
         )
 
 
-def _adopted(log: Log, robot: RobotModel, search: Search) -> Iterator[Finding]:
-    """Report all that was adopted together, and what would have done as well."""
+def _adopted(log: Log, robot: RobotModel, search: ConventionSearch) -> Iterator[Finding]:
+    """Report all adopted changes together, and the rivals that fit as well."""
     done = {(best.kind, best.joints) for best, _ in search.steps}
     rivals = [r for _, among in search.steps for r in among if (r.kind, r.joints) not in done]
     for topic, message, advice, joints in _differences(
@@ -67,8 +76,8 @@ def _adopted(log: Log, robot: RobotModel, search: Search) -> Iterator[Finding]:
         ]
         yield Finding(
             topic,
-            "error",
-            f"{message}: what physics leaves of the effort of {worst} falls from {search.before[k]:.0%} to "
+            Severity.ERROR,
+            f"{message}: the unexplained share of the effort of {worst} falls from {search.before[k]:.0%} to "
             f"{search.after[k]:.0%}"
             + (f"; about as likely: {' / '.join(list(dict.fromkeys(others))[:3])}" if others else ""),
             joint=joints[0] if len(joints) == 1 else None,
@@ -79,19 +88,19 @@ def _adopted(log: Log, robot: RobotModel, search: Search) -> Iterator[Finding]:
 
 def _differences(
     log: Log, robot: RobotModel, old: Conventions, new: Conventions
-) -> list[tuple[str, str, str, list[str]]]:
-    """Topic, message, advice and joints of everything in which one reading differs from another."""
-    said = []
+) -> list[tuple[Topic, str, str, list[str]]]:
+    """Return topic, message, advice and joints of each difference between two conventions."""
+    said: list[tuple[Topic, str, str, list[str]]] = []
     if new.angle != old.angle:
         revolute = [j for j, slides in zip(log.joints, robot.is_prismatic, strict=True) if not slides]
-        said.append(("units", "positions are in degrees, not rad", "--convert angle=deg", revolute))
+        said.append((Topic.UNITS, "positions are in degrees, not rad", "--convert angle=deg", revolute))
     moved = _moved(log.joints, old.position_column, new.position_column)
     if moved:
         renames = ",".join(f"{column}={joint}" for joint, column in moved.items())
         said.append(
             (
-                "joint_order",
-                f"the columns are of other joints ({_said(moved)})",
+                Topic.JOINT_ORDER,
+                f"the columns hold other joints ({_said(moved)})",
                 f"--joint-map {renames}",
                 [*moved],
             )
@@ -100,8 +109,8 @@ def _differences(
     if moved and new.effort_column != new.position_column:
         said.append(
             (
-                "joint_order",
-                f"the efforts, but not the positions, are of other joints ({_said(moved)})",
+                Topic.JOINT_ORDER,
+                f"the efforts, but not the positions, are those of other joints ({_said(moved)})",
                 "rename the effort columns",
                 [*moved],
             )
@@ -125,12 +134,12 @@ def _differences(
     for joints, message, keys in signs:
         if joints:
             flags = " ".join(f"--convert {key}={','.join(joints)}" for key in keys)
-            said.append(("sign", f"{message} on {', '.join(joints)}", flags, joints))
+            said.append((Topic.SIGN, f"{message} on {', '.join(joints)}", flags, joints))
     return said
 
 
 def _moved(joints: Sequence[str], old: Sequence[int], new: Sequence[int]) -> dict[str, str]:
-    """For each joint whose column changes, the joint under whose name its numbers stand."""
+    """Return, for each joint whose column changes, the joint whose column holds its numbers."""
     return {joints[k]: joints[new[k]] for k in range(len(joints)) if new[k] != old[k]}
 
 
@@ -146,8 +155,8 @@ def _by_name(log: Log, share: np.ndarray) -> dict[str, float]:
     return {j: float(s) for j, s in zip(log.joints, share, strict=True) if np.isfinite(s)}
 
 
-def _angles_out_of_reach(log: Log, robot: RobotModel, search: Search) -> Iterator[Finding]:
-    """Positions of several turns that would fit the URDF's limits as degrees."""
+def _angles_out_of_reach(log: Log, robot: RobotModel, search: ConventionSearch) -> Iterator[Finding]:
+    """Report positions of several turns that would fit the URDF's limits as degrees."""
     revolute = ~robot.is_prismatic
     most = np.abs(log.position).max(axis=0)
     limits = robot.limits
@@ -155,58 +164,63 @@ def _angles_out_of_reach(log: Log, robot: RobotModel, search: Search) -> Iterato
     fits = (as_degrees > limits.lower - 0.01) & (as_degrees < limits.upper + 0.01)
     turns = np.maximum(2 * np.pi, np.where(np.isfinite(limits.upper), limits.upper, 0.0))
     beyond = revolute & (most > 1.2 * turns)
-    against = next((t.gain for t in search.rest if t.kind == "degrees"), 0.0)
+    against = next((t.gain for t in search.rest if t.kind is Change.DEGREES), 0.0)
     if beyond.any() and fits[:, revolute].all() and against > -LIKELY:
         yield Finding(
-            "units",
-            "error",
+            Topic.UNITS,
+            Severity.ERROR,
             f"positions up to {most[beyond].max():.4g} are several turns as rad, within limits as degrees",
             advice="--convert angle=deg",
             value={"largest": float(most[beyond].max())},
         )
 
 
-def _signs(log: Log, search: Search) -> Finding:
-    """Say of which joints the sign is certain, and of which a reversed axis cannot be excluded."""
-    flips = {t.joints[0]: -t.gain for t in search.rest if t.kind == "effort sign"}
+def _signs(log: Log, search: ConventionSearch) -> Finding:
+    """Report the joints whose sign is certain, and those whose axis may be reversed."""
+    flips = {t.joints[0]: -t.gain for t in search.rest if t.kind is Change.EFFORT_SIGN}
     sure = [log.joints[k] for k in sorted(flips) if flips[k] > LIKELY]
     unsure = [log.joints[k] for k in sorted(flips) if flips[k] <= LIKELY]
-    open_axes = sorted(t.joints[0] for t in search.rest if t.kind == "both signs" and t.gain > -UNDECIDED)
+    open_axes = sorted(
+        t.joints[0] for t in search.rest if t.kind is Change.BOTH_SIGNS and t.gain > -UNDECIDED
+    )
     mirrored = [log.joints[k] for k in open_axes]
     parts = []
     if sure:
         parts.append(f"efforts fit the model and oppose friction on {', '.join(sure)}")
     if unsure:
-        parts.append(f"cannot tell the sign of the effort on {', '.join(unsure)}")
+        parts.append(f"cannot determine the sign of the effort on {', '.join(unsure)}")
     if mirrored:
-        parts.append(f"cannot tell if {', '.join(mirrored)} is reversed in position and effort together")
+        parts.append(f"cannot exclude that {', '.join(mirrored)} is reversed in position and effort together")
     if not flips:
-        parts.append("cannot tell signs: nothing moves")
+        parts.append("cannot determine signs: no joint moves")
     return Finding(
-        "sign",
-        "info" if unsure or mirrored or not flips else "ok",
+        Topic.SIGN,
+        Severity.INFO if unsure or mirrored or not flips else Severity.OK,
         "; ".join(parts),
         value={"sure": sure, "cannot_tell": unsure, "axis_cannot_tell": mirrored},
     )
 
 
-def _order(log: Log, search: Search) -> Finding:
-    """Say which joints could be exchanged without the fit telling."""
-    swaps = [t for t in search.rest if t.kind == "order" and len(t.joints) == 2]
+def _order(log: Log, search: ConventionSearch) -> Finding:
+    """Report the joints that could be exchanged without a worse fit."""
+    swaps = [t for t in search.rest if t.kind is Change.ORDER and len(t.joints) == 2]
     open_pairs: list[Trial] = [t for t in swaps if t.gain > -UNDECIDED]
     pairs = [" ↔ ".join(log.joints[k] for k in t.joints) for t in open_pairs]
     value = {"cannot_tell": [[log.joints[k] for k in t.joints] for t in open_pairs]}
     if not swaps:
         return Finding(
-            "joint_order", "info", "cannot tell the order of the joints: nothing moves", value=value
+            Topic.JOINT_ORDER,
+            Severity.INFO,
+            "cannot determine the order of the joints: no joint moves",
+            value=value,
         )
     if not pairs:
-        message = "no exchange of two joints fits as well as the order given"
-        return Finding("joint_order", "ok", message, value=value)
+        message = "no exchange of two joints fits as well as the order of the log"
+        return Finding(Topic.JOINT_ORDER, Severity.OK, message, value=value)
     shown = ", ".join(pairs[:4]) + (f" and {len(pairs) - 4} more" if len(pairs) > 4 else "")
     return Finding(
-        "joint_order",
-        "info",
+        Topic.JOINT_ORDER,
+        Severity.INFO,
         f"no exchange of two joints fits better; this motion cannot exclude {shown}",
         advice="the names of the columns decide; move these joints by different amounts to test it",
         value=value,

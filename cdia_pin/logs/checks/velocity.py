@@ -1,4 +1,4 @@
-"""Do the recorded velocities belong to the recorded positions?"""
+"""Comparison of the recorded velocities with the derivative of the positions."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.logs.checks.finding import Finding, Severity
-from cdia_pin.logs.checks.motion import CUTOFF, Motion, longest_stretch
+from cdia_pin.logs.checks.finding import Finding, Severity, Topic
+from cdia_pin.logs.checks.motion import CUTOFF, SmoothedMotion, longest_stretch
 from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
 
-LAGS = 0.1  # [s]; searched either way
-DEGREE = np.pi / 180.0
-_LEAVE_OUT = "leave the recorded velocities out: --convert use_velocity=false"
+LAGS = 0.1  # [s], largest lag that is tried, late or early
+DEGREE = np.pi / 180.0  # [rad]
+_LEAVE_OUT = "ignore the recorded velocities: --convert use_velocity=false"
 
 
 @dataclass(frozen=True)
 class VelocityMatch:
-    """Recorded velocity ≈ scale · dq/dt(t − lag).
+    """The fit: recorded velocity ≈ scale · dq/dt(t − lag).
 
     Attributes:
         scale: Recorded over derived velocity [1].
         lag: How much later the recorded velocity is [s].
-        unexplained: Share of the recorded velocity's variance that does not follow.
+        unexplained: Share of the recorded velocity's variance that the fit leaves [1].
     """
 
     scale: float
@@ -37,7 +37,13 @@ class VelocityMatch:
 
 @dataclass(frozen=True)
 class Mismatch:
-    """Why recorded velocities are not the derivative of the positions."""
+    """A reason why recorded velocities are not the derivative of the positions.
+
+    Attributes:
+        severity: Severity of the finding.
+        meaning: Predicate of the message, after "the recorded velocity".
+        advice: Advice, with the field {joints}.
+    """
 
     severity: Severity
     meaning: str
@@ -45,34 +51,52 @@ class Mismatch:
 
 
 _KNOWN = {
-    -1.0: Mismatch("error", "has the opposite sign of the derivative", "--convert flip_velocity={joints}"),
-    1 / DEGREE: Mismatch("error", "is in degrees/s while the position is in rad", _LEAVE_OUT),
+    -1.0: Mismatch(
+        Severity.ERROR, "has the opposite sign of the derivative", "--convert flip_velocity={joints}"
+    ),
+    1 / DEGREE: Mismatch(Severity.ERROR, "is in degrees/s while the position is in rad", _LEAVE_OUT),
     DEGREE: Mismatch(
-        "error",
+        Severity.ERROR,
         "is in rad/s while the position is in degrees",
         "--convert angle=deg --convert use_velocity=false",
     ),
-    1e3: Mismatch("error", "is 1000 times the derivative: times are in ms, not s", "--convert time=ms"),
-    1e6: Mismatch("error", "is a million times the derivative: times are in µs, not s", "--convert time=us"),
-    1e-3: Mismatch("error", "is a 1000th of the derivative: times are in s, not ms", "--convert time=s"),
+    1e3: Mismatch(
+        Severity.ERROR, "is 1000 times the derivative: times are in ms, not s", "--convert time=ms"
+    ),
+    1e6: Mismatch(
+        Severity.ERROR, "is a million times the derivative: times are in µs, not s", "--convert time=us"
+    ),
+    1e-3: Mismatch(
+        Severity.ERROR, "is a 1000th of the derivative: times are in s, not ms", "--convert time=s"
+    ),
 }
-"""By the ratio of recorded to derived velocity."""
+"""Known reasons, by the ratio of recorded to derived velocity."""
 
 
-def check_velocity(log: Log, motion: Motion | None) -> Iterator[Finding]:
-    """Compare recorded velocities with the derivative of the positions: sign, scale, lag."""
+def check_velocity(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]:
+    """Compare recorded velocities with the derivative of the positions: sign, scale, lag.
+
+    Args:
+        log: The log.
+        motion: Smoothed signals, which tell the moving joints; None for a log that is too short.
+
+    Yields:
+        A finding per kind of difference, and one on the lag of the others.
+    """
     if log.velocity is None:
-        yield Finding("velocity", "info", "not recorded; derived from the positions")
+        yield Finding(Topic.VELOCITY, Severity.INFO, "not recorded; derived from the positions")
         return
     if motion is None or not motion.moves.any():
-        yield Finding("velocity", "info", "cannot tell whether velocities fit the positions: nothing moves")
+        yield Finding(
+            Topic.VELOCITY, Severity.INFO, "cannot compare velocities with positions: no joint moves"
+        )
         return
     moving = [int(k) for k in np.flatnonzero(motion.moves)]
     zero = [log.joints[k] for k in moving if not log.velocity[:, k].any()]
     if zero:
         yield Finding(
-            "velocity",
-            "error",
+            Topic.VELOCITY,
+            Severity.ERROR,
             f"recorded as zero although the joint moves: {', '.join(zero)}",
             advice=_LEAVE_OUT,
             value={"joints": zero},
@@ -85,7 +109,7 @@ def check_velocity(log: Log, motion: Motion | None) -> Iterator[Finding]:
     for cause, where in alike.items():
         names = [log.joints[k] for k in where]
         yield Finding(
-            "velocity",
+            Topic.VELOCITY,
             cause.severity,
             f"the recorded velocity {cause.meaning} on {', '.join(names)}",
             joint=names[0] if len(names) == 1 else None,
@@ -121,7 +145,15 @@ def _matches(log: Log, joints: list[int]) -> dict[int, VelocityMatch]:
 
 
 def vertex(grid: Array, cost: Array) -> float:
-    """Argument of the minimum of a sampled cost, refined by the parabola through its neighbours."""
+    """Find the minimum of a sampled cost, refined by the parabola through its neighbours.
+
+    Args:
+        grid: Equally spaced arguments, shape (K,).
+        cost: Cost at each argument, shape (K,).
+
+    Returns:
+        Argument of the minimum, in the unit of the grid.
+    """
     best = int(cost.argmin())
     if best in {0, len(grid) - 1}:
         return float(grid[best])
@@ -132,10 +164,10 @@ def vertex(grid: Array, cost: Array) -> float:
 
 
 def _cause(match: VelocityMatch) -> Mismatch:
-    """Name what makes a recorded velocity differ from the derivative of the position."""
+    """Name the reason why a recorded velocity differs from the derivative of the position."""
     if match.unexplained > 0.3:
         return Mismatch(
-            "warning",
+            Severity.WARNING,
             "does not follow the derivative of the position",
             f"check the order of the columns, or {_LEAVE_OUT}",
         )
@@ -144,9 +176,11 @@ def _cause(match: VelocityMatch) -> Mismatch:
             return cause
     if abs(match.scale - 1.0) <= 0.03:
         return Mismatch(
-            "info", "follows the derivative of the position but for noise or a filter", _LEAVE_OUT
+            Severity.INFO, "follows the derivative of the position but for noise or a filter", _LEAVE_OUT
         )
-    return Mismatch("warning", f"is {match.scale:.2g} times the derivative of the position", _LEAVE_OUT)
+    return Mismatch(
+        Severity.WARNING, f"is {match.scale:.2g} times the derivative of the position", _LEAVE_OUT
+    )
 
 
 def _lag(lags: Array, rate: float, count: int) -> Finding:
@@ -154,11 +188,13 @@ def _lag(lags: Array, rate: float, count: int) -> Finding:
     value = {"lag_s": lag, "spread_s": float(np.ptp(lags)), "joints": count}
     if abs(lag) > max(1.5 / rate, 2e-3):
         return Finding(
-            "velocity",
-            "warning" if abs(lag) > 10e-3 else "info",
+            Topic.VELOCITY,
+            Severity.WARNING if abs(lag) > 10e-3 else Severity.INFO,
             f"recorded velocities fit the positions but are {abs(lag) * 1e3:.1f} ms "
             f"{'late (a filter, usually)' if lag > 0 else 'early'}",
             advice=_LEAVE_OUT,
             value=value,
         )
-    return Finding("velocity", "ok", "recorded velocities are the derivative of the positions", value=value)
+    return Finding(
+        Topic.VELOCITY, Severity.OK, "recorded velocities are the derivative of the positions", value=value
+    )

@@ -1,4 +1,4 @@
-"""Arrow tables to columns of numbers; shared by the CSV and Parquet readers."""
+"""Conversion of Arrow tables to columns of numbers, for the CSV and Parquet readers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.columns import understand
+from cdia_pin.logs.columns import sort_names
 from cdia_pin.logs.readers.table import Table
 
 if TYPE_CHECKING:
@@ -16,10 +16,18 @@ if TYPE_CHECKING:
 
 
 def table_from_arrow(arrow: pa.Table, source: str, notes: tuple[str, ...] = ()) -> Table:
-    """Turn an Arrow table into a ``Table``; empty cells become NaN, dates become ns since 1970.
+    """Convert an Arrow table; empty cells become NaN, dates become ns since 1970.
+
+    Args:
+        arrow: The table, one column per name.
+        source: Name of the file, for messages.
+        notes: Notes of the reader, which are kept.
+
+    Returns:
+        Its columns as numbers.
 
     Raises:
-        LogError: If a column name is given twice.
+        LogError: If two columns have the same name.
     """
     import pyarrow as pa
 
@@ -35,7 +43,7 @@ def table_from_arrow(arrow: pa.Table, source: str, notes: tuple[str, ...] = ()) 
         column = arrow[name]
         if pa.types.is_timestamp(column.type) and column.null_count == 0:
             columns[name] = column.cast(pa.timestamp("ns")).cast(pa.int64()).to_numpy()
-            time_unit = "ns" if name in understand([name]).time else time_unit
+            time_unit = "ns" if name in sort_names([name]).time else time_unit
         elif pa.types.is_null(column.type):
             columns[name] = np.full(len(column), np.nan)
         elif pa.types.is_integer(column.type) and column.null_count == 0:
@@ -48,7 +56,7 @@ def table_from_arrow(arrow: pa.Table, source: str, notes: tuple[str, ...] = ()) 
 
 
 def _example(column: pa.ChunkedArray) -> str:
-    """The first value of a column that is not a number, with its row."""
+    """Show the first value of a column that is not a number, with its row."""
     for row, value in enumerate(column):
         text = value.as_py()
         try:

@@ -1,4 +1,4 @@
-"""CSV: comma, semicolon, tab or space between columns, ``#`` comments, any line ending."""
+"""Reader of CSV: comma, semicolon, tab or space between columns, ``#`` comments, any line ending."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.columns import understand
+from cdia_pin.logs.columns import sort_names
 from cdia_pin.logs.readers.arrow import table_from_arrow
 from cdia_pin.logs.readers.table import Table
 
@@ -22,8 +22,11 @@ def read_csv(data: bytes, source: str) -> Table:
     """Read CSV text with a header line.
 
     Args:
-        data: The file.
+        data: Bytes of the file.
         source: Its name, for messages.
+
+    Returns:
+        The columns as numbers.
 
     Raises:
         LogError: If it is empty, not text, has no header or rows of different lengths.
@@ -47,7 +50,7 @@ def read_csv(data: bytes, source: str) -> Table:
 
 
 def _plain_text(data: bytes, source: str) -> tuple[bytes, list[str]]:
-    """The bytes as UTF-8 without byte order mark and comments."""
+    """Return the bytes as UTF-8 without a byte order mark."""
     for mark, encoding in _BOMS:
         if data.startswith(mark):
             try:
@@ -62,7 +65,7 @@ def _plain_text(data: bytes, source: str) -> tuple[bytes, list[str]]:
 
 
 def _header(data: bytes, source: str, notes: list[str]) -> tuple[str, bytes]:
-    """Split off the line of column names, which may itself be the last comment (numpy.savetxt)."""
+    """Split off the line of column names, which may be the last comment (numpy.savetxt)."""
     comments: list[bytes] = []
     if b"#" in data:
         comments = [c.strip().lstrip(b"#").strip() for c in _COMMENT.findall(data)]
@@ -72,7 +75,7 @@ def _header(data: bytes, source: str, notes: list[str]) -> tuple[str, bytes]:
     try:
         header = first.decode()
         if not rest.isascii():
-            rest.decode()  # pyarrow would print its own traceback for a broken row that is not UTF-8
+            rest.decode()  # pyarrow would print a traceback for an invalid row that is not UTF-8
     except UnicodeDecodeError:
         raise LogError(f"{source}: not readable as UTF-8 text") from None
     commented = [c.decode(errors="replace") for c in comments]
@@ -80,7 +83,7 @@ def _header(data: bytes, source: str, notes: list[str]) -> tuple[str, bytes]:
     if all(_is_number(v.replace(",", ".")) for v in values if v):
         for comment in reversed(commented):
             names = [n.strip() for n in comment.split(_delimiter(comment)) if n.strip()]
-            if len(names) > 1 and understand(names).time:
+            if len(names) > 1 and sort_names(names).time:
                 notes.append("column names taken from the commented header line")
                 return comment, data
     return header, rest

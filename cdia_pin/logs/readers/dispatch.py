@@ -1,4 +1,4 @@
-"""The suffix of a file says which reader opens it."""
+"""Choice of the reader by the suffix of a file."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ def read_table(
 
     Args:
         path: The file, or the directory of a ROS 2 bag.
-        joints: Joints of the robot; a bag may have several topics with joints.
+        joints: Joints of the robot, by which the topic of a bag is chosen.
         joint_map: {name in the log: joint of the robot}.
-        topic: Topic of a bag.
+        topic: Topic of a bag; chosen by its joints if omitted.
 
     Returns:
-        The table, and the SHA-256 of the file's bytes (of all storage files of a bag).
+        The table, and the SHA-256 of the file's bytes (for a bag, of all its storage files).
 
     Raises:
         LogError: If there is no such file, its format is unknown or it cannot be read.

@@ -1,4 +1,4 @@
-"""NumPy archives: a key per column, or arrays (N, n) with the joint names beside them."""
+"""Reader of NumPy archives: one key per column, or arrays (N, n) with the joint names."""
 
 from __future__ import annotations
 
@@ -19,10 +19,17 @@ _SIGNAL = {alias: signal for signal, aliases in ALIASES.items() for alias in ali
 
 
 def read_npz(data: bytes, source: str) -> Table:
-    """Read an ``.npz`` archive held in memory; pickled objects are refused.
+    """Read an ``.npz`` archive; pickled objects are refused.
 
     Keys may be column names, or ``time`` (N,), ``position``, ``velocity``, ``effort`` or
     ``current`` (N, n) and ``joints`` (n,). Without ``joints`` the columns are numbered.
+
+    Args:
+        data: Bytes of the file.
+        source: Its name, for messages.
+
+    Returns:
+        The columns as numbers.
 
     Raises:
         LogError: If the bytes are not such an archive.

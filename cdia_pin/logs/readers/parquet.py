@@ -1,4 +1,4 @@
-"""Parquet files with one column per signal and joint."""
+"""Reader of Parquet files with one column per signal and joint."""
 
 from __future__ import annotations
 
@@ -8,7 +8,14 @@ from cdia_pin.logs.readers.table import Table
 
 
 def read_parquet(data: bytes, source: str) -> Table:
-    """Read a Parquet file held in memory.
+    """Read a Parquet file.
+
+    Args:
+        data: Bytes of the file.
+        source: Its name, for messages.
+
+    Returns:
+        The columns as numbers.
 
     Raises:
         LogError: If the bytes are not Parquet.

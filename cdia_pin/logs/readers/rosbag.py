@@ -1,4 +1,4 @@
-"""ROS 2 bags (``.db3``, ``.mcap`` or a bag directory) with sensor_msgs/JointState."""
+"""Reader of ROS 2 bags (``.db3``, ``.mcap`` or a bag directory) with sensor_msgs/JointState."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
+from cdia_pin.extras import require
 from cdia_pin.logs.joint_names import match_joints
 from cdia_pin.logs.readers.table import Table
 
@@ -31,7 +32,7 @@ class _Topic:
         return sorted({tuple(m.name) for m in self.messages})
 
     def covering(self, joints: Sequence[str], joint_map: Mapping[str, str] | None) -> set[tuple[str, ...]]:
-        """Lists of joints, as messages give them, in which every joint of the robot is found."""
+        """Return the lists of joints in the messages that contain every joint of the robot."""
         found = set()
         for names in self.joint_lists:
             try:
@@ -54,10 +55,13 @@ def read_rosbag(
         path: A ``.db3`` or ``.mcap`` file, or the directory of a bag.
         joints: Joints of the robot.
         joint_map: {name in the bag: joint of the robot}.
-        topic: Topic to read, where several would do.
+        topic: Topic to read, if several have the joints.
+
+    Returns:
+        Times [ns] and the columns ``<signal>.<joint>``.
 
     Raises:
-        LogError: If the bag is unreadable or no one topic has the joints.
+        LogError: If the bag cannot be read, or not exactly one topic has the joints.
     """
     source = path.name
     topics, others = _joint_states(path, source)
@@ -91,7 +95,7 @@ def read_rosbag(
 def _signal(
     messages: list[Any], signal: str, source: str, notes: list[str]
 ) -> dict[str, NDArray[np.float64]]:
-    """Columns ``signal.joint`` by name; messages may list joints in another order each time."""
+    """Return the columns ``signal.joint`` by name; the order of joints may differ between messages."""
     filled = [len(getattr(m, signal)) for m in messages]
     if not any(filled):
         return {}
@@ -138,13 +142,14 @@ def _choose(
     if len(with_effort) > 1:
         raise LogError(
             f"{source}: several JointState topics have the robot's joints: "
-            f"{', '.join(t.name for t in with_effort)}; say which with --topic"
+            f"{', '.join(t.name for t in with_effort)}; choose one with --topic"
         )
     return with_effort[0]
 
 
 def _joint_states(path: Path, source: str) -> tuple[list[_Topic], list[str]]:
-    """All JointState messages by topic, and the other topics with their types."""
+    """Return all JointState messages by topic, and the other topics with their types."""
+    require("ros", "ROS 2 bags")
     from rosbags.rosbag2 import Reader
     from rosbags.typesys import Stores, get_typestore
 

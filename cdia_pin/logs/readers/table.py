@@ -1,4 +1,4 @@
-"""What every reader returns: named columns, before anyone asks what they mean."""
+"""The result of every reader: named columns, before their names are interpreted."""
 
 from __future__ import annotations
 
@@ -9,18 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
+from cdia_pin.phrases import shortened, some
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Table:
     """Columns of a file.
 
     Attributes:
-        columns: Numbers by column name, each of shape (N,); integers stay integers, so that
-            nanoseconds since 1970 keep their digits.
-        not_numbers: Columns that hold something else, with an example of it.
-        time_unit: Unit of the times where the format fixes it, such as ``ns``.
-        notes: What the reader inferred, one sentence each.
+        columns: Numbers by column name, each of shape (N,). Integers stay integers, so that nanoseconds since
+            1970 keep their digits.
+        not_numbers: Columns without numbers, each with an example of its values.
+        time_unit: Unit of the times if the format fixes it, such as ``ns``.
+        notes: Inferences of the reader, one sentence each.
     """
 
     columns: dict[str, NDArray[Any]]
@@ -28,11 +29,23 @@ class Table:
     time_unit: str | None = None
     notes: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        return (
+            f"Table({len(self.columns)} columns: {some([shortened(name, 20) for name in self.columns], 3)})"
+        )
+
     def stack(self, names: list[str], source: str) -> NDArray[np.float64]:
-        """Return columns side by side as float64, shape (N, len(names)).
+        """Return columns side by side.
+
+        Args:
+            names: Names of k columns.
+            source: Name of the file, for messages.
+
+        Returns:
+            Values [as logged], shape (N, k).
 
         Raises:
-            LogError: If a column holds something that is not a number.
+            LogError: If a column holds something else than numbers.
         """
         for name in names:
             if name in self.not_numbers:

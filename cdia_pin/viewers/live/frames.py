@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.record import STAGES
-from cdia_pin.viewers.scene.of_run import event_label, levels, missing_torque
-from cdia_pin.viewers.scene.timeline import RATE
+from cdia_pin.viewers.scene.run_timeline import event_label, levels, missing_torque
+from cdia_pin.viewers.scene.timeline import RATE, Frame
 
 if TYPE_CHECKING:
     from cdia_pin.diagnosis import Status
@@ -33,7 +33,7 @@ class FrameMaker:
 
     def __call__(
         self, time: float, q: Array, status: Status | None = None, desired: Array | None = None
-    ) -> dict[str, Any] | None:
+    ) -> Frame | None:
         """Return the frame of a tick as a piece of a timeline, None where none is due.
 
         Args:
@@ -46,7 +46,7 @@ class FrameMaker:
         if time < self._next and not events:
             return None
         self._next = max(self._next + self._period, time + 0.5 * self._period)
-        frame: dict[str, Any] = {"time": [round(time, 3)], "position": [np.round(q, 5).tolist()]}
+        frame: Frame = {"time": [round(time, 3)], "position": [np.round(q, 5).tolist()]}
         if desired is not None:
             frame["desired"] = [np.round(desired, 5).tolist()]
         if status is None:
@@ -57,5 +57,5 @@ class FrameMaker:
         frame["level"] = [np.round(levels(status.residual, status.threshold), 2).tolist()]
         frame["torque"] = [np.round(missing_torque(stage, missing), 3).tolist()]
         if events:
-            frame["label"] = [[round(e.time, 3), event_label(e, self._robot)] for e in events]
+            frame["label"] = [(round(e.time, 3), event_label(e, self._robot)) for e in events]
         return frame

@@ -5,18 +5,17 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-from typing import Any
-
-from starlette.applications import Starlette
-from starlette.middleware import Middleware
-from starlette.middleware.trustedhost import TrustedHostMiddleware
-from starlette.requests import Request
-from starlette.responses import PlainTextResponse, Response
-from starlette.routing import Route, WebSocketRoute
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from cdia_pin.viewers.page import asset
 from cdia_pin.viewers.scene.assets import scene_assets
+
+if TYPE_CHECKING:
+    from starlette.applications import Starlette
+    from starlette.requests import Request
+    from starlette.responses import Response
+    from starlette.websockets import WebSocket
 
 NAMES = ("127.0.0.1", "localhost")
 POLICY = (
@@ -36,7 +35,7 @@ class Stream:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._news: asyncio.Event = asyncio.Event()
 
-    def add(self, message: dict[str, Any]) -> None:
+    def add(self, message: Mapping[str, object]) -> None:
         """Add a message; raises RuntimeError if nobody serves any more."""
         self._messages.append(json.dumps(message, separators=(",", ":"), allow_nan=False))
         if self._loop is not None:
@@ -59,13 +58,20 @@ class Stream:
                 await news.wait()
 
 
-def application(setup: dict[str, Any], stream: Stream) -> Starlette:
+def application(setup: Mapping[str, object], stream: Stream) -> Starlette:
     """Return the application.
 
     Args:
         setup: ``scene`` and ``timeline``, with which the page begins.
         stream: What follows.
     """
+    from starlette.applications import Starlette
+    from starlette.middleware import Middleware
+    from starlette.middleware.trustedhost import TrustedHostMiddleware
+    from starlette.responses import PlainTextResponse, Response
+    from starlette.routing import Route, WebSocketRoute
+    from starlette.websockets import WebSocketDisconnect
+
     assets = scene_assets()
     script = "text/javascript"
     parts = {

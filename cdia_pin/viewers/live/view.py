@@ -5,16 +5,17 @@ from __future__ import annotations
 import socket
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cdia_pin.errors import CdiaError
+from cdia_pin.extras import require
 from cdia_pin.viewers.live.server import Stream, application
-from cdia_pin.viewers.scene import Scene, SceneStage, Timeline
+from cdia_pin.viewers.scene import Frame, Scene, SceneStage, Timeline
 
 HOST = "127.0.0.1"
 PATIENCE = 30.0  # [s] for the server to begin, which a busy machine may need; one that cannot says so at once
@@ -41,6 +42,7 @@ class LiveView:
 
     Raises:
         CdiaError: If the port cannot be had.
+        MissingExtraError: If the server's packages are not installed.
     """
 
     def __init__(
@@ -55,9 +57,10 @@ class LiveView:
         title: str = "",
         port: int = 0,
     ) -> None:
+        require("view", "live views")
         import uvicorn
 
-        live: dict[str, Any] = {"live": True, "follow": follow, "stages": [vars(s) for s in stages]}
+        live: dict[str, object] = {"live": True, "follow": follow, "stages": [s.to_dict() for s in stages]}
         if reach is not None:
             live["reach"] = np.round(np.asarray(reach, float), 3).tolist()
         setup = {
@@ -80,7 +83,7 @@ class LiveView:
         self._thread.start()
         self._wait_for_start()
 
-    def show(self, frame: dict[str, Any]) -> None:
+    def show(self, frame: Frame) -> None:
         """Add a frame, or several, to what the page shows: the fields of `Timeline.to_dict`.
 
         Raises:
@@ -123,7 +126,7 @@ class LiveView:
     ) -> None:
         self.close()
 
-    def _send(self, message: dict[str, Any]) -> None:
+    def _send(self, message: Mapping[str, object]) -> None:
         try:
             if not self._thread.is_alive():
                 raise RuntimeError

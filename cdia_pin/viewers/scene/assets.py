@@ -8,7 +8,7 @@ from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 
-from cdia_pin.errors import CdiaError
+from cdia_pin.extras import require
 
 PARTS = ("arm3d_parts.js", "arm3d_mark.js", "arm3d_world.js", "arm3d.js", "player.js")
 
@@ -32,7 +32,12 @@ class SceneAssets:
 
 @cache
 def scene_assets() -> SceneAssets:
-    """Return the scripts and the style that draw an arm, from this package and from meshcat's."""
+    """Return the scripts and the style that draw an arm, from this package and from meshcat's.
+
+    Raises:
+        MissingExtraError: If meshcat is not installed.
+    """
+    require("view", "pictures of an arm")
     own = files("cdia_pin.viewers") / "assets"
     viewer = _meshcat() / "viewer"
     parts = "".join((own / name).read_text(encoding="utf-8") for name in PARTS)
@@ -48,8 +53,7 @@ def scene_assets() -> SceneAssets:
 
 
 def _meshcat() -> Path:
-    """Return the package's folder without importing it: it would bring a server of its own."""
+    """Return the folder of meshcat without importing it: an import would load a server that is not used here."""
     found = find_spec("meshcat")
-    if found is None or not found.submodule_search_locations:
-        raise CdiaError("the package meshcat is missing: pip install meshcat")
+    assert found is not None and found.submodule_search_locations
     return Path(next(iter(found.submodule_search_locations)))

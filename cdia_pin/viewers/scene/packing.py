@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 import base64
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cdia_pin.viewers.scene.meshes import Mesh
 
 STEPS = 65535  # of a position in its bounding box: 0.03 mm for a link of 2 m
 
 
-def packed(mesh: Mesh) -> dict[str, Any]:
+class PackedMesh(TypedDict):
+    """A mesh ready for JSON; ``wide`` says that indices have 32 bits, not 16."""
+
+    colour: str
+    low: list[float]
+    high: list[float]
+    wide: bool
+    vertices: str
+    triangles: str
+
+
+def packed(mesh: Mesh) -> PackedMesh:
     """Return a mesh ready for JSON; ``wide`` says that indices have 32 bits, not 16."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     width = np.where(high > low, high - low, 1.0)
@@ -28,5 +40,5 @@ def packed(mesh: Mesh) -> dict[str, Any]:
     }
 
 
-def _text(numbers: np.ndarray) -> str:
+def _text(numbers: NDArray[np.integer]) -> str:
     return base64.b64encode(np.ascontiguousarray(numbers).tobytes()).decode("ascii")

@@ -4,26 +4,58 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cdia_pin import schemas
 from cdia_pin.errors import CdiaError
+from cdia_pin.extras import require
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.viewers.scene.bodies import SceneMesh, bodies_of
 from cdia_pin.viewers.scene.capsules import capsules
 from cdia_pin.viewers.scene.chain import SceneJoint, chain_of
 from cdia_pin.viewers.scene.meshes import shares, simplified
-from cdia_pin.viewers.scene.packing import packed
+from cdia_pin.viewers.scene.packing import PackedMesh, packed
 from cdia_pin.viewers.words import joint_units, short_names
 
 Array = NDArray[np.float64]
 
-SCHEMA = "cdia-scene/1"
 HOLE = 0.02  # [m], of an arm without a shape, below which it is not filled
 TRIANGLES = 60_000  # of the whole picture; a Panda then takes 1.0 MB
 COARSE = 12_000  # of the picture where it moves and drawing is slow
+
+
+class JointDocument(TypedDict):
+    """A joint of `SceneDocument`; ``placement`` is a homogeneous matrix (4, 4), row by row."""
+
+    name: str
+    short: str
+    parent: str | None
+    placement: list[float]
+    axis: list[float]
+    kind: str
+    unit: str
+
+
+class MeshDocument(PackedMesh):
+    """A mesh of `SceneDocument`; ``coarse`` is the same with far fewer triangles."""
+
+    link: str
+    joint: str | None
+    coarse: PackedMesh
+
+
+class SceneDocument(TypedDict):
+    """What the browser draws: the schema ``cdia-scene/1``."""
+
+    schema: str
+    robot: str
+    joints: list[JointDocument]
+    meshes: list[MeshDocument]
+    home: list[float]
+    notes: list[str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +83,11 @@ class Scene:
         Args:
             robot: The arm.
             triangles: About how many the picture may have.
+
+        Raises:
+            MissingExtraError: If what reads meshes is not installed.
         """
+        require("view", "pictures of an arm")
         chain = chain_of(robot)
         meshes, notes = bodies_of(robot, chain)
         bare = _bare(robot, chain, meshes)
@@ -63,7 +99,7 @@ class Scene:
         fine = [m for m in _simpler(meshes, triangles) if len(m.mesh.triangles)]
         return cls(robot, chain, tuple(fine), tuple(_simpler(fine, COARSE)), tuple(notes))
 
-    def to_dict(self, position: ArrayLike | None = None) -> dict[str, Any]:
+    def to_dict(self, position: ArrayLike | None = None) -> SceneDocument:
         """Return the scene as the browser takes it; the same scene gives the same text.
 
         Args:
@@ -76,7 +112,7 @@ class Scene:
         home = resting_pose(robot) if position is None else _pose(robot, position)
         short = short_names(robot.joints)
         return {
-            "schema": SCHEMA,
+            "schema": schemas.SCENE,
             "robot": robot.name,
             "joints": [
                 {

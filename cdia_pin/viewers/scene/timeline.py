@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import NotRequired, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,50 @@ Says = tuple[tuple[float, str], ...]
 
 RATE = 30.0  # [Hz], frames that are kept
 MOST = 2400  # frames; a longer motion has fewer a second
+
+
+class StageDocument(TypedDict):
+    """A stage as JSON has it; the keys are the attributes of `SceneStage`."""
+
+    name: str
+    colour: str
+    words: str
+    least: float
+    most: float
+
+
+class TrackDocument(TypedDict):
+    """A track as JSON has it; the keys are the attributes of `Track`."""
+
+    name: str
+    stage: list[list[int]]
+    level: list[list[float]]
+    torque: list[list[float]]
+    label: list[tuple[float, str]]
+
+
+class TimelineDocument(TrackDocument):
+    """A timeline as JSON has it: its first track, with what all tracks share; ``variants`` are the other tracks."""
+
+    time: list[float]
+    position: list[list[float]]
+    stages: list[StageDocument]
+    desired: NotRequired[list[list[float]]]
+    variants: NotRequired[list[TrackDocument]]
+
+
+class Frame(TypedDict, total=False):
+    """A piece of a timeline: rows of one frame, or of several."""
+
+    time: list[float]
+    position: list[list[float]]
+    desired: list[list[float]]
+    stage: list[list[int]]
+    level: list[list[float]]
+    torque: list[list[float]]
+    label: list[tuple[float, str]]
+    residual: list[list[float]]
+    threshold: list[list[float]]
 
 
 @dataclass(frozen=True)
@@ -36,6 +80,16 @@ class SceneStage:
     least: float = 0.55
     most: float = 0.95
 
+    def to_dict(self) -> StageDocument:
+        """Return the stage as JSON has it."""
+        return {
+            "name": self.name,
+            "colour": self.colour,
+            "words": self.words,
+            "least": self.least,
+            "most": self.most,
+        }
+
 
 @dataclass(frozen=True, eq=False)
 class Track:
@@ -55,14 +109,14 @@ class Track:
     torque: Array
     label: Says = ()
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> TrackDocument:
         """Return the track as JSON has it."""
         return {
             "name": self.name,
             "stage": self.stage.astype(int).tolist(),
             "level": np.round(self.level, 2).tolist(),
             "torque": np.round(self.torque, 3).tolist(),
-            "label": [[round(t, 3), text] for t, text in self.label],
+            "label": [(round(t, 3), text) for t, text in self.label],
         }
 
 
@@ -84,19 +138,23 @@ class Timeline:
     tracks: tuple[Track, ...]
     desired: Array | None = None
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> TimelineDocument:
         """Return the timeline as the browser takes it: numbers rounded to what can be seen."""
-        first, *others = self.tracks
-        out = {
+        shown, *others = (t.to_dict() for t in self.tracks)
+        out: TimelineDocument = {
             "time": np.round(self.time, 3).tolist(),
             "position": np.round(self.position, 5).tolist(),
-            "stages": [vars(s) for s in self.stages],
-            **first.to_dict(),
+            "stages": [s.to_dict() for s in self.stages],
+            "name": shown["name"],
+            "stage": shown["stage"],
+            "level": shown["level"],
+            "torque": shown["torque"],
+            "label": shown["label"],
         }
         if self.desired is not None:
             out["desired"] = np.round(self.desired, 5).tolist()
         if others:
-            out["variants"] = [t.to_dict() for t in others]
+            out["variants"] = others
         return out
 
 

@@ -8,8 +8,8 @@ import pytest
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.campaigns.scara_run import Scenario, run
 from cdia_pin.diagnosis.thesis import FixedGains, KnownEffects, Neurons, ThesisEngine, ThesisSettings
-from cdia_pin.diagnosis.thesis.observer import Observers, Scale
-from cdia_pin.diagnosis.thesis.step import Sample, Stepper
+from cdia_pin.diagnosis.thesis.sample_interval import ArmSample, IntervalEvaluator
+from cdia_pin.diagnosis.thesis.velocity_observers import ColumnScale, VelocityObservers
 from cdia_pin.effects import CoulombFriction, Term, TorqueOffset, ViscousFriction
 
 GAMMA = 50.0
@@ -78,8 +78,8 @@ def test_a_term_of_the_model_is_not_missing(arm):
     tau = x["with"].inverse_dynamics(q, v, np.zeros(6))
     lack = {}
     for name, model in x.items():
-        before, now = Sample(0.0, q - 0.0005, v), Sample(0.002, q + 0.0005, v)
-        lack[name] = Stepper(model, 0.01, 1.0).step(before, now, tau).missing
+        before, now = ArmSample(0.0, q - 0.0005, v), ArmSample(0.002, q + 0.0005, v)
+        lack[name] = IntervalEvaluator(model, 0.01, 1.0).step(before, now, tau).missing
     np.testing.assert_allclose(lack["with"], 0.0, atol=1e-9)
     np.testing.assert_allclose(lack["bare"], [0, 0, -7.0 * 0.5, 0, 0, 0], atol=1e-9)
 
@@ -97,12 +97,12 @@ class OtherSign:
 def learn(scara, gains, steps=1500):
     """Neurons against a constant fault on a swinging arm; returns the largest weight and the last f̂."""
     basis = Neurons.over(scara, np.full(4, 2.0), np.full(4, 2.0), 4)
-    observer, scale = Observers.fresh(basis, gains, np.full(4, 100.0)), Scale(basis)
-    stepper = Stepper(Dynamics(scara), 0.01, 1.0)
+    observer, scale = VelocityObservers.fresh(basis, gains, np.full(4, 100.0)), ColumnScale(basis)
+    stepper = IntervalEvaluator(Dynamics(scara), 0.01, 1.0)
     fault = np.array([20.0, -10.0, 0.05, 15.0])
     for k in range(steps):
         a, b = (
-            Sample(0.001 * i, np.full(4, np.sin(0.001 * i)), np.full(4, np.cos(0.001 * i)))
+            ArmSample(0.001 * i, np.full(4, np.sin(0.001 * i)), np.full(4, np.cos(0.001 * i)))
             for i in (k, k + 1)
         )
         M, nle = (
@@ -135,12 +135,12 @@ def test_the_lyapunov_function_never_grows(scara):
     """U = ½ eᵀe + ½ W̃ᵀ Γ⁻¹ W̃ for faults within the basis and no unmodelled torque."""
     basis = KnownEffects.of(scara, (TorqueOffset, CoulombFriction))
     gains = FixedGains(torque=(1.0,) * 4, state=(1e5, 5e4, 0.1, 1e5))
-    observer, scale = Observers.fresh(basis, gains, np.full(4, 100.0)), Scale(basis)
+    observer, scale = VelocityObservers.fresh(basis, gains, np.full(4, 100.0)), ColumnScale(basis)
     true = np.array([[5.0, 10.0], [3.0, 5.0], [0.01, 0.01], [5.0, 8.0]])
-    stepper, values, h = Stepper(Dynamics(scara), 0.3, 1.0), [], 2e-4
+    stepper, values, h = IntervalEvaluator(Dynamics(scara), 0.3, 1.0), [], 2e-4
     for k in range(1500):
         a, b = (
-            Sample(h * i, np.full(4, np.sin(3 * h * i)), np.full(4, 3 * np.cos(3 * h * i)))
+            ArmSample(h * i, np.full(4, np.sin(3 * h * i)), np.full(4, 3 * np.cos(3 * h * i)))
             for i in (k, k + 1)
         )
         q, v = 0.5 * (a.q + b.q), 0.5 * (a.v + b.v)

@@ -6,8 +6,8 @@ import pytest
 from cdia_pin import load_robot
 from cdia_pin.diagnosis.thesis import KnownEffects, Neurons, ThesisSettings
 from cdia_pin.diagnosis.thesis.accommodation import accommodate
-from cdia_pin.diagnosis.thesis.idle import IdleMonitor
-from cdia_pin.diagnosis.thesis.isolation import hypotheses
+from cdia_pin.diagnosis.thesis.clearance import ClearanceMonitor
+from cdia_pin.diagnosis.thesis.filter_bank import hypotheses
 from cdia_pin.effects import (
     ActuatorGain,
     CoulombFriction,
@@ -129,7 +129,7 @@ def test_torques_stay_within_the_limits():
 
 
 def quiet_after(torques, time=0.5, step=0.1):
-    monitor = IdleMonitor(np.ones(2), time)
+    monitor = ClearanceMonitor(np.ones(2), time)
     for k, torque in enumerate(torques):
         if monitor.step({3: np.array(torque)}, step):
             return (k + 1) * step

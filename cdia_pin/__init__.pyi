@@ -1,0 +1,53 @@
+# The public names: each line says which and where from. `__init__.py` reads this file and loads a name on first use.
+
+from cdia_pin import effects as effects
+from cdia_pin.campaigns.closed_loop import ClosedLoop as ClosedLoop
+from cdia_pin.campaigns.closed_loop import LoopSettings as LoopSettings
+from cdia_pin.changes import Changes as Changes
+from cdia_pin.changes import what_changed as what_changed
+from cdia_pin.diagnosis import Bank as Bank
+from cdia_pin.diagnosis import Event as Event
+from cdia_pin.diagnosis import Monitor as Monitor
+from cdia_pin.diagnosis import MonitorRun as MonitorRun
+from cdia_pin.diagnosis import MonitorSettings as MonitorSettings
+from cdia_pin.diagnosis import Status as Status
+from cdia_pin.diagnosis import replay as replay
+from cdia_pin.discovery import Comparison as Comparison
+from cdia_pin.discovery import Discovery as Discovery
+from cdia_pin.discovery import add_effect as add_effect
+from cdia_pin.discovery import compare as compare
+from cdia_pin.discovery import discover as discover
+from cdia_pin.dynamics import Dynamics as Dynamics
+from cdia_pin.dynamics import Sensors as Sensors
+from cdia_pin.dynamics import exciting_trajectory as exciting_trajectory
+from cdia_pin.dynamics import load_model as load_model
+from cdia_pin.dynamics import save_model as save_model
+from cdia_pin.dynamics.simulate import simulate as simulate
+from cdia_pin.effects import Effect as Effect
+from cdia_pin.effects import Term as Term
+from cdia_pin.errors import CdiaError as CdiaError
+from cdia_pin.excitation import Excitation as Excitation
+from cdia_pin.excitation import ExcitationSettings as ExcitationSettings
+from cdia_pin.excitation import excite as excite
+from cdia_pin.identification import Identification as Identification
+from cdia_pin.identification import IdentificationSettings as IdentificationSettings
+from cdia_pin.identification import identify as identify
+from cdia_pin.logs import Conversion as Conversion
+from cdia_pin.logs import Log as Log
+from cdia_pin.logs import LogCheck as LogCheck
+from cdia_pin.logs import check_log as check_log
+from cdia_pin.logs import read_log as read_log
+from cdia_pin.logs import write_log as write_log
+from cdia_pin.logs.conditioning import Conditioning as Conditioning
+from cdia_pin.resources import logs_dir as logs_dir
+from cdia_pin.robot import RobotModel as RobotModel
+from cdia_pin.robot import load_robot as load_robot
+from cdia_pin.robot import write_corrected_urdf as write_corrected_urdf
+from cdia_pin.selection import DiscoverySettings as DiscoverySettings
+from cdia_pin.version import __version__ as __version__
+from cdia_pin.viewers import write_monitor_report as write_monitor_report
+from cdia_pin.viewers import write_report as write_report
+from cdia_pin.viewers.arm_page import ArmPage as ArmPage
+from cdia_pin.viewers.arm_page import view as view
+
+__all__: list[str]

@@ -1,0 +1,199 @@
+r"""The healthy arm as its runs show it: corrections of the model, and the size of a healthy residual.
+
+The bound of a healthy residual is learned last. It is the largest residual seen times a margin, and at least a
+multiple of its RMS, because the largest value of a minute is not that of an hour.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.calibration import calibrated
+from cdia_pin.diagnosis.momentum_observer import LEAST_SIGN_WIDTH
+from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.nominal import Nominal
+from cdia_pin.diagnosis.residuals import aligned_velocity, pooled, residuals_of, velocity_noise
+from cdia_pin.errors import LogError
+from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
+
+ENOUGH_DURATION = 20.0  # [s], of all healthy runs together, below which a note warns of low thresholds
+LEAST_DURATION = 2.0  # [s], of all healthy runs together: a second for the level beside the settling filters
+RATE_SPREAD = 1.2  # [1], largest rate over smallest: the residual's noise depends on the rate
+ASSUMED_MEMORY = 0.1  # [s], correlation time of a healthy residual where it was not measured
+ASSUMED_SIGN_WIDTH = 0.005  # [rad/s or m/s], smoothing of sgn where noise was not measured
+LEVEL_WINDOW = 1.0  # [s], over which the RMS of the healthy level is taken
+NOISE_WIDTHS = 2.0  # [1], standard deviations of the velocity's noise over which sgn q̇ is smoothed
+TINY = 1e-12  # keeps a residual that is zero from dividing by zero
+
+
+@dataclass(frozen=True)
+class HealthyArm:
+    """What is known of the healthy arm.
+
+    Attributes:
+        nominal: The model as the runs corrected it.
+        bandwidth: γ of each joint [1/s], shape (n,).
+        bound: η₀ of each joint [N·m or N], shape (n,).
+        level: RMS of a healthy residual in the worst second [N·m or N], shape (n,).
+        memory: Correlation time of a healthy residual [s], shape (n,).
+        sign_width: Speed over which sgn q̇ is smoothed [rad/s or m/s], shape (n,).
+        position_range: Smallest and largest position seen [rad or m], shape (2, n).
+        velocity_range: Smallest and largest velocity seen [rad/s or m/s], shape (2, n).
+        notes: What was learned, one sentence each.
+    """
+
+    nominal: Nominal
+    bandwidth: Array
+    bound: Array
+    level: Array
+    memory: Array
+    sign_width: Array
+    position_range: Array
+    velocity_range: Array
+    notes: tuple[str, ...] = ()
+
+
+def learn_healthy_arm(
+    nominal: Nominal, runs: Sequence[Log], bank: Bank, settings: MonitorSettings
+) -> HealthyArm:
+    """Learn from runs of a healthy arm.
+
+    Args:
+        nominal: The model.
+        runs: Logs at the rate of the monitor.
+        bank: The monitor's bank; only so that what is compiled here serves the monitor too.
+        settings: Bandwidth, margins, and whether masses are corrected.
+
+    Raises:
+        LogError: If the runs are too short, at rest, belong to other joints, or differ in rate.
+    """
+    dt = _check(nominal, runs)
+    notes = []
+    if (seconds := sum(run.duration for run in runs)) < ENOUGH_DURATION:
+        notes.append(
+            f"only {seconds:.0f} s of healthy motion: thresholds may be too low for other motions; "
+            f"give {ENOUGH_DURATION:.0f} s or more"
+        )
+    nominal, corrected = calibrated(nominal, runs, dt, bank, settings)
+    notes += corrected
+    residuals = residuals_of(nominal, runs, dt, bank, settings)
+    bandwidth = _bandwidth(_bound(residuals, settings), runs, settings)
+    if (bandwidth < settings.bandwidth).any():
+        residuals = residuals_of(nominal, runs, dt, bank, settings, bandwidth)
+        slow = [
+            f"{j} {g:.0f}/s" for j, g in zip(runs[0].joints, bandwidth, strict=True) if g < settings.bandwidth
+        ]
+        notes.append(f"slower filters because of sensor noise: {', '.join(slow)}")
+    bound = _bound(residuals, settings)
+    window = max(1, round(LEVEL_WINDOW / dt))
+    sign_width = np.maximum(NOISE_WIDTHS * velocity_noise(runs, dt), LEAST_SIGN_WIDTH)
+    level = np.max([_worst_window(r, window) for r in residuals], axis=0)
+    memory = np.array([_correlation_time([r[:, j] for r in residuals], dt) for j in range(nominal.robot.n)])
+    return HealthyArm(
+        nominal=nominal,
+        bandwidth=bandwidth,
+        bound=bound,
+        level=level,
+        memory=np.maximum(memory, 1 / bandwidth),
+        sign_width=sign_width,
+        position_range=_range([run.position for run in runs]),
+        velocity_range=_range([aligned_velocity(run, dt) for run in runs]),
+        notes=tuple(notes),
+    )
+
+
+def _bound(residuals: Sequence[Array], settings: MonitorSettings) -> Array:
+    """Return the bound of a healthy residual [N·m or N], shape (n,)."""
+    largest = np.max([np.abs(r).max(axis=0) for r in residuals], axis=0)
+    return np.maximum(settings.margin * largest, settings.noise_margin * pooled(residuals))
+
+
+def _bandwidth(bound: Array, runs: Sequence[Log], settings: MonitorSettings) -> Array:
+    """Return γ of each joint [1/s], shape (n,): sensor noise grows with it, and is kept to a share of the torque."""
+    torque = pooled([run.effort for run in runs])
+    wanted = settings.bandwidth * settings.sensitivity * torque / np.maximum(bound, TINY)
+    return np.clip(wanted, min(settings.slowest, settings.bandwidth), settings.bandwidth)
+
+
+def assumed_healthy_arm(
+    nominal: Nominal, threshold: Mapping[str, float], settings: MonitorSettings
+) -> HealthyArm:
+    """Return what a given threshold says of the healthy arm; the rest takes usual values.
+
+    Args:
+        nominal: The model.
+        threshold: Largest healthy residual of each joint [N·m or N].
+        settings: Bandwidth and margins.
+    """
+    robot = nominal.robot
+    bound = np.array([threshold[joint] for joint in robot.joints])
+    limits = robot.limits
+    memory = np.full(robot.n, ASSUMED_MEMORY)
+    sign_width = np.full(robot.n, ASSUMED_SIGN_WIDTH)
+    bandwidth = np.full(robot.n, settings.bandwidth)
+    return HealthyArm(
+        nominal=nominal,
+        bandwidth=bandwidth,
+        bound=bound,
+        level=bound / settings.noise_margin,
+        memory=memory,
+        sign_width=sign_width,
+        position_range=np.array([limits.lower, limits.upper]),
+        velocity_range=np.array([-limits.velocity, limits.velocity]),
+    )
+
+
+def _check(nominal: Nominal, runs: Sequence[Log]) -> float:
+    robot = nominal.robot
+    for run in runs:
+        if run.joints != robot.joints:
+            raise LogError(
+                f"{run.source}: joints are {', '.join(run.joints)}; expected {', '.join(robot.joints)}"
+            )
+    total = sum(r.duration for r in runs)
+    if total < LEAST_DURATION:
+        raise LogError(
+            f"healthy runs of {total:.2g} s are too short to learn from; give {LEAST_DURATION:g} s or more"
+        )
+    if not any(np.ptp(run.position, axis=0).any() for run in runs):
+        raise LogError(
+            f"{runs[0].source}: nothing moves in the healthy runs; give runs in which the arm moves"
+        )
+    rates = [r.rate for r in runs]
+    if max(rates) > RATE_SPREAD * min(rates):
+        raise LogError(f"healthy runs must share one rate, given {min(rates):.0f} to {max(rates):.0f} Hz")
+    if len({r.velocity is None for r in runs}) > 1:
+        raise LogError("either all healthy runs have velocities or none")
+    return 1.0 / float(np.median(rates))
+
+
+def _worst_window(r: Array, window: int) -> Array:
+    """Return the RMS of the window [samples] in which it is largest [N·m or N], shape (n,)."""
+    total = np.vstack([np.zeros(r.shape[1]), np.cumsum(r**2, axis=0)])
+    window = min(window, len(r))
+    return np.asarray(np.sqrt((total[window:] - total[:-window]).max(axis=0) / window))
+
+
+def _correlation_time(series: Sequence[Array], dt: float) -> float:
+    """Return the correlation time of a residual: the sum of its autocorrelation up to the first zero [s]."""
+    longest = max(series, key=len)
+    x = longest - longest.mean()
+    size = 1 << (2 * len(x) - 1).bit_length()
+    spectrum = np.abs(np.fft.rfft(x, size)) ** 2
+    auto = np.fft.irfft(spectrum)[: len(x) // 2]
+    auto /= auto[0] if auto[0] > 0 else 1.0
+    negative = np.flatnonzero(auto <= 0)
+    return float(dt * (2 * auto[: negative[0] if len(negative) else len(auto)].sum() - 1))
+
+
+def _range(signals: Sequence[Array]) -> Array:
+    """Return the smallest and the largest value of signals of shape (K, n), shape (2, n)."""
+    together = np.concatenate(signals)
+    return np.array([together.min(axis=0), together.max(axis=0)])

@@ -1,0 +1,151 @@
+"""Isolation on one joint: its normal equations since the detection, and the decisions that they lead to."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.belief import JointBelief
+from cdia_pin.diagnosis.healthy_arm import HealthyArm
+from cdia_pin.diagnosis.isolation import Decision, Isolator
+from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.status import Verdict
+
+Array = NDArray[np.float64]
+
+BELIEF_WORTH = 1.0  # [s] of measurement that an old belief counts as when the next fault comes
+CORRELATION_TIMES = 6.0  # [1], correlation times of a healthy residual that a decision needs
+MEMORY_SHARE = 0.4  # [1], share of the memory after which a decision is taken at the latest
+
+
+class JointIsolation:
+    """The normal equations of a joint, beside what was believed when they started.
+
+    Args:
+        j: The joint's index.
+        observer: Collects the normal equations.
+        isolator: Decides between effects.
+        healthy: What is known of the healthy arm.
+
+    Attributes:
+        last: The last decision; None before the first.
+    """
+
+    def __init__(self, j: int, observer: MomentumObserver, isolator: Isolator, healthy: HealthyArm) -> None:
+        self.j, self.observer, self.isolator = j, observer, isolator
+        self.level = float(healthy.level[j])
+        self.independent = float(healthy.memory[j]) / observer.dt  # [samples]
+        self.last: Decision | None = None
+        self.drop_prior()
+
+    @property
+    def gram(self) -> Array:
+        """Gram matrix of [y; r], upper triangle, shape (P + 1, P + 1)."""
+        return np.asarray(self.observer.state.gram[self.j])
+
+    @property
+    def weight(self) -> float:
+        """Number of samples in it, old ones discounted [1]."""
+        return float(self.observer.state.weight[self.j])
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether there are enough samples to decide."""
+        memory = self.observer.settings.memory / self.observer.dt
+        return self.weight >= min(CORRELATION_TIMES * self.independent, MEMORY_SHARE * memory)
+
+    def restart(self, beside: JointBelief | None = None) -> None:
+        """Start the normal equations again.
+
+        Args:
+            beside: A belief that counts as measured, so that what comes next is decided beside it.
+        """
+        self.drop_prior()
+        if beside is not None:
+            bank = self.isolator.bank
+            columns = bank.columns(bank.members(beside.mask))
+            energy = np.diag(self.gram)[columns] / max(self.weight, 1.0)
+            self._prior[columns] = energy * BELIEF_WORTH / self.observer.dt
+            self._centre = beside.theta
+        self.observer.restart_decision(self.j)
+
+    def drop_prior(self) -> None:
+        """Count nothing as measured but the collected samples."""
+        self._prior = np.zeros(self.isolator.bank.width)
+        self._centre = np.zeros(self.isolator.bank.width)
+
+    def reset(self) -> None:
+        """Return to the start."""
+        self.last = None
+        self.end()
+
+    def end(self) -> None:
+        """Collect no more samples."""
+        self.drop_prior()
+        self.observer.end_decision(self.j)
+
+    def decide(self, required: int = 0) -> Decision:
+        """Decide between the combinations that contain the required effects.
+
+        Args:
+            required: The effects, one bit each.
+        """
+        self.last = self.isolator.decide(
+            self.j,
+            self.gram,
+            max(self.weight, 1.0),
+            self.level,
+            self.independent,
+            required=required,
+            prior=self._prior,
+            centre=self._centre,
+        )
+        return self.last
+
+    def belief(self, decision: Decision, verdict: Verdict) -> JointBelief:
+        """Return a decision as a belief, with intervals.
+
+        Args:
+            decision: A decision for at least one effect.
+            verdict: Whether it is the only explanation.
+        """
+        assert decision.mask
+        ci95 = self.isolator.intervals(
+            decision.mask, decision.theta, self.gram, decision.noise, self.independent
+        )
+        return JointBelief(decision.theta, decision.mask, verdict, ci95, decision.rivals)
+
+
+class Votes:
+    """The last decisions on a joint: the monitor acts when they agree.
+
+    Args:
+        needed: Number of decisions in a row that must agree.
+    """
+
+    def __init__(self, needed: int) -> None:
+        self._last: deque[tuple[int, bool]] = deque(maxlen=needed)
+
+    def add(self, decision: Decision) -> None:
+        """Add a decision.
+
+        Args:
+            decision: The newest one; the oldest is dropped.
+        """
+        self._last.append((decision.key, bool(decision.rivals)))
+
+    def clear(self) -> None:
+        """Drop all decisions."""
+        self._last.clear()
+
+    @property
+    def agree(self) -> bool:
+        """Whether there are enough decisions, all for the same combination."""
+        return len(self._last) == self._last.maxlen and len({key for key, _ in self._last}) == 1
+
+    @property
+    def are_clear(self) -> bool:
+        """Whether no decision had a rival."""
+        return not any(ambiguous for _, ambiguous in self._last)

@@ -1,0 +1,301 @@
+"""The monitor of one joint: the four stages of the scheme and the transitions between them ([Thesis] fig. 6).
+
+A joint is healthy until its remainder passes the threshold (*detection*). The remainder is the residual less the
+torque of the believed faults. The joint then collects normal equations, and takes a decision several times a second,
+a *look*. When enough looks in a row agree, the fault is *isolated* and *accommodated*. An effect whose torque stays
+away where it would show is *cleared* (stage ``idle``): it is no longer compensated, but remembered, and recognised at
+once when it returns. No stage is final: later looks may decide otherwise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from cdia_pin.diagnosis.belief import JointBelief
+from cdia_pin.diagnosis.belief_state import BeliefState
+from cdia_pin.diagnosis.healthy_arm import HealthyArm
+from cdia_pin.diagnosis.isolation import Isolator
+from cdia_pin.diagnosis.joint_isolation import JointIsolation, Votes
+from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.status import Event, EventStage, Stage, Verdict
+from cdia_pin.diagnosis.words import what_separates
+from cdia_pin.effects import Profile, Term, Unknown
+
+TRIAL_TIME = 3.0  # [s]; a belief that fails sooner was wrong, one that fails later met a further fault
+MOST_FAILURES = 3  # wrong beliefs in a row, after which the fault is called unknown
+CALM_TIME = 0.5  # [s] below the threshold after which an alarm without a fault is dismissed
+REACTION_LOOKS = 2  # looks after a decision in which an alarm is not answered: the filters still settle
+DOUBT_ABSENCES = 1.5  # [1], times `gone_after` that a doubt waits, so that a fault can be seen to clear first
+DOUBT_FILTERS = 4.0  # [1], time constants of the filter that it waits besides
+
+
+class JointMonitor:
+    """The stages of one joint.
+
+    Args:
+        j: The joint's index.
+        observer: Its residual and normal equations.
+        isolator: Decides between effects.
+        healthy: What is known of the healthy arm.
+        unknown: Neurons for an unknown fault.
+        settings: Settings of the monitor.
+
+    Attributes:
+        stage: Stage of the joint.
+        since: Time at which the stage began [s].
+    """
+
+    def __init__(
+        self,
+        j: int,
+        observer: MomentumObserver,
+        isolator: Isolator,
+        healthy: HealthyArm,
+        unknown: Unknown,
+        settings: MonitorSettings,
+    ) -> None:
+        self.j, self.observer, self.settings, self.unknown = j, observer, settings, unknown
+        self.name, self.bank = observer.nominal.robot.joints[j], isolator.bank
+        self.isolation = JointIsolation(j, observer, isolator, healthy)
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to healthy, and believe in nothing."""
+        self.beliefs = BeliefState(self.j, self.observer, self.bank, self.unknown)
+        self.isolation.reset()
+        self.stage = Stage.HEALTHY
+        self.since = self.last_alarm = -np.inf
+        self._votes = Votes(self.settings.votes)
+        self._failures = 0
+        self._doubted = np.inf  # [s], since when the belief is doubted
+        self._mixed = False  # do the normal equations hold samples from before a belief failed?
+
+    def restart(self) -> None:
+        """Start the present stage again after a gap in the data; beliefs stay."""
+        self._votes.clear()
+        if self.stage not in (Stage.HEALTHY, Stage.IDLE):
+            self.isolation.restart()
+
+    @property
+    def ignores_alarms(self) -> bool:
+        """Whether another alarm would change nothing: isolation goes on, or an unknown fault is being learned."""
+        return self.stage is Stage.DETECTED or self.beliefs.now.verdict is Verdict.UNKNOWN
+
+    @property
+    def faults(self) -> tuple[Term, ...]:
+        """Believed faults."""
+        return self.beliefs.faults
+
+    @property
+    def profiles(self) -> dict[int, Profile]:
+        """Profiles of the bank's effects that are present in a part of the motion only, by index."""
+        return self.beliefs.presence.profiles
+
+    # ------------------------------------------------------------- detection
+
+    def alarm(self, t: float) -> list[Event]:
+        """Answer a remainder beyond the threshold.
+
+        Args:
+            t: Time [s].
+        """
+        self.last_alarm = t
+        if self.ignores_alarms:
+            return []
+        known = self.beliefs.now if self._believes else None
+        if known is not None and t - self.since < REACTION_LOOKS * self.settings.decide_every:
+            return []
+        if known is not None and t - self.since < TRIAL_TIME:
+            return self._doubt(t)
+        self._failures = 0
+        self.isolation.restart(beside=known)
+        detection = self._event(t, EventStage.DETECTION)
+        if self.beliefs.unknown_before:
+            return [detection, *self._commit_unknown(t)]
+        self.beliefs.neurons.start()
+        self.beliefs.memory.begin()
+        self.beliefs.reconsider()
+        self._begin(t, Stage.DETECTED)
+        self._mixed = False
+        return [detection]
+
+    def look(self, t: float) -> list[Event]:
+        """Take a decision from the normal equations, and check what is believed.
+
+        Args:
+            t: Time [s].
+        """
+        if self.observer.state.exceeded[self.j] >= self.settings.debounce:
+            self.last_alarm = t
+        self.beliefs.look()
+        if self._doubted < np.inf:
+            return self._settle_doubt(t)
+        if self.stage is Stage.DETECTED:
+            return self._isolate(t) if self.isolation.is_enough or self.beliefs.memory else []
+        return self._follow(t) if self._believes else []
+
+    # ------------------------------------------------------------- isolation
+
+    def _isolate(self, t: float) -> list[Event]:
+        returned = self.beliefs.recall()
+        if returned is not None:
+            return self._commit(
+                t, replace(returned, verdict=Verdict.UNIQUE), "a remembered fault has returned"
+            )
+        mask = self.beliefs.now.mask
+        decision = self.isolation.decide(required=mask)
+        if decision.mask is None and mask:
+            decision = self.isolation.decide()
+        self._votes.add(decision)
+        if not self._votes.agree:
+            return []
+        if not decision.mask:
+            return self._none_possible(t) if decision.mask is None else self._dismiss(t)
+        if not self._votes.are_clear and t - self.since < self.settings.ambiguous_after:
+            return []
+        verdict = Verdict.AMBIGUOUS if decision.rivals else Verdict.UNIQUE
+        return self._commit(t, self.isolation.belief(decision, verdict))
+
+    def _follow(self, t: float) -> list[Event]:
+        """Update the parameters of what is believed; decide again if another combination explains more."""
+        now, unknown = self.beliefs.now, self.beliefs.now.verdict is Verdict.UNKNOWN
+        if unknown:
+            self.beliefs.neurons.believe()
+            if self.beliefs.neurons.is_cleared():
+                self.beliefs.clear_unknown()
+                self._rest()
+                return [self._event(t, EventStage.IDLE, "the unknown fault has cleared; it is remembered")]
+        decision = self.isolation.decide()
+        self._votes.add(decision)
+        sure = self._votes.agree and self._votes.are_clear
+        if now.mask and decision.mask == now.mask:
+            found = self.isolation.belief(decision, now.verdict)
+            self.beliefs.hold(replace(found, rivals=now.rivals))
+            if now.verdict is not Verdict.AMBIGUOUS or not sure:
+                return []
+            only = replace(found, verdict=Verdict.UNIQUE, rivals=())
+            return self._commit(t, only, "the motion since then separates them")
+        if not sure or not decision.mask or (unknown and t - self.since < 2 * TRIAL_TIME):
+            return []
+        before = ", ".join(term.label for term in self.faults) or str(now.verdict)
+        return self._commit(
+            t, self.isolation.belief(decision, Verdict.UNIQUE), f"decided again; before: {before}"
+        )
+
+    def _commit(self, t: float, belief: JointBelief, reason: str = "") -> list[Event]:
+        self.isolation.drop_prior()
+        self.beliefs.commit(belief)
+        if belief.verdict is Verdict.AMBIGUOUS:
+            reason = what_separates([self.faults, *self.beliefs.alternatives])
+        return self._believed(t, reason)
+
+    def _commit_unknown(self, t: float) -> list[Event]:
+        self.beliefs.commit_unknown()
+        return self._believed(t, "no combination of the bank explains the fault; its torque is being learned")
+
+    def _believed(self, t: float, reason: str) -> list[Event]:
+        self._begin(t, self._settled)
+        self.observer.state.exceeded[self.j] = 0.0
+        events = [self._event(t, EventStage.ISOLATION, reason)]
+        return [*events, self._event(t, EventStage.ACCOMMODATION)] if self.settings.accommodate else events
+
+    # ------------------------------------------------------------- doubt
+
+    def _doubt(self, t: float) -> list[Event]:
+        """Wait until it shows whether a young belief is wrong or its fault has cleared."""
+        self.stage, self._doubted = Stage.DETECTED, t
+        return [
+            self._event(
+                t, EventStage.DETECTION, "the isolated fault does not explain the residual any longer"
+            )
+        ]
+
+    def _settle_doubt(self, t: float) -> list[Event]:
+        """Take back a belief that has failed soon; decide again on all samples since the detection."""
+        if t - self._doubted < (
+            DOUBT_ABSENCES * self.settings.gone_after + DOUBT_FILTERS / self.observer.bandwidth[self.j]
+        ):
+            return []
+        self._doubted = np.inf
+        if t - self.last_alarm > REACTION_LOOKS * self.settings.decide_every:  # the alarm was a short one
+            self.stage = self._settled
+            return []
+        self._failures += 1
+        self.isolation.drop_prior()
+        if self._failures >= MOST_FAILURES:
+            return self._commit_unknown(t)
+        self.beliefs.hold(JointBelief.nothing(self.bank))
+        self._begin(t, Stage.DETECTED)
+        self._mixed = True
+        return []
+
+    def _none_possible(self, t: float) -> list[Event]:
+        """Drop the samples from before a belief failed, for another fault may have begun then; else call it unknown."""
+        if not self._mixed:
+            return self._commit_unknown(t) if t - self.since >= self.settings.unknown_after else []
+        self.isolation.restart()
+        self._begin(t, Stage.DETECTED)
+        self._mixed = False
+        return []
+
+    # ------------------------------------------------------------- cleared faults
+
+    def absent(self, t: float) -> list[Event]:
+        """Clear the effects whose torque has stayed away where it would show.
+
+        Args:
+            t: Time [s].
+        """
+        absent = self.beliefs.absent()
+        if not absent:
+            return []
+        self._doubted = np.inf
+        if self.beliefs.come_and_go(absent):
+            self.beliefs.confine(absent)
+            self.isolation.restart()
+            self._begin(t, self._settled)
+            reason = "present only in a region of the motion"
+            verdict = self.beliefs.now.verdict
+            return [Event(t, EventStage.IDLE, (self.name,), verdict, self.faults, reason=reason)]
+        faults = self.beliefs.clear(absent)
+        self.isolation.restart(beside=self.beliefs.now)
+        self._begin(t, self.stage)
+        if not self.beliefs.now.mask:
+            self._rest()
+        reason = "cleared; the fault is remembered"
+        return [Event(t, EventStage.IDLE, (self.name,), Verdict.NONE, faults, reason=reason)]
+
+    def _dismiss(self, t: float) -> list[Event]:
+        if t - self.last_alarm <= CALM_TIME:
+            return []
+        self._rest()
+        return [self._event(t, EventStage.IDLE, "below the threshold again before the fault was isolated")]
+
+    def _rest(self) -> None:
+        self.stage = Stage.IDLE if self.beliefs.remembers else Stage.HEALTHY
+        self.beliefs.rest()
+        self.isolation.end()
+
+    # ------------------------------------------------------------- all stages
+
+    @property
+    def _believes(self) -> bool:
+        return self.stage in (Stage.ACCOMMODATED, Stage.ISOLATED)
+
+    @property
+    def _settled(self) -> Stage:
+        """Stage of a joint whose fault is isolated."""
+        return Stage.ACCOMMODATED if self.settings.accommodate else Stage.ISOLATED
+
+    def _begin(self, t: float, stage: Stage) -> None:
+        self.stage, self.since = stage, t
+        self._votes.clear()
+
+    def _event(self, t: float, stage: EventStage, reason: str = "") -> Event:
+        if stage in (EventStage.DETECTION, EventStage.IDLE):
+            return Event(t, stage, (self.name,), Verdict.NONE, reason=reason)
+        b = self.beliefs
+        return Event(t, stage, (self.name,), b.now.verdict, b.faults, b.alternatives, reason)

@@ -1,0 +1,246 @@
+"""The engine `momentum`: residuals in torque units, joint by joint; each look fits every combination of effects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.alignment import Alignment
+from cdia_pin.diagnosis.approximation import unknown_of
+from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.healthy_arm import HealthyArm, assumed_healthy_arm, learn_healthy_arm
+from cdia_pin.diagnosis.isolation import Decision, Isolator
+from cdia_pin.diagnosis.joint_monitor import JointMonitor
+from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.nominal import Nominal
+from cdia_pin.diagnosis.residuals import SETTLING
+from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
+from cdia_pin.diagnosis.tick_flags import ABSENT, ALARM, BAD
+from cdia_pin.dynamics.dynamics import Dynamics
+from cdia_pin.effects import State, Term
+from cdia_pin.errors import ModelError
+from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
+
+LARGEST_GAP = 5.0  # ticks without a sample after which the filters start again: what they hold is too old
+
+
+class MomentumEngine:
+    """Monitors an arm by the momentum observer.
+
+    Args:
+        model: The healthy arm.
+        bank: Known effects.
+        settings: Settings of the monitor.
+        healthy: Runs of the healthy arm, from which thresholds are learned.
+        threshold: η₀ of each joint [N·m or N], if there are no healthy runs.
+        rate: Ticks per second [Hz], if there are no healthy runs.
+        position_only: Whether `update` gets no velocities, if there are no healthy runs.
+
+    Raises:
+        ModelError: If there are neither healthy runs nor a threshold with a rate.
+    """
+
+    def __init__(
+        self,
+        model: Dynamics,
+        bank: Bank,
+        settings: MonitorSettings,
+        *,
+        healthy: Sequence[Log] = (),
+        threshold: Mapping[str, float] | None = None,
+        rate: float | None = None,
+        position_only: bool = False,
+    ) -> None:
+        robot = model.robot
+        self.settings, self.bank = settings, bank
+        nominal = Nominal.of(model)
+        if healthy:
+            self.healthy: HealthyArm = learn_healthy_arm(nominal, healthy, bank, settings)
+            rate = float(np.median([run.rate for run in healthy]))
+            position_only = healthy[0].velocity is None
+        elif threshold is not None and rate:
+            self.healthy = assumed_healthy_arm(nominal, threshold, settings)
+        else:
+            raise ModelError(
+                "a monitor needs the size of a healthy residual: give healthy=[log, …], "
+                "or threshold={joint: N·m} and rate=Hz"
+            )
+        self.dt = 1.0 / rate
+        nominal = self.healthy.nominal
+        unknown = [unknown_of(self.healthy, j, settings.neurons) for j in range(robot.n)]
+        self.observer = MomentumObserver(
+            nominal, bank.prototypes, settings, self.dt, unknown, self.healthy.bandwidth
+        )
+        self.observer.use_sign_width(self.healthy.sign_width)
+        if healthy:
+            self.observer.use_speed(np.abs(self.healthy.velocity_range).max(axis=0))
+        self.observer.state.bound = self.healthy.bound
+        lower, upper = _parameter_bounds(bank, nominal)
+        isolator = Isolator(bank, lower, upper, settings)
+        self.joint_monitors = [
+            JointMonitor(j, self.observer, isolator, self.healthy, unknown[j], settings)
+            for j in range(robot.n)
+        ]
+        self._alignment = Alignment(self.dt, nominal.delay, position_only)
+        self._offset = nominal.offset if nominal.offset.any() else None
+        self._limit = robot.limits.effort
+        self._zero = np.zeros(robot.n)
+        self.events: list[Event] = []
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the start; what healthy runs taught stays."""
+        self.observer.reset()
+        self._alignment.reset()
+        for monitor in self.joint_monitors:
+            monitor.reset()
+        self.events.clear()
+        self._quiet_until = np.inf  # [s], until when the filters settle
+        self._next = [-np.inf] * len(self.joint_monitors)
+        self._next_look = np.inf
+        self.observer.state.muted = 0.0
+        self.observer.correct_from_now(False)
+        self._bad = False
+        self._stages: tuple[Stage, ...] = (Stage.HEALTHY,) * len(self.joint_monitors)
+        self._faults: tuple[Term, ...] = ()
+        self._busy: list[JointMonitor] = []
+        self._gated = [m for m in self.joint_monitors if m.profiles]
+
+    def update(self, t: float, q: Array, v: Array | None, tau: Array) -> Status:
+        """Take one tick; see `Engine.update`."""
+        o = self.observer
+        sample = self._alignment(t, q, v, tau)
+        if sample is None:
+            return self._status(t, ())
+        then, q, v, tau = sample
+        if self._offset is not None:
+            q = q + self._offset
+        gap = then - o.time
+        if not gap > 0:
+            return self._bad_data(t, f"time goes from {o.time:.6g} s to {then:.6g} s")
+        if gap > LARGEST_GAP * self.dt:
+            self._start(then)
+        if self._gated:
+            self._gate(then, q, v, tau)
+        asks = o.step(then, q, v, tau)
+        if asks & BAD:
+            return self._bad_data(t, "a position, velocity or torque is not a number")
+        if self._bad and then >= self._quiet_until:
+            self._bad = False
+        if not asks and then < self._next_look:
+            return self._status(t, ())
+        return self._status(t, self._attend(t, then, asks))
+
+    def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
+        """Return the torque to command in place of a nominal one; see `Engine.correct`."""
+        return self.observer.correct(tau, v_desired) if self._corrects else tau
+
+    @property
+    def faults(self) -> tuple[Term, ...]:
+        """Faults now believed in, of all joints."""
+        return tuple(term for monitor in self.joint_monitors for term in monitor.faults)
+
+    @property
+    def decisions(self) -> tuple[Decision | None, ...]:
+        """The last decision on each joint, None before its first."""
+        return tuple([monitor.isolation.last for monitor in self.joint_monitors])
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What healthy runs taught, one sentence each."""
+        return self.healthy.notes
+
+    # ------------------------------------------------------------- ticks that need attention
+
+    def _attend(self, t: float, then: float, asks: int) -> tuple[Event, ...]:
+        o = self.observer
+        new: list[Event] = []
+        if asks & ALARM and then >= self._quiet_until:
+            for j in np.flatnonzero(o.state.exceeded >= self.settings.debounce):
+                new += self.joint_monitors[j].alarm(t)
+        if asks & ABSENT:
+            for monitor in self._busy:
+                new += monitor.absent(t)
+        for monitor in self._busy:
+            if then >= self._next[monitor.j]:
+                # Joints take turns, so that no tick decides on several.
+                late = monitor.j / len(self.joint_monitors) * self.settings.decide_every
+                steps = np.floor((then - late) / self.settings.decide_every) + 1
+                self._next[monitor.j] = float(steps) * self.settings.decide_every + late
+                new += monitor.look(t)
+        self._busy = [m for m in self.joint_monitors if m.stage is not Stage.HEALTHY]
+        self._next_look = min((self._next[m.j] for m in self._busy), default=np.inf)
+        self._gated = [m for m in self.joint_monitors if m.profiles]
+        self._stages = tuple(m.stage for m in self.joint_monitors)
+        o.state.muted = [m.ignores_alarms for m in self.joint_monitors]
+        o.correct_from_now(self._corrects)
+        self._faults = self.faults if self._busy else ()
+        self.events += new
+        return tuple(new)
+
+    def _gate(self, t: float, q: Array, v: Array, tau: Array) -> None:
+        """Set the presence of the effects that have a profile."""
+        o = self.observer
+        x = State(o.nominal.robot, q[None], v[None], q[None], tau[None], np.array([t]), o.state.sign_width)
+        for monitor in self._gated:
+            for i, profile in monitor.profiles.items():
+                o.state.present[monitor.j, self.bank.span(i)] = profile(x)[0]
+
+    # ------------------------------------------------------------- starts and bad data
+
+    def _start(self, t: float) -> None:
+        """Start the filters; alarms and corrections wait until they have settled."""
+        self.observer.reset()
+        for monitor in self.joint_monitors:
+            monitor.restart()
+        self._quiet_until = t + SETTLING / float(self.observer.bandwidth.min())
+
+    def _bad_data(self, t: float, reason: str) -> Status:
+        """Correct nothing until data have been good for as long as the filters need."""
+        event: tuple[Event, ...] = ()
+        if not self._bad:
+            event = (
+                Event(
+                    t,
+                    EventStage.ACCOMMODATION,
+                    self.observer.nominal.robot.joints,
+                    Verdict.NONE,
+                    reason=f"{reason}; nominal control",
+                ),
+            )
+            self.events += event
+        self._bad = True
+        self._quiet_until = np.inf
+        self.observer.time = -np.inf
+        self._alignment.reset()
+        return self._status(t, event)
+
+    @property
+    def _corrects(self) -> bool:
+        return self.settings.accommodate and bool(self._busy) and self.observer.time >= self._quiet_until
+
+    def _status(self, t: float, events: tuple[Event, ...]) -> Status:
+        o = self.observer
+        correction = self._zero
+        if self._corrects:
+            correction = np.minimum(np.maximum(o.addition, -self._limit), self._limit)
+        return Status(
+            t, self._stages, o.residual.copy(), o.threshold.copy(), correction, self._faults, events
+        )
+
+
+def _parameter_bounds(bank: Bank, nominal: Nominal) -> tuple[Array, Array]:
+    """Return the bounds of every parameter on every joint; a term of the model may vanish, but not change its sign."""
+    lower, upper = (np.tile(b, (nominal.robot.n, 1)) for b in bank.bounds)
+    for term in nominal.of_joints:
+        i = bank.index(term.effect)  # type: ignore[arg-type]
+        if i is not None:
+            j = nominal.robot.joint_index(term.effect.scope[0])
+            lower[j, bank.span(i)] -= term.theta
+            upper[j, bank.span(i)] -= term.theta
+    return lower, upper

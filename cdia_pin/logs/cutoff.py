@@ -1,0 +1,81 @@
+"""Choice of the filter's cut-off from a log: the end of the band in which positions show motion and not noise."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.logs.derivatives import differentiate, zero_phase
+from cdia_pin.logs.log import Log
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+# [Hz], range of the cut-off: a working motion of an arm needs the lower end, and the resonances of its structure
+# lie near the upper end
+LOWEST_CUTOFF, HIGHEST_CUTOFF = 5.0, 25.0
+HIGHEST_SHARE = 0.15  # [1], of the log's rate; nearer to half the rate, central differences lose amplitude
+FINEST = 1e-15  # [1], smallest floor of a position over its peak power: an error of about 10⁻⁶ of its travel
+FINEST_EFFORT = 1e-9  # [1], the same for torques, which no sensor measures that finely
+FLAT = 10.0  # [1], power over the spectrum's floor below which a band holds noise only
+AMPLIFIED = 2.0  # [1], computed over measured torque above which a band holds noise: accelerations amplify it
+NOISE_BAND = 0.3  # [1], of the rate; above it spectra show the noise floor alone
+BANDS = (
+    13  # bands between the lowest and the highest cut-off, each wider than the one before by the same factor
+)
+
+
+def choose_cutoff(even: Log, robot: RobotModel) -> float:
+    """Choose the cut-off at the end of the band in which positions show motion and not their own noise.
+
+    Two signs of noise end the band. Either the spectra of positions and torques are flat on every joint. Or the
+    rigid-body torque that is computed from the positions is larger than the measured one on most joints, because
+    accelerations amplify noise.
+
+    Args:
+        even: A uniformly sampled log.
+        robot: Its robot.
+
+    Returns:
+        Cut-off [Hz], within 5 to 25 Hz and at most 0.15 of the rate.
+    """
+    rate = (len(even.time) - 1) / even.duration
+    highest = min(HIGHEST_CUTOFF, HIGHEST_SHARE * rate)
+    if highest <= LOWEST_CUTOFF:
+        return highest
+    edges = np.geomspace(LOWEST_CUTOFF, highest, BANDS + 1)
+    position, frequency = _spectrum(even.position, rate)
+    high_band = frequency > NOISE_BAND * rate
+    # positions without noise of their own, such as filtered ones, are taken to be as fine as the best encoders
+    floor = np.maximum(np.median(position[high_band], axis=0), FINEST * position.max(axis=0))
+    effort, _ = _spectrum(even.effort, rate)
+    hiss = np.maximum(np.median(effort[high_band], axis=0), FINEST_EFFORT * effort.max(axis=0))
+    q = zero_phase(even.position, highest, rate)
+    every = max(1, int(rate / (4 * highest)))
+    v = differentiate(q, rate)
+    motion = [x[::every] for x in (q, v, differentiate(v, rate))]
+    computed, low_rate = _spectrum(robot.inverse_dynamics(*motion), rate / every)
+    measured, _ = _spectrum(zero_phase(even.effort, highest, rate)[::every], rate / every)
+    for low, high in pairwise(edges):
+        band, low_band = ((f >= low) & (f < high) for f in (frequency, low_rate))
+        if not band.any() or not low_band.any():
+            continue
+        flat = (position[band].mean(axis=0) < FLAT * floor).all() and (
+            effort[band].mean(axis=0) < FLAT * hiss
+        ).all()
+        amplified = np.median(
+            computed[low_band].mean(axis=0) / np.maximum(measured[low_band].mean(axis=0), 1e-300)
+        )
+        if flat or amplified > AMPLIFIED**2:
+            return float(low)
+    return float(highest)
+
+
+def _spectrum(signal: Array, rate: float) -> tuple[Array, Array]:
+    """Return the power of each column without the line through its ends, and the frequencies [Hz]."""
+    line = np.linspace(0, 1, len(signal))[:, None]
+    moving = signal - (signal[0] + line * (signal[-1] - signal[0]))
+    power = np.abs(np.fft.rfft(moving * np.hanning(len(signal))[:, None], axis=0)) ** 2
+    return power, np.asarray(np.fft.rfftfreq(len(signal), 1 / rate), float)

@@ -1,0 +1,74 @@
+"""Rest: where a joint moves clearly enough to show its friction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.logs.conditioning import Motion
+
+Array = NDArray[np.float64]
+
+CLASSES = (1.0, 2.0, 4.0, 8.0)  # classes of distance from rest, over the least distance [1]
+
+
+@dataclass(frozen=True)
+class RestSettings:
+    """Which samples show friction.
+
+    Attributes:
+        width_over_noise: Width over which sgn(q̇) is smoothed, over the standard deviation of the speed's noise [1]. At
+            three, noise hardly ever changes the sign.
+        width_over_speed: Least width over the 95th percentile of the speeds driven [1].
+        near_rest: Speed below which a joint counts as near rest, over the width [1]. There friction is whatever keeps
+            the joint where it is.
+        least_distance: Time from rest or a reversal at which a sample counts, in periods of the cut-off [1]. The filter
+            blurs friction that is nearer.
+        resting_share: A joint near rest for longer than this share of each log is taken as resting [1].
+    """
+
+    width_over_noise: float = 3.0
+    width_over_speed: float = 0.005
+    near_rest: float = 2.0
+    least_distance: float = 0.5
+    resting_share: float = 0.75
+
+    def sign_width(self, motion: Motion) -> Array:
+        """Return the width over which sgn(q̇) is smoothed [rad/s or m/s], shape (n,)."""
+        return np.maximum(
+            self.width_over_noise * motion.speed_noise,
+            self.width_over_speed * np.percentile(np.abs(motion.v), 95, axis=0) + 1e-6,
+        )
+
+    def is_clear(self, distance: Array) -> NDArray[np.bool_]:
+        """Tell which samples are far enough from rest, shape as given."""
+        return distance > self.least_distance
+
+    def nearness(self, distance: Array) -> NDArray[np.intp]:
+        """Return classes of distance, 0 at rest and largest far away, shape as given."""
+        return np.digitize(distance, [self.least_distance * c for c in CLASSES])
+
+    def distance(self, motion: Motion, v: Array, width: Array | float) -> Array:
+        """Return the time from each compared sample to the nearest rest or reversal, before or after.
+
+        Args:
+            motion: The conditioned log.
+            v: Speeds [rad/s or m/s], shape (N, m).
+            width: Over which their sgn is smoothed [rad/s or m/s], scalar or shape (m,).
+
+        Returns:
+            In periods of the cut-off [1], shape (K, m).
+        """
+        near_rest = np.abs(v) < self.near_rest * width
+        time, out = motion.sampled(motion.time), np.full((len(motion.kept), v.shape[1]), np.inf)
+        for j in range(v.shape[1]):
+            turns = np.append(v[1:, j] * v[:-1, j] < 0, False)
+            at = motion.time[near_rest[:, j] | turns]
+            if len(at):
+                k = np.searchsorted(at, time)
+                before = time - at[np.maximum(k - 1, 0)]
+                after = at[np.minimum(k, len(at) - 1)] - time
+                out[:, j] = np.minimum(np.abs(before), np.abs(after))
+        return out * motion.cutoff
