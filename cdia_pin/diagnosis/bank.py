@@ -176,6 +176,8 @@ def _entry(given: str | JointEffect, robot: RobotModel) -> tuple[JointEffect, Pr
         raise EffectError(
             "an unknown fault is learned when no effect of the bank explains it; leave 'unknown' out"
         )
+    if effect.memories:
+        raise EffectError(f"{effect.name} has memory; a bank cannot hold it yet")
     return prototype(effect, robot), profile
 
 

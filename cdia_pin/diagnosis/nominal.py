@@ -50,8 +50,9 @@ class Nominal:
             model: The healthy arm.
 
         Raises:
-            ModelError: If a body of the model is not physical, or a delay is of one joint only.
+            ModelError: If a body of the model is not physical, a delay is of one joint only, or an effect has memory.
         """
+        _require_no_memory(model)
         robot, of_joints, others = model.robot, [], []
         offset, delay = np.zeros(robot.n), 0.0
         pi, g = robot.inertial_parameters.copy(), robot.gravity_vector
@@ -97,3 +98,9 @@ class Nominal:
         x = State.of(self.robot, q, v, a, effort=tau, time=time, sign_width=width)
         torque: Array = self.others.missing_torque(x)[0]
         return torque
+
+
+def _require_no_memory(model: Dynamics) -> None:
+    labels = [t.label for t in model.terms if t.effect.memories]
+    if labels:
+        raise ModelError(f"a monitor cannot hold effects with memory yet: {', '.join(labels)}")

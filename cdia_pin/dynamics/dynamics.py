@@ -2,7 +2,7 @@ r"""The dynamics of an arm with terms: one class for the true plant, the nominal
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.effects import Channel, Signal, State, Term, parse_effect
+from cdia_pin.effects.memory import Memory
 from cdia_pin.effects.state import DEFAULT_SIGN_WIDTH
 from cdia_pin.errors import ModelError
 from cdia_pin.phrases import shortened, some
@@ -216,6 +217,7 @@ class Dynamics:
         tau: ArrayLike,
         time: float = 0.0,
         sign_width: ArrayLike = DEFAULT_SIGN_WIDTH,
+        memory: Mapping[Memory, Array] | None = None,
     ) -> Array:
         """Compute the acceleration of one sample under an actuator torque.
 
@@ -232,6 +234,14 @@ class Dynamics:
         Returns:
             Accelerations [rad/s² or m/s²], shape (n,).
 
+        Args:
+            q: Positions [rad or m], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,).
+            tau: Actuator torques [N·m or N], shape (n,).
+            time: Time [s].
+            sign_width: Speed below which sgn q̇ is smoothed [rad/s or m/s], scalar or shape (n,).
+            memory: States of effects with memory, from `memory` and `remembered`; initial ones if omitted.
+
         Raises:
             ModelError: If the inertia is singular, for example because of a missing mass or rotor inertia.
         """
@@ -240,7 +250,7 @@ class Dynamics:
             return self.robot.forward_dynamics(q1, v1, tau1)
         still = np.zeros((1, self.robot.n))
         x = self.true_state(
-            State.of(self.robot, q1, v1, still, effort=tau1, time=time, sign_width=sign_width)
+            State.of(self.robot, q1, v1, still, effort=tau1, time=time, sign_width=sign_width, memory=memory)
         )
         push = tau1 + _sum(self.on_motion, x)[0]
         if not self.inertial:
@@ -277,6 +287,28 @@ class Dynamics:
     def gravity_change(self, x: State) -> Array:
         """Return by how much the terms turn gravity along a motion [m/s²], shape (N, 3)."""
         return sum((t.gravity_change(x) for t in self._turning), np.zeros((len(x), 3)))
+
+    # ------------------------------------------------------------- effects with memory
+
+    @cached_property
+    def memories(self) -> tuple[Memory, ...]:
+        """Internal states of the terms that act on the arm, each once."""
+        return tuple(dict.fromkeys(m for t in self.on_motion for m in t.effect.memories))
+
+    def memory(self, known: Mapping[Memory, Array] | None = None) -> dict[Memory, Array]:
+        """Return the state of each memory: as it is known, else the initial one, shape (m,) each."""
+        known = known or {}
+        return {m: known[m] if m in known else m.initial_state(self.robot) for m in self.memories}
+
+    def remembered(self, x: State, dq: Array, dt: float) -> dict[Memory, Array]:
+        """Return the state of each memory after a step of the motion.
+
+        Args:
+            x: One sample at the beginning of the step, with the memory there.
+            dq: Motion during the step [rad or m], shape (n,).
+            dt: Duration of the step [s].
+        """
+        return {m: m.advance(z, x, dq, dt) for m, z in self.memory(x.memory).items()}
 
     # ------------------------------------------------------------- terms by their physics
 

@@ -204,19 +204,23 @@ def steps(
     v = half = tau = np.zeros(robot.n)
     q = trajectory(0.0).q
     q = q + _shift(shifting, State.of(robot, q, v, effort=tau, time=0.0))[0]
-    k = 0
+    k, memory = 0, moving.memory()
     while True:
         time = step * np.arange(k, k + AHEAD, dtype=float)
         for t, *asked in zip(time.tolist(), *trajectory(time), strict=True):
             if (given := plant(t)) is not arm:
                 arm, (moving, shifting) = given, _acting(given)
+                memory = moving.memory(memory)
             read = q - _shift(shifting, State.of(robot, q, v, effort=tau, time=t))[0] if shifting else q
             tau = command(t, read, v, Reference(*asked))
-            a = moving.forward_dynamics(q, v, tau, t, width)
+            a = moving.forward_dynamics(q, v, tau, t, width, memory)
             if k % WATCHED == 0:
                 _require_bounded(robot, v, t, step)
             yield Step(t, q, v, a, tau)
             half = half + (step if k else 0.5 * step) * a
+            if memory:
+                x = State.of(robot, q, v, a, effort=tau, time=t, sign_width=width, memory=memory)
+                memory = moving.remembered(x, step * half, step)
             q = q + step * half
             v = half + 0.5 * step * a
             k += 1

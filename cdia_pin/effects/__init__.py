@@ -39,6 +39,7 @@ from cdia_pin.effects.profile import (
 from cdia_pin.effects.sensing import EffortDelay, EncoderOffset
 from cdia_pin.effects.specification import parse_term
 from cdia_pin.effects.state import JointState, State
+from cdia_pin.effects.stateful_effect import StatefulEffect
 from cdia_pin.effects.term import Term
 from cdia_pin.effects.traits import Channel, Signal, Traits
 from cdia_pin.effects.unknown import Unknown
@@ -81,6 +82,9 @@ OF_SEVERAL: dict[str, type[Effect]] = {
 def register(effect: type[Effect]) -> type[Effect]:
     """Add a user's effect class to the vocabulary; usable as a decorator.
 
+    Args:
+        effect: A frozen dataclass with a name of its own.
+
     Raises:
         EffectError: If the name is taken by another class.
     """
@@ -118,7 +122,11 @@ def _kind(name: str, scope: Sequence[str]) -> type[Effect]:
 
 
 def effect_from_dict(given: Mapping[str, Any]) -> Effect:
-    """Read back what `Effect.to_dict` wrote; raises EffectError with what is valid."""
+    """Read back what `Effect.to_dict` wrote; raises EffectError with what is valid.
+
+    Args:
+        given: Name, joints, shape and variation, as in a file.
+    """
     name = str(given.get("effect", ""))
     if name not in EFFECTS:
         raise EffectError(unknown_name("effect", name, EFFECTS))
@@ -134,8 +142,8 @@ __all__ = [
     "CoulombFriction", "CoupledFriction", "Drift", "Effect", "EffortDelay", "EncoderOffset", "Expression",
     "Incipient", "Intermittent", "JointEffect", "JointSpring", "JointState", "LinkInertia", "LinkInertias",
     "LoadFriction", "NonlinearEffect", "Parameter", "Payload", "PerLog", "Plausibility", "PositionRipple",
-    "Profile", "QuadraticFriction", "Region", "RotorInertia", "Signal", "State", "StribeckFriction", "Term",
-    "ToolWrench", "TorqueOffset", "Traits", "Unknown", "Varying", "ViscousFriction", "ViscousMedium",
-    "WrappedEffect", "after", "effect_from_dict", "from_expression", "parse_effect", "parse_term",
+    "Profile", "QuadraticFriction", "Region", "RotorInertia", "Signal", "State", "StatefulEffect",
+    "StribeckFriction", "Term", "ToolWrench", "TorqueOffset", "Traits", "Unknown", "Varying", "ViscousFriction",
+    "ViscousMedium", "WrappedEffect", "after", "effect_from_dict", "from_expression", "parse_effect", "parse_term",
     "profile_from_dict", "register", "varied",
 ]  # fmt: skip

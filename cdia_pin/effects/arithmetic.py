@@ -36,6 +36,9 @@ DEEPEST = 100  # operations within each other
 def parse(text: str) -> ast.expr:
     """Return the syntax tree of an expression.
 
+    Args:
+        text: Numbers, names, + − * / **, and the functions of `FUNCTIONS`.
+
     Raises:
         EffectError: If the text is too long, cannot be read, or is more than arithmetic.
     """
@@ -53,7 +56,11 @@ def parse(text: str) -> ast.expr:
 
 
 def names(tree: ast.expr) -> set[str]:
-    """Return the names whose values the expression needs; ``sign(dq)`` counts as one."""
+    """Return the names whose values the expression needs; ``sign(dq)`` counts as one.
+
+    Args:
+        tree: From `parse`.
+    """
     match tree:
         case ast.Name(id=name):
             return {name}

@@ -39,21 +39,39 @@ class Body(RigidBody, Effect):
         return (self,)
 
     def basis(self, x: State) -> Array:
-        """Return −Y of a unit body, shape (N, n, 10)."""
+        """Return −Y of a unit body, shape (N, n, 10).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return -self._regressor(x) @ self.to_joint_frame(x.robot)
 
     def torque(self, x: State, theta: Array) -> Array:
-        """Return f = −Y π [N·m or N] for the body θ = π, shape (N, n)."""
+        """Return f = −Y π [N·m or N] for the body θ = π, shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: π in the body's frame [kg, kg·m, kg·m²], shape (10,).
+        """
         return -self._regressor(x) @ self.in_joint_frame(theta, x.robot)
 
     def is_physical(self, theta: Array, robot: RobotModel) -> bool:
-        """Tell whether link and body together are a possible body."""
+        """Tell whether link and body together are a possible body.
+
+        Args:
+            theta: π in the body's frame [kg, kg·m, kg·m²], shape (10,).
+            robot: The arm, n joints.
+        """
         return super().is_physical(theta, robot) and bool(is_physical(self.total(theta, robot), ROUNDING))
 
     def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
         """Return an estimate with mass and first moments kept and its inertia made possible, shape (10,).
 
         The mass is raised where it must be; second moments about the centre of mass lose what is negative.
+
+        Args:
+            theta: π in the body's frame [kg, kg·m, kg·m²], shape (10,).
+            robot: The arm, n joints.
         """
         if self.is_physical(theta, robot):
             return np.array(theta, float)
@@ -69,7 +87,11 @@ class Body(RigidBody, Effect):
         return np.linalg.solve(self.to_joint_frame(robot), from_pseudo_inertia(pseudo) - link)
 
     def prior_scale(self, robot: RobotModel) -> Array:
-        """Return standard deviations of a body as heavy as its link, near its joint, shape (10,)."""
+        """Return standard deviations of a body as heavy as its link, near its joint, shape (10,).
+
+        Args:
+            robot: The arm, n joints.
+        """
         mass = max(USUAL_MASS, float(robot.inertial_parameters[self.carrier(robot)][0]))
         return np.array([mass] + [mass * USUAL_REACH] * 3 + [mass * USUAL_REACH**2] * 6)
 

@@ -18,6 +18,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.effects.memory import Memory
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.plausibility import Plausibility
 from cdia_pin.effects.rigid_body import RigidBody
@@ -60,23 +61,52 @@ class Effect(Scoped, ABC):
 
     @abstractmethod
     def basis(self, x: State) -> Array:
-        """Return Φ, the torque per unit of each parameter near θ = 0, shape (N, n, p)."""
+        """Return Φ, the torque per unit of each parameter near θ = 0, shape (N, n, p).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
 
     def torque(self, x: State, theta: Array) -> Array:
-        """Return f [N·m or N] for parameters θ (p,), shape (N, n)."""
+        """Return f [N·m or N] for parameters θ (p,), shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
         return self.basis(x) @ theta
 
     def jacobian(self, x: State, theta: Array) -> Array:
-        """Return ∂f/∂θ for parameters θ (p,), shape (N, n, p)."""
+        """Return ∂f/∂θ for parameters θ (p,), shape (N, n, p).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
         return self.basis(x)
 
     def shift(self, x: State, theta: Array) -> Array:
-        """Return by how much the arm is further than its encoders read [rad or m], shape (N, n)."""
+        """Return by how much the arm is further than its encoders read [rad or m], shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
         return np.zeros_like(x.q)
 
     def gravity_change(self, x: State, theta: Array) -> Array:
-        """Return by how much gravity differs from the robot's [m/s²], shape (N, 3)."""
+        """Return by how much gravity differs from the robot's [m/s²], shape (N, 3).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
         return np.zeros((len(x), 3))
+
+    @property
+    def memories(self) -> tuple[Memory, ...]:
+        """Internal states by which the torque depends on the past; none for most."""
+        return ()
 
     @property
     def bodies(self) -> tuple[RigidBody, ...]:
@@ -84,7 +114,11 @@ class Effect(Scoped, ABC):
         return ()
 
     def by_body(self, theta: Array) -> Iterator[tuple[RigidBody, Array]]:
-        """Yield each rigid body with its own of the parameters θ (p,), shape (10,), a view of them."""
+        """Yield each rigid body with its own of the parameters θ (p,), shape (10,), a view of them.
+
+        Args:
+            theta: Parameters θ, shape (p,).
+        """
         if self.bodies:
             yield from zip(self.bodies, theta.reshape(len(self.bodies), -1), strict=True)
 
@@ -96,43 +130,76 @@ class Effect(Scoped, ABC):
         return len(self.parameters)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
-        """Return the smallest and largest physical parameters for this robot, each shape (p,)."""
+        """Return the smallest and largest physical parameters for this robot, each shape (p,).
+
+        Args:
+            robot: The arm, n joints.
+        """
         return (
             np.array([p.lower for p in self.parameters]),
             np.array([p.upper for p in self.parameters]),
         )
 
     def is_physical(self, theta: Array, robot: RobotModel) -> bool:
-        """Tell whether the parameters θ (p,), taken together, can belong to a real arm."""
+        """Tell whether the parameters θ (p,), taken together, can belong to a real arm.
+
+        Args:
+            theta: Parameters θ, shape (p,).
+            robot: The arm, n joints.
+        """
         lower, upper = self.bounds(robot)
         return bool(np.all(theta >= lower) and np.all(theta <= upper))
 
     def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
-        """Return the physical parameters next to an estimate θ, shape (p,); a physical one is kept as it is."""
+        """Return the physical parameters next to an estimate θ, shape (p,); a physical one is kept as it is.
+
+        Args:
+            theta: Parameters θ, shape (p,).
+            robot: The arm, n joints.
+        """
         return np.clip(theta, *self.bounds(robot))
 
     def prior_scale(self, robot: RobotModel) -> Array:
         """Return the prior standard deviation of each parameter, ``inf`` where nothing is known, shape (p,).
 
         It decides between parameters that a motion cannot tell apart; where the motion can, it has no weight.
+
+        Args:
+            robot: The arm, n joints.
         """
         return np.full(self.size, INF)
 
     def is_distinct(self, theta: Array) -> bool:
-        """Tell whether the parameters θ (p,) make it more than a simpler effect with another name."""
+        """Tell whether the parameters θ (p,) make it more than a simpler effect with another name.
+
+        Args:
+            theta: Parameters θ, shape (p,).
+        """
         return True
 
     # ------------------------------------------------------------- on a robot and a motion
 
     def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
-        """Return the indices of the joints whose torque the effect can change."""
+        """Return the indices of the joints whose torque the effect can change.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return tuple(range(robot.n))
 
     def units(self, robot: RobotModel) -> tuple[str, ...]:
-        """Return the unit of each parameter on this robot."""
+        """Return the unit of each parameter on this robot.
+
+        Args:
+            robot: The arm, n joints.
+        """
         prismatic = bool(self.scope) and bool(robot.is_prismatic[robot.joint_index(self.scope[0])])
         return tuple(p.unit_on(prismatic) for p in self.parameters)
 
     def shape_grid(self, x: State) -> Sequence[Self]:
-        """Return the effect at the shapes worth trying on this motion; itself where it has none."""
+        """Return the effect at the shapes worth trying on this motion; itself where it has none.
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return [self]

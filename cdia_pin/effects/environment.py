@@ -37,38 +37,67 @@ class BaseTilt(NonlinearEffect):
     traits: ClassVar[Traits] = Traits({Signal.POSITION}, linear=False, turns_gravity=True)
 
     def torque(self, x: State, theta: Array) -> Array:
-        """Return f [N·m or N] for the tilt θ = (tilt_x, tilt_y) [m/s²], shape (N, n)."""
+        """Return f [N·m or N] for the tilt θ = (tilt_x, tilt_y) [m/s²], shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: (tilt_x, tilt_y) [m/s²].
+        """
         return -x.gravity_regressor @ self.tilt(x.robot, theta)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
-        """Return bounds within which gravity keeps its size [m/s²]."""
+        """Return bounds within which gravity keeps its size [m/s²].
+
+        Args:
+            robot: The arm, n joints.
+        """
         most = STEEPEST * float(np.linalg.norm(robot.gravity_vector))
         return np.full(2, -most), np.full(2, most)
 
     def is_physical(self, theta: Array, robot: RobotModel) -> bool:
-        """Tell whether both parts together leave something of gravity along its main axis."""
+        """Tell whether both parts together leave something of gravity along its main axis.
+
+        Args:
+            theta: (tilt_x, tilt_y) [m/s²].
+            robot: The arm, n joints.
+        """
         _, most = self.bounds(robot)
         return bool(np.hypot(*theta) <= most[0])
 
     def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
-        """Return the tilt towards the same side, no steeper than possible, shape (2,)."""
+        """Return the tilt towards the same side, no steeper than possible, shape (2,).
+
+        Args:
+            theta: (tilt_x, tilt_y) [m/s²].
+            robot: The arm, n joints.
+        """
         if self.is_physical(theta, robot):
             return np.array(theta, float)
         _, most = self.bounds(robot)
-        return np.asarray(theta) * (most[0] * (1 - 1e-12) / np.hypot(*theta))
+        return np.asarray(theta * (most[0] * (1 - 1e-12) / np.hypot(*theta)))
 
     def gravity_change(self, x: State, theta: Array) -> Array:
-        """Return Δg [m/s²] of the tilt, alike at all samples, shape (N, 3)."""
+        """Return Δg [m/s²] of the tilt, alike at all samples, shape (N, 3).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: (tilt_x, tilt_y) [m/s²].
+        """
         return np.tile(self.tilt(x.robot, theta), (len(x), 1))
 
     def tilt(self, robot: RobotModel, theta: Array) -> Array:
-        """Return Δg [m/s²] of the tilt θ = (tilt_x, tilt_y) [m/s²], shape (3,)."""
+        """Return Δg [m/s²] of the tilt θ = (tilt_x, tilt_y) [m/s²], shape (3,).
+
+        Args:
+            robot: The arm, n joints.
+            theta: (tilt_x, tilt_y) [m/s²].
+        """
         gravity = robot.gravity_vector
         size = float(np.linalg.norm(gravity))
         if size == 0.0:
             return np.zeros(3)  # where there is no gravity, a tilt changes nothing
         left = np.sqrt(max(size**2 - float(theta @ theta), 0.0))
-        return theta @ _axes_across(gravity / size) + gravity * (left / size - 1.0)
+        return np.asarray(theta @ _axes_across(gravity / size) + gravity * (left / size - 1.0))
 
 
 def _axes_across(direction: Array) -> Array:
@@ -94,7 +123,11 @@ class ToolWrench(Effect):
     )
 
     def basis(self, x: State) -> Array:
-        """Return Jᵀ, shape (N, n, 6)."""
+        """Return Jᵀ, shape (N, n, 6).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return np.swapaxes(x.tool_jacobian, 1, 2)
 
 
@@ -112,7 +145,11 @@ class ViscousMedium(Effect):
     parameters = (Parameter("drag", "N·s/m", lower=0.0), Parameter("displaced_mass", "kg", lower=0.0))
 
     def basis(self, x: State) -> Array:
-        """Return the columns of drag and displaced mass, shape (N, n, 2)."""
+        """Return the columns of drag and displaced mass, shape (N, n, 2).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         drag = -np.einsum("kij,kj->ki", x.drag_matrix, x.v)
         buoyancy = np.einsum("kig,kg->ki", x.gravity_regressor, x.gravity) / x.robot.total_mass
         return np.stack([drag, buoyancy], axis=-1)

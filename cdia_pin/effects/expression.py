@@ -78,13 +78,21 @@ class Expression(JointEffect):
         return tuple(Parameter(n, "{effort}/expression") for n in self._free or ("coefficient",))
 
     def check(self, robot: RobotModel) -> None:
-        """Make sure that the expression names a joint of the robot."""
+        """Make sure that the expression names a joint of the robot.
+
+        Args:
+            robot: The arm, n joints.
+        """
         if self.joint is None:
             raise EffectError(f"expression '{self.text}' needs a joint: write {self.text}@JOINT")
         super().check(robot)
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the expression with each parameter set to one and the others to zero."""
+        """Return the expression with each parameter set to one and the others to zero.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         signals = {"q": x.q, "dq": x.v, "ddq": x.a, "tau": x.effort, "t": x.time, SIGN: x.sign}
         if not self._free:
             return [self._evaluate(signals)]
@@ -92,7 +100,11 @@ class Expression(JointEffect):
         return [self._evaluate({**signals, **zero, name: np.float64(1.0)}) for name in self._free]
 
     def expand(self, robot: RobotModel) -> Iterator[Effect]:
-        """Yield the effect on its joint, or on each joint of the robot."""
+        """Yield the effect on its joint, or on each joint of the robot.
+
+        Args:
+            robot: The arm, n joints.
+        """
         for joint in (self.joint,) if self.joint else robot.joints:
             yield replace(self, joint=joint)
 

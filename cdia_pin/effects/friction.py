@@ -74,12 +74,20 @@ class StribeckFriction(JointEffect):
         return [-x.sign, -np.exp(-self.decay * np.abs(x.v)) * x.sign]
 
     def is_distinct(self, theta: Array) -> bool:
-        """Tell whether the breakaway counts; filters give Coulomb friction one below a fifth of its level."""
+        """Tell whether the breakaway counts; filters give Coulomb friction one below a fifth of its level.
+
+        Args:
+            theta: (level, breakaway) [N·m or N].
+        """
         level, breakaway = theta
         return bool(breakaway >= 0.2 * level)
 
     def shape_grid(self, x: State) -> Sequence[Self]:
-        """Return decays wide beside the smoothing of sgn and narrow beside the speeds driven."""
+        """Return decays wide beside the smoothing of sgn and narrow beside the speeds driven.
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         j = x.robot.joint_index(self.joint)
         fast = np.percentile(np.abs(x.v[:, j]), 95)
         width = float(np.broadcast_to(x.sign_width, (x.robot.n,))[j])
@@ -169,7 +177,11 @@ class CoupledFriction(Effect):
             raise EffectError(f"{self.label}: a revolute and a prismatic joint cannot share a gear")
 
     def basis(self, x: State) -> Array:
-        """Return Φ, alike in the rows of both joints, shape (N, n, 2)."""
+        """Return Φ, alike in the rows of both joints, shape (N, n, 2).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         i, j = self.acts_on(x.robot)
         shared = x.v[:, i] + x.v[:, j]
         width = np.hypot(*np.broadcast_to(x.sign_width, (x.robot.n,))[[i, j]])
@@ -185,7 +197,11 @@ class CoupledFriction(Effect):
 
     @classmethod
     def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
-        """Yield each pair of neighbouring joints of one kind."""
+        """Yield each pair of neighbouring joints of one kind.
+
+        Args:
+            robot: The arm, n joints.
+        """
         for i in range(robot.n - 1):
             if robot.is_prismatic[i] == robot.is_prismatic[i + 1]:
                 yield (robot.joints[i], robot.joints[i + 1])

@@ -37,18 +37,30 @@ class LinkInertia(Body):
     scope_fields: ClassVar[tuple[str, ...]] = ("joint",)
 
     def carrier(self, robot: RobotModel) -> int:
-        """Return the index of the joint."""
+        """Return the index of the joint.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return robot.joint_index(self.joint)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
-        """Return bounds that leave the link at least a twentieth of its mass."""
+        """Return bounds that leave the link at least a twentieth of its mass.
+
+        Args:
+            robot: The arm, n joints.
+        """
         lower, upper = super().bounds(robot)
         lower[0] = -0.95 * robot.inertial_parameters[self.carrier(robot)][0]
         return lower, upper
 
     @classmethod
     def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
-        """Yield every joint that moves a link."""
+        """Yield every joint that moves a link.
+
+        Args:
+            robot: The arm, n joints.
+        """
         yield from ((j,) for j in robot.joints)
 
 
@@ -64,15 +76,27 @@ class Payload(Body):
     equation: ClassVar[str] = "−Y_tool π"
 
     def carrier(self, robot: RobotModel) -> int:
-        """Return the index of the joint that moves the tool."""
+        """Return the index of the joint that moves the tool.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return robot.joint_index(robot.tool_joint)
 
     def to_joint_frame(self, robot: RobotModel) -> Array:
-        """Return A with π_joint = A π: from the tool frame to that of the tool's joint, shape (10, 10)."""
+        """Return A with π_joint = A π: from the tool frame to that of the tool's joint, shape (10, 10).
+
+        Args:
+            robot: The arm, n joints.
+        """
         return _tool_transform(robot)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
-        """Return bounds that take away no more mass than the URDF carries on the tool's link."""
+        """Return bounds that take away no more mass than the URDF carries on the tool's link.
+
+        Args:
+            robot: The arm, n joints.
+        """
         lower, upper = super().bounds(robot)
         lower[0] = -0.98 * robot.inertial_parameters[self.carrier(robot)][0]
         return lower, upper

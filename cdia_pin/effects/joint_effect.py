@@ -31,29 +31,58 @@ class JointEffect(Effect):
 
     @abstractmethod
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the torque per unit of each parameter, p arrays of shape (N,)."""
+        """Return the torque per unit of each parameter, p arrays of shape (N,).
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
+
+    def of_joint(self, x: State) -> JointState:
+        """Return what `columns` can see: the signals of the joint.
+
+        Args:
+            x: Motion and torques, N samples.
+        """
+        return x.joint(self.joint)
 
     def basis(self, x: State) -> Array:
-        """Return Φ, zero but for the row of the joint, shape (N, n, p)."""
+        """Return Φ, zero but for the row of the joint, shape (N, n, p).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         out = np.zeros((len(x), x.robot.n, self.size))
         row = out[:, x.robot.joint_index(self.joint), :]
-        for i, column in enumerate(self.columns(x.joint(self.joint))):
+        for i, column in enumerate(self.columns(self.of_joint(x))):
             row[:, i] = column
         return out
 
     def torque(self, x: State, theta: Array) -> Array:
-        """Return f [N·m or N] for parameters θ (p,), shape (N, n); a simulation asks for it at every step."""
+        """Return f [N·m or N] for parameters θ (p,), shape (N, n); a simulation asks for it at every step.
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
         out = np.zeros((len(x), x.robot.n))
         own = out[:, x.robot.joint_index(self.joint)]
-        for column, value in zip(self.columns(x.joint(self.joint)), theta, strict=True):
+        for column, value in zip(self.columns(self.of_joint(x)), theta, strict=True):
             own += column * value
         return out
 
     def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
-        """Return the index of the joint."""
+        """Return the index of the joint.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return (robot.joint_index(self.joint),)
 
     @classmethod
     def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
-        """Yield every joint."""
+        """Yield every joint.
+
+        Args:
+            robot: The arm, n joints.
+        """
         yield from ((j,) for j in robot.joints)

@@ -15,6 +15,7 @@ from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.inertia import LinkInertia
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.plausibility import Plausibility
+from cdia_pin.effects.records import EffectRecord
 from cdia_pin.effects.state import State
 from cdia_pin.effects.traits import Traits
 from cdia_pin.errors import EffectError
@@ -65,7 +66,11 @@ class LinkInertias(Effect):
         return tuple(map(LinkInertia, self.links))
 
     def by_body(self, theta: Array) -> Iterator[tuple[LinkInertia, Array]]:
-        """Yield each link with its own of the parameters θ (p,), shape (10,), a view of them."""
+        """Yield each link with its own of the parameters θ (p,), shape (10,), a view of them.
+
+        Args:
+            theta: Parameters θ, shape (p,).
+        """
         yield from zip(self.bodies, theta.reshape(len(self.links), -1), strict=True)
 
     @property
@@ -74,29 +79,56 @@ class LinkInertias(Effect):
         return self.links
 
     def basis(self, x: State) -> Array:
-        """Return −Y of a unit body on each link, shape (N, n, p)."""
+        """Return −Y of a unit body on each link, shape (N, n, p).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return -np.concatenate([x.body_regressor(j) for j in map(x.robot.joint_index, self.links)], axis=2)
 
     def torque(self, x: State, theta: Array) -> Array:
-        """Return f = −Σ Yⱼ δπⱼ [N·m or N], shape (N, n)."""
-        return np.sum([body.torque(x, part) for body, part in self.by_body(theta)], axis=0)
+        """Return f = −Σ Yⱼ δπⱼ [N·m or N], shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
+        return np.asarray(np.sum([body.torque(x, part) for body, part in self.by_body(theta)], axis=0))
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
-        """Return bounds within which each link is nearly as the URDF has it."""
+        """Return bounds within which each link is nearly as the URDF has it.
+
+        Args:
+            robot: The arm, n joints.
+        """
         most = LARGEST_SHARE * self._sizes(robot)
         return -most, most
 
     def prior_scale(self, robot: RobotModel) -> Array:
-        """Return by how much links usually differ."""
+        """Return by how much links usually differ.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return USUAL_SHARE * self._sizes(robot)
 
     def is_physical(self, theta: Array, robot: RobotModel) -> bool:
-        """Tell whether every link is a possible body."""
+        """Tell whether every link is a possible body.
+
+        Args:
+            theta: Parameters θ, shape (p,).
+            robot: The arm, n joints.
+        """
         possible = (body.is_physical(part, robot) for body, part in self.by_body(theta))
         return super().is_physical(theta, robot) and all(possible)
 
     def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
-        """Return an estimate within the bounds, each change halved until its link is possible, shape (p,)."""
+        """Return an estimate within the bounds, each change halved until its link is possible, shape (p,).
+
+        Args:
+            theta: Parameters θ, shape (p,).
+            robot: The arm, n joints.
+        """
         near = np.clip(theta, *self.bounds(robot))
         for body, part in self.by_body(near):
             halvings = 0
@@ -115,13 +147,18 @@ class LinkInertias(Effect):
             out.append(mass * np.array([1.0] + [reach] * 3 + [reach**2] * 6))
         return np.concatenate(out)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> EffectRecord:
         """Return a JSON-ready description."""
         return {"effect": self.name, "joints": list(self.links)}
 
     @classmethod
     def from_scope(cls, scope: Sequence[str], shape: Mapping[str, Any]) -> Self:
-        """Build the effect from joint names; it has no shape."""
+        """Build the effect from joint names; it has no shape.
+
+        Args:
+            scope: Names of the joints that move the links.
+            shape: Nothing.
+        """
         if shape:
             raise EffectError(f"{cls.name}: has no shape, given {', '.join(shape)}")
         return cls(tuple(scope))

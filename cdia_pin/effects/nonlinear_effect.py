@@ -23,10 +23,20 @@ class NonlinearEffect(Effect):
 
     @abstractmethod
     def torque(self, x: State, theta: Array) -> Array:
-        """Return f [N·m or N] for parameters θ (p,), shape (N, n)."""
+        """Return f [N·m or N] for parameters θ (p,), shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
 
     def jacobian(self, x: State, theta: Array) -> Array:
-        """Return ∂f/∂θ by central differences, shape (N, n, p)."""
+        """Return ∂f/∂θ by central differences, shape (N, n, p).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
         out = np.empty((len(x), x.robot.n, self.size))
         for i, step in enumerate(self.steps or (1e-5,) * self.size):
             shift = np.zeros(self.size)
@@ -35,5 +45,9 @@ class NonlinearEffect(Effect):
         return out
 
     def basis(self, x: State) -> Array:
-        """Return ∂f/∂θ at θ = 0, shape (N, n, p)."""
+        """Return ∂f/∂θ at θ = 0, shape (N, n, p).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return self.jacobian(x, np.zeros(self.size))

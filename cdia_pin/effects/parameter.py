@@ -25,6 +25,10 @@ class Parameter:
     upper: float = INF
 
     def unit_on(self, prismatic: bool) -> str:
-        """Return the unit on a prismatic or on a revolute joint."""
+        """Return the unit on a prismatic or on a revolute joint.
+
+        Args:
+            prismatic: Whether the joint slides.
+        """
         effort, position, inertia = ("N", "m", "kg") if prismatic else ("N·m", "rad", "kg·m²")
         return self.unit.format(effort=effort, position=position, inertia=inertia)

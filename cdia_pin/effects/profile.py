@@ -99,7 +99,11 @@ class Between(Profile):
 
 
 def after(start: float) -> Between:
-    """Return the profile that is present from a time on [s]."""
+    """Return the profile that is present from a time on [s].
+
+    Args:
+        start: First moment [s].
+    """
     return Between(start=start)
 
 
@@ -207,7 +211,11 @@ PROFILES: dict[str, type[Profile]] = {p.kind: p for p in (Always, Between, Regio
 
 
 def profile_from_dict(given: Mapping[str, Any]) -> Profile:
-    """Read back what `Profile.to_dict` wrote; raises EffectError with what is valid."""
+    """Read back what `Profile.to_dict` wrote; raises EffectError with what is valid.
+
+    Args:
+        given: Kind and numbers, as in a file.
+    """
     numbers = dict(given)
     kind = str(numbers.pop("kind", "always"))
     if kind not in PROFILES:

@@ -17,16 +17,35 @@ class RigidBody(ABC):
 
     @abstractmethod
     def carrier(self, robot: RobotModel) -> int:
-        """Return the index of the joint whose link the body is part of."""
+        """Return the index of the joint whose link the body is part of.
+
+        Args:
+            robot: The arm, n joints.
+        """
 
     def to_joint_frame(self, robot: RobotModel) -> Array:
-        """Return A with π_joint = A π, from the body's frame to that of the joint, shape (10, 10)."""
+        """Return A with π_joint = A π, from the body's frame to that of the joint, shape (10, 10).
+
+        Args:
+            robot: The arm, n joints.
+        """
         return np.eye(10)
 
     def in_joint_frame(self, theta: Array, robot: RobotModel) -> Array:
-        """Return the parameters of a body θ = π about the frame of the carrying joint, shape (10,)."""
+        """Return the parameters of a body θ = π about the frame of the carrying joint, shape (10,).
+
+        Args:
+            theta: π in the body's frame [kg, kg·m, kg·m²], shape (10,).
+            robot: The arm, n joints.
+        """
         return self.to_joint_frame(robot) @ theta
 
     def total(self, theta: Array, robot: RobotModel) -> Array:
-        """Return the parameters of link and body θ = π together, about the joint's frame, shape (10,)."""
-        return robot.inertial_parameters[self.carrier(robot)] + self.in_joint_frame(theta, robot)
+        """Return the parameters of link and body θ = π together, about the joint's frame, shape (10,).
+
+        Args:
+            theta: π in the body's frame [kg, kg·m, kg·m²], shape (10,).
+            robot: The arm, n joints.
+        """
+        link: Array = robot.inertial_parameters[self.carrier(robot)]
+        return link + self.in_joint_frame(theta, robot)

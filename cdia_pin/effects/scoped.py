@@ -7,6 +7,7 @@ from dataclasses import fields, replace
 from typing import Any, ClassVar, Self
 
 from cdia_pin.effects.parameter import Parameter
+from cdia_pin.effects.records import EffectRecord
 from cdia_pin.errors import EffectError, unknown_name
 from cdia_pin.robot.model import RobotModel
 
@@ -31,6 +32,9 @@ class Scoped:
     def check(self, robot: RobotModel) -> None:
         """Make sure that the robot can have the effect.
 
+        Args:
+            robot: The arm, n joints.
+
         Raises:
             RobotError: If a joint is not of the robot.
             EffectError: If the joints cannot have such an effect.
@@ -39,7 +43,11 @@ class Scoped:
             robot.joint_index(joint)
 
     def joints(self, robot: RobotModel) -> tuple[str, ...]:
-        """Return the joints that the effect names; all of them for an effect of the whole arm."""
+        """Return the joints that the effect names; all of them for an effect of the whole arm.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return self.scope or robot.joints
 
     @property
@@ -60,12 +68,16 @@ class Scoped:
 
     @classmethod
     def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
-        """Yield every scope in which the effect can be asked for on this robot."""
+        """Yield every scope in which the effect can be asked for on this robot.
+
+        Args:
+            robot: The arm, n joints.
+        """
         yield ()
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> EffectRecord:
         """Return a JSON-ready description; `cdia_pin.effects.effect_from_dict` reads it back."""
-        out: dict[str, Any] = {"effect": self.name, "joints": list(self.scope)}
+        out: EffectRecord = {"effect": self.name, "joints": list(self.scope)}
         shape = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in self.scope_fields}  # type: ignore[arg-type]
         if shape:
             out["shape"] = shape

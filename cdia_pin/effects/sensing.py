@@ -41,22 +41,41 @@ class EncoderOffset(NonlinearEffect):
     steps: ClassVar[tuple[float, ...]] = (1e-5,)
 
     def torque(self, x: State, theta: Array) -> Array:
-        """Return f [N·m or N] for the offset θ = (δ,), shape (N, n)."""
+        """Return f [N·m or N] for the offset θ = (δ,), shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: The one parameter, δ [rad or m] or d [s], shape (1,).
+        """
         return x.rigid_torque - x.with_position(x.q + self.shift(x, theta)).rigid_torque
 
     def shift(self, x: State, theta: Array) -> Array:
-        """Return δ at the joint and zero elsewhere [rad or m], alike at all samples, shape (N, n)."""
+        """Return δ at the joint and zero elsewhere [rad or m], alike at all samples, shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: δ [rad or m], shape (1,).
+        """
         return np.tile(self.offset(x.robot, theta), (len(x), 1))
 
     def offset(self, robot: RobotModel, theta: Array) -> Array:
-        """Return δ of θ = (δ,) at the joint and zero elsewhere [rad or m], shape (n,)."""
+        """Return δ of θ = (δ,) at the joint and zero elsewhere [rad or m], shape (n,).
+
+        Args:
+            robot: The arm, n joints.
+            theta: δ [rad or m], shape (1,).
+        """
         out = np.zeros(robot.n)
         out[robot.joint_index(self.joint)] = theta[0]
         return out
 
     @classmethod
     def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
-        """Yield every joint."""
+        """Yield every joint.
+
+        Args:
+            robot: The arm, n joints.
+        """
         yield from ((j,) for j in robot.joints)
 
 
@@ -81,7 +100,12 @@ class EffortDelay(NonlinearEffect):
     steps: ClassVar[tuple[float, ...]] = (1e-4,)
 
     def torque(self, x: State, theta: Array) -> Array:
-        """Return f [N·m or N] for the delay θ = (d,), shape (N, n)."""
+        """Return f [N·m or N] for the delay θ = (d,), shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: The one parameter, δ [rad or m] or d [s], shape (1,).
+        """
         out = np.zeros_like(x.effort)
         if len(x) < 4 or np.ptp(x.time) == 0 or theta[0] == 0:
             return out
@@ -92,16 +116,30 @@ class EffortDelay(NonlinearEffect):
 
     @staticmethod
     def delayed(time: Array, signal: Array, delay: float) -> Array:
-        """Return a signal as it was `delay` seconds before, held at both ends, shape (N,) or (N, n)."""
+        """Return a signal as it was `delay` seconds before, held at both ends, shape (N,) or (N, n).
+
+        Args:
+            time: Time of each sample [s], shape (N,).
+            signal: The signal in any unit, shape (N,) or (N, n).
+            delay: By how much it is late [s]; below zero, it is early.
+        """
         from scipy.interpolate import CubicSpline
 
         return np.asarray(CubicSpline(time, signal)(np.clip(time - delay, time[0], time[-1])))
 
     def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
-        """Return the index of the joint, or of all joints."""
+        """Return the index of the joint, or of all joints.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return tuple(range(robot.n)) if self.joint is None else (robot.joint_index(self.joint),)
 
     @classmethod
     def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
-        """Yield the whole arm: a search does not ask whether one drive alone is late."""
+        """Yield the whole arm: a search does not ask whether one drive alone is late.
+
+        Args:
+            robot: The arm, n joints.
+        """
         yield ()

@@ -56,7 +56,13 @@ def parse_term(text: str, robot: RobotModel | None = None) -> Term:
 
 
 def parse_profile(keys: dict[str, str], effect: Effect, text: str) -> Profile:
-    """Return the profile that the keys describe; they must all belong to one kind."""
+    """Return the profile that the keys describe; they must all belong to one kind.
+
+    Args:
+        keys: What is written for each key of a profile.
+        effect: Whose profile it is; a region is one of its joint.
+        text: The whole term, for messages.
+    """
     if not keys:
         return ALWAYS
     given = set(keys)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +28,7 @@ class JointState:
         effort: Torque of the actuator [N·m or N], see `State.effort`.
         sign: sgn(v), smoothed to be continuous through rest [1].
         time: Time [s].
+        memory: z of an effect with memory, shape (N, m); of no width for all others.
     """
 
     q: Array
@@ -34,6 +37,10 @@ class JointState:
     effort: Array
     sign: Array
     time: Array
+    memory: Array = field(default_factory=lambda: np.empty((0, 0)))
+
+    def __repr__(self) -> str:
+        return f"JointState({len(self.q)} samples)"
 
 
 @dataclass(frozen=True)
@@ -52,6 +59,7 @@ class State:
         log: Log or condition that the motion belongs to, for effects whose parameters differ between logs.
         gravity_change: By how much gravity differs from the robot's, for bodies that are no part of it [m/s²], shape
             (N, 3); None where it does not.
+        memory: z of effects with memory at the first sample, shape (m,) by effect; the initial one where it is missing.
     """
 
     robot: RobotModel
@@ -63,6 +71,7 @@ class State:
     sign_width: Array = field(default_factory=lambda: np.array(DEFAULT_SIGN_WIDTH))
     log: str = ""
     gravity_change: Array | None = None
+    memory: Mapping[Any, Array] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -75,36 +84,62 @@ class State:
         effort: ArrayLike | None = None,
         time: ArrayLike | None = None,
         sign_width: ArrayLike = DEFAULT_SIGN_WIDTH,
+        memory: Mapping[Any, Array] | None = None,
     ) -> State:
         """Build a state from one sample, shape (n,), or a trajectory, shape (N, n).
 
         Args:
             robot: The rigid-body model.
-            q: Positions.
-            v: Velocities.
-            a: Accelerations; zero if omitted.
-            effort: Actuator torques; those of the rigid body if omitted.
-            time: Time [s]; zero for every sample if omitted.
-            sign_width: Speed below which sgn(v) is smoothed, scalar or per joint.
+            q: Positions [rad or m].
+            v: Velocities [rad/s or m/s].
+            a: Accelerations [rad/s² or m/s²]; zero if omitted.
+            effort: Actuator torques [N·m or N]; those of the rigid body if omitted.
+            time: Time [s], scalar or shape (N,); zero for every sample if omitted.
+            sign_width: Speed below which sgn(v) is smoothed [rad/s or m/s], scalar or per joint.
+            memory: z of effects with memory at the first sample, by effect; initial ones if omitted.
         """
         q2, v2 = np.atleast_2d(np.asarray(q, float)), np.atleast_2d(np.asarray(v, float))
         a2 = np.zeros_like(q2) if a is None else np.atleast_2d(np.asarray(a, float))
         tau = robot.inverse_dynamics(q2, v2, a2) if effort is None else np.atleast_2d(effort).astype(float)
         t = np.zeros(len(q2)) if time is None else np.broadcast_to(np.asarray(time, float), (len(q2),))
-        return cls(robot, q2, v2, a2, tau, t, np.broadcast_to(np.asarray(sign_width, float), (robot.n,)))
+        width = np.broadcast_to(np.asarray(sign_width, float), (robot.n,))
+        return cls(robot, q2, v2, a2, tau, t, width, memory=memory or {})
 
     def __len__(self) -> int:
         return len(self.q)
 
+    def __repr__(self) -> str:
+        log = f", log '{self.log}'" if self.log else ""
+        return f"State({self.robot.name}, {len(self)} samples of {self.robot.n} joints{log})"
+
     def joint(self, name: str) -> JointState:
-        """Return the signals of one joint."""
+        """Return the signals of one joint.
+
+        Args:
+            name: Name of the joint.
+        """
         j = self.robot.joint_index(name)
         return JointState(
             self.q[:, j], self.v[:, j], self.a[:, j], self.effort[:, j], self.sign[:, j], self.time
         )
 
+    def sample(self, k: int) -> State:
+        """Return one sample as a state of its own; effects with memory are at their initial state.
+
+        Args:
+            k: Index of the sample.
+        """
+        at = np.s_[k : k + 1]
+        change = None if self.gravity_change is None else self.gravity_change[at]
+        q, v, a, effort, time = (s[at] for s in (self.q, self.v, self.a, self.effort, self.time))
+        return State(self.robot, q, v, a, effort, time, self.sign_width, self.log, change)
+
     def with_effort(self, effort: Array) -> State:
-        """Return the same motion under other actuator torques, keeping what was computed for it."""
+        """Return the same motion under other actuator torques, keeping what was computed for it.
+
+        Args:
+            effort: Actuator torques [N·m or N], shape (N, n).
+        """
         return self._twin(effort=effort)
 
     def for_bodies(self) -> State:
@@ -113,7 +148,11 @@ class State:
         return self
 
     def with_gravity_change(self, change: Array) -> State:
-        """Return the same motion under another gravity for what is no part of the robot [m/s²], shape (N, 3)."""
+        """Return the same motion under another gravity for what is no part of the robot [m/s²], shape (N, 3).
+
+        Args:
+            change: Difference to the robot's gravity [m/s²], shape (N, 3).
+        """
         return self._twin(gravity_change=change)
 
     def _twin(self, **changes: Array) -> State:
@@ -122,7 +161,11 @@ class State:
         return twin
 
     def with_position(self, q: Array) -> State:
-        """Return the same speeds and torques at other positions [rad or m], shape (N, n)."""
+        """Return the same speeds and torques at other positions [rad or m], shape (N, n).
+
+        Args:
+            q: Positions [rad or m], shape (N, n).
+        """
         return replace(self, q=q)
 
     @cached_property
@@ -136,7 +179,11 @@ class State:
         return self.robot.inverse_dynamics(self.q, self.v, self.a)
 
     def body_regressor(self, joint: int) -> Array:
-        """Y with M q̈ + nle = Y π for a body on a joint's link, under the gravity that it feels, shape (N, n, 10)."""
+        """Y with M q̈ + nle = Y π for a body on a joint's link, under the gravity that it feels, shape (N, n, 10).
+
+        Args:
+            joint: Index of the joint that moves the link.
+        """
         first = 10 * joint
         found = self._regressor[:, :, first : first + 10]
         if self.gravity_change is None:

@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.profile import ALWAYS, Profile, profile_from_dict
+from cdia_pin.effects.records import ParameterRecord, TermRecord
 from cdia_pin.effects.state import State
 from cdia_pin.effects.traits import Signal
 from cdia_pin.errors import EffectError, unknown_name
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
+
+SHOWN = 6  # parameters in a repr, which is one line
 
 
 @dataclass(frozen=True)
@@ -43,9 +46,21 @@ class Term:
         if not np.isfinite(self.theta).all():
             raise EffectError(f"{self.effect.label}: parameters must be finite, given {self.theta}")
 
+    def __repr__(self) -> str:
+        shown = [f"{name}={value:.4g}" for name, value in self.values.items()]
+        shown = shown if len(shown) <= SHOWN else [*shown[: SHOWN - 1], "…"]
+        where = "" if self.profile == ALWAYS else f", {self.profile.kind}"
+        return f"Term({self.label}: {', '.join(shown)}{where})"
+
     @classmethod
     def of(cls, effect: Effect, profile: Profile = ALWAYS, **parameters: float) -> Term:
-        """Build a term from parameters by name; those left out are zero."""
+        """Build a term from parameters by name; those left out are zero.
+
+        Args:
+            effect: The physics.
+            profile: Where it is present.
+            parameters: Values by name, in the effect's units.
+        """
         names = [p.name for p in effect.parameters]
         for name in parameters:
             if name not in names:
@@ -71,7 +86,11 @@ class Term:
         return self.profile.depends_on.union(self.effect.traits.depends_on)
 
     def check(self, robot: RobotModel) -> None:
-        """Make sure that the robot can have the term; raises RobotError or EffectError."""
+        """Make sure that the robot can have the term; raises RobotError or EffectError.
+
+        Args:
+            robot: The arm, n joints.
+        """
         self.effect.check(robot)
         self.profile.check(robot)
 
@@ -81,25 +100,45 @@ class Term:
         return {p.name: v for p, v in zip(self.effect.parameters, self.theta, strict=True)}
 
     def torque(self, x: State) -> Array:
-        """Return β Φ θ [N·m or N], shape (N, n)."""
+        """Return β Φ θ [N·m or N], shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         f = self.effect.torque(x, np.array(self.theta))
         return f if self.profile is ALWAYS else self.profile(x)[:, None] * f
 
     def shift(self, x: State) -> Array:
-        """Return by how much the arm is further than its encoders read [rad or m], shape (N, n)."""
+        """Return by how much the arm is further than its encoders read [rad or m], shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return self.profile(x)[:, None] * self.effect.shift(x, np.array(self.theta))
 
     def gravity_change(self, x: State) -> Array:
-        """Return by how much gravity differs from the robot's [m/s²], shape (N, 3)."""
+        """Return by how much gravity differs from the robot's [m/s²], shape (N, 3).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return self.profile(x)[:, None] * self.effect.gravity_change(x, np.array(self.theta))
 
     def jacobian(self, x: State) -> Array:
-        """Return β ∂f/∂θ, shape (N, n, p)."""
+        """Return β ∂f/∂θ, shape (N, n, p).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return self.profile(x)[:, None, None] * self.effect.jacobian(x, np.array(self.theta))
 
-    def parameters_to_dict(self, robot: RobotModel) -> dict[str, Any]:
-        """Return {name: {value, unit, ci95}} for files and tables."""
-        out: dict[str, Any] = {}
+    def parameters_to_dict(self, robot: RobotModel) -> dict[str, ParameterRecord]:
+        """Return {name: {value, unit, ci95}} for files and tables.
+
+        Args:
+            robot: The arm, n joints.
+        """
+        out: dict[str, ParameterRecord] = {}
         units = self.effect.units(robot)
         for i, (p, value, unit) in enumerate(zip(self.effect.parameters, self.theta, units, strict=True)):
             out[p.name] = {"value": value, "unit": unit}
@@ -107,8 +146,12 @@ class Term:
                 out[p.name]["ci95"] = list(self.ci95[i])
         return out
 
-    def to_dict(self, robot: RobotModel) -> dict[str, Any]:
-        """Return a JSON-ready description; `from_dict` reads it back."""
+    def to_dict(self, robot: RobotModel) -> TermRecord:
+        """Return a JSON-ready description; `from_dict` reads it back.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return {
             **self.effect.to_dict(),
             "parameters": self.parameters_to_dict(robot),
@@ -118,6 +161,9 @@ class Term:
     @classmethod
     def from_dict(cls, given: Mapping[str, Any]) -> Term:
         """Read back what `to_dict` wrote; a parameter may also be written as a bare number.
+
+        Args:
+            given: Effect, joints, shape, parameters and profile, as in a file.
 
         Raises:
             EffectError: If a name is unknown or a number is missing.

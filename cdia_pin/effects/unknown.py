@@ -1,4 +1,4 @@
-"""A torque nobody has a formula for: radial bases in position and velocity, and a torque neuron."""
+"""A torque without a formula: radial bases in position and velocity, and a torque neuron."""
 
 from __future__ import annotations
 
@@ -52,6 +52,10 @@ class Unknown(JointEffect):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise EffectError(f"{self.label}: {name} must be above 0, given {getattr(self, name)}")
 
+    def __repr__(self) -> str:
+        neurons = f"{len(self.position_centres)} + {len(self.velocity_centres)} neurons"
+        return f"Unknown(joint='{self.joint}', {neurons})"
+
     @property
     def traits(self) -> Traits:
         """Depends on the torque, and on position and velocity where it has neurons in them."""
@@ -74,7 +78,12 @@ class Unknown(JointEffect):
         return at_q + at_v + [x.effort]
 
     def fitted_to(self, x: State, neurons: int = 7) -> Self:
-        """Return the effect with its neurons, two or more of each kind, spread over the motion."""
+        """Return the effect with its neurons, two or more of each kind, spread over the motion.
+
+        Args:
+            x: Motion and torques, N samples.
+            neurons: Number of neurons in position, and in velocity.
+        """
         neurons = max(neurons, 2)
         j = x.robot.joint_index(self.joint)
         q, v = np.ptp(x.q[:, j]) or 1.0, np.ptp(x.v[:, j]) or 1.0

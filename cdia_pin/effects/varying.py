@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.parameter import Parameter
+from cdia_pin.effects.records import EffectRecord
 from cdia_pin.effects.rigid_body import RigidBody
 from cdia_pin.effects.state import State
 from cdia_pin.effects.traits import Channel, Signal, Traits
@@ -71,7 +72,12 @@ class Varying(WrappedEffect):
         return self.effect.bodies * len(self.parts)
 
     def of_part(self, theta: Sequence[float] | Array, part: str) -> tuple[float, ...]:
-        """Return the effect's parameters in one part, shape (p of the effect,)."""
+        """Return the effect's parameters in one part, shape (p of the effect,).
+
+        Args:
+            theta: Parameters of all parts, one part after another, shape (p,).
+            part: Name of the part, one of `parts`.
+        """
         return tuple(float(v) for v in self._split(np.asarray(theta))[self.parts.index(part)])
 
     def basis(self, x: State) -> Array:
@@ -82,9 +88,9 @@ class Varying(WrappedEffect):
         """Return f [N·m or N] for parameters θ (p,), shape (N, n)."""
         w = self.weights(x)
         if self.effect.traits.linear:
-            return np.einsum("nip,np->ni", self.effect.basis(x), w @ self._split(theta))
+            return np.asarray(np.einsum("nip,np->ni", self.effect.basis(x), w @ self._split(theta)))
         parts = [self.effect.torque(x, part) for part in self._split(theta)]
-        return np.einsum("nk,kni->ni", w, np.stack(parts))
+        return np.asarray(np.einsum("nk,kni->ni", w, np.stack(parts)))
 
     def jacobian(self, x: State, theta: Array) -> Array:
         """Return ∂f/∂θ, shape (N, n, p)."""
@@ -93,7 +99,7 @@ class Varying(WrappedEffect):
     def gravity_change(self, x: State, theta: Array) -> Array:
         """Return by how much gravity differs from the robot's in the parts that hold [m/s²], shape (N, 3)."""
         parts = [self.effect.gravity_change(x, part) for part in self._split(theta)]
-        return np.einsum("nk,kng->ng", self.weights(x), np.stack(parts))
+        return np.asarray(np.einsum("nk,kng->ng", self.weights(x), np.stack(parts)))
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return the effect's bounds, once for each part."""
@@ -109,7 +115,7 @@ class Varying(WrappedEffect):
         return np.concatenate([self.effect.nearest_physical(p, robot) for p in self._split(theta)])
 
     def prior_scale(self, robot: RobotModel) -> Array:
-        """Return the effect's scale, once for each part."""
+        """Return the effect's prior standard deviations, once for each part, shape (p,)."""
         return np.tile(self.effect.prior_scale(robot), len(self.parts))
 
     def is_distinct(self, theta: Array) -> bool:
@@ -125,7 +131,7 @@ class Varying(WrappedEffect):
         """Return the unit of each parameter on this robot."""
         return self.effect.units(robot) * len(self.parts)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> EffectRecord:
         """Return a JSON-ready description: the effect's own, and how its parameters vary."""
         return {**self.effect.to_dict(), "varies": self.variation()}
 
@@ -227,7 +233,11 @@ class Drift(Varying):
         return {"time_constant": self.time_constant}
 
     def with_shape(self, **shape: float) -> Self:
-        """Return the drift with another time constant [s]."""
+        """Return the drift with another time constant [s].
+
+        Args:
+            shape: ``time_constant`` [s].
+        """
         return replace(self, **shape)  # type: ignore[arg-type]
 
     def shape_grid(self, x: State) -> Sequence[Self]:
@@ -237,7 +247,12 @@ class Drift(Varying):
 
 
 def varied(effect: Effect, how: Mapping[str, Any]) -> Varying:
-    """Read back what `Varying.variation` wrote; raises EffectError with what is valid."""
+    """Read back what `Varying.variation` wrote; raises EffectError with what is valid.
+
+    Args:
+        effect: The plain effect.
+        how: What its parameters vary with, as in a file.
+    """
     given = dict(how)
     kind = str(given.pop("with", ""))
     kinds: dict[str, type[PerLog] | type[Drift]] = {PerLog.kind: PerLog, Drift.kind: Drift}

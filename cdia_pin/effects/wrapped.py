@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.effects.effect import Effect
+from cdia_pin.effects.memory import Memory
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.plausibility import Plausibility
+from cdia_pin.effects.records import EffectRecord
 from cdia_pin.effects.rigid_body import RigidBody
 from cdia_pin.effects.state import State
 from cdia_pin.effects.traits import Traits
@@ -63,6 +65,11 @@ class WrappedEffect(Effect):
     def shape(self) -> tuple[Parameter, ...]:  # type: ignore[override]
         """Shape parameters of the inner effect."""
         return self.effect.shape
+
+    @property
+    def memories(self) -> tuple[Memory, ...]:
+        """Internal states of the inner effect."""
+        return self.effect.memories
 
     @property
     def bodies(self) -> tuple[RigidBody, ...]:
@@ -157,7 +164,7 @@ class WrappedEffect(Effect):
         """Return the effect at the shapes of the inner effect that are worth trying on this motion."""
         return [replace(self, effect=e) for e in self.effect.shape_grid(x)]  # type: ignore[type-var]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> EffectRecord:
         """Refuse to write what no file can hold; a subclass with a form in files overrides it.
 
         Raises:

@@ -1,4 +1,4 @@
-"""What every effect promises, held for each class of the vocabulary without naming one.
+"""What every effect promises, held for each class of the vocabulary without naming one, and for effects made of others.
 
 A new effect is covered as soon as it is in `cdia_pin.effects.EFFECTS`; see docs/effects.md.
 """
@@ -12,29 +12,40 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from cdia_pin.changes.evidence import Difference
+from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.dynamics import Dynamics, exciting_trajectory, simulate
+from cdia_pin.dynamics.simulate import run_plant
 from cdia_pin.effects import (
     EFFECTS,
     Channel,
+    Drift,
     Effect,
     Expression,
     JointEffect,
     JointState,
     LinkInertias,
     Parameter,
+    PerLog,
     Region,
     Signal,
     State,
+    StatefulEffect,
     Term,
     Traits,
+    WrappedEffect,
     after,
     effect_from_dict,
     parse_effect,
     register,
 )
-from cdia_pin.errors import EffectError, RobotError
+from cdia_pin.effects.memory import Memory
+from cdia_pin.effects.scoped import Scoped
+from cdia_pin.errors import EffectError, ModelError, RobotError
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.regression.experiment import Experiment
+from cdia_pin.regression.shape_slopes import Slope
 from cdia_pin.robot import RobotModel, load_robot
 
 ROBOTS = ("ur5", "scara")  # revolute joints; revolute ones and a prismatic one
@@ -57,15 +68,49 @@ class HardeningSpring(JointEffect):
         return [-((x.q - self.rest) ** 3)]
 
 
-KINDS = [*EFFECTS.values(), HardeningSpring]
+@dataclass(frozen=True)
+class RelaxingBristle(StatefulEffect):
+    """An effect with memory: f = −k z, where the motion bends z and time relaxes it, ż = q̇ − z/T."""
+
+    relaxation: float = 0.5
+
+    name: ClassVar[str] = "relaxing_bristle"
+    equation: ClassVar[str] = "−k z,  ż = q̇ − z/T"
+    traits: ClassVar[Traits] = Traits({Signal.POSITION, Signal.TIME})
+    parameters = (Parameter("stiffness", "{effort}/{position}", lower=0.0),)
+    shape = (Parameter("relaxation", "s", lower=1e-3, upper=1e3),)
+
+    def initial_state(self, robot: RobotModel) -> np.ndarray:
+        """Return a bristle that is straight."""
+        return np.zeros(1)
+
+    def step(self, z: np.ndarray, x: JointState, dq: float, dt: float) -> np.ndarray:
+        """Return the bend after a step of constant speed."""
+        kept = np.exp(-dt / self.relaxation)
+        return z * kept + dq / dt * self.relaxation * (1 - kept)
+
+    def columns(self, x: JointState) -> Sequence[np.ndarray]:
+        """Return the column of the stiffness."""
+        return [-x.memory[:, 0]]
+
+
+@dataclass(frozen=True)
+class Same(WrappedEffect):
+    """An effect made of another one that overrides nothing."""
+
+    effect: Effect
+
+
+KINDS = [*EFFECTS.values(), HardeningSpring, RelaxingBristle]
 USER_EXPRESSIONS = ("sin(3*q)*dq", "a*dq**3 + b*sin(2*q)", "k*tau*sign(dq)", "-m*ddq + c*cos(q)*t")
 
 
 @pytest.fixture(scope="module", autouse=True)
 def users_effect():
     register(HardeningSpring)
+    register(RelaxingBristle)
     yield
-    del EFFECTS[HardeningSpring.name]
+    del EFFECTS[HardeningSpring.name], EFFECTS[RelaxingBristle.name]
 
 
 @cache
@@ -80,7 +125,30 @@ def state_of(name: str) -> State:
     time = np.linspace(0.0, 10.0, 41)[1:-1]
     q, v, a = exciting_trajectory(robot, np.random.default_rng(2), duration=10.0)(time)
     tau = 1.1 * robot.inverse_dynamics(q, v, a) + np.sin(time)[:, None]
-    return State.of(robot, q, v, a, effort=tau, time=time, sign_width=0.01)
+    return replace(State.of(robot, q, v, a, effort=tau, time=time, sign_width=0.01), log="warm")
+
+
+@cache
+def wrapped() -> tuple[tuple[str, Effect], ...]:
+    """Effects made of others: each wrapper around bodies, tilts, readings, shapes, memory and a user's line."""
+    labels = (
+        "payload", "link_inertia@elbow_joint+wrist_1_joint", "base_tilt", "actuator_gain@elbow_joint", "effort_delay",
+        "coulomb_friction@elbow_joint", "position_ripple@elbow_joint", "viscous_medium", "a*dq**3 + b*tau@elbow_joint",
+    )  # fmt: skip
+    inner = (*map(parse_effect, labels), RelaxingBristle("elbow_joint"))
+    ripple, stribeck = (parse_effect(f"{n}@elbow_joint") for n in ("position_ripple", "stribeck_friction"))
+    coulomb = parse_effect("coulomb_friction@elbow_joint")
+    offset = parse_effect("encoder_offset@elbow_joint")
+    effects = (
+        *(Same(e) for e in (*inner, offset)),
+        *(PerLog(e, ("cold", "warm")) for e in inner),
+        *(Drift(e, 0.0, 10.0, 3.0) for e in inner),
+        *(Difference(e, ("warm",)) for e in (*inner, offset)),
+        *(Slope(e, (2.0, 1.0), e.shape[0].name) for e in (ripple, stribeck)),
+        Slope(Drift(coulomb, 0.0, 10.0, 3.0), (2.0, 1.0), "time_constant"),
+        Slope(PerLog(stribeck, ("cold", "warm")), (2.0, 1.0, 3.0, 0.5), "decay"),
+    )
+    return tuple(("ur5", e) for e in effects)
 
 
 @cache
@@ -97,13 +165,24 @@ def examples() -> tuple[tuple[str, Effect], ...]:
                     seen.add(sort)
                     out.append((name, kind.from_scope(scope, {})))
     several = ((name, LinkInertias(robot_of(name).joints)) for name in ROBOTS)
-    return (*out, *several, *(("ur5", Expression("elbow_joint", text)) for text in USER_EXPRESSIONS))
+    lines = (("ur5", Expression("elbow_joint", text)) for text in USER_EXPRESSIONS)
+    return (*out, *several, *lines, *wrapped())
+
+
+def is_written(effect: Effect) -> bool:
+    """Tell whether an effect has a form in files: differences and slopes are made for a regression alone."""
+    return not isinstance(effect, Difference | Slope | Same)
+
+
+def is_named(effect: Effect) -> bool:
+    """Tell whether an effect is written by its label: how one varies is not part of that."""
+    return not isinstance(effect, WrappedEffect)
 
 
 def each(chosen: Callable[[Effect], object] = lambda _: True) -> pytest.MarkDecorator:
     """Run a test for every example, or for those that it is about."""
     cases = [(robot, effect) for robot, effect in examples() if chosen(effect)]
-    ids = [f"{robot}-{effect.name}-{effect.label}" for robot, effect in cases]
+    ids = [f"{robot}-{type(effect).__name__}-{effect.label}" for robot, effect in cases]
     return pytest.mark.parametrize(("name", "effect"), cases, ids=ids)
 
 
@@ -203,9 +282,7 @@ def test_the_torque_of_a_trajectory_is_that_of_its_samples(name, effect):
     theta = drawn(effect, robot)
     f = effect.torque(x, theta)
     for k in (0, 7, len(x) - 1):
-        one = State.of(
-            robot, x.q[k], x.v[k], x.a[k], effort=x.effort[k], time=x.time[k], sign_width=x.sign_width
-        )
+        one = replace(x.sample(k), memory={m: m.along(x)[k] for m in effect.memories})
         np.testing.assert_allclose(effect.torque(one, theta)[0], f[k], atol=1e-9 * scale(f))
 
 
@@ -241,6 +318,11 @@ def test_each_signal_that_it_declares_changes_it_on_some_joint(kind):
     effects = [kind.from_scope(scope, {}) for scope in kind.scopes(x.robot)]
     for signal in effects[0].traits.depends_on:
         assert any(changes_with(e, signal, x) for e in effects), signal
+
+
+@each(lambda effect: isinstance(effect, WrappedEffect))
+def test_an_effect_made_of_another_depends_on_all_that_it_declares(name, effect):
+    assert {s for s in Signal if changes_with(effect, s, state_of(name))} == effect.traits.depends_on
 
 
 @each(lambda effect: Signal.TORQUE in effect.traits.depends_on)
@@ -333,14 +415,14 @@ def test_shapes_worth_trying_are_shapes_of_the_same_effect(name, effect):
         for p in other.shape:
             assert p.lower <= other.shape_values[p.name] <= p.upper
     for p in effect.shape:
-        with pytest.raises(EffectError, match=p.name):
+        with pytest.raises(EffectError, match=p.name.replace("_", "[_ ]")):
             effect.with_shape(**{p.name: np.nan})
 
 
 # ------------------------------------------------------------------ names and files
 
 
-@each()
+@each(is_written)
 def test_it_survives_a_file_exactly(name, effect):
     robot = robot_of(name)
     theta = tuple(drawn(effect, robot, 6).tolist())
@@ -353,7 +435,7 @@ def test_it_survives_a_file_exactly(name, effect):
     assert effect_from_dict(json.loads(json.dumps(effect.to_dict()))) == effect
 
 
-@each()
+@each(is_named)
 def test_it_is_found_by_its_label(name, effect):
     found = parse_effect(effect.label, robot_of(name))
     assert found == effect
@@ -362,7 +444,14 @@ def test_it_is_found_by_its_label(name, effect):
 
 @each()
 def test_equal_effects_are_one_in_a_set(name, effect):
-    assert len({effect, replace(effect), effect_from_dict(effect.to_dict())}) == 1
+    again = [effect_from_dict(effect.to_dict())] if is_written(effect) else []
+    assert len({effect, replace(effect), *again}) == 1
+
+
+@each(lambda effect: not is_written(effect))
+def test_what_has_no_form_in_a_file_is_not_written(name, effect):
+    with pytest.raises(EffectError, match="no form in a file"):
+        effect.to_dict()
 
 
 @each(lambda effect: effect.scope)
@@ -384,6 +473,90 @@ def test_a_name_is_taken_once():
 
     with pytest.raises(EffectError, match="exists already"):
         register(Impostor)
+
+
+# ------------------------------------------------------------------ effects made of others, effects with memory
+
+DERIVED = {
+    "size",
+    "by_body",
+    "from_scope",
+    "scopes",
+}  # from other parts of the contract, or of the class alone
+
+
+def test_an_effect_made_of_another_has_all_of_its_contract():
+    contract = {n for kind in (Effect, Scoped) for n in vars(kind) if not n.startswith("_")}
+    assert contract - DERIVED <= vars(WrappedEffect).keys()
+
+
+@each(lambda effect: isinstance(effect, WrappedEffect))
+def test_an_effect_made_of_another_acts_where_that_one_does(name, effect):
+    robot, inner = robot_of(name), effect.effect
+    assert (effect.scope, effect.acts_on(robot)) == (inner.scope, inner.acts_on(robot))
+    assert effect.traits.channel is inner.traits.channel
+    assert effect.plausibility == inner.plausibility
+    assert effect.memories == inner.memories
+    assert effect.label.startswith(inner.label)
+
+
+@each(lambda effect: isinstance(effect, Same))
+def test_an_effect_that_overrides_nothing_is_the_other_one(name, effect):
+    robot, x, inner = robot_of(name), state_of(name), effect.effect
+    theta, wild = drawn(effect, robot), 30 * np.random.default_rng(9).normal(size=effect.size)
+    for method in ("torque", "jacobian", "shift", "gravity_change"):
+        np.testing.assert_array_equal(getattr(effect, method)(x, theta), getattr(inner, method)(x, theta))
+    for method in ("bounds", "prior_scale", "acts_on", "joints", "units"):
+        np.testing.assert_array_equal(getattr(effect, method)(robot), getattr(inner, method)(robot))
+    np.testing.assert_array_equal(effect.nearest_physical(wild, robot), inner.nearest_physical(wild, robot))
+    assert effect.is_physical(wild, robot) == inner.is_physical(wild, robot)
+    assert effect.is_distinct(wild) == inner.is_distinct(wild)
+    for fact in (
+        "name",
+        "equation",
+        "label",
+        "parameters",
+        "shape",
+        "shape_values",
+        "bodies",
+        "scope_fields",
+    ):
+        assert getattr(effect, fact) == getattr(inner, fact)
+    assert [e.effect for e in effect.shape_grid(x)] == list(inner.shape_grid(x))
+
+
+@each(lambda effect: effect.memories)
+def test_a_memory_begins_as_it_is_known_and_anew_where_time_goes_back(name, effect):
+    x, (memory,) = state_of(name), effect.memories
+    z = memory.along(x)
+    np.testing.assert_array_equal(z[0], memory.initial_state(x.robot))
+    later = replace(x, q=x.q[20:], v=x.v[20:], a=x.a[20:], effort=x.effort[20:], time=x.time[20:])
+    np.testing.assert_allclose(memory.along(replace(later, memory={memory: z[20]})), z[20:], atol=1e-12)
+    twice = (np.concatenate([s, s]) for s in (x.q, x.v, x.a, x.effort, x.time))
+    np.testing.assert_array_equal(memory.along(State(x.robot, *twice, x.sign_width)), np.vstack([z, z]))
+    still = replace(x, time=np.zeros_like(x.time))
+    np.testing.assert_array_equal(memory.along(still), np.tile(z[0], (len(x), 1)))
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if issubclass(k, Memory)], ids=lambda k: k.name)
+def test_a_memory_in_a_simulation_is_that_of_the_motion(kind):
+    """M q̈ + nle − τ of every step of a simulation is the torque that the effect has along its motion."""
+    robot, effect = robot_of("ur5"), kind("elbow_joint")
+    plant = Dynamics(robot, (Term(effect, tuple(sensible(effect))),))
+    run = run_plant(plant, reference(), duration=2.0)
+    along = plant.missing_torque(run.state(plant))
+    stepped = robot.inverse_dynamics(run.q, run.v, run.a) - run.effort
+    np.testing.assert_allclose(stepped, along, atol=1e-8)
+    assert np.abs(along).max() > 1.0
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if issubclass(k, Memory)], ids=lambda k: k.name)
+def test_a_monitor_refuses_a_memory(kind):
+    robot, effect = robot_of("ur5"), kind("elbow_joint")
+    with pytest.raises(EffectError, match="has memory"):
+        Bank.of(robot, [effect])
+    with pytest.raises(ModelError, match="memory"):
+        Nominal.of(Dynamics(robot, (Term(effect, (1.0,) * effect.size),)))
 
 
 # ------------------------------------------------------------------ a fault in a plant, found in its log

@@ -79,6 +79,8 @@ class KnownEffects:
             )
             if not isinstance(effect, JointEffect) or effect.traits.channel is not Channel.JOINT_TORQUE:
                 raise EffectError(f"a bank holds effects on the torque of one joint, given {entry!r}")
+            if effect.memories:
+                raise EffectError(f"{effect.name} has memory; a bank cannot hold it yet")
             effects.append(replace(effect, joint=robot.joints[0]))
         if len(set(effects)) < len(effects):
             names = ", ".join(e.name for e in effects)

@@ -59,6 +59,6 @@ def _along(direction: Array, middle: Array) -> Array:
     """Return the pose of a shape whose z axis lies along a direction."""
     from trimesh.geometry import align_vectors
 
-    placement = np.array(align_vectors([0.0, 0.0, 1.0], direction))  # type: ignore[no-untyped-call]
+    placement = np.array(align_vectors([0.0, 0.0, 1.0], direction))
     placement[:3, 3] = middle
     return placement
