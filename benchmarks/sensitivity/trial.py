@@ -1,0 +1,97 @@
+"""One discovery with one setting changed, against the truth."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Self
+
+from benchmarks.hidden_effects.case import NOISES, Case
+from benchmarks.hidden_effects.drawing import drawn, recorded
+from benchmarks.hidden_effects.truth import label_of
+from benchmarks.sensitivity.variation import Variation
+from cdia_pin.discovery import discover
+from cdia_pin.dynamics import Dynamics
+
+SUITE = "sensitivity"  # part of each case's name, and so of its seed: no other benchmark has these draws
+ARMS = ("ur5", "panda", "kinova", "z1")
+HIDDEN = (
+    (("coulomb_friction",), (0.05,)),
+    (("stribeck_friction", "payload"), (0.2, 0.2)),
+    (("actuator_gain", "viscous_friction"), (0.1, 0.05)),
+    (("position_ripple", "joint_spring"), (0.05, 0.1)),
+    (("link_inertia",), (0.1,)),
+    (("quadratic_friction", "torque_offset", "load_friction"), (0.1, 0.05, 0.1)),
+    (("encoder_offset",), (0.05,)),
+    ((), ()),
+)
+LINK_ERROR, WRONG = 0.04, 0  # relative error of all links, and in which case
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A case with a variation of the settings."""
+
+    case: Case
+    variation: Variation
+
+    @property
+    def id(self) -> str:
+        """Name that stays the same."""
+        return f"{self.variation.id} | {self.case.id}"
+
+
+@dataclass(frozen=True)
+class TrialOutcome:
+    """What came of it.
+
+    Attributes:
+        id: Name of the trial.
+        variation: Name of the variation.
+        missed: Hidden effects that were not found.
+        spurious: Effects found that were not hidden; links that are all wrong are not counted.
+        alternatives: Number of other explanations listed.
+        unexplained: Whether structure was said to be left.
+    """
+
+    id: str
+    variation: str
+    missed: int
+    spurious: int
+    alternatives: int
+    unexplained: bool
+
+    def to_json(self) -> str:
+        """Return the outcome as a line of JSON."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, line: str) -> Self:
+        """Read back what `to_json` wrote."""
+        return cls(**json.loads(line))
+
+
+def cases() -> Iterator[Case]:
+    """Yield the cases: every set of hidden effects, arms and noises in turn, one with wrong links."""
+    for k, (effects, shares) in enumerate(HIDDEN):
+        wrong = LINK_ERROR if k == WRONG else 0.0
+        yield Case(SUITE, ARMS[k % 4], effects, shares, tuple(NOISES)[k % 3], model_error=wrong)
+
+
+def run_trial(trial: Trial) -> TrialOutcome:
+    """Run one trial."""
+    plant, scenario = drawn(trial.case)
+    log = recorded(trial.case, scenario.run(plant))
+    found = discover(Dynamics(plant.robot), log, settings=trial.variation.settings())
+    hidden = {label_of(f) for f in scenario.faults}
+    labels = {step.term.label for step in found.steps if step.term is not None}
+    every_link = {x for x in labels if trial.case.model_error and x.startswith("link_inertia@") and "+" in x}
+    return TrialOutcome(
+        id=trial.id,
+        variation=trial.variation.id,
+        missed=len(hidden - labels),
+        spurious=len(labels - hidden - every_link),
+        alternatives=sum(len(step.confusions) for step in found.steps),
+        unexplained=bool(found.structure_left),
+    )
