@@ -75,3 +75,20 @@ def test_effects_is_the_module():
 def test_other_names_are_not():
     with pytest.raises(AttributeError, match="no_such_name"):
         cdia_pin.no_such_name  # noqa: B018
+
+
+def test_every_room_can_be_imported_first():
+    # A circle of imports shows only where a process begins with the wrong room: each has a process of its own.
+    code = """
+import importlib, os, sys
+import numpy, pinocchio, scipy.linalg, scipy.optimize, scipy.signal  # what all rooms share, imported once
+import cdia_pin
+for home in sorted(set(cdia_pin._HOME.values()) - {"cdia_pin"}):
+    if not (child := os.fork()):
+        importlib.import_module(home)
+        os._exit(0)
+    if os.waitpid(child, 0)[1]:
+        print(home)
+"""
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.split() == [], run.stderr

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,8 +57,9 @@ def _drum(axis: Array, radius: float) -> Mesh:
 
 def _along(direction: Array, middle: Array) -> Array:
     """Return the pose of a shape whose z axis lies along a direction."""
-    from trimesh.geometry import align_vectors
+    from trimesh import geometry
 
-    placement = np.array(align_vectors([0.0, 0.0, 1.0], direction))
+    align: Callable[..., Array] = geometry.align_vectors  # trimesh states no types
+    placement = np.array(align([0.0, 0.0, 1.0], direction))
     placement[:3, 3] = middle
     return placement
