@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -92,3 +93,31 @@ def test_the_rules_are_what_they_say():
     assert not may_import("viewers", "app")
     assert not may_import("app", "cli")
     assert not may_import("errors", "robot")
+
+
+def names_of_modules() -> dict[str, Path]:
+    """Modules by dotted name; a folder's door has the folder's name."""
+    dotted = {p: ".".join(("cdia_pin", *p.relative_to(PACKAGE).with_suffix("").parts)) for p in MODULES}
+    return {name.removesuffix(".__init__"): p for p, name in dotted.items()}
+
+
+def imported_modules(path: Path, known: dict[str, Path]) -> set[str]:
+    """Modules of the package that a module imports, also inside functions and for types only."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                inner = f"{node.module}.{alias.name}"
+                found.add(inner if inner in known else node.module)
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+    return found & set(known)
+
+
+def test_no_module_imports_itself_through_others():
+    known = names_of_modules()
+    graph = {name: imported_modules(path, known) - {name} for name, path in known.items()}
+    try:
+        list(TopologicalSorter(graph).static_order())
+    except CycleError as error:
+        pytest.fail(f"a circle of imports: {' → '.join(error.args[1])}")

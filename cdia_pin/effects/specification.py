@@ -5,6 +5,7 @@ from __future__ import annotations
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.profile import ALWAYS, Between, Incipient, Intermittent, Profile, Region
 from cdia_pin.effects.term import Term
+from cdia_pin.effects.vocabulary import parse_effect
 from cdia_pin.errors import EffectError
 from cdia_pin.robot.model import RobotModel
 
@@ -28,8 +29,6 @@ def parse_term(text: str, robot: RobotModel | None = None) -> Term:
         EffectError: If a name or number is not valid.
         RobotError: If a joint is not of the robot.
     """
-    from cdia_pin.effects import parse_effect
-
     label, _, rest = text.partition(":")
     pairs: dict[str, str] = {}
     for item in filter(None, (part.strip() for part in rest.split(","))):

@@ -14,6 +14,7 @@ from cdia_pin.effects.profile import ALWAYS, Profile, profile_from_dict
 from cdia_pin.effects.records import ParameterRecord, TermRecord
 from cdia_pin.effects.state import State
 from cdia_pin.effects.traits import Signal
+from cdia_pin.effects.vocabulary import effect_from_dict
 from cdia_pin.errors import EffectError, unknown_name
 from cdia_pin.robot.model import RobotModel
 
@@ -168,8 +169,6 @@ class Term:
         Raises:
             EffectError: If a name is unknown or a number is missing.
         """
-        from cdia_pin.effects import effect_from_dict
-
         effect = effect_from_dict(given)
         written = given.get("parameters", {})
         names = [p.name for p in effect.parameters]
