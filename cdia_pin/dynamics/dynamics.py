@@ -5,117 +5,32 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cdia_pin.effects import Channel, Signal, State, Term, parse_effect
+from cdia_pin.dynamics.model_terms import ModelTerms
+from cdia_pin.dynamics.torques import Torques
+from cdia_pin.effects import Channel, Signal, State, Term
 from cdia_pin.effects.memory import Memory
 from cdia_pin.effects.state import DEFAULT_SIGN_WIDTH
 from cdia_pin.errors import ModelError
-from cdia_pin.phrases import shortened, some
-from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-SMALLEST_GAIN = (
-    0.05  # [1], lower bound of 1 + ∂f/∂τ in the solution: an arm with less torque cannot be driven
-)
+SMALLEST_GAIN = 0.05  # [1], lower bound of 1 + ∂f/∂τ: an arm with less torque cannot be driven
 MOST_DIVISIONS = 20  # divisions to solve for the torque; effects in proportion to it need one and a check
 SOLVED = 1e-9  # [1], change of the torque over the largest torque at which the divisions stop
 
 
 @dataclass(frozen=True, repr=False)
-class Torques:
-    """Torques of a motion [N·m or N], each of shape (N, n).
-
-    Attributes:
-        actuator: Torque that the actuators must give.
-        reading: Torque that a log would record.
-        gain: 1 + ∂f/∂τ [1]; a missing torque f changes the actuator torque by −f / gain.
-    """
-
-    actuator: Array
-    reading: Array
-    gain: Array
-
-    def __repr__(self) -> str:
-        samples, joints = self.actuator.shape
-        return f"Torques({samples} samples, {joints} joints)"
-
-
-@dataclass(frozen=True, repr=False)
-class Dynamics:
+class Dynamics(ModelTerms):
     r"""Dynamics of an arm, :math:`M \ddot q + \mathrm{nle} = \tau + \sum \beta \Phi \theta`.
 
     Attributes:
         robot: The rigid bodies of the URDF.
         terms: Terms Σ β Φ θ that are added to them.
     """
-
-    robot: RobotModel
-    terms: tuple[Term, ...] = ()
-
-    def __post_init__(self) -> None:
-        for term in self.terms:
-            term.check(self.robot)
-
-    def __repr__(self) -> str:
-        terms = some([shortened(t.label, 50) for t in self.terms], 2)
-        return f"Dynamics({shortened(self.robot.name)}, {f'terms {terms}' if terms else 'no terms'})"
-
-    # ------------------------------------------------------------- composing
-
-    def add(self, *terms: Term) -> Self:
-        """Return the model with more terms; a term of the same effect and scope is replaced.
-
-        Args:
-            terms: Terms to add.
-
-        Returns:
-            A new model; this one is not changed.
-        """
-        labels = {t.label for t in terms}
-        kept = tuple(t for t in self.terms if t.label not in labels)
-        return type(self)(self.robot, kept + terms)
-
-    def remove(self, label: str) -> Self:
-        """Return the model without a term.
-
-        Args:
-            label: Label of the term, such as ``coulomb_friction@elbow_joint``.
-
-        Returns:
-            A new model; this one is not changed.
-
-        Raises:
-            ModelError: If no term has this label.
-        """
-        kept = tuple(t for t in self.terms if t.label != label)
-        if len(kept) == len(self.terms):
-            have = ", ".join(t.label for t in self.terms) or "none"
-            raise ModelError(f"the model has no term '{label}'; its terms: {have}")
-        return type(self)(self.robot, kept)
-
-    def find(self, label: str) -> Term:
-        """Find a term by its label.
-
-        Args:
-            label: Label of the term, such as ``coulomb_friction@elbow_joint``.
-
-        Returns:
-            The term.
-
-        Raises:
-            ModelError: If no term has this label.
-        """
-        known = {t.label: t for t in self.terms}
-        if label not in known:
-            label = parse_effect(label, self.robot).label
-        if label in known:
-            return known[label]
-        raise ModelError(f"the model has no term '{label}'")
 
     # ------------------------------------------------------------- torques
 
@@ -285,7 +200,14 @@ class Dynamics:
         return M
 
     def gravity_change(self, x: State) -> Array:
-        """Return by how much the terms turn gravity along a motion [m/s²], shape (N, 3)."""
+        """Compute the change of gravity by the terms along a motion.
+
+        Args:
+            x: The state, N samples.
+
+        Returns:
+            Change of the gravity vector in the base frame [m/s²], shape (N, 3).
+        """
         return sum((t.gravity_change(x) for t in self._turning), np.zeros((len(x), 3)))
 
     # ------------------------------------------------------------- effects with memory
@@ -309,31 +231,6 @@ class Dynamics:
             dt: Duration of the step [s].
         """
         return {m: m.advance(z, x, dq, dt) for m, z in self.memory(x.memory).items()}
-
-    # ------------------------------------------------------------- terms by their physics
-
-    @property
-    def turns_gravity(self) -> bool:
-        """Whether bodies that the model adds feel another gravity than the robot's."""
-        return bool(self._turning)
-
-    def on(self, channel: Channel) -> tuple[Term, ...]:
-        """Return the terms that enter by a channel."""
-        return tuple(t for t in self.terms if t.effect.traits.channel is channel)
-
-    @cached_property
-    def on_motion(self) -> tuple[Term, ...]:
-        """Terms that act on the arm itself, not on its sensors."""
-        return self.on(Channel.JOINT_TORQUE)
-
-    @cached_property
-    def inertial(self) -> tuple[Term, ...]:
-        """Terms on the arm whose torque depends on its acceleration."""
-        return tuple(t for t in self.on_motion if Signal.ACCELERATION in t.depends_on)
-
-    @cached_property
-    def _turning(self) -> tuple[Term, ...]:
-        return tuple(t for t in self.terms if t.effect.traits.turns_gravity)
 
 
 def _sum(terms: Iterable[Term], x: State) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.dynamics.dynamics import Torques
+from cdia_pin.dynamics.torques import Torques
 from cdia_pin.effects import Channel, Effect, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
