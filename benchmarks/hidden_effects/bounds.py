@@ -16,6 +16,8 @@ from cdia_pin.regression.experiment import Experiment
 
 Array = NDArray[np.float64]
 
+RANK_CUTOFF = 1e-12  # eigenvalues of scaled information that count as zero, over the largest
+
 STEP = 1e-4  # [1], relative, to differentiate by a shape
 
 
@@ -92,7 +94,4 @@ def _autocovariance(motion: Motion, keep: float, rate: float, count: int) -> Arr
 
 
 def _deviations(information: Array) -> Array:
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(information), 1e-300))
-    return unit * np.sqrt(
-        np.diag(np.linalg.pinv(information * np.outer(unit, unit), rcond=1e-12, hermitian=True))
-    )
+    return np.sqrt(np.diag(ScaledGram.of(information).pseudo_inverse(RANK_CUTOFF)))

@@ -21,12 +21,13 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.joint_gram import first_columns, symmetric
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.regression.scaled_gram import ScaledGram
 
 Array = NDArray[np.float64]
 
 MOST_RIVALS = 4  # combinations that a report may list beside the leading one, to stay readable
+RANK_CUTOFF = 1e-15  # eigenvalues of the scaled normal equations that count as zero, over the largest
 NORMAL_95 = 1.96  # [1], standard deviations to either side of a 95 % interval
-TINY = 1e-300  # keeps a column that was never excited from dividing by zero
 
 
 @dataclass(frozen=True)
@@ -140,9 +141,8 @@ class Isolator:
         """
         columns = self.bank.columns(self.bank.members(mask))
         part = symmetric(gram)[np.ix_(columns, columns)]
-        unit = 1.0 / np.sqrt(np.maximum(np.diag(part), TINY))
-        inverse = np.linalg.pinv(part * np.outer(unit, unit), hermitian=True)
-        half = NORMAL_95 * noise * unit * np.sqrt(np.maximum(np.diag(inverse), 0.0) * independent)
+        variance = np.diag(ScaledGram.of(part).pseudo_inverse(RANK_CUTOFF))
+        half = NORMAL_95 * noise * np.sqrt(np.maximum(variance, 0.0) * independent)
         return np.column_stack([theta[columns] - half, theta[columns] + half])
 
     def _first_distinct(self, order: NDArray[np.int64], score: Array) -> int:
