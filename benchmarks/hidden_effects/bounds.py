@@ -13,6 +13,7 @@ from cdia_pin.effects import Effect, State, Term
 from cdia_pin.logs.conditioning import Motion, condition
 from cdia_pin.logs.derivatives import zero_phase
 from cdia_pin.regression.experiment import Experiment
+from cdia_pin.regression.scaled_gram import ScaledGram
 
 Array = NDArray[np.float64]
 

@@ -112,7 +112,7 @@ class Alternatives:
         if not fit.physical:
             return float("inf")
         needed = evidence.identifiable_parameters(evidence.fit([*rest, other]), other)
-        idle = max(evidence.effective_parameters[other] - needed, 0.0)
+        idle = max(float(evidence.effective_parameters[other]) - needed, 0.0)
         return fit.cost - evidence.penalty_per_parameter * idle
 
     def _is_other_name(self, found: SetFit, one: int, rest: Sequence[int], other: int) -> bool:
