@@ -143,7 +143,8 @@ class Differing:
         ends = np.cumsum([0, *experiment.lengths])
         after = np.arange(ends[-1]) >= ends[before]
         logs = tuple(s.state.log for s in experiment.segments[before:])
-        families = enumerate_candidates(experiment, prediction, settings)
+        # a change is a difference between the logs, so no candidate has parameters per log besides
+        families = enumerate_candidates(experiment, prediction, replace(settings, per_log=()))
         changes = {}
         asked = settings.effects or ()
         for effect in (e for family in families for e in family):
