@@ -82,4 +82,4 @@ def smooth_functions(experiment: Experiment, prediction: Prediction, size: Array
 def _bases(signal: Array) -> Array:
     low, high = np.percentile(signal, [0.5, 99.5])
     width = (high - low) / (NEURONS - 1) or 1.0
-    return np.exp(-(((signal[:, None] - np.linspace(low, high, NEURONS)) / width) ** 2))
+    return np.asarray(np.exp(-(((signal[:, None] - np.linspace(low, high, NEURONS)) / width) ** 2)))

@@ -20,7 +20,7 @@ from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.identifiability.distinguishing_motions import motion_between
 from cdia_pin.logs.conditioning import Motion, condition
 from cdia_pin.logs.log import Log
-from cdia_pin.progress import Progress
+from cdia_pin.progress import Progress, silent
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.regression.whitening import Whitening
 from cdia_pin.robot.model import RobotModel
@@ -60,7 +60,7 @@ def what_changed(
         LogError: If a log is too short, of other joints, or on both sides.
         EffectError: If the settings name an unknown effect.
     """
-    tell = progress or (lambda sentence, share: None)
+    tell = progress or silent
     settings = settings or DiscoverySettings()
     first, last = ([side] if isinstance(side, Log) else list(side) for side in (before, after))
     if not first or not last:
@@ -210,4 +210,4 @@ def _noise(logs: Sequence[Log], motions: Sequence[Motion]) -> Array:
     for log, motion in zip(logs, motions, strict=True):
         rough = np.median(np.abs(np.diff(log.effort, 2, axis=0)), axis=0) / MEDIAN / np.sqrt(6.0)
         parts.append(rough**2 * min(2 * motion.cutoff / log.rate, 1.0))
-    return np.sqrt(np.maximum(np.mean(parts, axis=0), 1e-24))
+    return np.asarray(np.sqrt(np.maximum(np.mean(parts, axis=0), 1e-24)))

@@ -95,7 +95,7 @@ class Difference(WrappedEffect):
         return float(x.log in self.logs)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Differing:
     """Logs before and after, columns of what they have in common, and of how they may differ.
 
@@ -120,6 +120,9 @@ class Differing:
     noise: Array
     settings: DiscoverySettings
     edges: NDArray[np.intp]
+
+    def __repr__(self) -> str:
+        return f"Differing({self.experiment!r}, {len(self.changes)} candidates)"
 
     @classmethod
     def of(

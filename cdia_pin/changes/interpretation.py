@@ -7,14 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from cdia_pin.changes.changes_result import Change
-from cdia_pin.changes.finding import Finding
+from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
 from cdia_pin.robot.model import RobotModel
 
 FEWEST = 3  # joints
 MOST_JOINTS = 0.5  # share of the joints
 
 
-def findings_of(changes: Sequence[Change], robot: RobotModel) -> tuple[Finding, ...]:
+def findings_of(changes: Sequence[Change], robot: RobotModel) -> tuple[Phenomenon, ...]:
     """Return what several changes have in common."""
     change_of: dict[str, float] = {}  # friction torque of each joint, relative to before where that is known
     for c in changes:
@@ -36,5 +36,5 @@ def findings_of(changes: Sequence[Change], robot: RobotModel) -> tuple[Finding, 
     )
     if not fell:
         sentence = sentence.replace("rose on none", "fell on none")
-    kind = "warming" if fell else "cooling"
-    return (Finding(kind, tuple(change_of), sentence, {"median_growth": mean} if growth else {}),)
+    kind = PhenomenonKind.WARMING if fell else PhenomenonKind.COOLING
+    return (Phenomenon(kind, tuple(change_of), sentence, {"median_growth": mean} if growth else {}),)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin import schemas
+from cdia_pin.discovery.discovery_documents import ComparisonJson, ComparisonRecord, RegionJson
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.log import Log
+from cdia_pin.phrases import clipped, shortened
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.version import __version__
 
@@ -23,8 +24,8 @@ FEWEST = 12  # samples a region must hold to be spoken of
 REGIONS = 3  # worst regions reported per joint
 
 
-@dataclass(frozen=True)
-class Region:
+@dataclass(frozen=True, repr=False)
+class ResidualRegion:
     """A stretch of a signal in which a joint's residual is large.
 
     Attributes:
@@ -47,9 +48,26 @@ class Region:
     ratio: float
     unit: str
 
+    def __repr__(self) -> str:
+        where = f"{self.signal} {self.lower:.3g} to {self.upper:.3g} {self.unit}"
+        return f"ResidualRegion({clipped(self.joint)}, {where}: RMS {self.rms:.3g}, {self.ratio:.3g} × the joint's)"
 
-@dataclass(frozen=True)
-class Shape:
+    def to_dict(self) -> RegionJson:
+        """Return the region for JSON."""
+        return {
+            "joint": self.joint,
+            "signal": self.signal,
+            "lower": self.lower,
+            "upper": self.upper,
+            "rms": self.rms,
+            "bias": self.bias,
+            "ratio": self.ratio,
+            "unit": self.unit,
+        }
+
+
+@dataclass(frozen=True, repr=False)
+class ResidualShape:
     """The residual of a joint as a function of one signal: mean and spread in each region.
 
     Attributes:
@@ -66,8 +84,11 @@ class Shape:
     count: NDArray[np.intp]
     share: float
 
+    def __repr__(self) -> str:
+        return f"ResidualShape({len(self.mean)} regions, {100 * self.share:.3g} % of the variance)"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Comparison:
     """A model against logs, joint by joint; arrays have shape (n,) unless stated.
 
@@ -92,14 +113,19 @@ class Comparison:
     torque_rms: Array
     bias: Array
     autocorrelation: Array
-    worst_regions: tuple[Region, ...]
-    shapes: dict[str, dict[str, Shape]]
+    worst_regions: tuple[ResidualRegion, ...]
+    shapes: dict[str, dict[str, ResidualShape]]
     time: Array
     signals: dict[str, Array]
     measured: Array
     predicted: Array
     informative: NDArray[np.bool_]
-    record: dict[str, Any]
+    record: ComparisonRecord
+
+    def __repr__(self) -> str:
+        size = f"{len(self.time)} samples, {len(self.rms)} joints"
+        error = f"RMS residual {100 * float(np.mean(self.relative_rms)):.3g} % of the torque"
+        return f"Comparison({shortened(self.model.robot.name)}, {size}; {error}, mean over the joints)"
 
     @property
     def relative_rms(self) -> Array:
@@ -111,20 +137,19 @@ class Comparison:
         """Predicted less measured torque [N·m or N], shape (K, n)."""
         return self.predicted - self.measured
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> ComparisonJson:
         """Return the JSON of schema ``cdia-comparison/1``."""
         robot = self.model.robot
-        by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
         return {
             "schema": schemas.COMPARISON,
             "robot": robot.name,
             "joints": list(robot.joints),
-            "rms": by_joint(self.rms),
-            "relative_rms": by_joint(self.relative_rms),
-            "torque_rms": by_joint(self.torque_rms),
-            "bias": by_joint(self.bias),
-            "autocorrelation": by_joint(self.autocorrelation),
-            "worst_regions": [vars(r) for r in self.worst_regions],
+            "rms": robot.by_joint(self.rms),
+            "relative_rms": robot.by_joint(self.relative_rms),
+            "torque_rms": robot.by_joint(self.torque_rms),
+            "bias": robot.by_joint(self.bias),
+            "autocorrelation": robot.by_joint(self.autocorrelation),
+            "worst_regions": [r.to_dict() for r in self.worst_regions],
             "record": self.record,
         }
 
@@ -167,8 +192,8 @@ def compare_in(experiment: Experiment, model: Dynamics) -> Comparison:
     signals = {"position": q, "velocity": v, "acceleration": a, "load": load}
     errors = rms(residual, use)
     count = np.maximum(use.sum(axis=0), 1)
-    shapes: dict[str, dict[str, Shape]] = {}
-    regions: list[Region] = []
+    shapes: dict[str, dict[str, ResidualShape]] = {}
+    regions: list[ResidualRegion] = []
     for j, joint in enumerate(model.robot.joints):
         of_joint = {name: values[:, j] for name, values in signals.items()} | {"time": time}
         shapes[joint] = {name: _shape(x[use[:, j]], residual[use[:, j], j]) for name, x in of_joint.items()}
@@ -200,7 +225,7 @@ def signal_units(prismatic: bool) -> dict[str, str]:
     return {"position": x, "velocity": f"{x}/s", "acceleration": f"{x}/s²", "load": effort, "time": "s"}
 
 
-def _shape(signal: Array, residual: Array) -> Shape:
+def _shape(signal: Array, residual: Array) -> ResidualShape:
     low, high = np.percentile(signal, [0.5, 99.5]) if len(signal) else (0.0, 1.0)
     edges = np.linspace(low, high if high > low else low + 1e-9, BINS + 1)
     at = np.clip(np.digitize(signal, edges) - 1, 0, BINS - 1)
@@ -210,7 +235,7 @@ def _shape(signal: Array, residual: Array) -> Shape:
     mean = np.bincount(at, residual, BINS) / safe
     spread = np.sqrt(np.maximum(np.bincount(at, residual**2, BINS) / safe - mean**2, 0.0))
     variance = float(np.sum(residual**2)) or 1.0
-    return Shape(
+    return ResidualShape(
         edges,
         np.where(enough, mean, np.nan),
         np.where(enough, spread, np.nan),
@@ -219,13 +244,15 @@ def _shape(signal: Array, residual: Array) -> Shape:
     )
 
 
-def _regions(joint: str, signal: str, shape: Shape, whole: float, unit: str) -> list[Region]:
+def _regions(joint: str, signal: str, shape: ResidualShape, whole: float, unit: str) -> list[ResidualRegion]:
     out = []
     for k in np.flatnonzero(np.isfinite(shape.mean)):
         here = float(np.hypot(shape.mean[k], shape.spread[k]))
         lower, upper = float(shape.edges[k]), float(shape.edges[k + 1])
         out.append(
-            Region(joint, signal, lower, upper, here, float(shape.mean[k]), here / max(whole, 1e-12), unit)
+            ResidualRegion(
+                joint, signal, lower, upper, here, float(shape.mean[k]), here / max(whole, 1e-12), unit
+            )
         )
     return out
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from cdia_pin.changes.finding import Finding
-from cdia_pin.discovery.discovery_result import Discovery, Ranked, Step
+from cdia_pin.changes.phenomenon import Phenomenon
+from cdia_pin.discovery.discovery_result import Discovery, Ranked
 from cdia_pin.discovery.recognition import recognised
 from cdia_pin.discovery.trace import trace
+from cdia_pin.discovery.verdict import verdict_on
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
@@ -21,7 +22,7 @@ def concluded(
     *,
     ranking: tuple[Ranked, ...] = (),
     forced: tuple[str, ...] = (),
-    findings: tuple[Finding, ...] = (),
+    findings: tuple[Phenomenon, ...] = (),
 ) -> Discovery:
     """Return the result of a discovery.
 
@@ -41,7 +42,7 @@ def concluded(
     left = tuple(j for j, s in zip(base.robot.joints, misfit.left, strict=True) if s)
     return Discovery(
         model=final,
-        verdict=_verdict(left, steps),
+        verdict=verdict_on(left, added=len(steps) - 1),
         trace=steps,
         noise_floor=misfit.floor,
         structure_left=left,
@@ -62,9 +63,3 @@ def concluded(
             *recognised(logs.with_noise_of(misfit).regression, final, left, settings.memory),
         ),
     )
-
-
-def _verdict(left: tuple[str, ...], steps: tuple[Step, ...]) -> str:
-    if left:
-        return "unexplained"
-    return "explained" if len(steps) > 1 else "nothing-missing"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cdia_pin.changes.conditions import changes_between, effects_that_differ, with_parameters_per_log
-from cdia_pin.changes.finding import Finding
+from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
 from cdia_pin.discovery.ranking import rank
@@ -60,7 +60,7 @@ def discover_in(
     model: Dynamics,
     progress: Progress | None = None,
     *,
-    findings: tuple[Finding, ...] = (),
+    findings: tuple[Phenomenon, ...] = (),
 ) -> Discovery:
     """Answer as `discover` does, from logs that are conditioned already.
 
@@ -89,7 +89,7 @@ def _answer(
     problem: WhitenedProblem,
     found: Dynamics,
     report: Progress,
-    findings: tuple[Finding, ...],
+    findings: tuple[Phenomenon, ...],
 ) -> Discovery:
     report("asking what each effect explains", 0.85)
     return concluded(problem, model, found, report, ranking=rank(problem, model), findings=findings)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.finding import Finding
+from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, Drift, Term
 from cdia_pin.regression.experiment import Experiment, Prediction
@@ -26,7 +26,7 @@ NEURONS = 9  # radial bases over a joint's speed
 
 def recognised(
     regression: Regression, model: Dynamics, left: Sequence[str], settings: MemorySettings
-) -> tuple[Finding, ...]:
+) -> tuple[Phenomenon, ...]:
     """Return what is recognised in a fitted model, and in what it leaves.
 
     Args:
@@ -38,7 +38,7 @@ def recognised(
     return (*_drifts(model, left), *_memories(regression, model, settings))
 
 
-def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
+def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Phenomenon]:
     """Yield a sentence for each effect that drifts."""
     for term in model.terms:
         effect = term.effect
@@ -54,8 +54,8 @@ def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
             meaning = ", as in a drive that warms up" if fell else ", as in a drive that cools down"
         if set(joints) & set(left):
             meaning = "; structure is left there, so it may be something else that changes with time"
-        yield Finding(
-            "drift",
+        yield Phenomenon(
+            PhenomenonKind.DRIFT,
             joints,
             f"{effect.name.replace('_', ' ')} on {', '.join(joints)} drifts within the log: {parameter.name} from "
             f"{first[largest]:.3g} to {last[largest]:.3g} {unit} (time constant {effect.time_constant:.2g} s){meaning}",
@@ -67,7 +67,7 @@ def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
         )
 
 
-def _memories(regression: Regression, model: Dynamics, settings: MemorySettings) -> Iterator[Finding]:
+def _memories(regression: Regression, model: Dynamics, settings: MemorySettings) -> Iterator[Phenomenon]:
     """Yield a sentence for each joint whose torque after a reversal follows the distance travelled."""
     experiment, whitening = regression.experiment, regression.whitening
     prediction = experiment.predict(model)
@@ -102,12 +102,12 @@ def _memories(regression: Regression, model: Dynamics, settings: MemorySettings)
             yield _presliding(model.robot, joint, levels[best], float(REACHES[best] * travel))
 
 
-def _presliding(robot: RobotModel, joint: str, level: float, reach: float) -> Finding:
+def _presliding(robot: RobotModel, joint: str, level: float, reach: float) -> Phenomenon:
     prismatic = bool(robot.is_prismatic[robot.joint_index(joint)])
     x, effort = ("m", "N") if prismatic else ("rad", "N·m")
     stiffness = level / reach
-    return Finding(
-        "memory",
+    return Phenomenon(
+        PhenomenonKind.MEMORY,
         (joint,),
         f"friction on {joint} has memory at reversals: it looks like presliding, {level:.2g} {effort} built up over "
         f"about {reach:.2g} {x} (stiffness ≈ {stiffness:.2g} {effort}/{x})",

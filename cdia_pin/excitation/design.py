@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect
+from cdia_pin.excitation.excitation_documents import ExcitationRecord
 from cdia_pin.excitation.excitation_result import Excitation
 from cdia_pin.excitation.excitation_settings import ExcitationSettings
 from cdia_pin.excitation.limits import motion_limits
 from cdia_pin.excitation.question import Explanation, Question
-from cdia_pin.excitation.search import Search, Tell
+from cdia_pin.excitation.search import MotionSearch
 from cdia_pin.logs.log import Log
+from cdia_pin.progress import Progress, silent
 from cdia_pin.robot.collision import CollisionModel, standing_height
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.version import __version__
@@ -27,7 +28,7 @@ def excite(
     effects: Sequence[Effect] | None = None,
     after: Log | Sequence[Log] = (),
     settings: ExcitationSettings | None = None,
-    progress: Tell | None = None,
+    progress: Progress | None = None,
 ) -> Excitation:
     """Design a motion within all limits that makes parameters, or two confusable explanations, visible.
 
@@ -53,7 +54,7 @@ def excite(
     """
     dynamics = model if isinstance(model, Dynamics) else Dynamics(model)
     chosen = settings or ExcitationSettings()
-    tell = progress or (lambda sentence, share: None)
+    tell = progress or silent
     tell("looking at the limits", 0.0)
     robot = dynamics.robot
     limits = motion_limits(robot, speed=chosen.speed, effort=chosen.effort, acceleration=chosen.acceleration)
@@ -61,7 +62,7 @@ def excite(
     goal = question.between(*between) if between else question.parameters(effects)
     floor = standing_height(robot) if chosen.floor == "base" else chosen.floor
     collisions = CollisionModel(robot, clearance=chosen.clearance, floor=floor, srdf=chosen.srdf)
-    search = Search(dynamics, limits, collisions, goal, question.noise, chosen.duration)
+    search = MotionSearch(dynamics, limits, collisions, goal, question.noise, chosen.duration)
     trajectory, any_other = search.best(
         chosen.draws,
         chosen.refinements,
@@ -87,9 +88,26 @@ def excite(
         checked=len(collisions.pairs),
         gain=gain,
         warnings=limits.assumed,
-        record={
-            "version": __version__,
-            **asdict(chosen),
-            "terms": [t.label for t in dynamics.terms],
-        },
+        record=_record(chosen, dynamics),
     )
+
+
+def _record(chosen: ExcitationSettings, model: Dynamics) -> ExcitationRecord:
+    given = chosen.acceleration
+    return {
+        "version": __version__,
+        "duration": chosen.duration,
+        "rate": chosen.rate,
+        "speed": chosen.speed,
+        "effort": chosen.effort,
+        "acceleration": dict(given) if isinstance(given, Mapping) else given,
+        "clearance": chosen.clearance,
+        "floor": chosen.floor,
+        "srdf": str(chosen.srdf) if chosen.srdf else None,
+        "size": chosen.size,
+        "noise": chosen.noise,
+        "seed": chosen.seed,
+        "draws": chosen.draws,
+        "refinements": chosen.refinements,
+        "terms": [t.label for t in model.terms],
+    }

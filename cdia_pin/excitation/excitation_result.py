@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin import schemas
 from cdia_pin.dynamics import Reference, Trajectory
+from cdia_pin.excitation.excitation_documents import ExcitationJson, ExcitationRecord
 from cdia_pin.excitation.limits import MotionLimits
 from cdia_pin.logs.trajectories import write_joint_trajectory, write_motion
+from cdia_pin.phrases import clipped
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -20,7 +21,7 @@ Array = NDArray[np.float64]
 APART = 10.0  # standard deviations between two explanations, from which `discover` chooses the true one
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Gain:
     """What a motion makes visible, beside another.
 
@@ -40,13 +41,19 @@ class Gain:
     told: tuple[bool, ...]
     beside: str
 
+    def __repr__(self) -> str:
+        if not self.between:
+            return f"Gain(standard deviations {self.after:.3g} times smaller than {self.beside})"
+        pair = " and ".join(clipped(name, 40) for name in self.between)
+        return f"Gain({pair} {self.before:.3g} → {self.after:.3g} standard deviations apart)"
+
     @property
     def enough(self) -> bool:
         """Whether a log of the motion tells the two apart."""
         return not self.between or self.after >= APART
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Excitation:
     """The outcome of `excite`.
 
@@ -80,7 +87,11 @@ class Excitation:
     checked: int
     gain: Gain
     warnings: tuple[str, ...]
-    record: dict[str, Any]
+    record: ExcitationRecord
+
+    def __repr__(self) -> str:
+        size = f"{self.time[-1]:g} s at {(len(self.time) - 1) / self.time[-1]:.4g} Hz"
+        return f"Excitation({clipped(self.robot.name, 30)}, {size}; {self.gain!r})"
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -130,7 +141,7 @@ class Excitation:
         time = np.linspace(0.0, duration, max(2, int(np.ceil(duration * rate)) + 1))
         return write_joint_trajectory(path, self.joints, time, *self.trajectory(time))
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> ExcitationJson:
         """Return the JSON of schema ``cdia-excitation/1``; the samples are in the CSV file."""
         peaks, limits = self.peaks(), self.limits
         allowed = {name: getattr(limits, name) for name in peaks}
@@ -145,7 +156,7 @@ class Excitation:
                 }
                 for j, joint in enumerate(self.joints)
             },
-            "start": dict(zip(self.joints, map(float, self.position[0]), strict=True)),
+            "start": self.robot.by_joint(self.position[0]),
             "collisions": {"clearance": self.clearance, "floor": self.floor, "pairs": self.checked},
             "gain": {
                 "between": list(self.gain.between),

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Literal
 
 from cdia_pin.errors import RobotError
+from cdia_pin.phrases import settings_repr
 
 SHORTEST = 6.0  # [s], less leaves no time to move and to stop
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ExcitationSettings:
     """How a motion may be, and what it is judged by.
 
@@ -47,6 +48,8 @@ class ExcitationSettings:
     seed: int = 0
     draws: int = 40
     refinements: int = 160
+
+    __repr__ = settings_repr
 
     def __post_init__(self) -> None:
         if not SHORTEST <= self.duration <= 600 or not 10 <= self.rate <= 10_000:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cdia_pin.effects import Effect
 from cdia_pin.excitation.information import Information
 from cdia_pin.excitation.sides import Side, separation
+from cdia_pin.phrases import clipped
 from cdia_pin.regression.scaled_gram import ScaledGram
 
 Array = NDArray[np.float64]
@@ -38,7 +39,7 @@ class Goal(ABC):
         """Return how good a motion is; larger is better."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Parameters(Goal):
     """The parameters of effects, as sharp as can be: D-optimality over what motions can show.
 
@@ -49,6 +50,9 @@ class Parameters(Goal):
 
     wanted: tuple[Effect, ...]
     seen: Array
+
+    def __repr__(self) -> str:
+        return f"Parameters({len(self.wanted)} effects, {self.seen.shape[1]} combinations)"
 
     @classmethod
     def of(cls, wanted: Sequence[Effect], everything: Information) -> Parameters:
@@ -80,8 +84,8 @@ class Parameters(Goal):
         return float(np.mean(np.log(np.maximum(values, 1e-12)))) / 2
 
 
-@dataclass(frozen=True, eq=False)
-class Between(Goal):
+@dataclass(frozen=True, eq=False, repr=False)
+class TwoExplanations(Goal):
     """Which of two explanations is true, each by turns what the arm has and what is fitted in its place.
 
     Attributes:
@@ -100,6 +104,9 @@ class Between(Goal):
     beside: Parameters
     tellable: tuple[bool, bool]
 
+    def __repr__(self) -> str:
+        return f"TwoExplanations({clipped(self.one.label, 60)} or {clipped(self.two.label, 60)})"
+
     @classmethod
     def of(
         cls,
@@ -109,7 +116,7 @@ class Between(Goal):
         known: Array,
         beside: Parameters,
         everything: Information,
-    ) -> Between:
+    ) -> TwoExplanations:
         """Find in which directions the two differ on any motion.
 
         Args:

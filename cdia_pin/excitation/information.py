@@ -25,7 +25,7 @@ RANK_CUTOFF = 1e-12  # eigenvalues of scaled normal equations that count as zero
 QUIETEST = 0.02  # a joint that carries little has noise as if it carried this share of the largest
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Information:
     """Normal equations of effects along a motion, in variances of the noise.
 
@@ -36,6 +36,9 @@ class Information:
 
     effects: tuple[Effect, ...]
     gram: Array
+
+    def __repr__(self) -> str:
+        return f"Information({len(self.effects)} effects, {len(self.gram)} parameters)"
 
     @classmethod
     def along(

@@ -21,7 +21,7 @@ RISE = 0.5  # [s], in which a joint may reach its largest speed, where no accele
 NO_ROOM = 1e-3  # [rad or m], half a range that is no room to move
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MotionLimits:
     """What a motion may use of each joint, shape (n,) each; infinite where nothing limits it.
 
@@ -40,6 +40,9 @@ class MotionLimits:
     acceleration: Array
     effort: Array
     assumed: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"MotionLimits({len(self.lower)} joints, speed up to {self.velocity.max():.3g})"
 
     @property
     def middle(self) -> Array:

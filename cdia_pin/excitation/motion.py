@@ -44,7 +44,7 @@ class Part:
 PARTS = (Part(0.65, 0.08, 8, (0.4, 1.0)), Part(0.35, 0.0, 3, (0.03, 0.5)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Chain:
     """Trajectories one after another; each begins where the one before ended, at rest.
 
@@ -53,6 +53,9 @@ class Chain:
     """
 
     parts: tuple[FourierTrajectory, ...]
+
+    def __repr__(self) -> str:
+        return f"Chain({len(self.parts)} parts, {self.duration:g} s)"
 
     @property
     def duration(self) -> float:
@@ -73,7 +76,7 @@ class Chain:
         return Reference(*(r[0] for r in out)) if np.ndim(t) == 0 else out
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Draw:
     """Coefficients of a motion, before it is scaled into its limits.
 
@@ -86,6 +89,9 @@ class Draw:
     centre: Array
     waves: tuple[Array, ...]
     speed: Array
+
+    def __repr__(self) -> str:
+        return f"Draw({len(self.waves)} parts, {len(self.centre)} joints)"
 
     @classmethod
     def random(cls, centre: Array, rng: np.random.Generator) -> Draw:
@@ -103,7 +109,10 @@ class Draw:
         n = len(self.centre)
         some = rng.random(n) < max(VARIED, 1.0 / n)
         some[rng.integers(n)] = True
-        noise = lambda shape: step * some * rng.standard_normal(shape)  # noqa: E731
+
+        def noise(shape: int | tuple[int, ...]) -> Array:
+            return np.asarray(step * some * rng.standard_normal(shape))
+
         centre = self.centre + 0.5 * limits.half * noise(n)
         waves = tuple(w + w.std(axis=(0, 1)) * noise(w.shape) for w in self.waves)
         lowest, highest = np.array([part.speed for part in PARTS]).T[:, :, None]

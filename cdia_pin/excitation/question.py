@@ -14,7 +14,7 @@ from cdia_pin.effects import CoulombFriction, Effect, LinkInertia, Unknown, Visc
 from cdia_pin.errors import EffectError
 from cdia_pin.excitation.excitation_result import Gain
 from cdia_pin.excitation.excitation_settings import ExcitationSettings
-from cdia_pin.excitation.goals import Between, Goal, Parameters
+from cdia_pin.excitation.goals import Goal, Parameters, TwoExplanations
 from cdia_pin.excitation.information import Information, planned, torque_rms
 from cdia_pin.excitation.limits import MotionLimits
 from cdia_pin.excitation.motion import Draw, within_room
@@ -30,7 +30,7 @@ THOUGHT = 6  # motions over all of the limits, never driven, by which it is know
 Explanation = Effect | Sequence[Effect]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Question:
     """What is asked of a motion, on one arm within its limits.
 
@@ -43,6 +43,9 @@ class Question:
     model: Dynamics
     limits: MotionLimits
     settings: ExcitationSettings
+
+    def __repr__(self) -> str:
+        return f"Question({self.model!r}, {self.settings.duration:g} s)"
 
     @cached_property
     def everything(self) -> Experiment:
@@ -69,7 +72,7 @@ class Question:
             effect.check(robot)
         return Parameters.of(chosen, self.information(self.everything, chosen))
 
-    def between(self, one: Explanation, two: Explanation) -> Between:
+    def between(self, one: Explanation, two: Explanation) -> TwoExplanations:
         """Ask which of two explanations is true.
 
         Raises:
@@ -93,7 +96,7 @@ class Question:
             if not has_torque(side, info):
                 raise EffectError(why_silent(side, self.everything))
         known = np.concatenate([np.zeros(0), *(1.0 / e.prior_scale(self.model.robot) ** 2 for e in rest)])
-        goal = Between.of(one_side, other, rest, known, self.parameters(self._common()), info)
+        goal = TwoExplanations.of(one_side, other, rest, known, self.parameters(self._common()), info)
         if not any(goal.tellable):
             why = why_alike(one_side, other, self.everything)
             raise EffectError(f"no motion of this arm tells {one_side.label} from {other.label}: {why}")
@@ -107,7 +110,7 @@ class Question:
         )
         old, new = (self.information(x, goal.effects) for x in (there_is, planned(robot, motion)))
         beside = "on the logs given" if logs else "on some motion within the limits"
-        if isinstance(goal, Between):
+        if isinstance(goal, TwoExplanations):
             names = (goal.one.label, goal.two.label)
             return Gain(names, goal.distance(old), goal.distance(new), (0, 0), goal.tellable, beside)
         assert isinstance(goal, Parameters)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from cdia_pin.excitation.goals import Goal
 from cdia_pin.excitation.information import Information, planned
 from cdia_pin.excitation.limits import MotionLimits
 from cdia_pin.excitation.motion import Chain, Draw, within_room
+from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.robot.collision import CollisionModel, Contact
 
@@ -28,11 +29,9 @@ STEPS = (0.5, 0.05)  # [1], size of the first and of the last variation
 SAFE = 0.99  # share of the effort that is left to it, for what lies between the times looked at
 HIGHEST_RATE = 1000.0  # [Hz], of the postures looked at
 
-Tell = Callable[[str, float], None]
 
-
-@dataclass(frozen=True, eq=False)
-class Search:
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionSearch:
     """What a search works on.
 
     Attributes:
@@ -51,14 +50,19 @@ class Search:
     noise: Array
     duration: float
 
-    def best(self, draws: int, refinements: int, rng: np.random.Generator, tell: Tell) -> tuple[Chain, Chain]:
+    def __repr__(self) -> str:
+        return f"MotionSearch({self.model!r}, {self.duration:g} s)"
+
+    def best(
+        self, draws: int, refinements: int, rng: np.random.Generator, tell: Progress
+    ) -> tuple[Chain, Chain]:
         """Return the best motion found, and the first one, which is any motion within the limits.
 
         Args:
             draws: Motions drawn.
             refinements: Variations of the best one tried.
             rng: Source of both.
-            tell: Told a sentence and the share done.
+            tell: Called with a sentence and the share done.
 
         Raises:
             RobotError: If the arm cannot rest or move anywhere within the limits.

@@ -23,7 +23,7 @@ TOLD = 1.0 / 3.0  # share of the prior's deviation to which a log must narrow a 
 REACH = 1.0  # [rad or m], of joints without limits
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BaseParameters:
     """Base parameters of an arm, as identified; arrays have shape (n_b,).
 
@@ -46,6 +46,9 @@ class BaseParameters:
     deviation: Array
     half_width: Array
     told: NDArray[np.bool_]
+
+    def __repr__(self) -> str:
+        return f"BaseParameters({len(self)}, {int(self.told.sum())} of them identified by the log)"
 
     def __len__(self) -> int:
         return len(self.names)

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.identification.identification_settings import IdentificationSettings
 from cdia_pin.identification.prior import precision
-from cdia_pin.identification.terms import is_moving
+from cdia_pin.identification.terms import moving_joints
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.regression.gauss_newton import is_exact, with_parameters
@@ -31,7 +32,7 @@ PATIENCE = 3  # rounds of weighting
 RIDGE = 1e-12  # beside a unit diagonal, for columns that repeat each other
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Estimate:
     """A fitted model with what it was fitted by.
 
@@ -49,6 +50,9 @@ class Estimate:
     whitening: Whitening
     strength: float
 
+    def __repr__(self) -> str:
+        return f"Estimate({self.model!r}, strength {self.strength:g})"
+
     @property
     def theta(self) -> Array:
         """Parameters of all terms, one after another, shape (P,)."""
@@ -60,14 +64,19 @@ class Fitter:
 
     Args:
         experiment: The conditioned logs.
-        blocks: Contiguous blocks of time.
+        settings: When a joint counts as moving, and the number of blocks of time.
     """
 
-    def __init__(self, experiment: Experiment, blocks: int) -> None:
+    def __init__(self, experiment: Experiment, settings: IdentificationSettings) -> None:
         self.experiment = experiment
+        self.settings = settings
         self.design = DesignMatrix(experiment)
-        self.used = experiment.moving | ~is_moving(experiment)
-        self.edges = np.linspace(0, len(experiment.measured), blocks + 1).astype(int)
+        self.moving = moving_joints(experiment, settings.least_motion)
+        self.used = experiment.moving | ~self.moving
+        self.edges = np.linspace(0, len(experiment.measured), settings.blocks + 1).astype(int)
+
+    def __repr__(self) -> str:
+        return f"Fitter({self.experiment!r}, {len(self.edges) - 1} blocks)"
 
     def weights(self, residual: Array) -> Whitening:
         """Weigh every joint by its own error: a wrist says as much of its torque as the shoulder of its.
@@ -76,7 +85,7 @@ class Fitter:
         noise no longer minimises the error that is shown. The blocks of time know of it in the intervals.
         """
         e = self.experiment
-        share = np.where(is_moving(e), FINEST_ERROR, STUCK_ERROR * np.sqrt(len(residual)))
+        share = np.where(self.moving, FINEST_ERROR, STUCK_ERROR * np.sqrt(len(residual)))
         sigma = np.maximum(rms(residual, self.used), share * rms(e.measured, self.used) + 1e-12)
         noise = [NoiseModel(np.zeros(0), np.full(len(residual), s), tuple(e.lengths)) for s in sigma]
         return Whitening(tuple(noise), self.used, self.edges)

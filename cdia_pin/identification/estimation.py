@@ -61,9 +61,9 @@ def identify(
         for side in (given, unseen)
     )
     assert experiment is not None
-    fitter = Fitter(experiment, settings.blocks)
+    fitter = Fitter(experiment, settings)
     report("fitting links, friction and rotors", 0.1)
-    estimate = fitter.fit(full_model(model, experiment), settings.strength or FIRST_STRENGTH)
+    estimate = fitter.fit(full_model(model, experiment, settings), settings.strength or FIRST_STRENGTH)
     plain = {t.label for t in estimate.model.terms}
     if settings.refine:
         report("looking at friction", 0.2)

@@ -21,7 +21,7 @@ RANK_CUTOFF = 1e-13  # eigenvalues of scaled precisions that count as zero, over
 LOOSE = 1.0  # strength of the URDF in intervals: a link may differ by as much as itself
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Uncertainty:
     """Covariances of all parameters, shape (P, P) each.
 
@@ -32,6 +32,9 @@ class Uncertainty:
 
     before: Array
     after: Array
+
+    def __repr__(self) -> str:
+        return f"Uncertainty({len(self.after)} parameters)"
 
 
 def uncertainty(experiment: Experiment, estimate: Estimate) -> Uncertainty:

@@ -92,4 +92,4 @@ def _inertia(experiment: Experiment) -> Array:
     """Return the inertia of the arm about each joint, as it stands in the first log [kg·m² or kg], shape (n,)."""
     q = experiment.segments[0].state.q
     some = q[:: max(len(q) // 20, 1)]
-    return np.mean([np.diag(experiment.robot.mass_matrix(x)) for x in some], axis=0)
+    return np.asarray(np.mean([np.diag(experiment.robot.mass_matrix(x)) for x in some], axis=0))

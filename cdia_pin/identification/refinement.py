@@ -19,9 +19,9 @@ from cdia_pin.regression.regression import Regression
 
 Array = NDArray[np.float64]
 
-ROUNDS = 6
-LEAST_GAIN = 0.03  # share of a joint's squared error that a law must explain in unseen blocks
-LEAST_TORQUE = 0.005  # share of the joint's RMS torque, likewise: less changes nothing a user would notice
+ROUNDS = (
+    6  # rounds [1], each of at most one law per joint; a guard, because each law must still explain enough
+)
 
 
 def refine(fitter: Fitter, estimate: Estimate, tell: Progress) -> Estimate:
@@ -46,7 +46,7 @@ def refine(fitter: Fitter, estimate: Estimate, tell: Progress) -> Estimate:
 
 def _best_of_each_joint(fitter: Fitter, estimate: Estimate) -> list[Refinement]:
     experiment, whitening = fitter.experiment, estimate.whitening
-    laws = list(refinements(estimate.model, experiment))
+    laws = list(refinements(estimate.model, experiment, fitter.settings))
     present = [t.effect for t in estimate.model.terms]
     effects = [*present, *(law.added for law in laws)]
     equations = Regression(fitter.design, whitening).normal_equations(estimate.model, effects)
@@ -72,8 +72,8 @@ def _least_gain(fitter: Fitter, estimate: Estimate, total: float) -> dict[str, f
     experiment, whitening = fitter.experiment, estimate.whitening
     sigma = np.array([float(np.mean(m.sigma)) for m in whitening.noise])
     count = whitening.used.sum(axis=0)
-    visible = count * (LEAST_TORQUE * rms(experiment.measured, whitening.used) / sigma) ** 2
-    least = np.maximum(visible, LEAST_GAIN * total / experiment.robot.n)
+    visible = count * (fitter.settings.least_torque * rms(experiment.measured, whitening.used) / sigma) ** 2
+    least = np.maximum(visible, fitter.settings.least_gain * total / experiment.robot.n)
     return dict(zip(experiment.robot.joints, least.tolist(), strict=True))
 
 

@@ -27,6 +27,7 @@ from cdia_pin.effects import (
     TorqueOffset,
     ViscousFriction,
 )
+from cdia_pin.identification.identification_settings import IdentificationSettings
 from cdia_pin.regression.experiment import Experiment, rms
 
 SATURATION = (0.05, 0.15, 0.45)  # share of the speed driven at which saturating friction levels off
@@ -35,10 +36,6 @@ SPANNED_BY: dict[type[Effect], tuple[type[Effect], ...]] = {
     ViscousFriction: (AsymmetricFriction,),
     TorqueOffset: (JointSpring,),
 }
-LEAST_MOTION = 0.1  # share of the samples in which a joint must move to show friction and rotor
-LEAST_LOAD = (
-    0.2  # share of a joint's torque that must be the rigid body's for load and friction to be told apart
-)
 
 
 @dataclass(frozen=True)
@@ -60,7 +57,9 @@ class Refinement:
         return model.add(Term(self.added, (0.0,) * self.added.size))
 
 
-def full_model(model: Dynamics, experiment: Experiment) -> Dynamics:
+def full_model(
+    model: Dynamics, experiment: Experiment, settings: IdentificationSettings | None = None
+) -> Dynamics:
     """Return a model with all that an identification fits; what it had already keeps its parameters.
 
     A joint that hardly moves has no friction or rotor to show.
@@ -68,13 +67,15 @@ def full_model(model: Dynamics, experiment: Experiment) -> Dynamics:
     Args:
         model: What is known.
         experiment: The conditioned logs.
+        settings: When a joint counts as moving.
     """
+    settings = settings or IdentificationSettings()
     robot, model = model.robot, _one_by_one(model)
     has_payload = any(isinstance(t.effect, Payload) for t in model.terms)
     wanted: list[Effect] = [
         LinkInertia(j) for j in robot.joints if not (has_payload and j == robot.tool_joint)
     ]
-    for joint, moves in zip(robot.joints, is_moving(experiment), strict=True):
+    for joint, moves in zip(robot.joints, moving_joints(experiment, settings.least_motion), strict=True):
         wanted.append(TorqueOffset(joint))
         if moves:
             wanted += [CoulombFriction(joint), ViscousFriction(joint), RotorInertia(joint)]
@@ -96,20 +97,38 @@ def _one_by_one(model: Dynamics) -> Dynamics:
     return model
 
 
-def is_moving(experiment: Experiment) -> NDArray[np.bool_]:
-    """Tell which joints move for long enough to show what acts in them, shape (n,)."""
-    return np.asarray(experiment.moving.mean(axis=0) >= LEAST_MOTION)
+def moving_joints(experiment: Experiment, least_share: float) -> NDArray[np.bool_]:
+    """Tell which joints move for long enough to show their friction and rotor.
+
+    Args:
+        experiment: The conditioned logs.
+        least_share: Share of the samples in which such a joint moves [1].
+
+    Returns:
+        Shape (n,).
+    """
+    return np.asarray(experiment.moving.mean(axis=0) >= least_share)
 
 
-def refinements(model: Dynamics, experiment: Experiment) -> Iterator[Refinement]:
-    """Yield the richer laws that a model may take on, each for one joint."""
+def refinements(
+    model: Dynamics, experiment: Experiment, settings: IdentificationSettings
+) -> Iterator[Refinement]:
+    """Yield the richer laws that a model may take on, each for one joint.
+
+    Args:
+        model: The present model.
+        experiment: The conditioned logs.
+        settings: Which joints move, and carry enough load.
+    """
     present = {t.label for t in model.terms}
     saturating = {t.effect.joint for t in model.terms if isinstance(t.effect, Expression)}
     along = experiment.along(experiment.predict(model))
     load = np.vstack([s.motion.compared(s.state.rigid_torque) for s in experiment.segments])
-    loaded = rms(load, experiment.informative) > LEAST_LOAD * rms(experiment.measured, experiment.informative)
+    whole = rms(experiment.measured, experiment.informative)
+    loaded = rms(load, experiment.informative) > settings.least_rigid_share * whole
+    moving = moving_joints(experiment, settings.least_motion)
     for j, joint in enumerate(model.robot.joints):
-        if not is_moving(experiment)[j]:
+        if not moving[j]:
             continue
         for law in _laws(joint, along, bool(loaded[j])):
             if {law.label, *_spanning(law)} & present or (

@@ -18,7 +18,7 @@ MOST_INFLATION = 1e5  # of a parameter's variance by the others, beyond which it
 REPAIRS = 4  # rounds in which parameters that pass a bound are held there
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BoundedFit:
     """A set of effects fitted together, with parameters within their bounds.
 
@@ -33,6 +33,9 @@ class BoundedFit:
     chi2: float
     possible: bool
     physical: bool
+
+    def __repr__(self) -> str:
+        return f"BoundedFit({len(self.theta)} parameters, chi2 {self.chi2:.4g}, physical {self.physical})"
 
 
 def bounded_fit(equations: NormalEquations, chosen: Sequence[int], *, bodies: bool = False) -> BoundedFit:

@@ -14,6 +14,7 @@ from cdia_pin.dynamics.dynamics import Torques
 from cdia_pin.effects import Channel, Effect, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
+from cdia_pin.phrases import clipped, some
 from cdia_pin.regression.rest import RestSettings
 from cdia_pin.robot.model import RobotModel
 
@@ -22,7 +23,7 @@ Array = NDArray[np.float64]
 POSTURES = 200  # at which the inertia is asked for
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Segment:
     """One log of an experiment: its motion, the state along it, and the measured torque that is compared."""
 
@@ -30,8 +31,11 @@ class Segment:
     state: State
     measured: Array  # (K, n)
 
+    def __repr__(self) -> str:
+        return f"Segment({clipped(self.state.log)}, {len(self.measured)} compared samples)"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Prediction:
     """What a model predicts for an experiment.
 
@@ -45,8 +49,11 @@ class Prediction:
     torques: tuple[Torques, ...]
     residual: Array
 
+    def __repr__(self) -> str:
+        return f"Prediction({self.model!r}, {len(self.residual)} compared samples)"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Experiment:
     """Conditioned logs of one robot, ready to be compared with models.
 
@@ -67,6 +74,10 @@ class Experiment:
     nearness: NDArray[np.intp]
     resting: NDArray[np.bool_]
     rest: RestSettings
+
+    def __repr__(self) -> str:
+        logs = some([clipped(log, 30) for log in self.logs], 2)
+        return f"Experiment({clipped(self.robot.name)}, logs {logs}; {len(self.measured)} compared samples)"
 
     @classmethod
     def of(cls, robot: RobotModel, motions: Sequence[Motion], rest: RestSettings | None = None) -> Experiment:
@@ -231,7 +242,7 @@ class Experiment:
 def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:
     """Return the root mean square of each joint's signal over the samples that count, shape (n,)."""
     count = np.maximum(informative.sum(axis=0), 1)
-    return np.sqrt(np.sum(np.where(informative, signal, 0.0) ** 2, axis=0) / count)
+    return np.asarray(np.sqrt(np.sum(np.where(informative, signal, 0.0) ** 2, axis=0) / count))
 
 
 def _names(motions: Sequence[Motion]) -> list[str]:

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.phrases import settings_repr
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.noise import NoiseModel, NoiseSettings, fit_noise
 
@@ -19,7 +20,7 @@ FINEST_TORQUE = 1e-7  # of a joint's RMS torque: noise below that is what comput
 RIDGES = (1e-3, 1e-2, 1e-1)  # how firmly smooth functions are held back, beside columns of unit norm
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LackOfFitSettings:
     """When what a model leaves counts as structure.
 
@@ -40,8 +41,10 @@ class LackOfFitSettings:
     plain_improvement: float = 0.25
     least_torque: float = 0.001
 
+    __repr__ = settings_repr
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class LackOfFit:
     """What smooth functions of the motion find in each joint's residual.
 
@@ -58,6 +61,9 @@ class LackOfFit:
     residual_noise: tuple[NoiseModel, ...]
     innermost: tuple[NoiseModel, ...]
     floor: Array
+
+    def __repr__(self) -> str:
+        return f"LackOfFit(structure left on {int(self.left.sum())} of {len(self.left)} joints)"
 
     @property
     def noise(self) -> tuple[NoiseModel, ...]:
@@ -169,7 +175,7 @@ def _at_least(resolution: float, left: Array, by_acceleration: Array, use: NDArr
         return left
     # the share of it that, given back, lifts what is left to the resolution
     share = (np.sqrt(mixed**2 + square * lacking) - mixed) / square
-    return left + min(share, 1.0) * by_acceleration
+    return np.asarray(left + min(share, 1.0) * by_acceleration)
 
 
 def _white(signal: Array, noise: NoiseModel, use: NDArray[np.bool_]) -> Array:
@@ -190,7 +196,7 @@ def _improvement(own: Array, smooth: Array, y: Array, edges: NDArray[np.intp]) -
 def _bases(signal: Array, count: int) -> Array:
     low, high = np.percentile(signal, [0.5, 99.5])
     width = (high - low) / (count - 1) or 1.0
-    return np.exp(-(((signal[:, None] - np.linspace(low, high, count)) / width) ** 2))
+    return np.asarray(np.exp(-(((signal[:, None] - np.linspace(low, high, count)) / width) ** 2)))
 
 
 def _orthonormal(columns: Array, use: NDArray[np.bool_]) -> Array:
@@ -200,7 +206,7 @@ def _orthonormal(columns: Array, use: NDArray[np.bool_]) -> Array:
     scaled = columns / np.maximum(np.linalg.norm(columns[use], axis=0), 1e-300)
     _, values, right = np.linalg.svd(scaled[use], full_matrices=False)
     keep = values > 1e-2 * values[0]
-    return scaled @ right[keep].T / values[keep]
+    return np.asarray(scaled @ right[keep].T / values[keep])
 
 
 def _project(orthonormal: Array, y: Array, use: NDArray[np.bool_]) -> Array:

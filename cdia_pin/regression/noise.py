@@ -7,13 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.phrases import settings_repr
+
 Array = NDArray[np.float64]
 
 SAMPLES_PER_ORDER = 30  # at least, so that a short log has a simple noise model
 TAPER = 0.05  # relative fall of the longest lag's covariance, which keeps the estimate a valid covariance
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class NoiseSettings:
     """How the noise of a joint is estimated.
 
@@ -27,8 +29,10 @@ class NoiseSettings:
     white_share: float = 0.03
     borrowed: float = 20.0
 
+    __repr__ = settings_repr
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class NoiseModel:
     r"""Autoregressive noise of one joint, :math:`e_t = \sum_k a_k e_{t-k} + \sigma w_t`.
 
@@ -41,6 +45,9 @@ class NoiseModel:
     coefficients: Array
     sigma: Array
     lengths: tuple[int, ...]
+
+    def __repr__(self) -> str:
+        return f"NoiseModel(order {len(self.coefficients)}, {len(self.sigma)} samples)"
 
     @property
     def kept(self) -> NDArray[np.bool_]:

@@ -28,7 +28,7 @@ REPEATED = 1e-5  # share of its sum of squares below which a column repeats a se
 NO_CUTOFF = 1e-15  # eigenvalues that a pseudo-inverse takes for zero, over the largest
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class NormalEquations:
     """XᵀX and Xᵀy of effects.
 
@@ -43,6 +43,10 @@ class NormalEquations:
     effects: Sequence[Effect]
     blocks: Array
     samples: int
+
+    def __repr__(self) -> str:
+        size = f"{len(self.effects)} effects, {self.parameters.total} parameters"
+        return f"NormalEquations({size}, {len(self.blocks)} blocks, {self.samples} samples)"
 
     @cached_property
     def parameters(self) -> ParameterBlocks:

@@ -19,7 +19,7 @@ class _Sized(Protocol):
     def size(self) -> int: ...
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ParameterBlocks:
     """The layout of a parameter vector θ that holds one block after another.
 
@@ -28,6 +28,9 @@ class ParameterBlocks:
     """
 
     sizes: tuple[int, ...]
+
+    def __repr__(self) -> str:
+        return f"ParameterBlocks({len(self)} blocks, {self.total} parameters)"
 
     @classmethod
     def of(cls, effects: Iterable[_Sized]) -> Self:

@@ -68,7 +68,7 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
     solution = solver.solve()
     if str(solution.status) not in {"Solved", "AlmostSolved"}:
         return np.zeros(len(right))
-    return np.clip(unit * size * np.array(solution.x), lower, upper)
+    return np.asarray(np.clip(unit * size * np.array(solution.x), lower, upper))
 
 
 def _triangle(matrix: Array) -> Array:

@@ -19,7 +19,7 @@ from cdia_pin.regression.whitening import Whitening
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Regression:
     """Conditioned logs with the columns of effects X and the noise e.
 
@@ -30,6 +30,9 @@ class Regression:
 
     design: DesignMatrix
     whitening: Whitening
+
+    def __repr__(self) -> str:
+        return f"Regression({self.experiment!r})"
 
     @property
     def experiment(self) -> Experiment:

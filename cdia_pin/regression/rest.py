@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.logs.conditioning import Motion
+from cdia_pin.phrases import settings_repr
 
 Array = NDArray[np.float64]
 
 CLASSES = (1.0, 2.0, 4.0, 8.0)  # classes of distance from rest, over the least distance [1]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RestSettings:
     """Which samples show friction.
 
@@ -34,6 +35,8 @@ class RestSettings:
     near_rest: float = 2.0
     least_distance: float = 0.5
     resting_share: float = 0.75
+
+    __repr__ = settings_repr
 
     def sign_width(self, motion: Motion) -> Array:
         """Return the width over which sgn(q̇) is smoothed [rad/s or m/s], shape (n,)."""

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 SMALLEST_DIAGONAL = 1e-300  # guard against division by zero, in the matrix's own units
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ScaledGram:
     r"""A symmetric matrix :math:`A = D^{-1} S D^{-1}` with :math:`D = \mathrm{diag}(A)^{-1/2}`.
 
@@ -27,6 +27,9 @@ class ScaledGram:
 
     matrix: Array
     unit: Array
+
+    def __repr__(self) -> str:
+        return f"ScaledGram({len(self.unit)} parameters)"
 
     @classmethod
     def of(cls, gram: Array, ridge: float = 0.0) -> Self:

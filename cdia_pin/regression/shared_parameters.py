@@ -20,7 +20,7 @@ WEAKEST = 1e-12  # precision of a prior that says nothing, for columns that are 
 RIDGE = 1e-10  # beside a unit diagonal, for columns that repeat each other
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ColumnGroup:
     """Columns of one set of parameters.
 
@@ -32,8 +32,11 @@ class ColumnGroup:
     columns: dict[int, Array]
     scale: Array
 
+    def __repr__(self) -> str:
+        return f"ColumnGroup({len(self.scale)} parameters on {len(self.columns)} joints)"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class SharedRegression:
     """Rows of all joints, in units of their noise.
 
@@ -46,6 +49,9 @@ class SharedRegression:
     rows: tuple[Array, ...]
     at: tuple[Indices, ...]
     precision: Array
+
+    def __repr__(self) -> str:
+        return f"SharedRegression({len(self.precision)} parameters, {len(self.rows)} joints)"
 
     @classmethod
     def of(

@@ -15,7 +15,7 @@ from cdia_pin.regression.noise import NoiseModel
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Whitening:
     """The noise of each joint, the samples that count, and contiguous blocks of time.
 
@@ -28,6 +28,9 @@ class Whitening:
     noise: tuple[NoiseModel, ...]
     used: NDArray[np.bool_]
     edges: NDArray[np.intp]
+
+    def __repr__(self) -> str:
+        return f"Whitening({len(self.noise)} joints, {len(self.used)} samples, {len(self.edges) - 1} blocks)"
 
     @classmethod
     def of(cls, experiment: Experiment, noise: Sequence[NoiseModel], edges: NDArray[np.intp]) -> Whitening:

@@ -25,8 +25,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cdia_pin.phrases import settings_repr
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class SelectionCriterion:
     r"""What an effect must explain to be named.
 
@@ -67,6 +69,8 @@ class SelectionCriterion:
     most_harm: float = 0.005
     least_rigid_share: float = 0.2
     least_share_of_change: float = 0.05
+
+    __repr__ = settings_repr
 
     def per_parameter(self, samples: float) -> float:
         """Return λ, the penalty of one parameter [1].

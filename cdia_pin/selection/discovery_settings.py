@@ -6,13 +6,14 @@ from dataclasses import dataclass, field
 
 from cdia_pin.effects import Effect
 from cdia_pin.logs.conditioning import Conditioning
+from cdia_pin.phrases import settings_repr
 from cdia_pin.regression.lack_of_fit import LackOfFitSettings
 from cdia_pin.regression.noise import NoiseSettings
 from cdia_pin.regression.rest import RestSettings
 from cdia_pin.selection.criterion import SelectionCriterion
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class EveryLinkSettings:
     """When a URDF counts as slightly wrong everywhere.
 
@@ -28,8 +29,10 @@ class EveryLinkSettings:
     largest_error: float = 0.5
     least_fall: float = 0.08
 
+    __repr__ = settings_repr
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class AlternativeSettings:
     """When another explanation counts as possible.
 
@@ -47,8 +50,10 @@ class AlternativeSettings:
     undetermined_share: float = 0.2
     first_order_share: float = 0.9
 
+    __repr__ = settings_repr
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class MemorySettings:
     """When friction after a reversal counts as having memory.
 
@@ -60,8 +65,10 @@ class MemorySettings:
     least_share: float = 0.1
     least_torque: float = 0.01
 
+    __repr__ = settings_repr
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class DiscoverySettings:
     """What is searched for and how.
 
@@ -94,3 +101,5 @@ class DiscoverySettings:
     memory: MemorySettings = field(default_factory=MemorySettings)
     noise: NoiseSettings = field(default_factory=NoiseSettings)
     rest: RestSettings = field(default_factory=RestSettings)
+
+    __repr__ = settings_repr

@@ -23,7 +23,7 @@ RANK_CUTOFF = 1e-9  # eigenvalues that are rounding, over the largest
 SURELY = 2.0  # standard deviations from zero at which a parameter counts as identifiable
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SetFit:
     """A set of effects fitted together, with what it costs.
 
@@ -43,8 +43,12 @@ class SetFit:
     possible: bool
     physical: bool
 
+    def __repr__(self) -> str:
+        fit = f"{len(self.theta)} parameters, chi2 {self.chi2:.4g}, cost {self.cost:.4g}, physical {self.physical}"
+        return f"SetFit({len(self.chosen)} effects, {fit})"
 
-@dataclass(eq=False)
+
+@dataclass(eq=False, repr=False)
 class Evidence:
     """What sets of candidates cost.
 
@@ -60,6 +64,9 @@ class Evidence:
     criterion: SelectionCriterion = field(default_factory=SelectionCriterion)
     searched: Mapping[str, int] | None = None
     needed: Array | None = None
+
+    def __repr__(self) -> str:
+        return f"Evidence({self.equations!r})"
 
     @property
     def effects(self) -> Sequence[Effect]:
@@ -102,7 +109,7 @@ class Evidence:
         looked_for = np.array([2 * np.log(shapes[e.label]) for e in self.effects])
         rarity = np.array([e.plausibility.penalty for e in self.effects])
         of_parameters = self.effective_parameters * self.penalty_per_parameter
-        return of_parameters + 2 * np.log(names) + looked_for + rarity + 0.5 * nominal
+        return np.asarray(of_parameters + 2 * np.log(names) + looked_for + rarity + 0.5 * nominal)
 
     @cached_property
     def least_gain(self) -> Array:

@@ -42,7 +42,10 @@ def improve(
     exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
     # far from the noise, a small change is no change
     margin = max(criterion.margin, criterion.exchange_share * (now.chi2 - evidence.samples))
-    count = lambda m: float(evidence.effective_parameters[list(m)].sum())  # noqa: E731
+
+    def count(chosen: tuple[int, ...]) -> float:
+        return float(evidence.effective_parameters[list(chosen)].sum())
+
     simpler = [m for m in exchanges if len(m) <= len(now.chosen) or count(m) < count(now.chosen)]
     better = _cheapest(evidence, simpler, now.cost - margin)
     if better is not None:

@@ -29,7 +29,7 @@ GENERIC_SIZE = 10  # parameters from which an effect does not take part in the f
 GENERIC_SHAPES = 20  # nor does one with more shapes
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Problem:
     """What a discovery works on.
 
@@ -48,6 +48,9 @@ class Problem:
     families: tuple[list[Effect], ...]
     settings: DiscoverySettings
     differing: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"Problem({self.experiment!r}, {len(self.families)} candidates)"
 
     @classmethod
     def of(
@@ -174,7 +177,7 @@ class Problem:
         return lack_of_fit(self.experiment, prediction, columns, self.edges, given.lack_of_fit, given.noise)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class WhitenedProblem:
     """A problem whose noise is known.
 
@@ -185,6 +188,9 @@ class WhitenedProblem:
 
     problem: Problem
     whitening: Whitening
+
+    def __repr__(self) -> str:
+        return f"WhitenedProblem({self.problem!r})"
 
     @cached_property
     def regression(self) -> Regression:

@@ -103,7 +103,7 @@ def search(problem: WhitenedProblem, model: Dynamics, futile: Swaps, report: Pro
     return now.model
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Found:
     """A fitted model with the evidence around it.
 
@@ -118,6 +118,9 @@ class Found:
     evidence: Evidence
     fit: SetFit
     errors: Array
+
+    def __repr__(self) -> str:
+        return f"Found({self.model!r}, cost {self.fit.cost:.4g})"
 
 
 def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:

@@ -1,7 +1,5 @@
 """What changed between logs is asked in the same way when a user asks for parameters per log."""
 
-from dataclasses import replace
-
 import pytest
 
 from cdia_pin import Dynamics, discover, load_robot, what_changed
