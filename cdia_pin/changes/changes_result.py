@@ -1,4 +1,4 @@
-"""What changed between logs: effects with the size of their difference, and what could have gone unseen."""
+"""What changed between logs: effects with their differences, and the largest changes that would not be seen."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ class Change:
     """One effect by which the logs differ.
 
     Attributes:
-        term: The effect; its parameters are the differences, after less before, with 95 % intervals.
-        before: The parameters before, for friction; None where they have no meaning of their own, shape (p,).
+        term: The effect; its parameters are the differences, after minus before, with 95 % intervals.
+        before: The parameters before, for friction, shape (p,); None where they have no meaning of their own.
         torque_rms: RMS torque of the change in the logs after [N·m or N], shape (n,).
-        evidence: Log-likelihood that is lost without it [1].
+        evidence: Log-likelihood that is lost without the change [1].
         confusions: Other changes that would explain nearly as much.
     """
 
@@ -51,7 +51,7 @@ class Change:
 
     @property
     def growth(self) -> float | None:
-        """Difference over size before [1], of an effect with one parameter that was there before."""
+        """Difference over the size before [1], of an effect with one parameter that was present before."""
         if self.before is None or len(self.before) != 1 or self.before[0] <= 0.0:
             return None
         return self.term.theta[0] / self.before[0]
@@ -81,10 +81,10 @@ class Change:
 
 @dataclass(frozen=True, repr=False)
 class Bound:
-    """The largest change of one kind that these logs would not show.
+    """The largest change of one effect that these logs would not show.
 
     Attributes:
-        term: The effect, its parameter as large as the end of the 95 % interval that is further from zero.
+        term: The effect; its parameter is the end of the 95 % interval that is further from zero.
         torque: RMS torque of such a change in the logs after [N·m or N].
     """
 
@@ -103,11 +103,11 @@ class Changes:
         model: The model with which both sides were compared.
         before: Names of the logs before.
         after: Names of the logs after.
-        changes: Effects by which they differ, the most certain first; empty if nothing changed.
-        bounds: For each joint, the largest change of one effect that was not found and could be there.
-        findings: What the changes mean together.
+        changes: Effects by which the logs differ, the most certain first; empty if nothing changed.
+        bounds: For each joint by name, the largest change of one effect that would not be found.
+        findings: What several changes mean together.
         rms_before: RMS residual of the model in the logs before [N·m or N], shape (n,).
-        rms_after: The same in the logs after.
+        rms_after: RMS residual of the model in the logs after [N·m or N], shape (n,).
         record: Logs, hashes and settings.
     """
 

@@ -1,4 +1,4 @@
-"""Evidence for what differs between logs, beside everything that they may have in common."""
+"""Evidence for differences between logs, after everything that the logs may have in common."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ from cdia_pin.selection.evidence import Evidence
 
 Array = NDArray[np.float64]
 
-GENERIC_SIZE = 10  # parameters from which an effect does not take part in the first guess of the noise
-# Links stay what they are, and a steady force on a tool is nearly always a weight: searched only if asked for.
+GENERIC_SIZE = 10  # parameters [1]; effects with as many or more would fit noise in its first estimate
+# Searched for only if asked: links do not change, and a steady force on a tool is nearly always a weight.
 UNUSUAL = (LinkInertia, ToolWrench, ViscousMedium)
-ROUNDS = 2  # of weighting the joints by what is left of them
+ROUNDS = 2  # rounds [1] of weighting, because weights and residuals depend on each other
 INF = float("inf")
 
 
 @dataclass(frozen=True)
 class Difference(WrappedEffect):
-    """An effect by which some logs differ from the others: its parameters may have either sign.
+    """An effect by which some logs differ from the others. Its parameters may have either sign.
 
     Attributes:
         effect: The effect.
@@ -47,48 +47,94 @@ class Difference(WrappedEffect):
 
     @property
     def traits(self) -> Traits:
-        """Traits of the effect; a difference of friction may be negative, and then adds power."""
+        """Traits of the effect, but not dissipative, because a difference of friction may add power."""
         return replace(self.effect.traits, dissipative=False)
 
     @property
     def bodies(self) -> tuple[RigidBody, ...]:
-        """None: a difference between two bodies need not be a possible body."""
+        """No bodies, because a difference between two bodies need not be physically consistent."""
         return ()
 
     def basis(self, x: State) -> Array:
-        """Return the effect's basis, zero in the other logs, shape (N, n, p)."""
+        """Return the effect's basis, zero in the other logs.
+
+        Args:
+            x: State along one log, N samples.
+
+        Returns:
+            Torque per unit of each parameter [N·m or N per unit], shape (N, n, p).
+        """
         return self.effect.basis(x) * self._presence(x)
 
     def torque(self, x: State, theta: Array) -> Array:
-        """Return the effect's torque [N·m or N], zero in the other logs, shape (N, n)."""
+        """Return the effect's torque, zero in the other logs.
+
+        Args:
+            x: State along one log, N samples.
+            theta: Differences of the parameters, shape (p,).
+
+        Returns:
+            In N·m or N, shape (N, n).
+        """
         return self.effect.torque(x, theta) * self._presence(x)
 
     def jacobian(self, x: State, theta: Array) -> Array:
-        """Return the effect's ∂f/∂θ, zero in the other logs, shape (N, n, p)."""
+        """Return the effect's ∂f/∂θ, zero in the other logs.
+
+        Args:
+            x: State along one log, N samples.
+            theta: Differences of the parameters, shape (p,).
+
+        Returns:
+            Torque per unit of each parameter [N·m or N per unit], shape (N, n, p).
+        """
         return self.effect.jacobian(x, theta) * self._presence(x)
 
     def shift(self, x: State, theta: Array) -> Array:
-        """Return the effect's shift [rad or m], zero in the other logs, shape (N, n)."""
+        """Return the effect's shift of positions, zero in the other logs.
+
+        Args:
+            x: State along one log, N samples.
+            theta: Differences of the parameters, shape (p,).
+
+        Returns:
+            In rad or m, shape (N, n).
+        """
         return self.effect.shift(x, theta) * self._presence(x)
 
     def gravity_change(self, x: State, theta: Array) -> Array:
-        """Return the effect's change of gravity [m/s²], zero in the other logs, shape (N, 3)."""
+        """Return the effect's change of gravity, zero in the other logs.
+
+        Args:
+            x: State along one log, N samples.
+            theta: Differences of the parameters, shape (p,).
+
+        Returns:
+            In m/s², shape (N, 3).
+        """
         return self.effect.gravity_change(x, theta) * self._presence(x)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
-        """Return no bounds."""
+        """Return no bounds.
+
+        Args:
+            robot: The robot; not used.
+
+        Returns:
+            Smallest and largest parameters, both infinite, shape (p,) each.
+        """
         return np.full(self.size, -INF), np.full(self.size, INF)
 
     def is_physical(self, theta: Array, robot: RobotModel) -> bool:
-        """Tell that any difference can belong to a real arm."""
+        """Return True: any difference is possible on a real arm."""
         return True
 
     def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
-        """Return the estimate as it is, shape (p,)."""
+        """Return the estimate unchanged, shape (p,)."""
         return np.array(theta, float)
 
     def is_distinct(self, theta: Array) -> bool:
-        """Tell that any difference counts."""
+        """Return True: any difference counts."""
         return True
 
     def _presence(self, x: State) -> float:
@@ -97,18 +143,18 @@ class Difference(WrappedEffect):
 
 @dataclass(frozen=True, repr=False)
 class Differing:
-    """Logs before and after, columns of what they have in common, and of how they may differ.
+    """Logs before and after, columns of what they have in common, and columns of how they may differ.
 
     Attributes:
         experiment: The conditioned logs, those before first.
-        prediction: Of the model that both are compared with.
-        after: Compared samples of the logs after, shape (K,).
-        common: What the logs may have in common.
-        changes: What may differ, zero before.
-        searched: In how many shapes each change, by label, is looked for.
-        noise: Of each joint's compared torque, as far as it is rough [N·m or N], shape (n,).
+        prediction: Prediction of the model with which both sides are compared.
+        after: True for compared samples of the logs after, shape (K,).
+        common: Columns of what the logs may have in common.
+        changes: Columns of what may differ by joint, zero before [N·m or N per unit], shape (K, p) each.
+        searched: Number of shapes in which each change is looked for, by label.
+        noise: Rough noise of each joint's compared torque [N·m or N], shape (n,).
         settings: What may have changed, and what it must explain.
-        edges: First sample of each block of time, none of which has samples of both sides, shape (B + 1,).
+        edges: First sample of each block of time and the end, shape (B + 1,). No block has samples of both sides.
     """
 
     experiment: Experiment
@@ -136,11 +182,11 @@ class Differing:
         """Compute all columns.
 
         Args:
-            experiment: The logs, those before first.
-            prediction: Of the model.
+            experiment: The conditioned logs, those before first.
+            prediction: Prediction of the model.
             before: Number of logs before.
-            noise: Of each joint's compared torque [N·m or N], shape (n,).
-            settings: What may have changed, and blocks of time per side.
+            noise: Rough noise of each joint's compared torque [N·m or N], shape (n,).
+            settings: What may have changed, and the number of blocks of time per side.
         """
         columns, robot = DesignMatrix(experiment), experiment.robot
         ends = np.cumsum([0, *experiment.lengths])
@@ -174,12 +220,16 @@ class Differing:
         return replace(differing, common=(*differing.common, *smooth))
 
     def generic(self) -> list[Difference]:
-        """Return all changes that are small and have few shapes: what is left beside them is surely noise."""
+        """Return all changes of few parameters and few shapes; what they leave together is surely noise."""
         few = [c for c in self.changes if c.size < GENERIC_SIZE and self.searched[c.label] <= LARGE_FAMILY]
         return list({c.label: c for c in reversed(few)}.values())
 
     def whitened(self, changed: Sequence[Difference]) -> Whitening:
-        """Return the noise that the common structure and some changes leave."""
+        """Return the noise that the common structure and some changes leave.
+
+        Args:
+            changed: The changes.
+        """
         x = self.experiment
         left, used = self.beside_common(changed)
         parts = zip(left.T, x.informative.T, x.nearness.T, used, strict=True)
@@ -191,10 +241,17 @@ class Differing:
         return Whitening.of(x, noise, self.edges)
 
     def beside_common(self, changed: Sequence[Difference] = ()) -> tuple[Array, Array]:
-        """Return the residual beside what is common and some changes (K, n), and how many parameters it took (n,)."""
+        """Return the residual of a fit of the common structure and some changes.
+
+        Args:
+            changed: The changes.
+
+        Returns:
+            Residual [N·m or N], shape (K, n), and the effective number of parameters of each joint [1], shape (n,).
+        """
         use, residual = self.experiment.informative, self.prediction.residual
         size = np.maximum(rms(residual, use), 1e-12)
-        for _ in range(ROUNDS):  # what surprises nobody is told by the noise, and the noise by what it leaves
+        for _ in range(ROUNDS):  # weights follow from the residual, and the residual from the weights
             scaled = lambda j, x, size=size: np.where(use[:, [j]], x / size[j], 0.0)  # noqa: E731
             left, used = SharedRegression.of(
                 [*self.common, *self._parts(changed)], residual, scaled
@@ -204,11 +261,11 @@ class Differing:
         return left, used
 
     def evidence(self, whitening: Whitening, found: Collection[Difference] = ()) -> Evidence:
-        """Form the normal equations of all changes, what is common projected away.
+        """Return the evidence for all changes, after the common structure is projected out.
 
         Args:
-            whitening: Noise and blocks.
-            found: Changes that are there in any case; of others with many shapes, only the best are.
+            whitening: Noise and blocks of time.
+            found: Changes that are candidates in any case; of other large families only the best shapes are.
         """
         robot, residual = self.experiment.robot, self.prediction.residual
         effects = self._screened(whitening, found)
@@ -229,7 +286,7 @@ class Differing:
         return [ColumnGroup(self.changes[c], np.full(c.size, INF)) for c in changes]
 
     def _screened(self, whitening: Whitening, found: Collection[Difference]) -> list[Difference]:
-        """Return the changes, of large families those shapes alone that fit best."""
+        """Return the changes; of large families only the shapes that fit best."""
         every = list(self.changes)
         regression = SharedRegression.of(
             [*self.common, *self._parts(every)], self.prediction.residual, whitening.joint

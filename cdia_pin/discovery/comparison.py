@@ -1,4 +1,4 @@
-"""Comparison of a model with measurements: how large the error is, and where."""
+"""Comparison of a model with measured torque: how large the error is, and where."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from cdia_pin.version import __version__
 
 Array = NDArray[np.float64]
 
-BINS = 10  # regions of each signal
-FEWEST = 12  # samples a region must hold to be spoken of
-REGIONS = 3  # worst regions reported per joint
+BINS = 10  # regions of each signal [1]
+FEWEST = 12  # samples [1] below which a region is not reported, because its mean is noise
+REGIONS = 3  # worst regions that are reported per joint [1]
 
 
 @dataclass(frozen=True, repr=False)
 class ResidualRegion:
-    """A stretch of a signal in which a joint's residual is large.
+    """A region of a signal in which a joint's residual is large.
 
     Attributes:
-        joint: Joint whose residual it is.
+        joint: Name of the joint.
         signal: ``position``, ``velocity``, ``acceleration``, ``load`` (model torque) or ``time``.
-        lower: Where it begins [unit of the signal].
-        upper: Where it ends [unit of the signal].
-        rms: RMS residual there [N·m or N].
-        bias: Mean residual there [N·m or N].
-        ratio: RMS residual there over that of the joint's whole log [1].
+        lower: Lower end of the region [unit of the signal].
+        upper: Upper end of the region [unit of the signal].
+        rms: RMS residual in the region [N·m or N].
+        bias: Mean residual in the region [N·m or N].
+        ratio: RMS residual in the region over that of the joint in all logs [1].
         unit: Unit of the signal.
     """
 
@@ -72,10 +72,10 @@ class ResidualShape:
 
     Attributes:
         edges: Ends of the regions [unit of the signal], shape (R + 1,).
-        mean: Mean residual [N·m or N], NaN where a region holds too few samples, shape (R,).
-        spread: Standard deviation there, shape (R,).
-        count: Samples there, shape (R,).
-        share: How much of the residual's variance the means explain [1].
+        mean: Mean residual [N·m or N], NaN where a region has too few samples, shape (R,).
+        spread: Standard deviation of the residual [N·m or N], shape (R,).
+        count: Number of samples, shape (R,).
+        share: Share of the residual's variance that the means explain [1].
     """
 
     edges: Array
@@ -97,14 +97,14 @@ class Comparison:
         rms: RMS residual [N·m or N].
         torque_rms: RMS measured torque [N·m or N].
         bias: Mean residual [N·m or N].
-        autocorrelation: Of the residual, one compared sample apart [1].
-        worst_regions: Where each joint's residual is largest beside its own mean, worst first.
-        shapes: Residual against each signal, by joint and signal.
+        autocorrelation: Autocorrelation of the residual at a lag of one compared sample [1].
+        worst_regions: Regions where a joint's residual is largest compared with its RMS, worst first.
+        shapes: Residual as a function of each signal, by joint and signal.
         time: Time of the compared samples [s], shape (K,).
-        signals: ``position``, ``velocity``, ``acceleration``, ``load`` at them, shape (K, n).
+        signals: ``position``, ``velocity``, ``acceleration``, ``load`` at these times, shape (K, n).
         measured: Measured torque [N·m or N], shape (K, n).
-        predicted: Model torque [N·m or N], shape (K, n).
-        informative: Samples that count, shape (K, n).
+        predicted: Torque of the model [N·m or N], shape (K, n).
+        informative: True for samples that count, shape (K, n).
         record: Logs, hashes and settings.
     """
 
@@ -134,7 +134,7 @@ class Comparison:
 
     @property
     def residual(self) -> Array:
-        """Predicted less measured torque [N·m or N], shape (K, n)."""
+        """Predicted minus measured torque [N·m or N], shape (K, n)."""
         return self.predicted - self.measured
 
     def to_dict(self) -> ComparisonJson:
@@ -157,7 +157,7 @@ class Comparison:
 def compare(
     model: Dynamics, logs: Log | Sequence[Log], *, conditioning: Conditioning | None = None
 ) -> Comparison:
-    """Compare the torque that a model predicts with the torque that was measured.
+    """Compare the torque that a model predicts with measured torque.
 
     Args:
         model: A robot with its terms.
@@ -165,7 +165,7 @@ def compare(
         conditioning: How the logs are filtered.
 
     Returns:
-        Errors by joint, and where they are large.
+        Errors by joint, and the regions where they are large.
 
     Raises:
         LogError: If a log is too short or of other joints.
@@ -177,7 +177,7 @@ def compare(
 
 
 def compare_in(experiment: Experiment, model: Dynamics) -> Comparison:
-    """Answer as `compare` does, from logs that are conditioned already.
+    """Compare a model as `compare` does, with logs that are already conditioned.
 
     Args:
         experiment: The logs.
@@ -220,7 +220,11 @@ def compare_in(experiment: Experiment, model: Dynamics) -> Comparison:
 
 
 def signal_units(prismatic: bool) -> dict[str, str]:
-    """Return the unit of each signal of a joint."""
+    """Return the unit of each signal of a joint.
+
+    Args:
+        prismatic: True for a prismatic joint.
+    """
     x, effort = ("m", "N") if prismatic else ("rad", "N·m")
     return {"position": x, "velocity": f"{x}/s", "acceleration": f"{x}/s²", "load": effort, "time": "s"}
 

@@ -1,4 +1,4 @@
-"""The conclusion: trace, verdict and record of a model that was found."""
+"""The conclusion of a discovery: trace, verdict and record of the model that was found."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ def concluded(
 
     Args:
         problem: Logs, candidates and noise.
-        base: The model that the discovery started from.
-        found: The model that it ended with.
-        report: Called with a sentence and the share done.
-        ranking: What each candidate would explain by itself.
+        base: The model at the start of the discovery.
+        found: The model at its end.
+        report: Called with a sentence and the share done, from 0 to 1.
+        ranking: What each candidate would explain alone.
         forced: Labels of effects that stay in any case.
-        findings: What is known of the logs besides.
+        findings: Phenomena that are already known.
     """
     final, steps = trace(problem, base, found, forced)
     logs, experiment, settings = problem.problem, problem.experiment, problem.settings

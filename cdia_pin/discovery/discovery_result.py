@@ -1,4 +1,4 @@
-"""What a discovery found: steps that each lower the error, a verdict, and a model."""
+"""The result of a discovery: steps that each lower the error, a verdict, and a model."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class Step:
 
     Attributes:
         term: The effect with its parameters and intervals in the final model; None for the model as given.
-        rms: RMS residual of each joint with all steps up to this one fitted together [N·m or N], shape (n,).
-        heldout_rms: The same on data that was not fitted, shape (n,).
+        rms: RMS residual of each joint when all steps up to this one are fitted together [N·m or N], shape (n,).
+        heldout_rms: Held-out RMS residual of each joint [N·m or N], shape (n,).
         confusions: Other explanations of what this effect explains.
     """
 
@@ -43,13 +43,13 @@ class Step:
 
 @dataclass(frozen=True, repr=False)
 class Ranked:
-    """What one candidate would explain by itself.
+    """What one candidate would explain alone.
 
     Attributes:
-        term: The effect with parameters and intervals, fitted beside the model as given.
-        heldout_before: RMS residual of each joint on data that was not fitted, without it [N·m or N], shape (n,).
-        heldout_after: The same with it.
-        plausible: Whether the best fit is physical without being held at a bound.
+        term: The effect with parameters and intervals, fitted together with the model as given.
+        heldout_before: Held-out RMS residual of each joint without the effect [N·m or N], shape (n,).
+        heldout_after: Held-out RMS residual of each joint with the effect [N·m or N], shape (n,).
+        plausible: True if the best fit is physical without a bound.
         confusions: Other effects that would explain about as much.
     """
 
@@ -71,13 +71,13 @@ class Discovery:
     Attributes:
         model: The improved model.
         verdict: ``nothing-missing``, ``explained`` or ``unexplained``.
-        trace: The model as given, then every effect added, in order of what it explains.
-        noise_floor: RMS that nothing smooth in the motion explains [N·m or N], shape (n,).
-        structure_left: Joints whose residual is not noise.
-        torque_rms: RMS of the measured torque, shape (n,).
-        ranking: What each of the most telling candidates would explain by itself, the best first.
-        record: Logs, hashes, settings and version, enough to run it again.
-        findings: What effects mean together, and what the residual looks like.
+        trace: The model as given, then every effect that was added, in the order of what it explains.
+        noise_floor: RMS residual that no smooth function of the motion explains [N·m or N], shape (n,).
+        structure_left: Names of the joints whose residual is not noise.
+        torque_rms: RMS of the measured torque [N·m or N], shape (n,).
+        ranking: What the best candidates would explain alone, the best first.
+        record: Logs, hashes, settings and version, enough to run the discovery again.
+        findings: Phenomena: what several effects mean together, and patterns of the residual.
     """
 
     model: Dynamics

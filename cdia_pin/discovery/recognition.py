@@ -1,4 +1,4 @@
-"""What a fitted model and its residual look like: friction that drifts, friction with memory at reversals."""
+"""Phenomena in a fitted model and its residual: friction that drifts, and friction with memory at reversals."""
 
 from __future__ import annotations
 
@@ -18,28 +18,27 @@ from cdia_pin.selection.discovery_settings import MemorySettings
 
 Array = NDArray[np.float64]
 
-REACHES = np.geomspace(
-    0.005, 0.5, 16
-)  # of friction with memory, beside the joint's travel; the first is too short
-NEURONS = 9  # radial bases over a joint's speed
+# Reaches of friction with memory, over the joint's travel [1]; the first is too short to count.
+REACHES = np.geomspace(0.005, 0.5, 16)
+NEURONS = 9  # radial basis functions [1] over a joint's speed, so that memory is more than friction of speed
 
 
 def recognised(
     regression: Regression, model: Dynamics, left: Sequence[str], settings: MemorySettings
 ) -> tuple[Phenomenon, ...]:
-    """Return what is recognised in a fitted model, and in what it leaves.
+    """Return the phenomena in a fitted model and in its residual.
 
     Args:
         regression: The conditioned logs and their noise.
-        model: Fitted to them, with intervals.
-        left: Joints on which structure is left.
+        model: Model that was fitted to them, with intervals.
+        left: Names of the joints on which structure is left.
         settings: When friction counts as having memory.
     """
     return (*_drifts(model, left), *_memories(regression, model, settings))
 
 
 def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Phenomenon]:
-    """Yield a sentence for each effect that drifts."""
+    """Yield a phenomenon for each effect that drifts."""
     for term in model.terms:
         effect = term.effect
         if not isinstance(effect, Drift):
@@ -68,7 +67,7 @@ def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Phenomenon]:
 
 
 def _memories(regression: Regression, model: Dynamics, settings: MemorySettings) -> Iterator[Phenomenon]:
-    """Yield a sentence for each joint whose torque after a reversal follows the distance travelled."""
+    """Yield a phenomenon for each joint whose torque after a reversal depends on the distance travelled."""
     experiment, whitening = regression.experiment, regression.whitening
     prediction = experiment.predict(model)
     for j, joint in enumerate(model.robot.joints):
@@ -121,7 +120,7 @@ def _columns(regression: Regression, prediction: Prediction, term: Term, j: int)
 
 
 def _of_speed(experiment: Experiment, j: int) -> Array:
-    """Return smooth functions of a joint's speed, filtered as torques are, shape (K, NEURONS)."""
+    """Return smooth functions of a joint's speed, filtered like the torques, shape (K, NEURONS)."""
     fastest = max(float(np.percentile(np.abs(s.motion.v[:, j]), 99)) for s in experiment.segments)
     centres, width = np.linspace(-fastest, fastest, NEURONS, retstep=True)
     return experiment.compared(lambda m: np.exp(-(((m.v[:, [j]] - centres) / max(float(width), 1e-9)) ** 2)))
@@ -132,6 +131,6 @@ def _orthonormal(columns: Array) -> Array:
 
     norm = np.linalg.norm(columns, axis=0)
     seen = norm > 1e-12 * norm.max(initial=0.0)
-    # numpy's way of dividing does not converge on some columns that nearly repeat each other
+    # numpy's default algorithm does not converge on some columns that nearly repeat each other
     left, values, _ = svd(columns[:, seen] / norm[seen], full_matrices=False, lapack_driver="gesvd")
     return np.asarray(left[:, values > 1e-5 * values[0]]) if len(values) else columns[:, :0]

@@ -18,7 +18,7 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-APART = 10.0  # standard deviations between two explanations, from which `discover` chooses the true one
+APART = 10.0  # standard deviations between two explanations [1] from which `discover` chooses the true one
 
 
 @dataclass(frozen=True, repr=False)

@@ -10,7 +10,7 @@ from typing import Literal
 from cdia_pin.errors import RobotError
 from cdia_pin.phrases import settings_repr
 
-SHORTEST = 6.0  # [s], less leaves no time to move and to stop
+SHORTEST = 6.0  # shortest motion [s], because less leaves no time to move and to stop
 
 
 @dataclass(frozen=True, repr=False)

@@ -18,12 +18,12 @@ from cdia_pin.regression.scaled_gram import ScaledGram
 
 Array = NDArray[np.float64]
 
-UNSEEN = 1e-10  # [1], eigenvalue beside the largest below which no motion shows a combination of parameters
-SAME = (
-    1e-4  # [1], share of a side's torque below which what the other leaves of it is the smoothing of sgn(q̇)
-)
-ENOUGH = 30.0  # standard deviations apart, beyond which other effects matter as much
-WEIGHT = 3.0  # [1], of the pair beside all other effects
+# Eigenvalue over the largest [1], below which no motion shows a combination of parameters: rounding.
+UNSEEN = 1e-10
+# Share of a side's torque [1]; if the other side leaves less, the rest is the smoothing of sgn(q̇).
+SAME = 1e-4
+ENOUGH = 30.0  # standard deviations [1]; two explanations further apart need no better motion
+WEIGHT = 3.0  # weight of the pair over that of all other effects [1], because the pair was asked for
 
 
 class Goal(ABC):

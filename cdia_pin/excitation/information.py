@@ -19,10 +19,11 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-CUTOFF = 4.0  # [Hz], of the filter through which a planned motion is looked at
-SAMPLES_PER_SECOND = 50.0  # [Hz], independent torque samples that a log is taken to give
-RANK_CUTOFF = 1e-12  # eigenvalues of scaled normal equations that count as zero, over the largest
-QUIETEST = 0.02  # a joint that carries little has noise as if it carried this share of the largest
+CUTOFF = 4.0  # cut-off of the filter for planned motions [Hz]
+SAMPLES_PER_SECOND = 50.0  # independent torque samples that a log gives [Hz], after its filter
+RANK_CUTOFF = 1e-12  # eigenvalues of scaled normal equations, over the largest [1], that count as zero
+# Least RMS torque over that of the most loaded joint [1], because a lightly loaded joint has noise too.
+QUIETEST = 0.02
 
 
 @dataclass(frozen=True, repr=False)

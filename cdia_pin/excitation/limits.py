@@ -13,12 +13,13 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-RANGE = 0.95  # share of a joint's range that a motion may use
-WIDEST, LONGEST = 2.0, 0.3  # [rad], [m]: furthest from the middle of the range; cables do not like more
-FASTEST, FASTEST_SLIDE = 3.0, 0.5  # [rad/s], [m/s]: never faster, whatever the URDF allows
-UNSTATED, UNSTATED_SLIDE = 1.0, 0.25  # [rad/s], [m/s]: largest speed where the URDF states none
-RISE = 0.5  # [s], in which a joint may reach its largest speed, where no acceleration is given
-NO_ROOM = 1e-3  # [rad or m], half a range that is no room to move
+# Share of a joint's range that a motion may use [1], so that a controller's overshoot stays inside.
+RANGE = 0.95
+WIDEST, LONGEST = 2.0, 0.3  # [rad], [m] from the middle of the range, because cables do not allow more
+FASTEST, FASTEST_SLIDE = 3.0, 0.5  # [rad/s], [m/s]; no joint moves faster, so that the motion can be watched
+UNSTATED, UNSTATED_SLIDE = 1.0, 0.25  # [rad/s], [m/s]; a slow motion, where the URDF states no limit
+RISE = 0.5  # [s] in which a joint may reach its largest speed, where no acceleration is given
+NO_ROOM = 1e-3  # [rad or m]; a joint with less than this half range cannot move
 
 
 @dataclass(frozen=True, repr=False)

@@ -16,11 +16,12 @@ from cdia_pin.excitation.limits import MotionLimits
 
 Array = NDArray[np.float64]
 
-RAMP = 2.0  # [s], longest time in which a part grows from rest, and fades to it
-SCALING_GRID = 0.02  # [s], on which the largest position, speed and acceleration are found
-SAFE = 0.995  # [1], for what lies between the times of that grid
-VARIED = 0.4  # share of the joints that a variation touches
-NARROWEST = 0.3  # share of the range that is left to each side of the posture around which it moves
+RAMP = 2.0  # [s]; a part grows from rest and fades to it within this time, or a third of the part
+SCALING_GRID = 0.02  # [s] between the times at which the largest position, speed and acceleration are found
+SAFE = 0.995  # share of the limits [1], for what lies between those times
+VARIED = 0.4  # share of the joints that a variation changes [1]; small steps improve the best motion
+# Share of the half range [1] that each side of the centre keeps, so that every joint can move.
+NARROWEST = 0.3
 
 
 @dataclass(frozen=True)

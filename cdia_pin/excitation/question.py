@@ -26,7 +26,7 @@ from cdia_pin.regression.experiment import Experiment
 
 Array = NDArray[np.float64]
 
-THOUGHT = 6  # motions over all of the limits, never driven, by which it is known what any motion can show
+THOUGHT = 6  # motions over all of the limits [1], never driven, that stand for any motion
 Explanation = Effect | Sequence[Effect]
 
 

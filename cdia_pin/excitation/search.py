@@ -20,14 +20,15 @@ from cdia_pin.robot.collision import CollisionModel, Contact
 
 Array = NDArray[np.float64]
 
-POSTURES = 400  # drawn before it is believed that the arm cannot rest anywhere
-SHRINKS = 6  # times that a drawn motion is made smaller until it is allowed
-SMALLER = 0.75
-COARSE = 0.04  # [rad or m] between postures looked at while searching
-FINE = 0.01  # and in the end
-STEPS = (0.5, 0.05)  # [1], size of the first and of the last variation
-SAFE = 0.99  # share of the effort that is left to it, for what lies between the times looked at
-HIGHEST_RATE = 1000.0  # [Hz], of the postures looked at
+POSTURES = 400  # postures drawn [1] before the search gives up
+SHRINKS = 6  # times [1] that a drawn motion is made smaller until it is allowed; six shrink it to a fifth
+SMALLER = 0.75  # factor of each shrinking [1]
+COARSE = 0.04  # travel between checked postures while searching [rad or m], for speed
+# Travel between checked postures in the end [rad or m]; it moves a point at 1 m by the default clearance.
+FINE = 0.01
+STEPS = (0.5, 0.05)  # size of the first and of the last variation [1], over that of another draw
+SAFE = 0.99  # share of the effort limit [1], for what lies between the checked times
+HIGHEST_RATE = 1000.0  # rate [Hz] at which the travel is summed
 
 
 @dataclass(frozen=True, eq=False, repr=False)

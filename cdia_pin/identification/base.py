@@ -17,10 +17,11 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-SAMPLES = 200  # random states that tell dependent columns
-INDEPENDENT = 1e-8  # least norm of a column beside those before it, over its own
-TOLD = 1.0 / 3.0  # share of the prior's deviation to which a log must narrow a parameter to have told it
-REACH = 1.0  # [rad or m], of joints without limits
+SAMPLES = 200  # random states [1] from which dependent columns are found; 200 give many rows per column
+INDEPENDENT = 1e-8  # norm of a column beside those before it, over its own norm [1]; below it is rounding
+# Standard deviation after the log over that before [1], below which a parameter counts as identified.
+TOLD = 1.0 / 3.0
+REACH = 1.0  # range of joints without limits [rad or m]
 
 
 @dataclass(frozen=True, repr=False)

@@ -23,13 +23,16 @@ from cdia_pin.regression.whitening import Whitening
 
 Array = NDArray[np.float64]
 
-MOST_ITERATIONS = 8  # of Gauss and Newton, where an effect depends on the torque
-CONVERGED = 1e-3  # share of its norm by which the parameter vector moves no more, each in units of its column
-FIRST_ERROR = 0.05  # share of a joint's torque that is taken for its error before anything is fitted
-FINEST_ERROR = 1e-6  # least error of a joint that moves, likewise
-STUCK_ERROR = 1.0  # of one that rests, all its samples together: what holds it may all be dry friction
-PATIENCE = 3  # rounds of weighting
-RIDGE = 1e-12  # beside a unit diagonal, for columns that repeat each other
+MOST_ITERATIONS = 8  # iterations of Gauss-Newton [1] where an effect depends on the torque; a guard
+# Change of the parameter vector over its norm [1], in units of the columns, that counts as none.
+CONVERGED = 1e-3
+# Error of a joint over its torque [1] before anything is fitted, so that all joints weigh alike.
+FIRST_ERROR = 0.05
+FINEST_ERROR = 1e-6  # least error of a moving joint over its torque [1], because less is rounding
+# Error of a resting joint over its torque, all samples together [1], because dry friction may hold it.
+STUCK_ERROR = 1.0
+PATIENCE = 3  # rounds [1] of fitting and weighting, because weights and fit depend on each other
+RIDGE = 1e-12  # added to a unit diagonal [1], so that columns that repeat each other can be solved
 
 
 @dataclass(frozen=True, repr=False)

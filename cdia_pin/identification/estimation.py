@@ -19,7 +19,7 @@ from cdia_pin.progress import Progress, part, silent
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.version import __version__
 
-FIRST_STRENGTH = 10.0  # while the laws of friction are being found
+FIRST_STRENGTH = 10.0  # strength of the prior [1] while the friction laws are found, before it is chosen
 
 
 def identify(

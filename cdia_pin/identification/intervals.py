@@ -17,8 +17,8 @@ from cdia_pin.regression.scaled_gram import ScaledGram
 
 Array = NDArray[np.float64]
 
-RANK_CUTOFF = 1e-13  # eigenvalues of scaled precisions that count as zero, over the largest
-LOOSE = 1.0  # strength of the URDF in intervals: a link may differ by as much as itself
+RANK_CUTOFF = 1e-13  # eigenvalues of scaled precisions, over the largest [1], that count as zero
+LOOSE = 1.0  # strength of the prior in intervals [1]: a link may differ by as much as itself
 
 
 @dataclass(frozen=True, repr=False)

@@ -24,9 +24,8 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-LARGEST_SHARE = (
-    1.0  # torque that a joint's own effect may have without surprise, over the joint's RMS torque [1]
-)
+# Prior standard deviation of an effect in a joint, as its RMS torque over the joint's RMS torque [1].
+LARGEST_SHARE = 1.0
 
 
 def precision(

@@ -19,9 +19,7 @@ from cdia_pin.regression.regression import Regression
 
 Array = NDArray[np.float64]
 
-ROUNDS = (
-    6  # rounds [1], each of at most one law per joint; a guard, because each law must still explain enough
-)
+ROUNDS = 6  # rounds [1], each of at most one law per joint; a guard, because each law must explain enough
 
 
 def refine(fitter: Fitter, estimate: Estimate, tell: Progress) -> Estimate:

@@ -30,7 +30,7 @@ from cdia_pin.effects import (
 from cdia_pin.identification.identification_settings import IdentificationSettings
 from cdia_pin.regression.experiment import Experiment, rms
 
-SATURATION = (0.05, 0.15, 0.45)  # share of the speed driven at which saturating friction levels off
+SATURATION = (0.05, 0.15, 0.45)  # speeds at which friction levels off, over the fastest speed driven [1]
 SPANNED_BY: dict[type[Effect], tuple[type[Effect], ...]] = {
     CoulombFriction: (StribeckFriction, AsymmetricFriction),
     ViscousFriction: (AsymmetricFriction,),

@@ -1,4 +1,4 @@
-"""Whitening: what turns residuals into evidence."""
+"""Whitening: residuals become innovations, which are independent and have unit variance."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Whitening:
 
     @property
     def samples(self) -> int:
-        """Number of innovations that count, of all joints."""
+        """Number of innovations that count, over all joints."""
         return sum(int((self.used[:, j] & m.kept).sum()) for j, m in enumerate(self.noise))
 
     @property
@@ -56,8 +56,8 @@ class Whitening:
     def joint(self, j: int, signal: Array) -> Array:
         """Whiten a signal of one joint.
 
-        Samples that do not count are cleared before, so that what happens near rest does not reach later samples,
-        and again after.
+        Samples that do not count are set to zero before, so that friction near rest does not reach later samples, and
+        again after.
 
         Args:
             j: Index of the joint.
