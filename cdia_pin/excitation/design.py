@@ -1,4 +1,4 @@
-"""The design of a motion: safe, and making visible what a log is to tell."""
+"""The design of a motion that is safe and shows chosen parameters."""
 
 from __future__ import annotations
 
@@ -30,32 +30,32 @@ def excite(
     settings: ExcitationSettings | None = None,
     progress: Progress | None = None,
 ) -> Excitation:
-    """Design a motion within all limits that makes parameters, or two confusable explanations, visible.
+    """Design a motion within all limits that shows parameters, or separates two explanations.
 
-    The motion begins and ends at rest in one posture, moves every joint, and touches neither the arm itself nor the
-    floor. What else surrounds the arm is not known: look at the motion before it is driven.
+    The motion starts and ends at rest in one posture and moves every joint. The arm touches neither itself nor the
+    floor. The rest of the surroundings is not known: look at the motion before it is driven.
 
     Args:
-        model: The arm, with what is known to be missing from its URDF.
-        between: Two explanations, each an effect or several together, of which a log is to tell the true one.
-        effects: Effects whose parameters are to be seen; the model's if omitted, or friction and inertia of all
-            joints where it has none.
-        after: Logs that there are already, which the gain is measured against; any motion within the limits if omitted.
+        model: The arm, with the terms that its URDF is known to lack.
+        between: Two explanations, each one effect or several together; a log of the motion shows which is true.
+        effects: Effects whose parameters the motion shows; the model's if omitted, or friction and inertia of all
+            joints if the model has none.
+        after: Logs that exist already; the gain is measured against them, or against any motion within the limits.
         settings: Duration, limits, seed.
         progress: Called with a sentence and the share done, from 0 to 1.
 
     Returns:
-        The motion with the limits that it keeps and what it gains.
+        The motion, the limits that it keeps, and its gain.
 
     Raises:
-        EffectError: If an effect is not of the robot, or no motion tells the two explanations apart.
+        EffectError: If an effect does not fit the robot, or no motion separates the two explanations.
         RobotError: If limits or settings leave no room for a motion.
         LogError: If a log cannot be used.
     """
     dynamics = model if isinstance(model, Dynamics) else Dynamics(model)
     chosen = settings or ExcitationSettings()
     tell = progress or silent
-    tell("looking at the limits", 0.0)
+    tell("reading the limits", 0.0)
     robot = dynamics.robot
     limits = motion_limits(robot, speed=chosen.speed, effort=chosen.effort, acceleration=chosen.acceleration)
     question = Question(dynamics, limits, chosen)

@@ -1,4 +1,4 @@
-"""A designed motion: its samples, the limits that it keeps, and what it makes visible."""
+"""A designed motion: its samples, the limits that it keeps, and its gain."""
 
 from __future__ import annotations
 
@@ -23,15 +23,16 @@ APART = 10.0  # standard deviations between two explanations [1] from which `dis
 
 @dataclass(frozen=True, repr=False)
 class Gain:
-    """What a motion makes visible, beside another.
+    """What a motion shows, compared with another motion.
 
     Attributes:
-        between: The two explanations; empty where parameters were asked for.
-        before: Standard deviations between the two on the motion that there was; for parameters 1.
-        after: The same on the designed motion; for parameters how many times smaller their standard deviations are.
-        seen: How many combinations of parameters any motion shows, of how many parameters.
-        told: Which of the two is told if the arm has it; the other one explains it on any motion if not.
-        beside: What the motion is compared with, ``on the logs given`` or ``on any motion within the limits``.
+        between: Labels of the two explanations; empty if parameters were asked for.
+        before: Standard deviations between the two on the other motion [1]; 1 for parameters.
+        after: Standard deviations between the two on the designed motion [1]; for parameters, the factor by which their
+            standard deviations are smaller.
+        seen: Number of combinations of parameters that any motion shows, and number of parameters.
+        told: For each of the two, True if a log shows it when the arm has it; otherwise the other explains it as well.
+        beside: The other motion in words, ``on the logs given`` or ``on some motion within the limits``.
     """
 
     between: tuple[str, ...]
@@ -49,7 +50,7 @@ class Gain:
 
     @property
     def enough(self) -> bool:
-        """Whether a log of the motion tells the two apart."""
+        """True if a log of the motion separates the two explanations."""
         return not self.between or self.after >= APART
 
 
@@ -65,13 +66,13 @@ class Excitation:
         velocity: Velocities [rad/s or m/s], shape (N, n).
         acceleration: Accelerations [rad/s² or m/s²], shape (N, n).
         effort: Torques that the model predicts [N·m or N], shape (N, n).
-        limits: What the motion was allowed to use.
+        limits: Limits of the motion.
         clearance: Distance that links keep from each other and from the floor [m].
-        floor: Height of the floor above the base's origin [m], None for none.
-        checked: Pairs of shapes that were looked at for collisions.
-        gain: What it makes visible.
-        warnings: What the design had to assume.
-        record: Settings and version, enough to make it again.
+        floor: Height of the floor above the base's origin [m]; None without a floor.
+        checked: Number of pairs of shapes that were checked for contact.
+        gain: What the motion shows.
+        warnings: Assumptions of the design, one sentence each.
+        record: Settings and version, enough to design the motion again.
     """
 
     robot: RobotModel
@@ -104,7 +105,7 @@ class Excitation:
         return Reference(self.position, self.velocity, self.acceleration)
 
     def peaks(self) -> dict[str, Array]:
-        """Return the smallest and the largest position, and the largest of all else, shape (n,) each."""
+        """Return the smallest and largest position, and the largest absolute value of all else, shape (n,) each."""
         return {
             "lower": self.position.min(axis=0),
             "upper": self.position.max(axis=0),
@@ -115,6 +116,9 @@ class Excitation:
 
     def to_csv(self, path: str | Path) -> Path:
         """Write time, position, velocity, acceleration and predicted effort of every sample.
+
+        Args:
+            path: File to write.
 
         Raises:
             LogError: If the file cannot be written.
@@ -132,7 +136,7 @@ class Excitation:
 
         Args:
             path: File to write.
-            rate: Points per second at most [Hz]; controllers interpolate.
+            rate: Largest number of points per second [Hz]; controllers interpolate.
 
         Raises:
             LogError: If the file cannot be written.

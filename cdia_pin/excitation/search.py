@@ -1,4 +1,4 @@
-"""The search: motions are drawn and the best is varied, none kept that breaks a limit or touches anything."""
+"""The search: motions are drawn and the best is varied. Motions that break a limit or touch anything are rejected."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ HIGHEST_RATE = 1000.0  # rate [Hz] at which the travel is summed
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionSearch:
-    """What a search works on.
+    """A search for the motion of the largest score.
 
     Attributes:
-        model: The arm, whose torques must stay within limits.
-        limits: What a motion may use.
-        collisions: What must not touch.
-        goal: What a motion is scored by.
+        model: Model of the arm, whose torques must stay within limits.
+        limits: Limits of motions.
+        collisions: Shapes that must not touch.
+        goal: Score of a motion.
         noise: Standard deviation of a torque sample [N·m or N], shape (n,).
         duration: Length of the motion [s].
     """
@@ -57,13 +57,13 @@ class MotionSearch:
     def best(
         self, draws: int, refinements: int, rng: np.random.Generator, tell: Progress
     ) -> tuple[Chain, Chain]:
-        """Return the best motion found, and the first one, which is any motion within the limits.
+        """Return the best motion, and the first one that is within the limits, for comparison.
 
         Args:
-            draws: Motions drawn.
-            refinements: Variations of the best one tried.
-            rng: Source of both.
-            tell: Called with a sentence and the share done.
+            draws: Number of motions that are drawn.
+            refinements: Number of variations of the best motion that are tried.
+            rng: Source of randomness.
+            tell: Called with a sentence and the share done [1].
 
         Raises:
             RobotError: If the arm cannot rest or move anywhere within the limits.
@@ -91,7 +91,12 @@ class MotionSearch:
         return self._checked(best), first.trajectory(self.duration, self.limits)
 
     def contact(self, trajectory: Chain, apart: float) -> Contact | None:
-        """Return the first contact on a motion, looked at wherever a joint has moved so far [rad or m]."""
+        """Return the first contact on a motion, or None.
+
+        Args:
+            trajectory: The motion.
+            apart: Travel of a joint between two checked postures [rad or m].
+        """
         time = np.arange(0.0, trajectory.duration, 1.0 / HIGHEST_RATE)
         q, v, _ = trajectory(time)
         travelled = np.cumsum(np.abs(v).max(axis=1)) / HIGHEST_RATE
@@ -100,7 +105,7 @@ class MotionSearch:
         return Contact(int(first[found.sample]), found.shapes) if found else None
 
     def _score(self, draw: Draw, above: float) -> float | None:
-        """Return a motion's score, None if it is not allowed; contacts are looked for only above a score."""
+        """Return a motion's score, None if it is not allowed; contacts are checked only above a given score."""
         trajectory = draw.trajectory(self.duration, self.limits)
         experiment = planned(self.model.robot, trajectory)
         if not self._within_effort(experiment):
@@ -133,7 +138,7 @@ class MotionSearch:
                 return q
         if contact is None:
             raise RobotError(
-                f"robot '{robot.name}': its effort limits hold its own weight in no posture that was tried"
+                f"robot '{robot.name}': its effort limits do not hold its own weight in any posture that was tried"
             )
         one, two = contact.shapes
         raise RobotError(
@@ -142,7 +147,7 @@ class MotionSearch:
         )
 
     def _checked(self, draw: Draw) -> Chain:
-        """Return the motion, smaller if that is what a closer look asks for."""
+        """Return the motion, made smaller until a finer check allows it."""
         for smaller in self._shrinking(draw):
             trajectory = smaller.trajectory(self.duration, self.limits)
             if self._within_effort(planned(self.model.robot, trajectory, cutoff=25.0)) and not self.contact(

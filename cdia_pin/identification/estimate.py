@@ -1,4 +1,4 @@
-"""The estimate: least squares weighted by each joint's error, held to the URDF, physically consistent."""
+"""The estimate: weighted least squares with a prior around the URDF, over physically consistent parameters."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ RIDGE = 1e-12  # added to a unit diagonal [1], so that columns that repeat each 
 
 @dataclass(frozen=True, repr=False)
 class Estimate:
-    """A fitted model with what it was fitted by.
+    """A fitted model with its normal equations and prior.
 
     Attributes:
-        model: The model.
-        equations: Normal equations of its terms there.
+        model: The model at its optimum.
+        equations: Normal equations of its terms at the optimum.
         prior: Precision of the prior, shape (P, P).
         whitening: Weight of each joint, samples that count, blocks of time.
-        strength: How firmly bodies are held to the URDF [1].
+        strength: Strength of the prior on bodies around the URDF [1].
     """
 
     model: Dynamics
@@ -63,7 +63,7 @@ class Estimate:
 
 
 class Fitter:
-    """Fits models to one experiment, by the samples in which a joint moves, or all of one that hardly does.
+    """Fits models to one experiment. Samples count if their joint moves, or if the joint hardly ever moves.
 
     Args:
         experiment: The conditioned logs.
@@ -82,10 +82,13 @@ class Fitter:
         return f"Fitter({self.experiment!r}, {len(self.edges) - 1} blocks)"
 
     def weights(self, residual: Array) -> Whitening:
-        """Weigh every joint by its own error: a wrist says as much of its torque as the shoulder of its.
+        """Weight every joint by its own error, so that a wrist counts as much as the shoulder.
 
-        Errors are not whitened in time: what friction laws leave is slow, and a filter that takes slow errors for
-        noise no longer minimises the error that is shown. The blocks of time know of it in the intervals.
+        Errors are not whitened in time. The residual of friction laws is slow, and a filter that treats slow errors as
+        noise would no longer minimise the error that is reported. Intervals allow for it by the blocks of time.
+
+        Args:
+            residual: Residual of the present model [N·m or N], shape (K, n).
         """
         e = self.experiment
         share = np.where(self.moving, FINEST_ERROR, STUCK_ERROR * np.sqrt(len(residual)))
@@ -94,7 +97,13 @@ class Fitter:
         return Whitening(tuple(noise), self.used, self.edges)
 
     def fit(self, model: Dynamics, strength: float, whitening: Whitening | None = None) -> Estimate:
-        """Fit all parameters of a model, weights included unless they are given."""
+        """Fit all parameters of a model.
+
+        Args:
+            model: The model; iterations start at its parameters.
+            strength: Strength of the prior on bodies around the URDF [1].
+            whitening: Weight of each joint; found from the residual if omitted.
+        """
         rounds = 1 if whitening else PATIENCE
         whitening = whitening or self.weights(FIRST_ERROR * self.experiment.measured)
         for k in range(rounds):
@@ -127,14 +136,22 @@ def constrained(equations: NormalEquations, total: Array, prior: Array) -> Array
     """Return the most probable physical parameters, shape (P,).
 
     Args:
-        equations: Whose effects and bounds count.
-        total: Normal equations, all blocks or some, shape (P + 1, P + 1).
+        equations: Normal equations, for effects and bounds.
+        total: Normal equations of all or some blocks, shape (P + 1, P + 1).
         prior: Precision of the prior, shape (P, P).
     """
     return consistent_parameters(total[:-1, :-1] + prior, total[:-1, -1], equations.effects, equations.robot)
 
 
 def unconstrained(total: Array, prior: Array) -> Array:
-    """Return the most probable parameters, physical or not, shape (P,)."""
+    """Return the most probable parameters, physical or not.
+
+    Args:
+        total: Normal equations of all or some blocks, shape (P + 1, P + 1).
+        prior: Precision of the prior, shape (P, P).
+
+    Returns:
+        Shape (P,).
+    """
     matrix = total[:-1, :-1] + prior
     return ScaledGram.of(matrix, RIDGE).solve(total[:-1, -1])

@@ -1,4 +1,4 @@
-"""What an identification found: a model, its error before and after, and what the log could not tell."""
+"""The result of an identification: a model, its errors before and after, and its base parameters."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ class Identification:
     """The outcome of `identify`; arrays have shape (n,).
 
     Attributes:
-        model: The robot with everything that was fitted, with intervals.
+        model: The robot with all terms that were fitted, with intervals.
         torque_rms: RMS of the measured torque in the fitted logs [N·m or N].
-        rms_before: RMS residual there of the model as given.
-        rms_after: RMS residual there of the identified model.
-        heldout_torque_rms: RMS of the measured torque in what was only predicted.
-        heldout_before: RMS residual there of the model as given.
-        heldout_after: RMS residual there of the identified model.
+        rms_before: RMS residual of the model as given, in the fitted logs [N·m or N].
+        rms_after: RMS residual of the identified model, in the fitted logs [N·m or N].
+        heldout_torque_rms: RMS of the measured torque in the held-out data [N·m or N].
+        heldout_before: RMS residual of the model as given, in the held-out data [N·m or N].
+        heldout_after: RMS residual of the identified model, in the held-out data [N·m or N].
         base: Base parameters.
-        strength: How firmly bodies were held to the URDF [1].
-        refined: Labels of the terms that richer laws brought in.
-        record: Logs, hashes, settings and version, enough to run it again.
+        strength: Strength of the prior on bodies around the URDF [1].
+        refined: Labels of the terms of richer friction laws.
+        record: Logs, hashes, settings and version, enough to run the identification again.
     """
 
     model: Dynamics
@@ -73,7 +73,7 @@ class Identification:
 
     @property
     def margin(self) -> Array:
-        """How far each link is from a body that cannot exist, see `physical_margin`."""
+        """Distance of each link from a body that cannot exist, see `physical_margin`, shape (n,)."""
         return np.array([physical_margin(p) for p in self.inertial_parameters])
 
     def to_dict(self) -> IdentificationJson:

@@ -14,8 +14,9 @@ class IdentificationSettings:
 
     Attributes:
         conditioning: How logs are filtered.
-        strength: How firmly bodies are held to the URDF, see `urdf_precision` [1]; chosen by cross-validation if None.
-        refine: Whether friction may follow richer laws than Coulomb's and viscous friction, where the log asks for it.
+        strength: Strength of the prior on bodies around the URDF [1], see `urdf_precision`; chosen by cross-validation
+            if None.
+        refine: Use richer laws than Coulomb and viscous friction where they predict held-out blocks better.
         blocks: Number of contiguous blocks of time for cross-validation, held-out errors and intervals.
         least_gain: Share of a joint's mean squared error that a richer law must explain in unseen blocks [1], because
             laws that explain less change with the log.

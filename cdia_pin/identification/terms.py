@@ -1,4 +1,4 @@
-"""What a full identification fits: every link, and the friction, offset and rotor of every joint."""
+"""The terms of an identification: every link, and the friction, offset and rotor of every joint."""
 
 from __future__ import annotations
 
@@ -44,14 +44,18 @@ class Refinement:
 
     Attributes:
         added: The effect.
-        replaced: Labels of the terms that it spans.
+        replaced: Labels of the terms that it contains.
     """
 
     added: Effect
     replaced: tuple[str, ...] = ()
 
     def of(self, model: Dynamics) -> Dynamics:
-        """Return the model with the law, its parameters zero."""
+        """Return the model with the law at zero parameters, without the terms that it replaces.
+
+        Args:
+            model: The present model.
+        """
         for label in self.replaced:
             model = model.remove(label)
         return model.add(Term(self.added, (0.0,) * self.added.size))
@@ -60,12 +64,12 @@ class Refinement:
 def full_model(
     model: Dynamics, experiment: Experiment, settings: IdentificationSettings | None = None
 ) -> Dynamics:
-    """Return a model with all that an identification fits; what it had already keeps its parameters.
+    """Return a model with all terms of an identification; terms of the given model keep their parameters.
 
-    A joint that hardly moves has no friction or rotor to show.
+    A joint that hardly moves gets no friction and no rotor.
 
     Args:
-        model: What is known.
+        model: The model as it is known.
         experiment: The conditioned logs.
         settings: When a joint counts as moving.
     """
@@ -85,7 +89,7 @@ def full_model(
 
 
 def _one_by_one(model: Dynamics) -> Dynamics:
-    """Return a model in which links that differ together are terms of their own."""
+    """Return a model in which an effect of several links is one term per link."""
     several = [(t, t.effect) for t in model.terms if isinstance(t.effect, LinkInertias)]
     for term, effect in several:
         model = model.remove(term.label)
@@ -113,7 +117,7 @@ def moving_joints(experiment: Experiment, least_share: float) -> NDArray[np.bool
 def refinements(
     model: Dynamics, experiment: Experiment, settings: IdentificationSettings
 ) -> Iterator[Refinement]:
-    """Yield the richer laws that a model may take on, each for one joint.
+    """Yield the richer laws that a model may get, each for one joint.
 
     Args:
         model: The present model.
@@ -140,12 +144,12 @@ def refinements(
 
 
 def saturating_friction(joint: str, along: State, share: float) -> Expression:
-    """Return friction that grows with speed and levels off, −α tanh(q̇/w), as lubricated gears have it [Makkar2005].
+    """Return friction that grows with speed and levels off, −α tanh(q̇/w), as in lubricated gears [Makkar2005].
 
     Args:
         joint: Name of the joint.
-        along: The motion.
-        share: w over the speed that is driven [1].
+        along: State along the motion.
+        share: w over the 95th percentile of the joint's speed [1].
     """
     fast = np.percentile(np.abs(along.v[:, along.robot.joint_index(joint)]), 95)
     return Expression(joint, f"-tanh(dq/{share * fast:.2g})")
@@ -160,5 +164,5 @@ def _laws(joint: str, along: State, loaded: bool) -> Iterator[Effect]:
 
 
 def _spanning(effect: Effect) -> set[str]:
-    """Return the labels of effects that do what this one does, and more."""
+    """Return the labels of effects that contain this one as a special case."""
     return {e(*effect.scope).label for e in SPANNED_BY.get(type(effect), ())}
