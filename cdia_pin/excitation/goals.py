@@ -102,7 +102,7 @@ class TwoExplanations(Goal):
         rest: Effects of the model that are fitted as well.
         known: Precision of the prior on their parameters [1/unit²], shape (p,).
         beside: All other parameters, which count once the two explanations are well separated.
-        tellable: For each explanation, True if some motion shows it when the arm has it.
+        separable: For each explanation, True if some motion shows it when the arm has it.
     """
 
     one: Side
@@ -110,7 +110,7 @@ class TwoExplanations(Goal):
     rest: tuple[Effect, ...]
     known: Array
     beside: Parameters
-    tellable: tuple[bool, bool]
+    separable: tuple[bool, bool]
 
     def __repr__(self) -> str:
         return f"TwoExplanations({clipped(self.one.label, 60)} or {clipped(self.two.label, 60)})"
@@ -135,8 +135,8 @@ class TwoExplanations(Goal):
             beside: All other parameters.
             everything: Normal equations of many motions over all of the limits.
         """
-        tellable = tuple(_differs(everything, a, b, rest) for a, b in ((one, two), (two, one)))
-        return cls(one, two, tuple(rest), known, beside, (tellable[0], tellable[1]))
+        separable = tuple(_differs(everything, a, b, rest) for a, b in ((one, two), (two, one)))
+        return cls(one, two, tuple(rest), known, beside, (separable[0], separable[1]))
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
@@ -160,7 +160,7 @@ class TwoExplanations(Goal):
         Args:
             info: Normal equations of both explanations along the motion.
         """
-        apart = [d for d, can in zip(self.distances(info), self.tellable, strict=True) if can]
+        apart = [d for d, can in zip(self.distances(info), self.separable, strict=True) if can]
         return min(apart, default=0.0)
 
     def score(self, info: Information) -> float:

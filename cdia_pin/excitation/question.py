@@ -110,7 +110,7 @@ class Question:
                 raise EffectError(why_silent(side, self.everything))
         known = np.concatenate([np.zeros(0), *(1.0 / e.prior_scale(self.model.robot) ** 2 for e in rest)])
         goal = TwoExplanations.of(one_side, other, rest, known, self.parameters(self._common()), info)
-        if not any(goal.tellable):
+        if not any(goal.separable):
             why = why_alike(one_side, other, self.everything)
             raise EffectError(f"no motion of this arm tells {one_side.label} from {other.label}: {why}")
         return goal
@@ -132,7 +132,7 @@ class Question:
         beside = "on the logs given" if logs else "on some motion within the limits"
         if isinstance(goal, TwoExplanations):
             names = (goal.one.label, goal.two.label)
-            return Gain(names, goal.distance(old), goal.distance(new), (0, 0), goal.tellable, beside)
+            return Gain(names, goal.distance(old), goal.distance(new), (0, 0), goal.separable, beside)
         assert isinstance(goal, Parameters)
         sharper = float(np.exp(goal.score(new) - goal.score(old)))
         return Gain((), 1.0, sharper, (goal.seen.shape[1], goal.seen.shape[0]), (), beside)

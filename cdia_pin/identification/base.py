@@ -18,9 +18,11 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 
 SAMPLES = 200  # random states [1] from which dependent columns are found; 200 give many rows per column
-INDEPENDENT = 1e-8  # norm of a column beside those before it, over its own norm [1]; below it is rounding
+INDEPENDENT = (
+    1e-8  # norm of what the columns before it leave of a column, over its own norm [1]; below it is rounding
+)
 # Standard deviation after the log over that before [1], below which a parameter counts as identified.
-TOLD = 1.0 / 3.0
+IDENTIFIED = 1.0 / 3.0
 REACH = 1.0  # range of joints without limits [rad or m]
 
 
@@ -36,7 +38,7 @@ class BaseParameters:
         value: Identified values.
         deviation: Standard deviations of the identified values.
         half_width: Half widths of their 95 % intervals.
-        told: True for parameters that this log identifies; the prior around the URDF determines the others.
+        identifiable: True for parameters that this log identifies; the prior around the URDF determines the others.
     """
 
     names: tuple[str, ...]
@@ -46,10 +48,10 @@ class BaseParameters:
     value: Array
     deviation: Array
     half_width: Array
-    told: NDArray[np.bool_]
+    identifiable: NDArray[np.bool_]
 
     def __repr__(self) -> str:
-        return f"BaseParameters({len(self)}, {int(self.told.sum())} of them identified by the log)"
+        return f"BaseParameters({len(self)}, {int(self.identifiable.sum())} of them identified by the log)"
 
     def __len__(self) -> int:
         return len(self.names)
@@ -74,7 +76,7 @@ def base_parameters(
     """
     first, reduction = base_reduction(robot)
     urdf = robot.inertial_parameters.ravel()
-    deviation, believed = (
+    deviation, prior_deviation = (
         np.sqrt(np.maximum(np.einsum("bi,ij,bj->b", reduction, c, reduction), 0.0))
         for c in (covariance, prior_covariance)
     )
@@ -86,7 +88,7 @@ def base_parameters(
         value=reduction @ (urdf + change),
         deviation=deviation,
         half_width=quantile * deviation,
-        told=deviation < TOLD * believed,
+        identifiable=deviation < IDENTIFIED * prior_deviation,
     )
 
 

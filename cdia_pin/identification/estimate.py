@@ -29,7 +29,7 @@ CONVERGED = 1e-3
 # Error of a joint over its torque [1] before anything is fitted, so that all joints weigh alike.
 FIRST_ERROR = 0.05
 FINEST_ERROR = 1e-6  # least error of a moving joint over its torque [1], because less is rounding
-# Error of a resting joint over its torque, all samples together [1], because dry friction may hold it.
+# Error of a resting joint over its torque, all samples together [1], because dry friction may carry it.
 STUCK_ERROR = 1.0
 PATIENCE = 3  # rounds [1] of fitting and weighting, because weights and fit depend on each other
 RIDGE = 1e-12  # added to a unit diagonal [1], so that columns that repeat each other can be solved

@@ -33,9 +33,9 @@ def identify(
     r"""Fit the inertial parameters of all links, and friction, offset and rotor of all joints, to measured logs.
 
     It minimises the weighted squared error :math:`\sum_j \|e_j\|^2 / \sigma_j^2` plus the distance of the links from
-    the URDF's [Lee2020], over the parameters of bodies that can exist [Wensing2018]. The strength of this prior is chosen
-    by cross-validation over blocks of time; a motion that shows little of a link leaves it as in the URDF. It does not
-    decide which effect is real: a tool is spread over the links that carry it. For that, see `discover`.
+    the URDF's [Lee2020], over the parameters of bodies that can exist [Wensing2018]. The strength of this prior is
+    chosen by cross-validation over blocks of time; a motion that shows little of a link leaves it as in the URDF. It
+    does not decide which effect is real: a tool is spread over the links that carry it. For that, see `discover`.
 
     Args:
         model: The model as it is known: a bare robot, or one with terms. The terms are fitted again with all else.

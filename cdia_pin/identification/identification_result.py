@@ -80,7 +80,7 @@ class Identification:
         """Return the JSON of schema ``cdia-identification/1``."""
         robot = self.model.robot
         b = self.base
-        rows = zip(b.names, b.units, b.grouped, b.urdf, b.value, b.half_width, b.told, strict=True)
+        rows = zip(b.names, b.units, b.grouped, b.urdf, b.value, b.half_width, b.identifiable, strict=True)
         return {
             "schema": schemas.IDENTIFICATION,
             "robot": robot.name,
@@ -104,9 +104,9 @@ class Identification:
                     "urdf": float(urdf),
                     "value": float(value),
                     "ci95": [float(value - half), float(value + half)],
-                    "told": bool(told),
+                    "told": bool(identifiable),
                 }
-                for name, unit, grouped, urdf, value, half, told in rows
+                for name, unit, grouped, urdf, value, half, identifiable in rows
             ],
             "strength": self.strength,
             "record": self.record,

@@ -102,7 +102,7 @@ def _one_by_one(model: Dynamics) -> Dynamics:
 
 
 def moving_joints(experiment: Experiment, least_share: float) -> NDArray[np.bool_]:
-    """Tell which joints move for long enough to show their friction and rotor.
+    """Return True for joints that move for long enough to show their friction and rotor.
 
     Args:
         experiment: The conditioned logs.

@@ -52,7 +52,7 @@ class DesignMatrix:
         traits = effect.traits
         of_reading = traits.channel is Channel.TORQUE_READING
         constant = of_reading or not np.ptp(gain, axis=0).any()
-        # slopes hold for the present parameters alone and cannot be reused
+        # slopes are right for the present parameters alone and cannot be reused
         if (
             isinstance(effect, Slope)
             or Signal.TORQUE in traits.depends_on

@@ -236,7 +236,7 @@ class NormalEquations:
         blocks = self.blocks[:, at][:, :, at]
         return NormalEquations(self.robot, [self.effects[c] for c in chosen], blocks, self.samples)
 
-    # ------------------------------------------------------------- every effect beside a set
+    # ------------------------------------------------------------- every effect added to a set
 
     def gains(self, chosen: Sequence[int]) -> Array:
         """Return the gain of each effect: by how much it would lower the residual sum of squares of a set.

@@ -37,7 +37,7 @@ class AlternativeSettings:
     """When another explanation counts as possible.
 
     Attributes:
-        doubt: Difference of χ² up to which two explanations are hard to tell apart, in variances of the noise [1].
+        doubt: Difference of χ² up to which two explanations are hard to distinguish, in variances of the noise [1].
             Under white noise a difference of 30 has a probability of 3e-7 where one of the two is true; residuals with
             structure need such a margin.
         undetermined_share: One standard deviation of an alternative's torque on other motions, over the torque that

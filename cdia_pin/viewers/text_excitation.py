@@ -72,7 +72,7 @@ def gain_words(motion: Excitation) -> str:
         f"{one} taken for {two}, or the other way round, is off by {number(gain.after)} standard deviations; "
         f"{gain.beside} by {number(gain.before)}."
     )
-    untold = [b for b, told in zip(gain.between, gain.told, strict=True) if not told]
+    untold = [b for b, told in zip(gain.between, gain.separable, strict=True) if not told]
     if untold:
         (other,) = (b for b in gain.between if b not in untold)
         said += f" Only what {other} has beyond {listed(untold)} is told: it does all that the latter does."
