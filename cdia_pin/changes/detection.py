@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.changes_result import Bound, Change, Changes
-from cdia_pin.changes.evidence import Difference, Differing
+from cdia_pin.changes.difference import Difference
+from cdia_pin.changes.evidence import Differing
 from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.changes.sizes import friction_before, sized, torque_of
 from cdia_pin.dynamics import Dynamics

@@ -10,16 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.common_structure import common_effects, smooth_functions
-from cdia_pin.effects import Effect, LinkInertia, ToolWrench, Traits, ViscousMedium, WrappedEffect
-from cdia_pin.effects.rigid_body import RigidBody
-from cdia_pin.effects.state import State
+from cdia_pin.changes.difference import Difference
+from cdia_pin.effects import LinkInertia, ToolWrench, ViscousMedium
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.noise import fit_noise
 from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from cdia_pin.regression.whitening import Whitening
-from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.candidates import LARGE_FAMILY, SCREENED, enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.evidence import Evidence
@@ -31,114 +29,6 @@ GENERIC_SIZE = 10  # parameters [1]; effects with as many or more would fit nois
 UNUSUAL = (LinkInertia, ToolWrench, ViscousMedium)
 ROUNDS = 2  # rounds [1] of weighting, because weights and residuals depend on each other
 INF = float("inf")
-
-
-@dataclass(frozen=True)
-class Difference(WrappedEffect):
-    """An effect by which some logs differ from the others. Its parameters may have either sign.
-
-    Attributes:
-        effect: The effect.
-        logs: Names of the logs in which it is present, see `State.log`.
-    """
-
-    effect: Effect
-    logs: tuple[str, ...]
-
-    @property
-    def traits(self) -> Traits:
-        """Traits of the effect, but not dissipative, because a difference of friction may add power."""
-        return replace(self.effect.traits, dissipative=False)
-
-    @property
-    def bodies(self) -> tuple[RigidBody, ...]:
-        """No bodies, because a difference between two bodies need not be physically consistent."""
-        return ()
-
-    def basis(self, x: State) -> Array:
-        """Return the effect's basis, zero in the other logs.
-
-        Args:
-            x: State along one log, N samples.
-
-        Returns:
-            Torque per unit of each parameter [N·m or N per unit], shape (N, n, p).
-        """
-        return self.effect.basis(x) * self._presence(x)
-
-    def torque(self, x: State, theta: Array) -> Array:
-        """Return the effect's torque, zero in the other logs.
-
-        Args:
-            x: State along one log, N samples.
-            theta: Differences of the parameters, shape (p,).
-
-        Returns:
-            In N·m or N, shape (N, n).
-        """
-        return self.effect.torque(x, theta) * self._presence(x)
-
-    def jacobian(self, x: State, theta: Array) -> Array:
-        """Return the effect's ∂f/∂θ, zero in the other logs.
-
-        Args:
-            x: State along one log, N samples.
-            theta: Differences of the parameters, shape (p,).
-
-        Returns:
-            Torque per unit of each parameter [N·m or N per unit], shape (N, n, p).
-        """
-        return self.effect.jacobian(x, theta) * self._presence(x)
-
-    def shift(self, x: State, theta: Array) -> Array:
-        """Return the effect's shift of positions, zero in the other logs.
-
-        Args:
-            x: State along one log, N samples.
-            theta: Differences of the parameters, shape (p,).
-
-        Returns:
-            In rad or m, shape (N, n).
-        """
-        return self.effect.shift(x, theta) * self._presence(x)
-
-    def gravity_change(self, x: State, theta: Array) -> Array:
-        """Return the effect's change of gravity, zero in the other logs.
-
-        Args:
-            x: State along one log, N samples.
-            theta: Differences of the parameters, shape (p,).
-
-        Returns:
-            In m/s², shape (N, 3).
-        """
-        return self.effect.gravity_change(x, theta) * self._presence(x)
-
-    def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
-        """Return no bounds.
-
-        Args:
-            robot: The robot; not used.
-
-        Returns:
-            Smallest and largest parameters, both infinite, shape (p,) each.
-        """
-        return np.full(self.size, -INF), np.full(self.size, INF)
-
-    def is_physical(self, theta: Array, robot: RobotModel) -> bool:
-        """Return True: any difference is possible on a real arm."""
-        return True
-
-    def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
-        """Return the estimate unchanged, shape (p,)."""
-        return np.array(theta, float)
-
-    def is_distinct(self, theta: Array) -> bool:
-        """Return True: any difference counts."""
-        return True
-
-    def _presence(self, x: State) -> float:
-        return float(x.log in self.logs)
 
 
 @dataclass(frozen=True, repr=False)

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.evidence import Difference, Differing
+from cdia_pin.changes.difference import Difference
+from cdia_pin.changes.evidence import Differing
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, Effect, LinkInertia, Term, TorqueOffset, ViscousFriction
 from cdia_pin.regression.bounded_fit import bounded_fit

@@ -31,7 +31,7 @@ class Gain:
         after: Standard deviations between the two on the designed motion [1]; for parameters, the factor by which their
             standard deviations are smaller.
         seen: Number of combinations of parameters that any motion shows, and number of parameters.
-        separable: For each of the two, True if a log shows it when the arm has it; otherwise the other explains it as well.
+        separable: For each of the two, True if a log shows it when the arm has it; if not, the other explains it too.
         beside: The other motion in words, ``on the logs given`` or ``on some motion within the limits``.
     """
 

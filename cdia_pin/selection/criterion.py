@@ -36,8 +36,8 @@ class SelectionCriterion:
     benchmarks.sensitivity`` halves and doubles each of them.
 
     Attributes:
-        penalty_per_parameter: λ₀, in addition to ln m [1]. Nested effects, such as Coulomb and Stribeck friction, gain a few
-            units by chance after a search.
+        penalty_per_parameter: λ₀, in addition to ln m [1]. Nested effects, such as Coulomb and Stribeck friction, gain
+            a few units by chance after a search.
         share_per_parameter: κ, share of one joint's sum of squares that a parameter must explain [1].
         least_share: Share of the residual of a joint that an effect must explain [1]. Less is not seen in a plot.
         least_torque: RMS torque of an effect over the joint's RMS torque [1]. Less changes nothing that a user notices.
