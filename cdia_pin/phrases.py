@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any
 
 
 def some(names: Sequence[str], most: int = 12) -> str:
@@ -28,8 +30,38 @@ def shortened(text: str, most: int = 40) -> str:
     Returns:
         The text in single quotes.
     """
+    return f"'{clipped(text, most)}'"
+
+
+def clipped(text: str, most: int = 40) -> str:
+    """Return a text on one line, cut in the middle where it is long.
+
+    Args:
+        text: The text.
+        most: Largest number of characters that are shown.
+    """
     line = " ".join(text.split())
-    if len(line) > most:
-        head = most // 2
-        line = f"{line[:head]}…{line[len(line) - (most - head - 1) :]}"
-    return f"'{line}'"
+    if len(line) <= most:
+        return line
+    head = most // 2
+    return f"{line[:head]}…{line[len(line) - (most - head - 1) :]}"
+
+
+def changed_fields(settings: Any) -> str:
+    """Return ``name=value`` of the fields that differ from their defaults, for a short ``repr``.
+
+    Args:
+        settings: A dataclass whose fields all have defaults.
+    """
+    usual = type(settings)()
+    pairs = ((f.name, getattr(settings, f.name), getattr(usual, f.name)) for f in fields(settings))
+    return ", ".join(f"{name}={value!r}" for name, value, default in pairs if value != default)
+
+
+def settings_repr(settings: Any) -> str:
+    """Return a ``repr`` of at most 190 characters that shows the fields that differ from their defaults.
+
+    Args:
+        settings: A dataclass whose fields all have defaults.
+    """
+    return f"{type(settings).__name__}({clipped(changed_fields(settings), 150)})"

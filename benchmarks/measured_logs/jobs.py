@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.measured_logs.process import cdia
-from cdia_pin.discovery import compare
-from cdia_pin.discovery.discovery_result import VERDICTS
+from cdia_pin.discovery import DiscoveryVerdict, compare
 from cdia_pin.dynamics import Dynamics, load_model
 from cdia_pin.logs import read_log
 from cdia_pin.robot import load_robot
@@ -89,7 +88,7 @@ class Outcome:
     @property
     def complete(self) -> bool:
         """Whether there is a verdict and a model."""
-        return self.has_model and self.found.get("verdict") in VERDICTS
+        return self.has_model and self.found.get("verdict") in set(DiscoveryVerdict)
 
 
 def run(job: Job, data: Path, out: Path) -> Outcome:

@@ -1,4 +1,4 @@
-"""Changes: by which effects an arm differs between logs."""
+"""Changes: the effects by which an arm differs between logs."""
 
 from cdia_pin.changes.changes_result import Change, Changes
 from cdia_pin.changes.conditions import changes_between

@@ -1,32 +1,41 @@
-"""What changed between logs: effects with the size of their difference, and what could have gone unseen."""
+"""What changed between logs: effects with their differences, and the largest changes that would not be seen."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin import schemas
-from cdia_pin.changes.finding import Finding
+from cdia_pin.changes.changes_documents import ChangeJson, ChangesJson, ChangesRecord
+from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.identifiability.confusion import Confusion
+from cdia_pin.phrases import clipped, some
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+class ChangesVerdict(StrEnum):
+    """Whether anything differs between the logs."""
+
+    CHANGED = "changed"
+    UNCHANGED = "unchanged"
+
+
+@dataclass(frozen=True, repr=False)
 class Change:
     """One effect by which the logs differ.
 
     Attributes:
-        term: The effect; its parameters are the differences, after less before, with 95 % intervals.
-        before: The parameters before, for friction; None where they have no meaning of their own, shape (p,).
+        term: The effect; its parameters are the differences, after minus before, with 95 % intervals.
+        before: The parameters before, for friction, shape (p,); None where they have no meaning of their own.
         torque_rms: RMS torque of the change in the logs after [N·m or N], shape (n,).
-        evidence: Log-likelihood that is lost without it [1].
+        evidence: Log-likelihood that is lost without the change [1].
         confusions: Other changes that would explain nearly as much.
     """
 
@@ -36,43 +45,57 @@ class Change:
     evidence: float
     confusions: tuple[Confusion, ...] = ()
 
+    def __repr__(self) -> str:
+        torque = f"torque up to {np.max(self.torque_rms):.3g}"
+        return f"Change({clipped(self.term.label, 60)}; {torque}, evidence {self.evidence:.3g})"
+
     @property
     def growth(self) -> float | None:
-        """Difference over size before [1], of an effect with one parameter that was there before."""
+        """Difference over the size before [1], of an effect with one parameter that was present before."""
         if self.before is None or len(self.before) != 1 or self.before[0] <= 0.0:
             return None
         return self.term.theta[0] / self.before[0]
 
-    def to_dict(self, robot: RobotModel) -> dict[str, Any]:
-        """Return a JSON-ready description."""
+    def to_dict(self, robot: RobotModel) -> ChangeJson:
+        """Return the change for JSON.
+
+        Args:
+            robot: The arm, for the names and units of its joints.
+        """
         names = [p.name for p in self.term.effect.parameters]
-        return {
+        out: ChangeJson = {
             "effect": self.term.effect.name,
             "joints": list(self.term.effect.joints(robot)),
-            **{k: v for k, v in self.term.effect.to_dict().items() if k == "shape"},
             "difference": self.term.parameters_to_dict(robot),
             "before": None if self.before is None else dict(zip(names, self.before, strict=True)),
             "growth": self.growth,
-            "torque_rms": dict(zip(robot.joints, map(float, self.torque_rms), strict=True)),
+            "torque_rms": robot.by_joint(self.torque_rms),
             "evidence": self.evidence,
             "confusable_with": [c.to_dict(robot) for c in self.confusions],
         }
+        described = self.term.effect.to_dict()
+        if "shape" in described:
+            out["shape"] = described["shape"]
+        return out
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Bound:
-    """The largest change of one kind that these logs would not show.
+    """The largest change of one effect that these logs would not show.
 
     Attributes:
-        term: The effect, its parameter as large as the end of the 95 % interval that is further from zero.
+        term: The effect; its parameter is the end of the 95 % interval that is further from zero.
         torque: RMS torque of such a change in the logs after [N·m or N].
     """
 
     term: Term
     torque: float
 
+    def __repr__(self) -> str:
+        return f"Bound({clipped(self.term.label, 60)}, torque {self.torque:.3g})"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Changes:
     """The outcome of `what_changed`.
 
@@ -80,11 +103,11 @@ class Changes:
         model: The model with which both sides were compared.
         before: Names of the logs before.
         after: Names of the logs after.
-        changes: Effects by which they differ, the most certain first; empty if nothing changed.
-        bounds: For each joint, the largest change of one effect that was not found and could be there.
-        findings: What the changes mean together.
+        changes: Effects by which the logs differ, the most certain first; empty if nothing changed.
+        bounds: For each joint by name, the largest change of one effect that would not be found.
+        findings: What several changes mean together.
         rms_before: RMS residual of the model in the logs before [N·m or N], shape (n,).
-        rms_after: The same in the logs after.
+        rms_after: RMS residual of the model in the logs after [N·m or N], shape (n,).
         record: Logs, hashes and settings.
     """
 
@@ -93,27 +116,33 @@ class Changes:
     after: tuple[str, ...]
     changes: tuple[Change, ...]
     bounds: dict[str, Bound]
-    findings: tuple[Finding, ...]
+    findings: tuple[Phenomenon, ...]
     rms_before: Array
     rms_after: Array
-    record: dict[str, Any]
+    record: ChangesRecord
+
+    def __repr__(self) -> str:
+        changed = some([clipped(c.term.label, 45) for c in self.changes], 2)
+        sides = " to ".join(
+            some([clipped(name, 20) for name in side], 1) for side in (self.before, self.after)
+        )
+        return f"Changes({self.verdict}{': ' if changed else ''}{changed}; from {sides})"
 
     @property
-    def verdict(self) -> str:
-        """``changed`` or ``unchanged``."""
-        return "changed" if self.changes else "unchanged"
+    def verdict(self) -> ChangesVerdict:
+        """Whether anything differs."""
+        return ChangesVerdict.CHANGED if self.changes else ChangesVerdict.UNCHANGED
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> ChangesJson:
         """Return the JSON of schema ``cdia-changes/1``."""
         robot = self.model.robot
-        by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
         return {
             "schema": schemas.CHANGES,
             "robot": robot.name,
             "joints": list(robot.joints),
             "before": list(self.before),
             "after": list(self.after),
-            "verdict": self.verdict,
+            "verdict": str(self.verdict),
             "changes": [c.to_dict(robot) for c in self.changes],
             "bounds": {
                 joint: {
@@ -124,6 +153,6 @@ class Changes:
                 for joint, b in self.bounds.items()
             },
             "findings": [f.to_dict() for f in self.findings],
-            "rms": {"before": by_joint(self.rms_before), "after": by_joint(self.rms_after)},
+            "rms": {"before": robot.by_joint(self.rms_before), "after": robot.by_joint(self.rms_after)},
             "record": self.record,
         }

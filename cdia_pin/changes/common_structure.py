@@ -1,8 +1,8 @@
-"""What several logs may have in common: any rigid bodies, any friction, and smooth functions of the motion.
+"""Structure that several logs may have in common: rigid bodies, friction, and smooth functions of the motion.
 
-It is no question here, so it is not searched for but fitted at once, each column held back by the size of torque that
-would surprise nobody: effects of the vocabulary by the joint's own torque, smooth functions by what the vocabulary
-leaves. Without that, large smooth functions that cancel in one log could imitate a change in the other.
+It is not searched for, but fitted at once. Each column has a prior standard deviation: that of an effect of the
+vocabulary is the joint's own torque, that of a smooth function is the residual of the vocabulary. Without these priors,
+large smooth functions that cancel in one log could imitate a change in the other.
 """
 
 from __future__ import annotations
@@ -20,15 +20,21 @@ from cdia_pin.selection.discovery_settings import DiscoverySettings
 
 Array = NDArray[np.float64]
 
-NEURONS = 7  # radial bases over a signal of a joint
-REACHES = (0.01, 0.03, 0.1, 0.3)  # of friction with memory, beside the joint's travel
-SLOW = 0.05  # of a joint's usual speed, within which smooth functions may change with its direction
+NEURONS = 7  # radial basis functions [1] over a signal of a joint; they resolve a sixth of its range
+REACHES = (0.01, 0.03, 0.1, 0.3)  # reaches of friction with memory, over the joint's travel [1]
+SLOW = 0.05  # speed over the joint's usual speed [1] within which smooth functions change with the direction
 
 
 def common_effects(
     experiment: Experiment, prediction: Prediction, columns: DesignMatrix
 ) -> list[ColumnGroup]:
-    """Return the vocabulary, each effect in a few of its shapes, as large as the joint's own torque."""
+    """Return the columns of the vocabulary, each effect in a few shapes, with the joint's own torque as prior.
+
+    Args:
+        experiment: The conditioned logs.
+        prediction: Prediction of the model.
+        columns: Columns of effects.
+    """
     robot = experiment.robot
     families = enumerate_candidates(experiment, prediction, DiscoverySettings())
     bodies = [LinkInertia(j) for j in robot.joints]
@@ -53,9 +59,9 @@ def smooth_functions(experiment: Experiment, prediction: Prediction, size: Array
     """Return smooth functions of each joint's motion and load, and of the other joints' positions.
 
     Args:
-        experiment: The logs.
-        prediction: Of the model.
-        size: Torque of each joint that would surprise nobody [N·m or N], shape (n,).
+        experiment: The conditioned logs.
+        prediction: Prediction of the model.
+        size: Prior standard deviation of their torque on each joint [N·m or N], shape (n,).
     """
     _, q, v, a = experiment.compared_motion()
     pairs = zip(experiment.segments, prediction.torques, strict=True)
@@ -82,4 +88,4 @@ def smooth_functions(experiment: Experiment, prediction: Prediction, size: Array
 def _bases(signal: Array) -> Array:
     low, high = np.percentile(signal, [0.5, 99.5])
     width = (high - low) / (NEURONS - 1) or 1.0
-    return np.exp(-(((signal[:, None] - np.linspace(low, high, NEURONS)) / width) ** 2))
+    return np.asarray(np.exp(-(((signal[:, None] - np.linspace(low, high, NEURONS)) / width) ** 2)))

@@ -1,4 +1,4 @@
-"""Several logs: which of them were recorded alike, and which effects differ between those that were not."""
+"""Conditions of several logs, and the effects that differ between the conditions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,11 @@ from cdia_pin.selection.discovery_settings import DiscoverySettings
 
 
 def by_condition(logs: Sequence[Log]) -> list[list[Log]]:
-    """Return the logs of each condition; a log without one is its own."""
+    """Return the logs of each condition; a log without a condition is a group of its own.
+
+    Args:
+        logs: The logs; groups come in the order of their first log.
+    """
     groups: dict[object, list[Log]] = {}
     for k, log in enumerate(logs):
         groups.setdefault(log.condition or k, []).append(log)
@@ -24,11 +28,11 @@ def by_condition(logs: Sequence[Log]) -> list[list[Log]]:
 def changes_between(
     model: Dynamics, logs: Sequence[Log], settings: DiscoverySettings, progress: Progress | None = None
 ) -> tuple[Changes, ...]:
-    """Return what changed from the first condition to each other one; nothing where there is only one.
+    """Return what changed from the first condition to each other one; nothing if there is only one condition.
 
     Args:
-        model: What is known of the arm.
-        logs: Of one arm.
+        model: The model of the arm as it is known.
+        logs: Logs of one arm.
         settings: What may have changed, and how logs are conditioned.
         progress: Called with a sentence and the share done.
     """
@@ -39,7 +43,10 @@ def changes_between(
 def effects_that_differ(changes: Sequence[Changes]) -> tuple[str, ...]:
     """Return the labels of the effects whose parameters differ between conditions.
 
-    An encoder's zero is not among them: it moves the arm, and has one value in a model.
+    An encoder offset is not among them, because it moves the arm and has one value in a model.
+
+    Args:
+        changes: Changes from the first condition to each other one.
     """
     terms = [c.term for found in changes for c in found.changes]
     return tuple(
@@ -48,7 +55,13 @@ def effects_that_differ(changes: Sequence[Changes]) -> tuple[str, ...]:
 
 
 def with_parameters_per_log(model: Dynamics, logs: tuple[str, ...], asked: Sequence[str]) -> Dynamics:
-    """Return a model in which the terms asked for, by name or label, have parameters of their own in each log."""
+    """Return a model in which some terms have parameters per log.
+
+    Args:
+        model: The model.
+        logs: Names of the logs or conditions.
+        asked: Names or labels of the effects that get parameters per log.
+    """
     terms = tuple(
         Term(PerLog(t.effect, logs), t.theta * len(logs), t.profile)
         if {t.effect.name, t.label} & set(asked) and not isinstance(t.effect, Varying)

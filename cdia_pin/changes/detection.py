@@ -1,4 +1,4 @@
-"""What changed on an arm between two logs, or two groups of logs, of possibly different motions."""
+"""What changed on an arm between two logs or two groups of logs. Their motions may differ."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.changes_result import Bound, Change, Changes
-from cdia_pin.changes.evidence import Difference, Differing
+from cdia_pin.changes.difference import Difference
+from cdia_pin.changes.evidence import Differing
 from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.changes.sizes import friction_before, sized, torque_of
 from cdia_pin.dynamics import Dynamics
@@ -20,7 +21,7 @@ from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.identifiability.distinguishing_motions import motion_between
 from cdia_pin.logs.conditioning import Motion, condition
 from cdia_pin.logs.log import Log
-from cdia_pin.progress import Progress
+from cdia_pin.progress import Progress, silent
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.regression.whitening import Whitening
 from cdia_pin.robot.model import RobotModel
@@ -31,9 +32,11 @@ from cdia_pin.version import __version__
 
 Array = NDArray[np.float64]
 
-PASSES = 4  # searches at most, each with the noise that the one before left
-MOST_MOVES = 60
-MEDIAN = 0.6745  # of the size of a normal variable, in standard deviations
+PASSES = (
+    4  # searches at most [1], each with the noise that the one before left; it ends sooner if nothing changes
+)
+MOST_MOVES = 60  # moves of one search [1]; a guard, because no set is visited twice
+MEDIAN = 0.6745  # median of the absolute value of a normal variable, in standard deviations [1]
 
 
 def what_changed(
@@ -47,24 +50,24 @@ def what_changed(
     """Find the effects by which an arm differs between logs.
 
     Args:
-        model: What is known of the arm; it may be wrong, as long as it is wrong alike before and after.
+        model: The model of the arm as it is known. It may be wrong if it is wrong in the same way before and after.
         before: One log or several.
-        after: One log or several, whose motions may be others.
+        after: One log or several; their motions may be different.
         settings: What may have changed, and how logs are conditioned.
         progress: Called with a sentence and the share done, from 0 to 1.
 
     Returns:
-        The changes, and how large those could be that were not found.
+        The changes, and the largest changes that would not be found.
 
     Raises:
         LogError: If a log is too short, of other joints, or on both sides.
         EffectError: If the settings name an unknown effect.
     """
-    tell = progress or (lambda sentence, share: None)
+    tell = progress or silent
     settings = settings or DiscoverySettings()
     first, last = ([side] if isinstance(side, Log) else list(side) for side in (before, after))
     if not first or not last:
-        raise LogError("what changed is asked of at least one log before and one after")
+        raise LogError("what_changed needs at least one log before and one after")
     tell("conditioning", 0.0)
     motions = [condition(log, model.robot, settings.conditioning) for log in (*first, *last)]
     experiment = Experiment.of(model.robot, motions, settings.rest)
@@ -76,11 +79,11 @@ def what_changed(
         raise LogError(
             f"logs before and after must be of different conditions, both have {', '.join(sides[0])}"
         )
-    tell("looking at what the logs have in common", 0.1)
+    tell("fitting what the logs have in common", 0.1)
     noise = _noise([*first, *last], motions)
     differing = Differing.of(experiment, experiment.predict(model), len(first), noise, settings)
     found, whitened = _search(differing, settings, tell)
-    tell("asking how sure it is", 0.9)
+    tell("computing intervals", 0.9)
     evidence = differing.evidence(whitened, found)
     chosen = _indices(evidence, found)
     earlier = friction_before(differing, found, whitened)
@@ -114,7 +117,7 @@ def what_changed(
 def _search(
     differing: Differing, settings: DiscoverySettings, tell: Progress
 ) -> tuple[tuple[Difference, ...], Whitening]:
-    """Return the changes that no move improves, and the noise that they leave."""
+    """Return the set of changes that no move improves, and the noise that it leaves."""
     whitened = differing.whitened(differing.generic())
     found: tuple[Difference, ...] = ()
     for k in range(PASSES):
@@ -145,12 +148,12 @@ def _indices(evidence: Evidence, found: Sequence[Difference]) -> tuple[int, ...]
 
 
 def _by_evidence(evidence: Evidence, chosen: tuple[int, ...]) -> list[int]:
-    """Return the changes, those first that would be missed most."""
+    """Return the changes in the order of what would be lost without them."""
     return sorted(chosen, key=lambda c: -_missed(evidence, chosen, c))
 
 
 def _missed(evidence: Evidence, chosen: tuple[int, ...], one: int) -> float:
-    """Return by how much the sum of squares would grow without one change [1]."""
+    """Return by how much the residual sum of squares would grow without one change [1]."""
     rest = [c for c in chosen if c != one]
     return evidence.free_chi2(rest) - evidence.free_chi2(chosen)
 
@@ -175,13 +178,13 @@ def _change(
 
 
 def _plain(confusion: Confusion, term: Term, robot: RobotModel) -> Confusion:
-    """Return a confusion of the effects themselves, not of their differences."""
+    """Return a confusion between the effects themselves instead of their differences."""
     others = tuple(e.effect if isinstance(e, Difference) else e for e in confusion.effects)
     return replace(confusion, effects=others, motion=motion_between(term.effect, others[0], robot))
 
 
 def _bounds(differing: Differing, evidence: Evidence, chosen: tuple[int, ...]) -> dict[str, Bound]:
-    """Return for each joint the largest torque that a change of one parameter could have without being found."""
+    """Return for each joint the largest change of one parameter that would not be found."""
     robot = evidence.robot
     out: dict[str, Bound] = {}
     for c, difference in enumerate(evidence.effects):
@@ -201,13 +204,13 @@ def _bounds(differing: Differing, evidence: Evidence, chosen: tuple[int, ...]) -
 
 
 def _noise(logs: Sequence[Log], motions: Sequence[Motion]) -> Array:
-    """Return the noise of the compared torques, as far as it is rough from sample to sample, shape (n,).
+    """Return the noise of the compared torques that is rough from sample to sample [N·m or N], shape (n,).
 
-    Second differences know nothing of the motion, and their median nothing of steps. What is left of a joint beyond
-    that noise is no noise but a model that is wrong, and may be wrong otherwise in another motion.
+    Second differences do not contain the motion, and their median does not contain steps. A residual beyond this noise
+    comes from a wrong model, which may be wrong in another way on another motion.
     """
     parts = []
     for log, motion in zip(logs, motions, strict=True):
         rough = np.median(np.abs(np.diff(log.effort, 2, axis=0)), axis=0) / MEDIAN / np.sqrt(6.0)
         parts.append(rough**2 * min(2 * motion.cutoff / log.rate, 1.0))
-    return np.sqrt(np.maximum(np.mean(parts, axis=0), 1e-24))
+    return np.asarray(np.sqrt(np.maximum(np.mean(parts, axis=0), 1e-24)))

@@ -1,4 +1,4 @@
-"""Evidence for what differs between logs, beside everything that they may have in common."""
+"""Evidence for differences between logs, after everything that the logs may have in common."""
 
 from __future__ import annotations
 
@@ -10,105 +10,41 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.common_structure import common_effects, smooth_functions
-from cdia_pin.effects import Effect, LinkInertia, ToolWrench, Traits, ViscousMedium, WrappedEffect
-from cdia_pin.effects.rigid_body import RigidBody
-from cdia_pin.effects.state import State
+from cdia_pin.changes.difference import Difference
+from cdia_pin.effects import LinkInertia, ToolWrench, ViscousMedium
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.noise import fit_noise
 from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from cdia_pin.regression.whitening import Whitening
-from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.candidates import LARGE_FAMILY, SCREENED, enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.evidence import Evidence
 
 Array = NDArray[np.float64]
 
-GENERIC_SIZE = 10  # parameters from which an effect does not take part in the first guess of the noise
-# Links stay what they are, and a steady force on a tool is nearly always a weight: searched only if asked for.
+GENERIC_SIZE = 10  # parameters [1]; effects with as many or more would fit noise in its first estimate
+# Searched for only if asked: links do not change, and a steady force on a tool is nearly always a weight.
 UNUSUAL = (LinkInertia, ToolWrench, ViscousMedium)
-ROUNDS = 2  # of weighting the joints by what is left of them
+ROUNDS = 2  # rounds [1] of weighting, because weights and residuals depend on each other
 INF = float("inf")
 
 
-@dataclass(frozen=True)
-class Difference(WrappedEffect):
-    """An effect by which some logs differ from the others: its parameters may have either sign.
-
-    Attributes:
-        effect: The effect.
-        logs: Names of the logs in which it is present, see `State.log`.
-    """
-
-    effect: Effect
-    logs: tuple[str, ...]
-
-    @property
-    def traits(self) -> Traits:
-        """Traits of the effect; a difference of friction may be negative, and then adds power."""
-        return replace(self.effect.traits, dissipative=False)
-
-    @property
-    def bodies(self) -> tuple[RigidBody, ...]:
-        """None: a difference between two bodies need not be a possible body."""
-        return ()
-
-    def basis(self, x: State) -> Array:
-        """Return the effect's basis, zero in the other logs, shape (N, n, p)."""
-        return self.effect.basis(x) * self._presence(x)
-
-    def torque(self, x: State, theta: Array) -> Array:
-        """Return the effect's torque [N·m or N], zero in the other logs, shape (N, n)."""
-        return self.effect.torque(x, theta) * self._presence(x)
-
-    def jacobian(self, x: State, theta: Array) -> Array:
-        """Return the effect's ∂f/∂θ, zero in the other logs, shape (N, n, p)."""
-        return self.effect.jacobian(x, theta) * self._presence(x)
-
-    def shift(self, x: State, theta: Array) -> Array:
-        """Return the effect's shift [rad or m], zero in the other logs, shape (N, n)."""
-        return self.effect.shift(x, theta) * self._presence(x)
-
-    def gravity_change(self, x: State, theta: Array) -> Array:
-        """Return the effect's change of gravity [m/s²], zero in the other logs, shape (N, 3)."""
-        return self.effect.gravity_change(x, theta) * self._presence(x)
-
-    def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
-        """Return no bounds."""
-        return np.full(self.size, -INF), np.full(self.size, INF)
-
-    def is_physical(self, theta: Array, robot: RobotModel) -> bool:
-        """Tell that any difference can belong to a real arm."""
-        return True
-
-    def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
-        """Return the estimate as it is, shape (p,)."""
-        return np.array(theta, float)
-
-    def is_distinct(self, theta: Array) -> bool:
-        """Tell that any difference counts."""
-        return True
-
-    def _presence(self, x: State) -> float:
-        return float(x.log in self.logs)
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Differing:
-    """Logs before and after, columns of what they have in common, and of how they may differ.
+    """Logs before and after, columns of what they have in common, and columns of how they may differ.
 
     Attributes:
         experiment: The conditioned logs, those before first.
-        prediction: Of the model that both are compared with.
-        after: Compared samples of the logs after, shape (K,).
-        common: What the logs may have in common.
-        changes: What may differ, zero before.
-        searched: In how many shapes each change, by label, is looked for.
-        noise: Of each joint's compared torque, as far as it is rough [N·m or N], shape (n,).
+        prediction: Prediction of the model with which both sides are compared.
+        after: True for compared samples of the logs after, shape (K,).
+        common: Columns of what the logs may have in common.
+        changes: Columns of what may differ by joint, zero before [N·m or N per unit], shape (K, p) each.
+        searched: Number of shapes in which each change is looked for, by label.
+        noise: Rough noise of each joint's compared torque [N·m or N], shape (n,).
         settings: What may have changed, and what it must explain.
-        edges: First sample of each block of time, none of which has samples of both sides, shape (B + 1,).
+        edges: First sample of each block of time and the end, shape (B + 1,). No block has samples of both sides.
     """
 
     experiment: Experiment
@@ -120,6 +56,9 @@ class Differing:
     noise: Array
     settings: DiscoverySettings
     edges: NDArray[np.intp]
+
+    def __repr__(self) -> str:
+        return f"Differing({self.experiment!r}, {len(self.changes)} candidates)"
 
     @classmethod
     def of(
@@ -133,17 +72,18 @@ class Differing:
         """Compute all columns.
 
         Args:
-            experiment: The logs, those before first.
-            prediction: Of the model.
+            experiment: The conditioned logs, those before first.
+            prediction: Prediction of the model.
             before: Number of logs before.
-            noise: Of each joint's compared torque [N·m or N], shape (n,).
-            settings: What may have changed, and blocks of time per side.
+            noise: Rough noise of each joint's compared torque [N·m or N], shape (n,).
+            settings: What may have changed, and the number of blocks of time per side.
         """
         columns, robot = DesignMatrix(experiment), experiment.robot
         ends = np.cumsum([0, *experiment.lengths])
         after = np.arange(ends[-1]) >= ends[before]
         logs = tuple(s.state.log for s in experiment.segments[before:])
-        families = enumerate_candidates(experiment, prediction, settings)
+        # a change is a difference between the logs, so no candidate has parameters per log besides
+        families = enumerate_candidates(experiment, prediction, replace(settings, per_log=()))
         changes = {}
         asked = settings.effects or ()
         for effect in (e for family in families for e in family):
@@ -170,12 +110,16 @@ class Differing:
         return replace(differing, common=(*differing.common, *smooth))
 
     def generic(self) -> list[Difference]:
-        """Return all changes that are small and have few shapes: what is left beside them is surely noise."""
+        """Return all changes of few parameters and few shapes; what they leave together is surely noise."""
         few = [c for c in self.changes if c.size < GENERIC_SIZE and self.searched[c.label] <= LARGE_FAMILY]
         return list({c.label: c for c in reversed(few)}.values())
 
     def whitened(self, changed: Sequence[Difference]) -> Whitening:
-        """Return the noise that the common structure and some changes leave."""
+        """Return the noise that the common structure and some changes leave.
+
+        Args:
+            changed: The changes.
+        """
         x = self.experiment
         left, used = self.beside_common(changed)
         parts = zip(left.T, x.informative.T, x.nearness.T, used, strict=True)
@@ -187,10 +131,17 @@ class Differing:
         return Whitening.of(x, noise, self.edges)
 
     def beside_common(self, changed: Sequence[Difference] = ()) -> tuple[Array, Array]:
-        """Return the residual beside what is common and some changes (K, n), and how many parameters it took (n,)."""
+        """Return the residual of a fit of the common structure and some changes.
+
+        Args:
+            changed: The changes.
+
+        Returns:
+            Residual [N·m or N], shape (K, n), and the effective number of parameters of each joint [1], shape (n,).
+        """
         use, residual = self.experiment.informative, self.prediction.residual
         size = np.maximum(rms(residual, use), 1e-12)
-        for _ in range(ROUNDS):  # what surprises nobody is told by the noise, and the noise by what it leaves
+        for _ in range(ROUNDS):  # weights follow from the residual, and the residual from the weights
             scaled = lambda j, x, size=size: np.where(use[:, [j]], x / size[j], 0.0)  # noqa: E731
             left, used = SharedRegression.of(
                 [*self.common, *self._parts(changed)], residual, scaled
@@ -200,11 +151,11 @@ class Differing:
         return left, used
 
     def evidence(self, whitening: Whitening, found: Collection[Difference] = ()) -> Evidence:
-        """Form the normal equations of all changes, what is common projected away.
+        """Return the evidence for all changes, after the common structure is projected out.
 
         Args:
-            whitening: Noise and blocks.
-            found: Changes that are there in any case; of others with many shapes, only the best are.
+            whitening: Noise and blocks of time.
+            found: Changes that are candidates in any case; of other large families only the best shapes are.
         """
         robot, residual = self.experiment.robot, self.prediction.residual
         effects = self._screened(whitening, found)
@@ -225,7 +176,7 @@ class Differing:
         return [ColumnGroup(self.changes[c], np.full(c.size, INF)) for c in changes]
 
     def _screened(self, whitening: Whitening, found: Collection[Difference]) -> list[Difference]:
-        """Return the changes, of large families those shapes alone that fit best."""
+        """Return the changes; of large families only the shapes that fit best."""
         every = list(self.changes)
         regression = SharedRegression.of(
             [*self.common, *self._parts(every)], self.prediction.residual, whitening.joint

@@ -1,4 +1,4 @@
-"""What changes mean together: friction that falls on many joints at once is a warm arm, not many faults."""
+"""What several changes mean together: friction that falls on many joints at once is a warm arm, not many faults."""
 
 from __future__ import annotations
 
@@ -7,15 +7,21 @@ from collections.abc import Sequence
 import numpy as np
 
 from cdia_pin.changes.changes_result import Change
-from cdia_pin.changes.finding import Finding
+from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
 from cdia_pin.robot.model import RobotModel
 
-FEWEST = 3  # joints
-MOST_JOINTS = 0.5  # share of the joints
+FEWEST = 3  # joints [1]; a change on fewer may be a fault of each of them
+# Share of the joints [1] that a change of temperature must reach, because it reaches all drives.
+MOST_JOINTS = 0.5
 
 
-def findings_of(changes: Sequence[Change], robot: RobotModel) -> tuple[Finding, ...]:
-    """Return what several changes have in common."""
+def findings_of(changes: Sequence[Change], robot: RobotModel) -> tuple[Phenomenon, ...]:
+    """Return the phenomena that explain several changes together.
+
+    Args:
+        changes: The changes.
+        robot: The arm.
+    """
     change_of: dict[str, float] = {}  # friction torque of each joint, relative to before where that is known
     for c in changes:
         if c.term.effect.traits.dissipative and c.term.effect.scope:
@@ -36,5 +42,5 @@ def findings_of(changes: Sequence[Change], robot: RobotModel) -> tuple[Finding, 
     )
     if not fell:
         sentence = sentence.replace("rose on none", "fell on none")
-    kind = "warming" if fell else "cooling"
-    return (Finding(kind, tuple(change_of), sentence, {"median_growth": mean} if growth else {}),)
+    kind = PhenomenonKind.WARMING if fell else PhenomenonKind.COOLING
+    return (Phenomenon(kind, tuple(change_of), sentence, {"median_growth": mean} if growth else {}),)

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.evidence import Difference, Differing
+from cdia_pin.changes.difference import Difference
+from cdia_pin.changes.evidence import Differing
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, Effect, LinkInertia, Term, TorqueOffset, ViscousFriction
 from cdia_pin.regression.bounded_fit import bounded_fit
@@ -20,11 +21,16 @@ from cdia_pin.selection.evidence import Evidence
 
 Array = NDArray[np.float64]
 
-PLAIN = (CoulombFriction, ViscousFriction, TorqueOffset)  # with rigid bodies, what nearly every joint has
+PLAIN = (CoulombFriction, ViscousFriction, TorqueOffset)  # what nearly every joint has, besides rigid bodies
 
 
 def sized(evidence: Evidence, chosen: tuple[int, ...]) -> list[Term]:
-    """Return the differences of some effects, fitted together, with 95 % intervals, in the order given."""
+    """Return the differences of some effects, fitted together, with 95 % intervals.
+
+    Args:
+        evidence: Evidence for all changes.
+        chosen: Indices of the changes; the terms come in this order.
+    """
     alone = evidence.equations.restricted(chosen)
     theta = bounded_fit(alone, range(len(chosen))).theta
     terms = []
@@ -35,7 +41,16 @@ def sized(evidence: Evidence, chosen: tuple[int, ...]) -> list[Term]:
 
 
 def torque_of(differing: Differing, difference: Difference, term: Term) -> Array:
-    """Return the RMS torque of a change in the logs after [N·m or N], shape (n,)."""
+    """Return the RMS torque of a change in the logs after.
+
+    Args:
+        differing: The logs, and columns of all changes.
+        difference: The change.
+        term: The effect with the differences of its parameters.
+
+    Returns:
+        In N·m or N, shape (n,).
+    """
     x = differing.experiment
     f = np.zeros_like(x.measured)
     for j, columns in differing.changes[difference].items():
@@ -46,10 +61,18 @@ def torque_of(differing: Differing, difference: Difference, term: Term) -> Array
 def friction_before(
     differing: Differing, changed: Sequence[Difference], whitening: Whitening
 ) -> dict[Difference, tuple[float, ...]]:
-    """Return the parameters of each changed friction as they were before.
+    """Return the parameters of each changed friction before the change.
 
-    What is common is described here by rigid bodies, Coulomb and viscous friction and an offset, so that the friction
-    has its usual meaning: smooth functions of speed would have taken a part of it.
+    The common structure consists here of rigid bodies, Coulomb and viscous friction and an offset, so that friction has
+    its usual meaning. Smooth functions of speed would take a part of it.
+
+    Args:
+        differing: The logs, and columns of all changes.
+        changed: The changes that were found.
+        whitening: Noise that they leave.
+
+    Returns:
+        Parameters by change, shape (p,) each.
     """
     x, robot = differing.experiment, differing.experiment.robot
     asked = [d for d in changed if d.effect.traits.dissipative]

@@ -85,7 +85,7 @@ def compare(
     console.print(where_it_fails(found))
     for each in changed:
         console.print(changes_table(each))
-    document = found.to_dict()
+    document: dict[str, object] = {**found.to_dict()}
     if by_log:
         document["by_log"] = [c.to_dict() for c in by_log]
         document["changes"] = [c.to_dict() for c in changed]

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
 
 import numpy as np
 
 from cdia_pin.errors import ModelError
+from cdia_pin.phrases import settings_repr
 
 
 @dataclass(frozen=True, repr=False)
@@ -70,16 +70,4 @@ class MonitorSettings:
             if f.type != "bool" and not 0 < value < np.inf:
                 raise ModelError(f"monitor settings: {f.name} must be above 0, given {value}")
 
-    def __repr__(self) -> str:
-        return f"MonitorSettings({changed_fields(self)})"
-
-
-def changed_fields(settings: Any) -> str:
-    """Return ``name=value`` of the fields that differ from their defaults, for a short ``repr``.
-
-    Args:
-        settings: A dataclass whose fields all have defaults.
-    """
-    usual = type(settings)()
-    pairs = ((f.name, getattr(settings, f.name), getattr(usual, f.name)) for f in fields(settings))
-    return ", ".join(f"{name}={value!r}" for name, value, default in pairs if value != default)
+    __repr__ = settings_repr

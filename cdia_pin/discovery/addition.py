@@ -1,4 +1,4 @@
-"""The addition of one effect that a user asks for, whatever the evidence for it."""
+"""The addition of one effect on request, without a test of the evidence for it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def add_effect(
     settings: DiscoverySettings | None = None,
     progress: Progress | None = None,
 ) -> Discovery:
-    """Add one effect to a model and fit all of it to logs, whatever the evidence for it.
+    """Add one effect to a model and fit the whole model to logs, without a test of the evidence for the effect.
 
     Args:
         model: The model; a term of the same effect and scope is replaced.
@@ -37,10 +37,10 @@ def add_effect(
         logs: One log or several.
         holdout: Logs that are only predicted.
         settings: How logs are conditioned.
-        progress: Called with a sentence and the share done.
+        progress: Called with a sentence and the share done, from 0 to 1.
 
     Returns:
-        A trace of two steps, before and after, and whether structure is left.
+        A discovery whose trace has two steps, before and after.
 
     Raises:
         LogError: If a log is too short or of other joints.
@@ -55,19 +55,19 @@ def add_effect(
 def add_effect_in(
     problem: Problem, model: Dynamics, effect: Effect, progress: Progress | None = None
 ) -> Discovery:
-    """Answer as `add_effect` does, from logs that are conditioned already.
+    """Add one effect as `add_effect` does, to logs that are already conditioned.
 
     Args:
-        problem: The logs, with the candidates around the model.
+        problem: The logs, and the candidates for the model.
         model: The model.
         effect: The effect to add.
-        progress: Called with a sentence and the share done.
+        progress: Called with a sentence and the share done, from 0 to 1.
 
     Raises:
         EffectError: If the effect cannot be seen in these logs.
     """
     report = progress or silent
-    report("looking at the noise", 0.1)
+    report("estimating the noise", 0.1)
     (effect,) = per_log([effect], problem.experiment, problem.settings.per_log)
     problem = problem.without_rest_of([effect, *(t.effect for t in model.terms)])
     whitened = problem.with_first_noise(model)
@@ -86,6 +86,6 @@ def add_effect_in(
 
 
 def _fitted(regression: Regression, base: Dynamics, effect: Effect) -> tuple[Dynamics, float]:
-    """Return the base with an effect, fitted together, and the sum of squares that they leave [1]."""
+    """Return the base with an effect, fitted together, and the residual sum of squares [1]."""
     trial, equations = refit(regression, base.add(Term(effect, (0.0,) * effect.size)))
     return trial, bounded_fit(equations, range(len(trial.terms)), bodies=True).chi2

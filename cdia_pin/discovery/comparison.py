@@ -1,40 +1,41 @@
-"""Comparison of a model with measurements: how large the error is, and where."""
+"""Comparison of a model with measured torque: how large the error is, and where."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin import schemas
+from cdia_pin.discovery.discovery_documents import ComparisonJson, ComparisonRecord, RegionJson
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.log import Log
+from cdia_pin.phrases import clipped, shortened
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.version import __version__
 
 Array = NDArray[np.float64]
 
-BINS = 10  # regions of each signal
-FEWEST = 12  # samples a region must hold to be spoken of
-REGIONS = 3  # worst regions reported per joint
+BINS = 10  # regions of each signal [1]
+FEWEST = 12  # samples [1] below which a region is not reported, because its mean is noise
+REGIONS = 3  # worst regions that are reported per joint [1]
 
 
-@dataclass(frozen=True)
-class Region:
-    """A stretch of a signal in which a joint's residual is large.
+@dataclass(frozen=True, repr=False)
+class ResidualRegion:
+    """A region of a signal in which a joint's residual is large.
 
     Attributes:
-        joint: Joint whose residual it is.
+        joint: Name of the joint.
         signal: ``position``, ``velocity``, ``acceleration``, ``load`` (model torque) or ``time``.
-        lower: Where it begins [unit of the signal].
-        upper: Where it ends [unit of the signal].
-        rms: RMS residual there [N·m or N].
-        bias: Mean residual there [N·m or N].
-        ratio: RMS residual there over that of the joint's whole log [1].
+        lower: Lower end of the region [unit of the signal].
+        upper: Upper end of the region [unit of the signal].
+        rms: RMS residual in the region [N·m or N].
+        bias: Mean residual in the region [N·m or N].
+        ratio: RMS residual in the region over that of the joint in all logs [1].
         unit: Unit of the signal.
     """
 
@@ -47,17 +48,34 @@ class Region:
     ratio: float
     unit: str
 
+    def __repr__(self) -> str:
+        where = f"{self.signal} {self.lower:.3g} to {self.upper:.3g} {self.unit}"
+        return f"ResidualRegion({clipped(self.joint)}, {where}: RMS {self.rms:.3g}, {self.ratio:.3g} × the joint's)"
 
-@dataclass(frozen=True)
-class Shape:
+    def to_dict(self) -> RegionJson:
+        """Return the region for JSON."""
+        return {
+            "joint": self.joint,
+            "signal": self.signal,
+            "lower": self.lower,
+            "upper": self.upper,
+            "rms": self.rms,
+            "bias": self.bias,
+            "ratio": self.ratio,
+            "unit": self.unit,
+        }
+
+
+@dataclass(frozen=True, repr=False)
+class ResidualShape:
     """The residual of a joint as a function of one signal: mean and spread in each region.
 
     Attributes:
         edges: Ends of the regions [unit of the signal], shape (R + 1,).
-        mean: Mean residual [N·m or N], NaN where a region holds too few samples, shape (R,).
-        spread: Standard deviation there, shape (R,).
-        count: Samples there, shape (R,).
-        share: How much of the residual's variance the means explain [1].
+        mean: Mean residual [N·m or N], NaN where a region has too few samples, shape (R,).
+        spread: Standard deviation of the residual [N·m or N], shape (R,).
+        count: Number of samples, shape (R,).
+        share: Share of the residual's variance that the means explain [1].
     """
 
     edges: Array
@@ -66,8 +84,11 @@ class Shape:
     count: NDArray[np.intp]
     share: float
 
+    def __repr__(self) -> str:
+        return f"ResidualShape({len(self.mean)} regions, {100 * self.share:.3g} % of the variance)"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Comparison:
     """A model against logs, joint by joint; arrays have shape (n,) unless stated.
 
@@ -76,14 +97,14 @@ class Comparison:
         rms: RMS residual [N·m or N].
         torque_rms: RMS measured torque [N·m or N].
         bias: Mean residual [N·m or N].
-        autocorrelation: Of the residual, one compared sample apart [1].
-        worst_regions: Where each joint's residual is largest beside its own mean, worst first.
-        shapes: Residual against each signal, by joint and signal.
+        autocorrelation: Autocorrelation of the residual at a lag of one compared sample [1].
+        worst_regions: Regions where a joint's residual is largest compared with its RMS, worst first.
+        shapes: Residual as a function of each signal, by joint and signal.
         time: Time of the compared samples [s], shape (K,).
-        signals: ``position``, ``velocity``, ``acceleration``, ``load`` at them, shape (K, n).
+        signals: ``position``, ``velocity``, ``acceleration``, ``load`` at these times, shape (K, n).
         measured: Measured torque [N·m or N], shape (K, n).
-        predicted: Model torque [N·m or N], shape (K, n).
-        informative: Samples that count, shape (K, n).
+        predicted: Torque of the model [N·m or N], shape (K, n).
+        informative: True for samples that count, shape (K, n).
         record: Logs, hashes and settings.
     """
 
@@ -92,14 +113,19 @@ class Comparison:
     torque_rms: Array
     bias: Array
     autocorrelation: Array
-    worst_regions: tuple[Region, ...]
-    shapes: dict[str, dict[str, Shape]]
+    worst_regions: tuple[ResidualRegion, ...]
+    shapes: dict[str, dict[str, ResidualShape]]
     time: Array
     signals: dict[str, Array]
     measured: Array
     predicted: Array
     informative: NDArray[np.bool_]
-    record: dict[str, Any]
+    record: ComparisonRecord
+
+    def __repr__(self) -> str:
+        size = f"{len(self.time)} samples, {len(self.rms)} joints"
+        error = f"RMS residual {100 * float(np.mean(self.relative_rms)):.3g} % of the torque"
+        return f"Comparison({shortened(self.model.robot.name)}, {size}; {error}, mean over the joints)"
 
     @property
     def relative_rms(self) -> Array:
@@ -108,23 +134,22 @@ class Comparison:
 
     @property
     def residual(self) -> Array:
-        """Predicted less measured torque [N·m or N], shape (K, n)."""
+        """Predicted minus measured torque [N·m or N], shape (K, n)."""
         return self.predicted - self.measured
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> ComparisonJson:
         """Return the JSON of schema ``cdia-comparison/1``."""
         robot = self.model.robot
-        by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
         return {
             "schema": schemas.COMPARISON,
             "robot": robot.name,
             "joints": list(robot.joints),
-            "rms": by_joint(self.rms),
-            "relative_rms": by_joint(self.relative_rms),
-            "torque_rms": by_joint(self.torque_rms),
-            "bias": by_joint(self.bias),
-            "autocorrelation": by_joint(self.autocorrelation),
-            "worst_regions": [vars(r) for r in self.worst_regions],
+            "rms": robot.by_joint(self.rms),
+            "relative_rms": robot.by_joint(self.relative_rms),
+            "torque_rms": robot.by_joint(self.torque_rms),
+            "bias": robot.by_joint(self.bias),
+            "autocorrelation": robot.by_joint(self.autocorrelation),
+            "worst_regions": [r.to_dict() for r in self.worst_regions],
             "record": self.record,
         }
 
@@ -132,7 +157,7 @@ class Comparison:
 def compare(
     model: Dynamics, logs: Log | Sequence[Log], *, conditioning: Conditioning | None = None
 ) -> Comparison:
-    """Compare the torque that a model predicts with the torque that was measured.
+    """Compare the torque that a model predicts with measured torque.
 
     Args:
         model: A robot with its terms.
@@ -140,7 +165,7 @@ def compare(
         conditioning: How the logs are filtered.
 
     Returns:
-        Errors by joint, and where they are large.
+        Errors by joint, and the regions where they are large.
 
     Raises:
         LogError: If a log is too short or of other joints.
@@ -152,7 +177,7 @@ def compare(
 
 
 def compare_in(experiment: Experiment, model: Dynamics) -> Comparison:
-    """Answer as `compare` does, from logs that are conditioned already.
+    """Compare a model as `compare` does, with logs that are already conditioned.
 
     Args:
         experiment: The logs.
@@ -167,8 +192,8 @@ def compare_in(experiment: Experiment, model: Dynamics) -> Comparison:
     signals = {"position": q, "velocity": v, "acceleration": a, "load": load}
     errors = rms(residual, use)
     count = np.maximum(use.sum(axis=0), 1)
-    shapes: dict[str, dict[str, Shape]] = {}
-    regions: list[Region] = []
+    shapes: dict[str, dict[str, ResidualShape]] = {}
+    regions: list[ResidualRegion] = []
     for j, joint in enumerate(model.robot.joints):
         of_joint = {name: values[:, j] for name, values in signals.items()} | {"time": time}
         shapes[joint] = {name: _shape(x[use[:, j]], residual[use[:, j], j]) for name, x in of_joint.items()}
@@ -195,12 +220,16 @@ def compare_in(experiment: Experiment, model: Dynamics) -> Comparison:
 
 
 def signal_units(prismatic: bool) -> dict[str, str]:
-    """Return the unit of each signal of a joint."""
+    """Return the unit of each signal of a joint.
+
+    Args:
+        prismatic: True for a prismatic joint.
+    """
     x, effort = ("m", "N") if prismatic else ("rad", "N·m")
     return {"position": x, "velocity": f"{x}/s", "acceleration": f"{x}/s²", "load": effort, "time": "s"}
 
 
-def _shape(signal: Array, residual: Array) -> Shape:
+def _shape(signal: Array, residual: Array) -> ResidualShape:
     low, high = np.percentile(signal, [0.5, 99.5]) if len(signal) else (0.0, 1.0)
     edges = np.linspace(low, high if high > low else low + 1e-9, BINS + 1)
     at = np.clip(np.digitize(signal, edges) - 1, 0, BINS - 1)
@@ -210,7 +239,7 @@ def _shape(signal: Array, residual: Array) -> Shape:
     mean = np.bincount(at, residual, BINS) / safe
     spread = np.sqrt(np.maximum(np.bincount(at, residual**2, BINS) / safe - mean**2, 0.0))
     variance = float(np.sum(residual**2)) or 1.0
-    return Shape(
+    return ResidualShape(
         edges,
         np.where(enough, mean, np.nan),
         np.where(enough, spread, np.nan),
@@ -219,13 +248,15 @@ def _shape(signal: Array, residual: Array) -> Shape:
     )
 
 
-def _regions(joint: str, signal: str, shape: Shape, whole: float, unit: str) -> list[Region]:
+def _regions(joint: str, signal: str, shape: ResidualShape, whole: float, unit: str) -> list[ResidualRegion]:
     out = []
     for k in np.flatnonzero(np.isfinite(shape.mean)):
         here = float(np.hypot(shape.mean[k], shape.spread[k]))
         lower, upper = float(shape.edges[k]), float(shape.edges[k + 1])
         out.append(
-            Region(joint, signal, lower, upper, here, float(shape.mean[k]), here / max(whole, 1e-12), unit)
+            ResidualRegion(
+                joint, signal, lower, upper, here, float(shape.mean[k]), here / max(whole, 1e-12), unit
+            )
         )
     return out
 

@@ -1,11 +1,12 @@
-"""The conclusion: trace, verdict and record of a model that was found."""
+"""The conclusion of a discovery: trace, verdict and record of the model that was found."""
 
 from __future__ import annotations
 
-from cdia_pin.changes.finding import Finding
-from cdia_pin.discovery.discovery_result import Discovery, Ranked, Step
+from cdia_pin.changes.phenomenon import Phenomenon
+from cdia_pin.discovery.discovery_result import Discovery, Ranked
 from cdia_pin.discovery.recognition import recognised
 from cdia_pin.discovery.trace import trace
+from cdia_pin.discovery.verdict import verdict_on
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
@@ -21,18 +22,18 @@ def concluded(
     *,
     ranking: tuple[Ranked, ...] = (),
     forced: tuple[str, ...] = (),
-    findings: tuple[Finding, ...] = (),
+    findings: tuple[Phenomenon, ...] = (),
 ) -> Discovery:
     """Return the result of a discovery.
 
     Args:
         problem: Logs, candidates and noise.
-        base: The model that the discovery started from.
-        found: The model that it ended with.
-        report: Called with a sentence and the share done.
-        ranking: What each candidate would explain by itself.
+        base: The model at the start of the discovery.
+        found: The model at its end.
+        report: Called with a sentence and the share done, from 0 to 1.
+        ranking: What each candidate would explain alone.
         forced: Labels of effects that stay in any case.
-        findings: What is known of the logs besides.
+        findings: Phenomena that are already known.
     """
     final, steps = trace(problem, base, found, forced)
     logs, experiment, settings = problem.problem, problem.experiment, problem.settings
@@ -41,7 +42,7 @@ def concluded(
     left = tuple(j for j, s in zip(base.robot.joints, misfit.left, strict=True) if s)
     return Discovery(
         model=final,
-        verdict=_verdict(left, steps),
+        verdict=verdict_on(left, added=len(steps) - 1),
         trace=steps,
         noise_floor=misfit.floor,
         structure_left=left,
@@ -62,9 +63,3 @@ def concluded(
             *recognised(logs.with_noise_of(misfit).regression, final, left, settings.memory),
         ),
     )
-
-
-def _verdict(left: tuple[str, ...], steps: tuple[Step, ...]) -> str:
-    if left:
-        return "unexplained"
-    return "explained" if len(steps) > 1 else "nothing-missing"

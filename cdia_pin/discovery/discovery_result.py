@@ -1,33 +1,33 @@
-"""What a discovery found: steps that each lower the error, a verdict, and a model."""
+"""The result of a discovery: steps that each lower the error, a verdict, and a model."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin import schemas
-from cdia_pin.changes.finding import Finding
+from cdia_pin.changes.phenomenon import Phenomenon
+from cdia_pin.discovery.discovery_documents import DiscoveryJson, DiscoveryRecord, FoundEffectJson
+from cdia_pin.discovery.verdict import DiscoveryVerdict
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.identifiability.confusion import Confusion
+from cdia_pin.phrases import clipped, some
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-VERDICTS = ("nothing-missing", "explained", "unexplained")
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Step:
     """One effect added.
 
     Attributes:
         term: The effect with its parameters and intervals in the final model; None for the model as given.
-        rms: RMS residual of each joint with all steps up to this one fitted together [N·m or N], shape (n,).
-        heldout_rms: The same on data that was not fitted, shape (n,).
+        rms: RMS residual of each joint when all steps up to this one are fitted together [N·m or N], shape (n,).
+        heldout_rms: Held-out RMS residual of each joint [N·m or N], shape (n,).
         confusions: Other explanations of what this effect explains.
     """
 
@@ -36,16 +36,20 @@ class Step:
     heldout_rms: Array
     confusions: tuple[Confusion, ...] = ()
 
+    def __repr__(self) -> str:
+        what = clipped(self.term.label, 60) if self.term else "model as given"
+        return f"Step({what}; held-out RMS {_range(self.heldout_rms)})"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Ranked:
-    """What one candidate would explain by itself.
+    """What one candidate would explain alone.
 
     Attributes:
-        term: The effect with parameters and intervals, fitted beside the model as given.
-        heldout_before: RMS residual of each joint on data that was not fitted, without it [N·m or N], shape (n,).
-        heldout_after: The same with it.
-        plausible: Whether the best fit is physical without being held at a bound.
+        term: The effect with parameters and intervals, fitted together with the model as given.
+        heldout_before: Held-out RMS residual of each joint without the effect [N·m or N], shape (n,).
+        heldout_after: Held-out RMS residual of each joint with the effect [N·m or N], shape (n,).
+        plausible: True if the best fit is physical without a bound.
         confusions: Other effects that would explain about as much.
     """
 
@@ -55,64 +59,77 @@ class Ranked:
     plausible: bool
     confusions: tuple[Confusion, ...]
 
+    def __repr__(self) -> str:
+        errors = f"{_range(self.heldout_before)} → {_range(self.heldout_after)}"
+        return f"Ranked({clipped(self.term.label, 60)}; held-out RMS {errors})"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Discovery:
     """The outcome of `discover`.
 
     Attributes:
         model: The improved model.
         verdict: ``nothing-missing``, ``explained`` or ``unexplained``.
-        trace: The model as given, then every effect added, in order of what it explains.
-        noise_floor: RMS that nothing smooth in the motion explains [N·m or N], shape (n,).
-        structure_left: Joints whose residual is not noise.
-        torque_rms: RMS of the measured torque, shape (n,).
-        ranking: What each of the most telling candidates would explain by itself, the best first.
-        record: Logs, hashes, settings and version, enough to run it again.
-        findings: What effects mean together, and what the residual looks like.
+        trace: The model as given, then every effect that was added, in the order of what it explains.
+        noise_floor: RMS residual that no smooth function of the motion explains [N·m or N], shape (n,).
+        structure_left: Names of the joints whose residual is not noise.
+        torque_rms: RMS of the measured torque [N·m or N], shape (n,).
+        ranking: What the best candidates would explain alone, the best first.
+        record: Logs, hashes, settings and version, enough to run the discovery again.
+        findings: Phenomena: what several effects mean together, and patterns of the residual.
     """
 
     model: Dynamics
-    verdict: str
+    verdict: DiscoveryVerdict
     trace: tuple[Step, ...]
     noise_floor: Array
     structure_left: tuple[str, ...]
     torque_rms: Array
     ranking: tuple[Ranked, ...]
-    record: dict[str, Any]
-    findings: tuple[Finding, ...] = ()
+    record: DiscoveryRecord
+    findings: tuple[Phenomenon, ...] = ()
+
+    def __repr__(self) -> str:
+        added = some([clipped(s.term.label, 45) for s in self.steps if s.term], 2)
+        torque = np.maximum(self.torque_rms, 1e-12)
+        errors = (100 * float(np.mean(s.heldout_rms / torque)) for s in (self.trace[0], self.trace[-1]))
+        error = " → ".join(f"{e:.3g} %" for e in errors)
+        return f"Discovery({self.verdict}{': ' if added else ''}{added}; held-out error {error})"
 
     @property
     def steps(self) -> tuple[Step, ...]:
         """The effects that were added, the strongest first."""
         return self.trace[1:]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> DiscoveryJson:
         """Return the JSON of schema ``cdia-discovery/1``."""
         robot = self.model.robot
-        by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
         return {
             "schema": schemas.DISCOVERY,
             "robot": robot.name,
             "joints": list(robot.joints),
-            "verdict": self.verdict,
+            "verdict": str(self.verdict),
             "effects": [_entry(s.term, s.confusions, robot) for s in self.steps if s.term is not None],
             "trace": [
                 {
                     "added": step.term.label if step.term else None,
-                    "rms": by_joint(step.rms),
-                    "heldout_rms": by_joint(step.heldout_rms),
+                    "rms": robot.by_joint(step.rms),
+                    "heldout_rms": robot.by_joint(step.heldout_rms),
                 }
                 for step in self.trace
             ],
-            "noise_floor": by_joint(self.noise_floor),
-            "torque_rms": by_joint(self.torque_rms),
+            "noise_floor": robot.by_joint(self.noise_floor),
+            "torque_rms": robot.by_joint(self.torque_rms),
             "structure_left": list(self.structure_left),
             "ranking": [
                 {
                     **_entry(r.term, r.confusions, robot),
                     "plausible": r.plausible,
-                    "heldout_rms": {"before": by_joint(r.heldout_before), "after": by_joint(r.heldout_after)},
+                    "heldout_rms": {
+                        "before": robot.by_joint(r.heldout_before),
+                        "after": robot.by_joint(r.heldout_after),
+                    },
                 }
                 for r in self.ranking
             ],
@@ -121,13 +138,21 @@ class Discovery:
         }
 
 
-def _entry(term: Term, confusions: tuple[Confusion, ...], robot: RobotModel) -> dict[str, Any]:
-    entry: dict[str, Any] = {
+def _entry(term: Term, confusions: tuple[Confusion, ...], robot: RobotModel) -> FoundEffectJson:
+    entry: FoundEffectJson = {
         "effect": term.effect.name,
         "joints": list(term.effect.joints(robot)),
         "parameters": term.parameters_to_dict(robot),
+        "confusable_with": [c.to_dict(robot) for c in confusions],
     }
     described = term.effect.to_dict()
-    entry.update({k: described[k] for k in ("shape", "varies") if k in described})
-    entry["confusable_with"] = [c.to_dict(robot) for c in confusions]
+    if "shape" in described:
+        entry["shape"] = described["shape"]
+    if "varies" in described:
+        entry["varies"] = described["varies"]
     return entry
+
+
+def _range(values: Array) -> str:
+    """Return the smallest and the largest of some numbers."""
+    return f"{np.min(values):.3g} to {np.max(values):.3g}"

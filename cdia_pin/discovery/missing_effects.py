@@ -1,11 +1,11 @@
-"""The main job: from a model and logs to the effects that are missing, a verdict and a better model."""
+"""The missing effects: from a model and logs to a verdict and a better model."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from cdia_pin.changes.conditions import changes_between, effects_that_differ, with_parameters_per_log
-from cdia_pin.changes.finding import Finding
+from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
 from cdia_pin.discovery.ranking import rank
@@ -17,7 +17,9 @@ from cdia_pin.selection.every_link import has_every_link, with_every_link
 from cdia_pin.selection.problem import Problem, WhitenedProblem
 from cdia_pin.selection.search import Swaps, search
 
-PASSES = 5  # searches at most, each with the noise that the one before left, until nothing changes
+PASSES = (
+    5  # searches at most [1], each with the noise that the one before left; it ends sooner if nothing changes
+)
 
 
 def discover(
@@ -28,14 +30,15 @@ def discover(
     settings: DiscoverySettings | None = None,
     progress: Progress | None = None,
 ) -> Discovery:
-    """Find the effects that a model lacks in measured logs, add them, and say what is left.
+    """Find the effects that a model lacks in measured logs, add them, and decide whether structure is left.
 
     Args:
-        model: What is known: a bare robot, or one with terms, which are fitted again together with what is found.
-        logs: One log or several of the same arm. Effects that differ between their conditions may have parameters of
-            their own in each; all others are common.
-        holdout: Logs that are only predicted; without, each block of time is predicted from the others.
-        settings: What to search for and how.
+        model: The model as it is known: a bare robot, or one with terms. The terms are fitted again together with what
+            is found.
+        logs: One log or several of the same arm. Effects that differ between conditions may have parameters per log;
+            all other parameters are common.
+        holdout: Logs that are only predicted; without them, each block of time is predicted from the others.
+        settings: What to search for, and how.
         progress: Called with a sentence and the share done, from 0 to 1.
 
     Returns:
@@ -48,7 +51,7 @@ def discover(
     report = progress or silent
     report("conditioning", 0.0)
     settings, given = settings or DiscoverySettings(), listed(logs)
-    # what differs between the logs is told first, beside all that they may have in common
+    # differences between the logs are found first, after all that the logs may have in common
     changes = changes_between(model, given, settings, part(report, 0.0, 0.05))
     problem = Problem.of(model, given, listed(holdout), settings).with_parts(effects_that_differ(changes))
     findings = tuple(f for c in changes for f in c.findings)
@@ -60,20 +63,20 @@ def discover_in(
     model: Dynamics,
     progress: Progress | None = None,
     *,
-    findings: tuple[Finding, ...] = (),
+    findings: tuple[Phenomenon, ...] = (),
 ) -> Discovery:
-    """Answer as `discover` does, from logs that are conditioned already.
+    """Find missing effects as `discover` does, in logs that are already conditioned.
 
     Args:
-        problem: The logs, with the candidates around the model.
-        model: What is known.
-        progress: Called with a sentence and the share done.
-        findings: What is known of the logs besides, to be handed on.
+        problem: The logs, and the candidates for the model.
+        model: The model as it is known.
+        progress: Called with a sentence and the share done, from 0 to 1.
+        findings: Phenomena that are already known; they are added to the result.
     """
     report = progress or silent
     apart = (*problem.settings.per_log, *problem.differing)
     model = with_parameters_per_log(model, problem.experiment.logs, apart)
-    report("looking at the noise", 0.05)
+    report("estimating the noise", 0.05)
     first = problem.without_rest_of(t.effect for t in model.terms).with_first_noise(model)
     whitened, found = _searched(first, model, part(report, 0.1, 0.6))
     with_links = with_every_link(whitened, found)
@@ -89,16 +92,16 @@ def _answer(
     problem: WhitenedProblem,
     found: Dynamics,
     report: Progress,
-    findings: tuple[Finding, ...],
+    findings: tuple[Phenomenon, ...],
 ) -> Discovery:
-    report("asking what each effect explains", 0.85)
+    report("ranking the effects", 0.85)
     return concluded(problem, model, found, report, ranking=rank(problem, model), findings=findings)
 
 
 def _searched(
     problem: WhitenedProblem, found: Dynamics, report: Progress
 ) -> tuple[WhitenedProblem, Dynamics]:
-    """Search from a model, again and again with the noise that the search before left."""
+    """Search from a model several times, each time with the noise that the search before left."""
     futile = Swaps()
     for k in range(PASSES):
         before = {t.label for t in found.terms}

@@ -1,4 +1,4 @@
-"""The ranking: what each candidate would explain by itself beside the model as given."""
+"""The ranking: what each candidate would explain alone, together with the model as given."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from cdia_pin.selection.evidence import Evidence
 from cdia_pin.selection.moves import ranked
 from cdia_pin.selection.problem import WhitenedProblem
 
-OVERALL = 3  # candidates of any scope that are fitted, beside the best of each joint
-LOOKED_AT = 40  # candidates from which these are taken
-ITERATIONS = 3  # of Gauss-Newton for each of them
+OVERALL = 3  # candidates of any scope [1] that are fitted, besides the best of each joint
+LOOKED_AT = 40  # candidates of largest gain [1] from which these are chosen
+ITERATIONS = 3  # iterations of Gauss-Newton [1] for each of them
 
 
 def rank(problem: WhitenedProblem, model: Dynamics) -> tuple[Ranked, ...]:
-    """Fit the most telling candidates one at a time beside a model: the best overall, and the best of each joint.
+    """Fit candidates one at a time together with a model: the best overall, and the best of each joint.
 
     Args:
         problem: Logs, candidates and noise.
         model: The model as given.
 
     Returns:
-        The candidates that lower the held-out error of some joint, those that lower it most first.
+        The candidates that lower the held-out error of some joint; the one that lowers it most comes first.
     """
     beside = problem.evidence(model)
     present = [i for i, e in enumerate(beside.effects) if e in {t.effect for t in model.terms}]
@@ -64,5 +64,5 @@ def _shortlist(beside: Evidence, candidates: Sequence[int]) -> list[int]:
 
 
 def _plausible(beside: Evidence, chosen: Sequence[int]) -> bool:
-    """Tell whether the best fit is physical by itself, without being held at a bound."""
+    """Return True if the best fit is physical without a bound."""
     return beside.fit(chosen).chi2 <= beside.free_chi2(chosen) + 0.5 * float(beside.penalty[chosen[-1]])

@@ -1,4 +1,4 @@
-"""What a fitted model and its residual look like: friction that drifts, friction with memory at reversals."""
+"""Phenomena in a fitted model and its residual: friction that drifts, and friction with memory at reversals."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.finding import Finding
+from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, Drift, Term
 from cdia_pin.regression.experiment import Experiment, Prediction
@@ -18,28 +18,27 @@ from cdia_pin.selection.discovery_settings import MemorySettings
 
 Array = NDArray[np.float64]
 
-REACHES = np.geomspace(
-    0.005, 0.5, 16
-)  # of friction with memory, beside the joint's travel; the first is too short
-NEURONS = 9  # radial bases over a joint's speed
+# Reaches of friction with memory, over the joint's travel [1]; the first is too short to count.
+REACHES = np.geomspace(0.005, 0.5, 16)
+NEURONS = 9  # radial basis functions [1] over a joint's speed, so that memory is more than friction of speed
 
 
 def recognised(
     regression: Regression, model: Dynamics, left: Sequence[str], settings: MemorySettings
-) -> tuple[Finding, ...]:
-    """Return what is recognised in a fitted model, and in what it leaves.
+) -> tuple[Phenomenon, ...]:
+    """Return the phenomena in a fitted model and in its residual.
 
     Args:
         regression: The conditioned logs and their noise.
-        model: Fitted to them, with intervals.
-        left: Joints on which structure is left.
+        model: Model that was fitted to them, with intervals.
+        left: Names of the joints on which structure is left.
         settings: When friction counts as having memory.
     """
     return (*_drifts(model, left), *_memories(regression, model, settings))
 
 
-def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
-    """Yield a sentence for each effect that drifts."""
+def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Phenomenon]:
+    """Yield a phenomenon for each effect that drifts."""
     for term in model.terms:
         effect = term.effect
         if not isinstance(effect, Drift):
@@ -54,8 +53,8 @@ def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
             meaning = ", as in a drive that warms up" if fell else ", as in a drive that cools down"
         if set(joints) & set(left):
             meaning = "; structure is left there, so it may be something else that changes with time"
-        yield Finding(
-            "drift",
+        yield Phenomenon(
+            PhenomenonKind.DRIFT,
             joints,
             f"{effect.name.replace('_', ' ')} on {', '.join(joints)} drifts within the log: {parameter.name} from "
             f"{first[largest]:.3g} to {last[largest]:.3g} {unit} (time constant {effect.time_constant:.2g} s){meaning}",
@@ -67,8 +66,8 @@ def _drifts(model: Dynamics, left: Sequence[str]) -> Iterator[Finding]:
         )
 
 
-def _memories(regression: Regression, model: Dynamics, settings: MemorySettings) -> Iterator[Finding]:
-    """Yield a sentence for each joint whose torque after a reversal follows the distance travelled."""
+def _memories(regression: Regression, model: Dynamics, settings: MemorySettings) -> Iterator[Phenomenon]:
+    """Yield a phenomenon for each joint whose torque after a reversal depends on the distance travelled."""
     experiment, whitening = regression.experiment, regression.whitening
     prediction = experiment.predict(model)
     for j, joint in enumerate(model.robot.joints):
@@ -102,12 +101,12 @@ def _memories(regression: Regression, model: Dynamics, settings: MemorySettings)
             yield _presliding(model.robot, joint, levels[best], float(REACHES[best] * travel))
 
 
-def _presliding(robot: RobotModel, joint: str, level: float, reach: float) -> Finding:
+def _presliding(robot: RobotModel, joint: str, level: float, reach: float) -> Phenomenon:
     prismatic = bool(robot.is_prismatic[robot.joint_index(joint)])
     x, effort = ("m", "N") if prismatic else ("rad", "N·m")
     stiffness = level / reach
-    return Finding(
-        "memory",
+    return Phenomenon(
+        PhenomenonKind.MEMORY,
         (joint,),
         f"friction on {joint} has memory at reversals: it looks like presliding, {level:.2g} {effort} built up over "
         f"about {reach:.2g} {x} (stiffness ≈ {stiffness:.2g} {effort}/{x})",
@@ -121,7 +120,7 @@ def _columns(regression: Regression, prediction: Prediction, term: Term, j: int)
 
 
 def _of_speed(experiment: Experiment, j: int) -> Array:
-    """Return smooth functions of a joint's speed, filtered as torques are, shape (K, NEURONS)."""
+    """Return smooth functions of a joint's speed, filtered like the torques, shape (K, NEURONS)."""
     fastest = max(float(np.percentile(np.abs(s.motion.v[:, j]), 99)) for s in experiment.segments)
     centres, width = np.linspace(-fastest, fastest, NEURONS, retstep=True)
     return experiment.compared(lambda m: np.exp(-(((m.v[:, [j]] - centres) / max(float(width), 1e-9)) ** 2)))
@@ -132,6 +131,6 @@ def _orthonormal(columns: Array) -> Array:
 
     norm = np.linalg.norm(columns, axis=0)
     seen = norm > 1e-12 * norm.max(initial=0.0)
-    # numpy's way of dividing does not converge on some columns that nearly repeat each other
+    # numpy's default algorithm does not converge on some columns that nearly repeat each other
     left, values, _ = svd(columns[:, seen] / norm[seen], full_matrices=False, lapack_driver="gesvd")
     return np.asarray(left[:, values > 1e-5 * values[0]]) if len(values) else columns[:, :0]

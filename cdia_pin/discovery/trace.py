@@ -1,4 +1,4 @@
-"""The trace: the found effects added again one by one, the most telling first, to see the error fall."""
+"""The trace: the effects that were found are added again one by one, the most important first, and the error falls."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from cdia_pin.regression.intervals import with_intervals
 from cdia_pin.selection.problem import WhitenedProblem
 from cdia_pin.selection.replacement import refitting
 
-ITERATIONS = 2  # of the refits between the first and the last
+ITERATIONS = 2  # iterations of Gauss-Newton [1] for the models between the first and the last
 
 
 def trace(
     problem: WhitenedProblem, base: Dynamics, found: Dynamics, forced: Collection[str] = ()
 ) -> tuple[Dynamics, tuple[Step, ...]]:
-    """Refit a found model with intervals, and say what each of its effects does to the error.
+    """Fit a found model again with intervals, and measure how each of its effects changes the error.
 
-    An effect that makes the blocks of time which it was not fitted to worse is left out: such a log moves too little to
-    tell what it is. So is one whose only parameter has an interval with zero in it.
+    An effect that raises the held-out error is left out, because the log moves too little to identify it. An effect
+    whose only parameter has an interval that contains zero is left out too.
 
     Args:
         problem: Logs, candidates and noise.
-        base: The model that the discovery started from.
-        found: The model that it ended with.
+        base: The model at the start of the discovery.
+        found: The model at its end.
         forced: Labels of effects that stay in any case.
 
     Returns:
@@ -67,7 +67,7 @@ def trace(
 
 
 def _may_be_zero(term: Term) -> bool:
-    """Tell whether a term of one parameter has an interval with zero in it."""
+    """Return True if a term has one parameter and its interval contains zero."""
     return term.effect.size == 1 and _certainty(term) <= 1.0
 
 
@@ -79,7 +79,7 @@ def _certainty(term: Term) -> float:
 
 
 def _ordered(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> list[Term]:
-    """Return the terms that were found, each the most telling beside those before it."""
+    """Return the terms that were found; each explains most after those before it."""
     known = {t.label for t in base.terms}
     beside = problem.evidence(found)
     index = {e: i for i, e in enumerate(beside.effects)}
@@ -95,7 +95,7 @@ def _ordered(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> list[
 
 
 def _mean_error(problem: WhitenedProblem, model: Dynamics) -> float:
-    """Return the relative RMS of blocks that are predicted from the others, mean over the joints [1]."""
+    """Return the relative held-out RMS residual, mean over the joints [1]."""
     experiment = problem.experiment
     error = held_out_rms(problem.regression, experiment.predict(model))
     return float(np.mean(error / np.maximum(rms(experiment.measured, experiment.informative), 1e-12)))
@@ -107,7 +107,14 @@ def step_of(
     model: Dynamics,
     confusions: tuple[Confusion, ...] = (),
 ) -> Step:
-    """Return the errors of a model as a step of the trace."""
+    """Return the errors of a model as a step of the trace.
+
+    Args:
+        problem: Logs, candidates and noise.
+        term: The term that the step adds; None for the model as given.
+        model: The model with all steps up to this one.
+        confusions: Other explanations of what the term explains.
+    """
     prediction = problem.experiment.predict(model)
     fitted = rms(prediction.residual, problem.experiment.informative)
     held_out = problem.problem.held_out

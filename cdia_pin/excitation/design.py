@@ -1,20 +1,21 @@
-"""The design of a motion: safe, and making visible what a log is to tell."""
+"""The design of a motion that is safe and shows chosen parameters."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect
+from cdia_pin.excitation.excitation_documents import ExcitationRecord
 from cdia_pin.excitation.excitation_result import Excitation
 from cdia_pin.excitation.excitation_settings import ExcitationSettings
 from cdia_pin.excitation.limits import motion_limits
 from cdia_pin.excitation.question import Explanation, Question
-from cdia_pin.excitation.search import Search, Tell
+from cdia_pin.excitation.search import MotionSearch
 from cdia_pin.logs.log import Log
+from cdia_pin.progress import Progress, silent
 from cdia_pin.robot.collision import CollisionModel, standing_height
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.version import __version__
@@ -27,41 +28,41 @@ def excite(
     effects: Sequence[Effect] | None = None,
     after: Log | Sequence[Log] = (),
     settings: ExcitationSettings | None = None,
-    progress: Tell | None = None,
+    progress: Progress | None = None,
 ) -> Excitation:
-    """Design a motion within all limits that makes parameters, or two confusable explanations, visible.
+    """Design a motion within all limits that shows parameters, or separates two explanations.
 
-    The motion begins and ends at rest in one posture, moves every joint, and touches neither the arm itself nor the
-    floor. What else surrounds the arm is not known: look at the motion before it is driven.
+    The motion starts and ends at rest in one posture and moves every joint. The arm touches neither itself nor the
+    floor. The rest of the surroundings is not known: look at the motion before it is driven.
 
     Args:
-        model: The arm, with what is known to be missing from its URDF.
-        between: Two explanations, each an effect or several together, of which a log is to tell the true one.
-        effects: Effects whose parameters are to be seen; the model's if omitted, or friction and inertia of all
-            joints where it has none.
-        after: Logs that there are already, which the gain is measured against; any motion within the limits if omitted.
+        model: The arm, with the terms that its URDF is known to lack.
+        between: Two explanations, each one effect or several together; a log of the motion shows which is true.
+        effects: Effects whose parameters the motion shows; the model's if omitted, or friction and inertia of all
+            joints if the model has none.
+        after: Logs that exist already; the gain is measured against them, or against any motion within the limits.
         settings: Duration, limits, seed.
         progress: Called with a sentence and the share done, from 0 to 1.
 
     Returns:
-        The motion with the limits that it keeps and what it gains.
+        The motion, the limits that it keeps, and its gain.
 
     Raises:
-        EffectError: If an effect is not of the robot, or no motion tells the two explanations apart.
+        EffectError: If an effect does not fit the robot, or no motion separates the two explanations.
         RobotError: If limits or settings leave no room for a motion.
         LogError: If a log cannot be used.
     """
     dynamics = model if isinstance(model, Dynamics) else Dynamics(model)
     chosen = settings or ExcitationSettings()
-    tell = progress or (lambda sentence, share: None)
-    tell("looking at the limits", 0.0)
+    tell = progress or silent
+    tell("reading the limits", 0.0)
     robot = dynamics.robot
     limits = motion_limits(robot, speed=chosen.speed, effort=chosen.effort, acceleration=chosen.acceleration)
     question = Question(dynamics, limits, chosen)
     goal = question.between(*between) if between else question.parameters(effects)
     floor = standing_height(robot) if chosen.floor == "base" else chosen.floor
     collisions = CollisionModel(robot, clearance=chosen.clearance, floor=floor, srdf=chosen.srdf)
-    search = Search(dynamics, limits, collisions, goal, question.noise, chosen.duration)
+    search = MotionSearch(dynamics, limits, collisions, goal, question.noise, chosen.duration)
     trajectory, any_other = search.best(
         chosen.draws,
         chosen.refinements,
@@ -87,9 +88,26 @@ def excite(
         checked=len(collisions.pairs),
         gain=gain,
         warnings=limits.assumed,
-        record={
-            "version": __version__,
-            **asdict(chosen),
-            "terms": [t.label for t in dynamics.terms],
-        },
+        record=_record(chosen, dynamics),
     )
+
+
+def _record(chosen: ExcitationSettings, model: Dynamics) -> ExcitationRecord:
+    given = chosen.acceleration
+    return {
+        "version": __version__,
+        "duration": chosen.duration,
+        "rate": chosen.rate,
+        "speed": chosen.speed,
+        "effort": chosen.effort,
+        "acceleration": dict(given) if isinstance(given, Mapping) else given,
+        "clearance": chosen.clearance,
+        "floor": chosen.floor,
+        "srdf": str(chosen.srdf) if chosen.srdf else None,
+        "size": chosen.size,
+        "noise": chosen.noise,
+        "seed": chosen.seed,
+        "draws": chosen.draws,
+        "refinements": chosen.refinements,
+        "terms": [t.label for t in model.terms],
+    }

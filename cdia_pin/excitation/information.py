@@ -1,4 +1,4 @@
-"""What a motion tells about effects: the normal equations that a log recorded on it would have."""
+"""Information of a motion: the normal equations that a log of the motion would have."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-CUTOFF = 4.0  # [Hz], of the filter through which a planned motion is looked at
-SAMPLES_PER_SECOND = 50.0  # [Hz], independent torque samples that a log is taken to give
-RANK_CUTOFF = 1e-12  # eigenvalues of scaled normal equations that count as zero, over the largest
-QUIETEST = 0.02  # a joint that carries little has noise as if it carried this share of the largest
+CUTOFF = 4.0  # cut-off of the filter for planned motions [Hz]
+SAMPLES_PER_SECOND = 50.0  # independent torque samples that a log gives [Hz], after its filter
+RANK_CUTOFF = 1e-12  # eigenvalues of scaled normal equations, over the largest [1], that count as zero
+# Least RMS torque over that of the most loaded joint [1], because a lightly loaded joint has noise too.
+QUIETEST = 0.02
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Information:
     """Normal equations of effects along a motion, in variances of the noise.
 
@@ -37,16 +38,19 @@ class Information:
     effects: tuple[Effect, ...]
     gram: Array
 
+    def __repr__(self) -> str:
+        return f"Information({len(self.effects)} effects, {len(self.gram)} parameters)"
+
     @classmethod
     def along(
         cls, experiment: Experiment, model: Dynamics, effects: Sequence[Effect], noise: Array
     ) -> Information:
-        """Gather the columns of effects.
+        """Compute the normal equations along a motion.
 
         Args:
             experiment: A planned motion, or conditioned logs.
-            model: What is known; effects that it has are differentiated at their parameters.
-            effects: Effects to be told, some of which may be the model's.
+            model: The model as it is known; its own effects are differentiated at their parameters.
+            effects: The effects; the model's own may be among them.
             noise: Standard deviation of an independent torque sample [N·m or N], shape (n,).
         """
         prediction = experiment.predict(model)
@@ -69,19 +73,29 @@ class Information:
         return cls(tuple(effects), gram)
 
     def columns(self, effects: Sequence[Effect]) -> NDArray[np.intp]:
-        """Return the columns of some of the effects."""
+        """Return the positions of the parameters of some of the effects.
+
+        Args:
+            effects: Some of the effects.
+
+        Returns:
+            Shape (p,).
+        """
         at = {e: k for k, e in enumerate(self.effects)}
         return ParameterBlocks.of(self.effects).indices([at[e] for e in effects])
 
     def unexplained(self, hidden: Sequence[Effect], others: Sequence[Effect], precision: Array) -> Array:
-        """Return what other effects cannot explain of hidden ones, shape (p, p).
+        """Return the part of hidden effects that other effects cannot explain.
 
         It is the Schur complement S: parameters θ of the hidden effects leave a sum of squares θᵀ S θ.
 
         Args:
             hidden: Effects that the arm has.
             others: Effects that are fitted in their place.
-            precision: Of what is known of the others' parameters beforehand, one each [1/unit²].
+            precision: Precision of the prior on the others' parameters [1/unit²], shape (number of them,).
+
+        Returns:
+            S, shape (p, p).
         """
         a, b = self.columns(hidden), self.columns(others)
         cross = self.gram[np.ix_(b, a)]
@@ -91,12 +105,12 @@ class Information:
 
 
 def planned(robot: RobotModel, *trajectories: Trajectory, cutoff: float = CUTOFF) -> Experiment:
-    """Return motions that are asked for as an experiment, as if logs of them had been conditioned.
+    """Return planned motions as an experiment, as if logs of them had been conditioned.
 
     Args:
         robot: The arm.
         *trajectories: The motions.
-        cutoff: Of the filter through which they are looked at [Hz].
+        cutoff: Cut-off of the filter [Hz].
     """
     rate = MOTION_OVERSAMPLING * cutoff
     decimation = max(1, int(rate / (TORQUE_OVERSAMPLING * cutoff)))
@@ -141,7 +155,15 @@ def _record(condition: str, rate: float, cutoff: float, decimation: int) -> Moti
 
 
 def torque_rms(experiment: Experiment, model: Dynamics) -> Array:
-    """Return the RMS torque of a model along a motion, at least a share of the largest, shape (n,)."""
+    """Return the RMS torque of a model along a motion, at least a share of that of the most loaded joint.
+
+    Args:
+        experiment: The motion.
+        model: The model.
+
+    Returns:
+        In N·m or N, shape (n,).
+    """
     torques = np.vstack([t.actuator for t in experiment.predict(model).torques])
     size = rms(torques, np.ones(torques.shape, bool))
     slides = experiment.robot.is_prismatic

@@ -1,4 +1,4 @@
-"""Limits within which a motion is designed: those of the URDF with a margin, and what a URDF cannot say."""
+"""Limits of a designed motion: those of the URDF with a margin, and assumptions where the URDF has none."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-RANGE = 0.95  # share of a joint's range that a motion may use
-WIDEST, LONGEST = 2.0, 0.3  # [rad], [m]: furthest from the middle of the range; cables do not like more
-FASTEST, FASTEST_SLIDE = 3.0, 0.5  # [rad/s], [m/s]: never faster, whatever the URDF allows
-UNSTATED, UNSTATED_SLIDE = 1.0, 0.25  # [rad/s], [m/s]: largest speed where the URDF states none
-RISE = 0.5  # [s], in which a joint may reach its largest speed, where no acceleration is given
-NO_ROOM = 1e-3  # [rad or m], half a range that is no room to move
+# Share of a joint's range that a motion may use [1], so that a controller's overshoot stays inside.
+RANGE = 0.95
+WIDEST, LONGEST = 2.0, 0.3  # [rad], [m] from the middle of the range, because cables do not allow more
+FASTEST, FASTEST_SLIDE = 3.0, 0.5  # [rad/s], [m/s]; no joint moves faster, so that the motion can be watched
+UNSTATED, UNSTATED_SLIDE = 1.0, 0.25  # [rad/s], [m/s]; a slow motion, where the URDF states no limit
+RISE = 0.5  # [s] in which a joint may reach its largest speed, where no acceleration is given
+NO_ROOM = 1e-3  # [rad or m]; a joint with less than this half range cannot move
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MotionLimits:
-    """What a motion may use of each joint, shape (n,) each; infinite where nothing limits it.
+    """Limits of a motion, shape (n,) each; infinite where there is no limit.
 
     Attributes:
         lower: Smallest position [rad or m].
@@ -31,7 +32,7 @@ class MotionLimits:
         velocity: Largest speed [rad/s or m/s].
         acceleration: Largest acceleration [rad/s² or m/s²].
         effort: Largest torque or force [N·m or N].
-        assumed: What the URDF does not state, one sentence each.
+        assumed: Assumptions where the URDF states no limit, one sentence each.
     """
 
     lower: Array
@@ -40,6 +41,9 @@ class MotionLimits:
     acceleration: Array
     effort: Array
     assumed: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"MotionLimits({len(self.lower)} joints, speed up to {self.velocity.max():.3g})"
 
     @property
     def middle(self) -> Array:
@@ -59,27 +63,27 @@ def motion_limits(
     effort: float = 0.8,
     acceleration: float | Mapping[str, float] | None = None,
 ) -> MotionLimits:
-    """Return what a motion may use of a robot's limits.
+    """Return the limits of a motion: shares of the robot's limits.
 
     Args:
         robot: The arm.
         speed: Share of the velocity limits [1].
         effort: Share of the effort limits [1].
-        acceleration: Largest acceleration, of all joints or by joint [rad/s² or m/s²]; where none is given, the
-            speed limit is reached in half a second.
+        acceleration: Largest acceleration, of all joints or by joint [rad/s² or m/s²]; without it, a joint reaches its
+            speed limit in half a second.
 
     Raises:
         RobotError: If a setting is out of its range, a joint is unknown, or a joint has no room to move.
     """
     if not (0 < speed <= 1 and 0 < effort <= 1):
         raise RobotError(
-            f"shares of the speed and effort limits lie above 0 and up to 1, given {speed:g} and {effort:g}"
+            f"shares of the speed and effort limits must be above 0 and at most 1, given {speed:g} and {effort:g}"
         )
     stated = robot.limits
     slides = robot.is_prismatic
     half_most = np.where(slides, LONGEST, WIDEST)
     both = np.isfinite(stated.lower) & np.isfinite(stated.upper)
-    with np.errstate(invalid="ignore"):  # inf − inf, where the other choice is taken
+    with np.errstate(invalid="ignore"):  # inf − inf, where the other branch is taken
         middle = np.where(both, (stated.lower + stated.upper) / 2, 0.0)
         half = np.where(both, RANGE * (stated.upper - stated.lower) / 2, half_most)
     middle = np.where(both, middle, np.clip(middle, stated.lower + half_most, stated.upper - half_most))
@@ -111,7 +115,7 @@ def _accelerations(robot: RobotModel, velocity: Array, given: float | Mapping[st
     elif given is not None:
         most = np.full(robot.n, float(given))
     if not (np.isfinite(most) & (most > 0)).all():
-        raise RobotError(f"a largest acceleration lies above 0, given {given}")
+        raise RobotError(f"the largest acceleration must be above 0, given {given}")
     return most
 
 
@@ -120,7 +124,9 @@ def _assumed(robot: RobotModel, known: NDArray[np.bool_], velocity: Array) -> li
     silent = [j for j, has in zip(robot.joints, known, strict=True) if not has]
     if silent:
         speeds = ", ".join(f"{x:g}" for x in sorted({*velocity[~known].tolist()}))
-        out.append(f"the URDF states no velocity limit for {', '.join(silent)}: {speeds} rad/s or m/s taken")
+        out.append(
+            f"the URDF states no velocity limit for {', '.join(silent)}: {speeds} rad/s or m/s assumed"
+        )
     weak = [j for j, most in zip(robot.joints, robot.limits.effort, strict=True) if not np.isfinite(most)]
     if weak:
         out.append(f"the URDF states no effort limit for {', '.join(weak)}: their effort is not limited")

@@ -1,6 +1,6 @@
-"""Motions to choose from: finite Fourier series, a fast one and then a slow one, at rest at both ends [Swevers1997].
+"""Candidate motions: finite Fourier series, a fast one and then a slow one, at rest at both ends [Swevers1997].
 
-A motion is drawn as coefficients and made into a trajectory by scaling: positions, speeds and accelerations are
+A motion is drawn as coefficients, which are scaled to a trajectory. Positions, speeds and accelerations are therefore
 within their limits by construction.
 """
 
@@ -16,21 +16,22 @@ from cdia_pin.excitation.limits import MotionLimits
 
 Array = NDArray[np.float64]
 
-RAMP = 2.0  # [s], longest time in which a part grows from rest, and fades to it
-SCALING_GRID = 0.02  # [s], on which the largest position, speed and acceleration are found
-SAFE = 0.995  # [1], for what lies between the times of that grid
-VARIED = 0.4  # share of the joints that a variation touches
-NARROWEST = 0.3  # share of the range that is left to each side of the posture around which it moves
+RAMP = 2.0  # [s]; a part grows from rest and fades to it within this time, or a third of the part
+SCALING_GRID = 0.02  # [s] between the times at which the largest position, speed and acceleration are found
+SAFE = 0.995  # share of the limits [1], for what lies between those times
+VARIED = 0.4  # share of the joints that a variation changes [1]; small steps improve the best motion
+# Share of the half range [1] that each side of the centre keeps, so that every joint can move.
+NARROWEST = 0.3
 
 
 @dataclass(frozen=True)
 class Part:
-    """One stretch of a motion.
+    """One part of a motion.
 
     Attributes:
-        share: Of the whole duration [1].
+        share: Share of the whole duration [1].
         base: Lowest frequency [Hz], or the inverse of the part's length where that is higher.
-        harmonics: Number of sines and cosines.
+        harmonics: Number of sines and of cosines [1].
         speed: Smallest and largest share of the speed limit of a joint [1].
     """
 
@@ -40,13 +41,13 @@ class Part:
     speed: tuple[float, float]
 
 
-# fast, for inertia and all that grows with speed; slow, for dry friction and what hangs on the position
+# Fast, for inertia and effects that grow with speed; slow, for dry friction and effects of the position.
 PARTS = (Part(0.65, 0.08, 8, (0.4, 1.0)), Part(0.35, 0.0, 3, (0.03, 0.5)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Chain:
-    """Trajectories one after another; each begins where the one before ended, at rest.
+    """Trajectories one after another. Each starts at rest, where the one before ended.
 
     Attributes:
         parts: The trajectories.
@@ -54,13 +55,23 @@ class Chain:
 
     parts: tuple[FourierTrajectory, ...]
 
+    def __repr__(self) -> str:
+        return f"Chain({len(self.parts)} parts, {self.duration:g} s)"
+
     @property
     def duration(self) -> float:
         """Length of the motion [s]."""
         return sum(p.duration for p in self.parts)
 
     def __call__(self, t: ArrayLike) -> Reference:
-        """Return the motion at a time, shapes (n,), or at times (N,) [s], shapes (N, n)."""
+        """Return the motion at some times.
+
+        Args:
+            t: One time [s], or times, shape (N,).
+
+        Returns:
+            Position, velocity and acceleration, shape (n,) or (N, n) each.
+        """
         time = np.atleast_1d(np.asarray(t, float))
         ends = np.cumsum([p.duration for p in self.parts])
         which = np.minimum(np.searchsorted(ends, time, side="right"), len(self.parts) - 1)
@@ -73,23 +84,31 @@ class Chain:
         return Reference(*(r[0] for r in out)) if np.ndim(t) == 0 else out
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Draw:
     """Coefficients of a motion, before it is scaled into its limits.
 
     Attributes:
-        centre: Posture at both ends, around which it moves [rad or m], shape (n,).
-        waves: For each part, sines and cosines [1], shape (2, H, n).
-        speed: For each part, share of each joint's speed limit that is asked for [1], shape (P, n).
+        centre: Posture at both ends, around which the arm moves [rad or m], shape (n,).
+        waves: Coefficients of sines and cosines of each part [1], shape (2, H, n).
+        speed: Share of each joint's speed limit in each part [1], shape (P, n).
     """
 
     centre: Array
     waves: tuple[Array, ...]
     speed: Array
 
+    def __repr__(self) -> str:
+        return f"Draw({len(self.waves)} parts, {len(self.centre)} joints)"
+
     @classmethod
     def random(cls, centre: Array, rng: np.random.Generator) -> Draw:
-        """Draw a motion around a posture, its higher harmonics the weaker the steeper its spectrum is drawn."""
+        """Draw a motion around a posture. How fast the harmonics fall with their order is drawn too.
+
+        Args:
+            centre: The posture [rad or m], shape (n,).
+            rng: Source of randomness.
+        """
         n = len(centre)
         waves = []
         for part in PARTS:
@@ -99,11 +118,20 @@ class Draw:
         return cls(centre, tuple(waves), np.exp(rng.uniform(lowest, highest, (len(PARTS), n))))
 
     def varied(self, step: float, limits: MotionLimits, rng: np.random.Generator) -> Draw:
-        """Return a motion that differs on some joints; `step` 1 is as far as another draw."""
+        """Return a motion that differs on some joints.
+
+        Args:
+            step: Size of the variation [1]; at 1 it is as large as another draw.
+            limits: Limits of the motion.
+            rng: Source of randomness.
+        """
         n = len(self.centre)
         some = rng.random(n) < max(VARIED, 1.0 / n)
         some[rng.integers(n)] = True
-        noise = lambda shape: step * some * rng.standard_normal(shape)  # noqa: E731
+
+        def noise(shape: int | tuple[int, ...]) -> Array:
+            return np.asarray(step * some * rng.standard_normal(shape))
+
         centre = self.centre + 0.5 * limits.half * noise(n)
         waves = tuple(w + w.std(axis=(0, 1)) * noise(w.shape) for w in self.waves)
         lowest, highest = np.array([part.speed for part in PARTS]).T[:, :, None]
@@ -111,15 +139,19 @@ class Draw:
         return Draw(within_room(centre, limits), waves, speed)
 
     def smaller(self, factor: float) -> Draw:
-        """Return the same motion with all deviations from the posture shrunk."""
+        """Return the same motion with smaller deviations from the posture.
+
+        Args:
+            factor: Factor of all deviations [1].
+        """
         return replace(self, speed=self.speed * factor)
 
     def trajectory(self, duration: float, limits: MotionLimits) -> Chain:
-        """Scale it into the limits of position, speed and acceleration.
+        """Scale the motion to the limits of position, speed and acceleration.
 
         Args:
             duration: Length [s].
-            limits: What it may use.
+            limits: Limits of the motion.
         """
         room = np.minimum(self.centre - limits.lower, limits.upper - self.centre)
         parts = []
@@ -136,6 +168,14 @@ class Draw:
 
 
 def within_room(centre: Array, limits: MotionLimits) -> Array:
-    """Return the nearest posture that leaves some of the range to each side [rad or m], shape (n,)."""
+    """Return the nearest posture that leaves a part of the range on each side.
+
+    Args:
+        centre: Posture [rad or m], shape (n,).
+        limits: Limits of the motion.
+
+    Returns:
+        Posture [rad or m], shape (n,).
+    """
     reach = (1.0 - NARROWEST) * limits.half
     return np.clip(centre, limits.middle - reach, limits.middle + reach)

@@ -1,4 +1,4 @@
-"""A question that a motion is to answer, made into a goal, and what a motion gains for it."""
+"""A question that a motion answers: its goal, and the gain of a motion."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cdia_pin.effects import CoulombFriction, Effect, LinkInertia, Unknown, Visc
 from cdia_pin.errors import EffectError
 from cdia_pin.excitation.excitation_result import Gain
 from cdia_pin.excitation.excitation_settings import ExcitationSettings
-from cdia_pin.excitation.goals import Between, Goal, Parameters
+from cdia_pin.excitation.goals import Goal, Parameters, TwoExplanations
 from cdia_pin.excitation.information import Information, planned, torque_rms
 from cdia_pin.excitation.limits import MotionLimits
 from cdia_pin.excitation.motion import Draw, within_room
@@ -26,17 +26,17 @@ from cdia_pin.regression.experiment import Experiment
 
 Array = NDArray[np.float64]
 
-THOUGHT = 6  # motions over all of the limits, never driven, by which it is known what any motion can show
+THOUGHT = 6  # motions over all of the limits [1], never driven, that stand for any motion
 Explanation = Effect | Sequence[Effect]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Question:
-    """What is asked of a motion, on one arm within its limits.
+    """A question about one arm within its limits.
 
     Attributes:
-        model: The arm, with what is known.
-        limits: What motions may use.
+        model: The model of the arm as it is known.
+        limits: Limits of motions.
         settings: Duration, sizes, noise.
     """
 
@@ -44,9 +44,12 @@ class Question:
     limits: MotionLimits
     settings: ExcitationSettings
 
+    def __repr__(self) -> str:
+        return f"Question({self.model!r}, {self.settings.duration:g} s)"
+
     @cached_property
     def everything(self) -> Experiment:
-        """Motions over all of the limits, whether they touch anything or not."""
+        """Motions over all of the limits; contacts are not checked."""
         rng = np.random.default_rng(0)
         draws = (Draw.random(self._anywhere(rng), rng) for _ in range(THOUGHT))
         motions = [d.trajectory(self.settings.duration, self.limits) for d in draws]
@@ -58,31 +61,44 @@ class Question:
         return self.settings.noise * torque_rms(self.everything, self.model)
 
     def information(self, experiment: Experiment, effects: Sequence[Effect]) -> Information:
-        """Return what a motion tells of effects."""
+        """Return the normal equations of effects along a motion.
+
+        Args:
+            experiment: The motion.
+            effects: The effects.
+        """
         return Information.along(experiment, self.model, effects, self.noise)
 
     def parameters(self, wanted: Sequence[Effect] | None = None) -> Parameters:
-        """Ask for the parameters of effects; of the model's, or of friction and inertia, if omitted."""
+        """Return the goal of a motion that shows the parameters of effects.
+
+        Args:
+            wanted: The effects; the model's own if omitted, or friction and inertia if it has none.
+        """
         robot = self.model.robot
         chosen = tuple(dict.fromkeys(wanted or [t.effect for t in self.model.terms] or self._common()))
         for effect in chosen:
             effect.check(robot)
         return Parameters.of(chosen, self.information(self.everything, chosen))
 
-    def between(self, one: Explanation, two: Explanation) -> Between:
-        """Ask which of two explanations is true.
+    def between(self, one: Explanation, two: Explanation) -> TwoExplanations:
+        """Return the goal of a motion that shows which of two explanations is true.
+
+        Args:
+            one: One effect, or several together.
+            two: The other explanation.
 
         Raises:
-            EffectError: If they are the same, one has no torque or no form, or no motion tells them apart.
+            EffectError: If they are the same, one has no torque or no equation, or no motion separates them.
         """
         first, second = (_listed(x) for x in (one, two))
         labels = [sorted(e.label for e in x) for x in (first, second)]
         if labels[0] == labels[1]:
-            raise EffectError(f"{' + '.join(labels[0])} cannot be told from itself: name two explanations")
+            raise EffectError(f"{' + '.join(labels[0])} was given twice: name two different explanations")
         for effect in (*first, *second):
             effect.check(self.model.robot)
             if isinstance(effect, Unknown):
-                raise EffectError(f"{effect.label} can be anything: name an effect with an equation")
+                raise EffectError(f"{effect.label} has no equation: name an effect with one")
         sides = [side_of(x, self.model, self.everything, self.settings.size) for x in (first, second)]
         named = {label for side in labels for label in side}
         rest = tuple(t.effect for t in self.model.terms if t.label not in named)
@@ -94,29 +110,36 @@ class Question:
                 remark = weightless_remark(side.effects, self.model.robot)
                 raise EffectError(f"{side.label} has no torque on any motion of this arm{remark}")
         known = np.concatenate([np.zeros(0), *(1.0 / e.prior_scale(self.model.robot) ** 2 for e in rest)])
-        goal = Between.of(one_side, other, rest, known, self.parameters(self._common()), info)
-        if not any(goal.tellable):
+        goal = TwoExplanations.of(one_side, other, rest, known, self.parameters(self._common()), info)
+        if not any(goal.separable):
             why = why_alike(one_side.effects, other.effects, self.model.robot)
             raise EffectError(f"no motion of this arm tells {one_side.label} from {other.label}: {why}")
         return goal
 
     def gain(self, goal: Goal, motion: Trajectory, other: Trajectory, logs: Sequence[Log] = ()) -> Gain:
-        """Return what a motion makes visible beside logs that there are, or beside another motion."""
+        """Return the gain of a motion over logs that exist, or over another motion.
+
+        Args:
+            goal: The goal.
+            motion: The designed motion.
+            other: The other motion, used if there are no logs.
+            logs: Logs that exist.
+        """
         robot = self.model.robot
         there_is = (
             Experiment.of(robot, [condition(x, robot) for x in logs]) if logs else planned(robot, other)
         )
         old, new = (self.information(x, goal.effects) for x in (there_is, planned(robot, motion)))
         beside = "on the logs given" if logs else "on some motion within the limits"
-        if isinstance(goal, Between):
+        if isinstance(goal, TwoExplanations):
             names = (goal.one.label, goal.two.label)
-            return Gain(names, goal.distance(old), goal.distance(new), (0, 0), goal.tellable, beside)
+            return Gain(names, goal.distance(old), goal.distance(new), (0, 0), goal.separable, beside)
         assert isinstance(goal, Parameters)
         sharper = float(np.exp(goal.score(new) - goal.score(old)))
         return Gain((), 1.0, sharper, (goal.seen.shape[1], goal.seen.shape[0]), (), beside)
 
     def _common(self) -> list[Effect]:
-        """Friction and inertia of all joints: what a motion should always show."""
+        """Return friction and inertia of all joints, which a motion should always show."""
         kinds: tuple[type[Effect], ...] = (CoulombFriction, ViscousFriction, LinkInertia)
         return [kind.from_scope((joint,), {}) for kind in kinds for joint in self.model.robot.joints]
 

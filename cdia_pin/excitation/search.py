@@ -1,8 +1,8 @@
-"""The search: motions are drawn and the best is varied, none kept that breaks a limit or touches anything."""
+"""The search: motions are drawn and the best is varied. Motions that break a limit or touch anything are rejected."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,32 +14,32 @@ from cdia_pin.excitation.goals import Goal
 from cdia_pin.excitation.information import Information, planned
 from cdia_pin.excitation.limits import MotionLimits
 from cdia_pin.excitation.motion import Chain, Draw, within_room
+from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.robot.collision import CollisionModel, Contact
 
 Array = NDArray[np.float64]
 
-POSTURES = 400  # drawn before it is believed that the arm cannot rest anywhere
-SHRINKS = 6  # times that a drawn motion is made smaller until it is allowed
-SMALLER = 0.75
-COARSE = 0.04  # [rad or m] between postures looked at while searching
-FINE = 0.01  # and in the end
-STEPS = (0.5, 0.05)  # [1], size of the first and of the last variation
-SAFE = 0.99  # share of the effort that is left to it, for what lies between the times looked at
-HIGHEST_RATE = 1000.0  # [Hz], of the postures looked at
+POSTURES = 400  # postures drawn [1] before the search gives up
+SHRINKS = 6  # times [1] that a drawn motion is made smaller until it is allowed; six shrink it to a fifth
+SMALLER = 0.75  # factor of each shrinking [1]
+COARSE = 0.04  # travel between checked postures while searching [rad or m], for speed
+# Travel between checked postures in the end [rad or m]; it moves a point at 1 m by the default clearance.
+FINE = 0.01
+STEPS = (0.5, 0.05)  # size of the first and of the last variation [1], over that of another draw
+SAFE = 0.99  # share of the effort limit [1], for what lies between the checked times
+HIGHEST_RATE = 1000.0  # rate [Hz] at which the travel is summed
 
-Tell = Callable[[str, float], None]
 
-
-@dataclass(frozen=True, eq=False)
-class Search:
-    """What a search works on.
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionSearch:
+    """A search for the motion of the largest score.
 
     Attributes:
-        model: The arm, whose torques must stay within limits.
-        limits: What a motion may use.
-        collisions: What must not touch.
-        goal: What a motion is scored by.
+        model: Model of the arm, whose torques must stay within limits.
+        limits: Limits of motions.
+        collisions: Shapes that must not touch.
+        goal: Score of a motion.
         noise: Standard deviation of a torque sample [N·m or N], shape (n,).
         duration: Length of the motion [s].
     """
@@ -51,14 +51,19 @@ class Search:
     noise: Array
     duration: float
 
-    def best(self, draws: int, refinements: int, rng: np.random.Generator, tell: Tell) -> tuple[Chain, Chain]:
-        """Return the best motion found, and the first one, which is any motion within the limits.
+    def __repr__(self) -> str:
+        return f"MotionSearch({self.model!r}, {self.duration:g} s)"
+
+    def best(
+        self, draws: int, refinements: int, rng: np.random.Generator, tell: Progress
+    ) -> tuple[Chain, Chain]:
+        """Return the best motion, and the first one that is within the limits, for comparison.
 
         Args:
-            draws: Motions drawn.
-            refinements: Variations of the best one tried.
-            rng: Source of both.
-            tell: Told a sentence and the share done.
+            draws: Number of motions that are drawn.
+            refinements: Number of variations of the best motion that are tried.
+            rng: Source of randomness.
+            tell: Called with a sentence and the share done [1].
 
         Raises:
             RobotError: If the arm cannot rest or move anywhere within the limits.
@@ -86,7 +91,12 @@ class Search:
         return self._checked(best), first.trajectory(self.duration, self.limits)
 
     def contact(self, trajectory: Chain, apart: float) -> Contact | None:
-        """Return the first contact on a motion, looked at wherever a joint has moved so far [rad or m]."""
+        """Return the first contact on a motion, or None.
+
+        Args:
+            trajectory: The motion.
+            apart: Travel of a joint between two checked postures [rad or m].
+        """
         time = np.arange(0.0, trajectory.duration, 1.0 / HIGHEST_RATE)
         q, v, _ = trajectory(time)
         travelled = np.cumsum(np.abs(v).max(axis=1)) / HIGHEST_RATE
@@ -95,7 +105,7 @@ class Search:
         return Contact(int(first[found.sample]), found.shapes) if found else None
 
     def _score(self, draw: Draw, above: float) -> float | None:
-        """Return a motion's score, None if it is not allowed; contacts are looked for only above a score."""
+        """Return a motion's score, None if it is not allowed; contacts are checked only above a given score."""
         trajectory = draw.trajectory(self.duration, self.limits)
         experiment = planned(self.model.robot, trajectory)
         if not self._within_effort(experiment):
@@ -128,7 +138,7 @@ class Search:
                 return q
         if contact is None:
             raise RobotError(
-                f"robot '{robot.name}': its effort limits hold its own weight in no posture that was tried"
+                f"robot '{robot.name}': its effort limits do not hold its own weight in any posture that was tried"
             )
         one, two = contact.shapes
         raise RobotError(
@@ -137,7 +147,7 @@ class Search:
         )
 
     def _checked(self, draw: Draw) -> Chain:
-        """Return the motion, smaller if that is what a closer look asks for."""
+        """Return the motion, made smaller until a finer check allows it."""
         for smaller in self._shrinking(draw):
             trajectory = smaller.trajectory(self.duration, self.limits)
             if self._within_effort(planned(self.model.robot, trajectory, cutoff=25.0)) and not self.contact(

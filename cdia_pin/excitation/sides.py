@@ -16,7 +16,8 @@ from cdia_pin.regression.experiment import Experiment, rms
 
 Array = NDArray[np.float64]
 
-MOST_SHAPES = 6  # shapes of an effect that are looked at, spread over all that are worth trying
+# Shapes of an effect [1] that are compared, spread over its grid, because each pair is fitted.
+MOST_SHAPES = 6
 
 
 @dataclass(frozen=True, eq=False)

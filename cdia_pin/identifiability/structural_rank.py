@@ -61,7 +61,7 @@ def torque_elsewhere(robot: RobotModel, effect: Effect, covariance: Array) -> Ar
         Torque [N·m or N], shape (n,).
     """
     phi = _columns(robot, effect).reshape(STATES, robot.n, -1)
-    return np.sqrt(np.abs(np.einsum("knp,pq,knq->n", phi, covariance, phi)) / STATES)
+    return np.asarray(np.sqrt(np.abs(np.einsum("knp,pq,knq->n", phi, covariance, phi)) / STATES))
 
 
 @lru_cache(maxsize=512)

@@ -1,4 +1,4 @@
-r"""Base parameters: the combinations of inertial parameters that torques depend on, and what a log tells of them.
+r"""Base parameters: the combinations of inertial parameters on which torques depend, and how well a log shows them.
 
 A torque regressor has dependent columns: :math:`Y = Y_b [\,1 \; K\,]`, so that :math:`Y \pi = Y_b (\pi_b + K \pi_d)`
 [Gautier1991].
@@ -17,25 +17,28 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-SAMPLES = 200  # random states that tell dependent columns
-INDEPENDENT = 1e-8  # least norm of a column beside those before it, over its own
-TOLD = 1.0 / 3.0  # share of the prior's deviation to which a log must narrow a parameter to have told it
-REACH = 1.0  # [rad or m], of joints without limits
+SAMPLES = 200  # random states [1] from which dependent columns are found; 200 give many rows per column
+INDEPENDENT = (
+    1e-8  # norm of what the columns before it leave of a column, over its own norm [1]; below it is rounding
+)
+# Standard deviation after the log over that before [1], below which a parameter counts as identified.
+IDENTIFIED = 1.0 / 3.0
+REACH = 1.0  # range of joints without limits [rad or m]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BaseParameters:
-    """Base parameters of an arm, as identified; arrays have shape (n_b,).
+    """Identified base parameters of an arm. Arrays have shape (n_b,) and the unit of each parameter.
 
     Attributes:
         names: The first standard parameter of each combination, such as ``elbow_joint.mx``.
-        units: Units.
-        grouped: How many other standard parameters are in each combination.
-        urdf: What the URDF says.
-        value: What was identified.
-        deviation: Standard deviation of that.
-        half_width: Half of its 95 % interval.
-        told: Whether this log tells it: the rest is held by the URDF.
+        units: Unit of each parameter.
+        grouped: Number of other standard parameters in each combination [1].
+        urdf: Values of the URDF.
+        value: Identified values.
+        deviation: Standard deviations of the identified values.
+        half_width: Half widths of their 95 % intervals.
+        identifiable: True for parameters that this log identifies; the prior around the URDF determines the others.
     """
 
     names: tuple[str, ...]
@@ -45,7 +48,10 @@ class BaseParameters:
     value: Array
     deviation: Array
     half_width: Array
-    told: NDArray[np.bool_]
+    identifiable: NDArray[np.bool_]
+
+    def __repr__(self) -> str:
+        return f"BaseParameters({len(self)}, {int(self.identifiable.sum())} of them identified by the log)"
 
     def __len__(self) -> int:
         return len(self.names)
@@ -59,18 +65,18 @@ class BaseParameters:
 def base_parameters(
     robot: RobotModel, change: Array, covariance: Array, prior_covariance: Array, quantile: float
 ) -> BaseParameters:
-    """Reduce inertial parameters to those that torques depend on.
+    """Reduce inertial parameters to those on which torques depend.
 
     Args:
         robot: The arm.
-        change: Difference of all links' parameters to the URDF, shape (10 n,).
-        covariance: Of that difference, shape (10 n, 10 n).
-        prior_covariance: What it was before the log, shape (10 n, 10 n).
-        quantile: Half of a 95 % interval over the standard deviation [1].
+        change: Difference of all links' parameters from the URDF, shape (10 n,).
+        covariance: Covariance of this difference, shape (10 n, 10 n).
+        prior_covariance: Covariance before the log, shape (10 n, 10 n).
+        quantile: Half width of a 95 % interval over the standard deviation [1].
     """
     first, reduction = base_reduction(robot)
     urdf = robot.inertial_parameters.ravel()
-    deviation, believed = (
+    deviation, prior_deviation = (
         np.sqrt(np.maximum(np.einsum("bi,ij,bj->b", reduction, c, reduction), 0.0))
         for c in (covariance, prior_covariance)
     )
@@ -82,16 +88,16 @@ def base_parameters(
         value=reduction @ (urdf + change),
         deviation=deviation,
         half_width=quantile * deviation,
-        told=deviation < TOLD * believed,
+        identifiable=deviation < IDENTIFIED * prior_deviation,
     )
 
 
 @lru_cache(maxsize=16)
 def base_reduction(robot: RobotModel) -> tuple[tuple[int, ...], Array]:
-    """Return which standard parameters lead the base parameters, and how these are made of all of them.
+    """Return the first standard parameter of each base parameter, and the linear map from standard to base parameters.
 
-    Columns are taken from the base to the tool: what a link shares with one nearer to the base is added to that one's
-    parameters.
+    Columns are taken from the base to the tool: what a link shares with a link nearer to the base is added to the
+    parameters of the latter.
 
     Args:
         robot: The arm.

@@ -1,4 +1,4 @@
-"""Cross-validation over blocks of time: how firmly to hold bodies to the URDF, and which laws earn their place."""
+"""Cross-validation over blocks of time chooses the strength of the prior and the friction laws."""
 
 from __future__ import annotations
 
@@ -14,16 +14,20 @@ from cdia_pin.regression.normal_equations import NormalEquations
 
 Array = NDArray[np.float64]
 
-STRENGTHS = tuple(float(s) for s in 10.0 ** np.arange(1, 5.5, 0.5))  # at least: links are right to a third
+# Strengths of the prior that are compared [1]; at the least one, links are right to a third.
+STRENGTHS = tuple(float(s) for s in 10.0 ** np.arange(1, 5.5, 0.5))
 
 
 def block_errors(total: Array, blocks: Array, prior: Array) -> Array:
-    """Return the sum of squares of each block when it is predicted from the others, shape (B,).
+    """Return the held-out sum of squares of each block: it is predicted from the other blocks.
 
     Args:
         total: Normal equations of all blocks, shape (P + 1, P + 1).
-        blocks: Those of each, shape (B, P + 1, P + 1).
+        blocks: Normal equations of each block, shape (B, P + 1, P + 1).
         prior: Precision of the prior, shape (P, P).
+
+    Returns:
+        In variances of the noise [1], shape (B,).
     """
     out = []
     for block in blocks:
@@ -33,15 +37,27 @@ def block_errors(total: Array, blocks: Array, prior: Array) -> Array:
 
 
 def is_better(after: Array, before: Array) -> bool:
-    """Tell whether blocks are predicted better by more than chance has it, arrays of shape (B,)."""
+    """Return True if blocks are predicted better by more than chance.
+
+    Args:
+        after: Held-out sum of squares of each block with the change [1], shape (B,).
+        before: Held-out sum of squares of each block without it [1], shape (B,).
+    """
     gain = before - after
     return bool(gain.sum() > gain.std(ddof=1) * np.sqrt(len(gain)))
 
 
 def choose_strength(fitter: Fitter, estimate: Estimate) -> float:
-    """Return the strongest hold on the URDF which predicts unseen blocks no worse than the best does, but by chance.
+    """Return the largest strength of the prior that predicts held-out blocks as well as the best one, up to chance.
 
-    Of models that predict alike the one nearest to the URDF is the safest where the motion says little.
+    Of models that predict equally well, the one nearest to the URDF is the safest where the motion shows little.
+
+    Args:
+        fitter: Fitter of the experiment.
+        estimate: Estimate whose normal equations are used.
+
+    Returns:
+        Strength [1], one of `STRENGTHS`.
     """
     equations = estimate.equations
     errors = [
@@ -58,9 +74,16 @@ def choose_strength(fitter: Fitter, estimate: Estimate) -> float:
 
 
 def held_out_rms(fitter: Fitter, estimate: Estimate) -> Array:
-    """Return the RMS residual of each joint when each block is predicted from a fit of the others, shape (n,).
+    """Return the held-out RMS residual of each joint: each block is predicted from a fit to the other blocks.
 
-    Effects that are not linear are taken to first order around the fit to all blocks.
+    Nonlinear effects are linearised at the fit to all blocks.
+
+    Args:
+        fitter: Fitter of the experiment.
+        estimate: The final estimate.
+
+    Returns:
+        In N·m or N, shape (n,).
     """
     experiment, equations = fitter.experiment, estimate.equations
     prediction = experiment.predict(estimate.model)
@@ -75,5 +98,13 @@ def held_out_rms(fitter: Fitter, estimate: Estimate) -> Array:
 
 
 def of_effects(equations: NormalEquations, chosen: Sequence[int]) -> NDArray[np.intp]:
-    """Return the columns of some effects and of the response."""
+    """Return the positions of the columns of some effects and of the response.
+
+    Args:
+        equations: Normal equations.
+        chosen: Indices of the effects.
+
+    Returns:
+        Shape (p + 1,).
+    """
     return np.append(equations.columns(chosen), len(equations.total) - 1)

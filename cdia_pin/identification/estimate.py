@@ -1,4 +1,4 @@
-"""The estimate: least squares weighted by each joint's error, held to the URDF, physically consistent."""
+"""The estimate: weighted least squares with a prior around the URDF, over physically consistent parameters."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.identification.identification_settings import IdentificationSettings
 from cdia_pin.identification.prior import precision
-from cdia_pin.identification.terms import is_moving
+from cdia_pin.identification.terms import moving_joints
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.regression.gauss_newton import is_exact, with_parameters
@@ -22,25 +23,28 @@ from cdia_pin.regression.whitening import Whitening
 
 Array = NDArray[np.float64]
 
-MOST_ITERATIONS = 8  # of Gauss and Newton, where an effect depends on the torque
-CONVERGED = 1e-3  # share of its norm by which the parameter vector moves no more, each in units of its column
-FIRST_ERROR = 0.05  # share of a joint's torque that is taken for its error before anything is fitted
-FINEST_ERROR = 1e-6  # least error of a joint that moves, likewise
-STUCK_ERROR = 1.0  # of one that rests, all its samples together: what holds it may all be dry friction
-PATIENCE = 3  # rounds of weighting
-RIDGE = 1e-12  # beside a unit diagonal, for columns that repeat each other
+MOST_ITERATIONS = 8  # iterations of Gauss-Newton [1] where an effect depends on the torque; a guard
+# Change of the parameter vector over its norm [1], in units of the columns, that counts as none.
+CONVERGED = 1e-3
+# Error of a joint over its torque [1] before anything is fitted, so that all joints weigh alike.
+FIRST_ERROR = 0.05
+FINEST_ERROR = 1e-6  # least error of a moving joint over its torque [1], because less is rounding
+# Error of a resting joint over its torque, all samples together [1], because dry friction may carry it.
+STUCK_ERROR = 1.0
+PATIENCE = 3  # rounds [1] of fitting and weighting, because weights and fit depend on each other
+RIDGE = 1e-12  # added to a unit diagonal [1], so that columns that repeat each other can be solved
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Estimate:
-    """A fitted model with what it was fitted by.
+    """A fitted model with its normal equations and prior.
 
     Attributes:
-        model: The model.
-        equations: Normal equations of its terms there.
+        model: The model at its optimum.
+        equations: Normal equations of its terms at the optimum.
         prior: Precision of the prior, shape (P, P).
         whitening: Weight of each joint, samples that count, blocks of time.
-        strength: How firmly bodies are held to the URDF [1].
+        strength: Strength of the prior on bodies around the URDF [1].
     """
 
     model: Dynamics
@@ -49,6 +53,9 @@ class Estimate:
     whitening: Whitening
     strength: float
 
+    def __repr__(self) -> str:
+        return f"Estimate({self.model!r}, strength {self.strength:g})"
+
     @property
     def theta(self) -> Array:
         """Parameters of all terms, one after another, shape (P,)."""
@@ -56,33 +63,47 @@ class Estimate:
 
 
 class Fitter:
-    """Fits models to one experiment, by the samples in which a joint moves, or all of one that hardly does.
+    """Fits models to one experiment. Samples count if their joint moves, or if the joint hardly ever moves.
 
     Args:
         experiment: The conditioned logs.
-        blocks: Contiguous blocks of time.
+        settings: When a joint counts as moving, and the number of blocks of time.
     """
 
-    def __init__(self, experiment: Experiment, blocks: int) -> None:
+    def __init__(self, experiment: Experiment, settings: IdentificationSettings) -> None:
         self.experiment = experiment
+        self.settings = settings
         self.design = DesignMatrix(experiment)
-        self.used = experiment.moving | ~is_moving(experiment)
-        self.edges = np.linspace(0, len(experiment.measured), blocks + 1).astype(int)
+        self.moving = moving_joints(experiment, settings.least_motion)
+        self.used = experiment.moving | ~self.moving
+        self.edges = np.linspace(0, len(experiment.measured), settings.blocks + 1).astype(int)
+
+    def __repr__(self) -> str:
+        return f"Fitter({self.experiment!r}, {len(self.edges) - 1} blocks)"
 
     def weights(self, residual: Array) -> Whitening:
-        """Weigh every joint by its own error: a wrist says as much of its torque as the shoulder of its.
+        """Weight every joint by its own error, so that a wrist counts as much as the shoulder.
 
-        Errors are not whitened in time: what friction laws leave is slow, and a filter that takes slow errors for
-        noise no longer minimises the error that is shown. The blocks of time know of it in the intervals.
+        Errors are not whitened in time. The residual of friction laws is slow, and a filter that treats slow errors as
+        noise would no longer minimise the error that is reported. Intervals allow for it by the blocks of time.
+
+        Args:
+            residual: Residual of the present model [N·m or N], shape (K, n).
         """
         e = self.experiment
-        share = np.where(is_moving(e), FINEST_ERROR, STUCK_ERROR * np.sqrt(len(residual)))
+        share = np.where(self.moving, FINEST_ERROR, STUCK_ERROR * np.sqrt(len(residual)))
         sigma = np.maximum(rms(residual, self.used), share * rms(e.measured, self.used) + 1e-12)
         noise = [NoiseModel(np.zeros(0), np.full(len(residual), s), tuple(e.lengths)) for s in sigma]
         return Whitening(tuple(noise), self.used, self.edges)
 
     def fit(self, model: Dynamics, strength: float, whitening: Whitening | None = None) -> Estimate:
-        """Fit all parameters of a model, weights included unless they are given."""
+        """Fit all parameters of a model.
+
+        Args:
+            model: The model; iterations start at its parameters.
+            strength: Strength of the prior on bodies around the URDF [1].
+            whitening: Weight of each joint; found from the residual if omitted.
+        """
         rounds = 1 if whitening else PATIENCE
         whitening = whitening or self.weights(FIRST_ERROR * self.experiment.measured)
         for k in range(rounds):
@@ -115,14 +136,22 @@ def constrained(equations: NormalEquations, total: Array, prior: Array) -> Array
     """Return the most probable physical parameters, shape (P,).
 
     Args:
-        equations: Whose effects and bounds count.
-        total: Normal equations, all blocks or some, shape (P + 1, P + 1).
+        equations: Normal equations, for effects and bounds.
+        total: Normal equations of all or some blocks, shape (P + 1, P + 1).
         prior: Precision of the prior, shape (P, P).
     """
     return consistent_parameters(total[:-1, :-1] + prior, total[:-1, -1], equations.effects, equations.robot)
 
 
 def unconstrained(total: Array, prior: Array) -> Array:
-    """Return the most probable parameters, physical or not, shape (P,)."""
+    """Return the most probable parameters, physical or not.
+
+    Args:
+        total: Normal equations of all or some blocks, shape (P + 1, P + 1).
+        prior: Precision of the prior, shape (P, P).
+
+    Returns:
+        Shape (P,).
+    """
     matrix = total[:-1, :-1] + prior
     return ScaledGram.of(matrix, RIDGE).solve(total[:-1, -1])

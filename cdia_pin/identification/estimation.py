@@ -19,7 +19,7 @@ from cdia_pin.progress import Progress, part, silent
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.version import __version__
 
-FIRST_STRENGTH = 10.0  # while the laws of friction are being found
+FIRST_STRENGTH = 10.0  # strength of the prior [1] while the friction laws are found, before it is chosen
 
 
 def identify(
@@ -32,15 +32,15 @@ def identify(
 ) -> Identification:
     r"""Fit the inertial parameters of all links, and friction, offset and rotor of all joints, to measured logs.
 
-    Minimises the squared error over each joint's own, :math:`\sum_j \|e_j\|^2 / \sigma_j^2`, plus the distance of the
-    links to the URDF's [Lee2020], over the parameters of bodies that can exist [Wensing2018]. How firmly links are held
-    is chosen by cross-validation over blocks of time: a motion that tells little of a link leaves it as it was. It is
-    not said which of the effects is real: a tool is spread over the links that carry it, see `discover`.
+    It minimises the weighted squared error :math:`\sum_j \|e_j\|^2 / \sigma_j^2` plus the distance of the links from
+    the URDF's [Lee2020], over the parameters of bodies that can exist [Wensing2018]. The strength of this prior is
+    chosen by cross-validation over blocks of time; a motion that shows little of a link leaves it as in the URDF. It
+    does not decide which effect is real: a tool is spread over the links that carry it. For that, see `discover`.
 
     Args:
-        model: What is known: a bare robot, or one with terms, which are fitted again with all else.
+        model: The model as it is known: a bare robot, or one with terms. The terms are fitted again with all else.
         logs: One log or several of the same arm in the same condition.
-        holdout: Logs that are only predicted; without, each block of time is predicted from the others.
+        holdout: Logs that are only predicted; without them, each block of time is predicted from the others.
         settings: How logs are filtered, and what may be fitted.
         progress: Called with a sentence and the share done, from 0 to 1.
 
@@ -61,17 +61,17 @@ def identify(
         for side in (given, unseen)
     )
     assert experiment is not None
-    fitter = Fitter(experiment, settings.blocks)
+    fitter = Fitter(experiment, settings)
     report("fitting links, friction and rotors", 0.1)
-    estimate = fitter.fit(full_model(model, experiment), settings.strength or FIRST_STRENGTH)
+    estimate = fitter.fit(full_model(model, experiment, settings), settings.strength or FIRST_STRENGTH)
     plain = {t.label for t in estimate.model.terms}
     if settings.refine:
-        report("looking at friction", 0.2)
+        report("refining friction", 0.2)
         estimate = refine(fitter, estimate, part(report, 0.2, 0.7))
-    report("choosing how firmly to hold links to the URDF", 0.7)
+    report("choosing the strength of the prior", 0.7)
     strength = choose_strength(fitter, estimate) if settings.strength is None else settings.strength
     estimate = fitter.fit(estimate.model, strength)
-    report("predicting what was not fitted", 0.9)
+    report("predicting held-out data", 0.9)
     known = uncertainty(experiment, estimate)
     bodies = of_bodies(estimate)
     predicted = held_out or experiment

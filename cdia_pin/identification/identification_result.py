@@ -1,9 +1,8 @@
-"""What an identification found: a model, its error before and after, and what the log could not tell."""
+"""The result of an identification: a model, its errors before and after, and its base parameters."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,27 +12,29 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.effects.body import Body
 from cdia_pin.identification.base import BaseParameters
+from cdia_pin.identification.identification_documents import IdentificationJson, IdentificationRecord
+from cdia_pin.phrases import shortened
 from cdia_pin.robot.inertia import physical_margin
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Identification:
     """The outcome of `identify`; arrays have shape (n,).
 
     Attributes:
-        model: The robot with everything that was fitted, with intervals.
+        model: The robot with all terms that were fitted, with intervals.
         torque_rms: RMS of the measured torque in the fitted logs [N·m or N].
-        rms_before: RMS residual there of the model as given.
-        rms_after: RMS residual there of the identified model.
-        heldout_torque_rms: RMS of the measured torque in what was only predicted.
-        heldout_before: RMS residual there of the model as given.
-        heldout_after: RMS residual there of the identified model.
+        rms_before: RMS residual of the model as given, in the fitted logs [N·m or N].
+        rms_after: RMS residual of the identified model, in the fitted logs [N·m or N].
+        heldout_torque_rms: RMS of the measured torque in the held-out data [N·m or N].
+        heldout_before: RMS residual of the model as given, in the held-out data [N·m or N].
+        heldout_after: RMS residual of the identified model, in the held-out data [N·m or N].
         base: Base parameters.
-        strength: How firmly bodies were held to the URDF [1].
-        refined: Labels of the terms that richer laws brought in.
-        record: Logs, hashes, settings and version, enough to run it again.
+        strength: Strength of the prior on bodies around the URDF [1].
+        refined: Labels of the terms of richer friction laws.
+        record: Logs, hashes, settings and version, enough to run the identification again.
     """
 
     model: Dynamics
@@ -46,7 +47,14 @@ class Identification:
     base: BaseParameters
     strength: float
     refined: tuple[str, ...]
-    record: dict[str, Any]
+    record: IdentificationRecord
+
+    def __repr__(self) -> str:
+        torque = np.maximum(self.heldout_torque_rms, 1e-12)
+        errors = (100 * float(np.mean(e / torque)) for e in (self.heldout_before, self.heldout_after))
+        error = " → ".join(f"{e:.3g} %" for e in errors)
+        robot = shortened(self.model.robot.name)
+        return f"Identification({robot}, {len(self.model.terms)} terms; held-out error {error})"
 
     @property
     def bodies(self) -> tuple[Term, ...]:
@@ -65,27 +73,29 @@ class Identification:
 
     @property
     def margin(self) -> Array:
-        """How far each link is from a body that cannot exist, see `physical_margin`."""
+        """Distance of each link from a body that cannot exist, see `physical_margin`, shape (n,)."""
         return np.array([physical_margin(p) for p in self.inertial_parameters])
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> IdentificationJson:
         """Return the JSON of schema ``cdia-identification/1``."""
         robot = self.model.robot
-        by_joint = lambda values: dict(zip(robot.joints, map(float, values), strict=True))  # noqa: E731
         b = self.base
-        rows = zip(b.names, b.units, b.grouped, b.urdf, b.value, b.half_width, b.told, strict=True)
+        rows = zip(b.names, b.units, b.grouped, b.urdf, b.value, b.half_width, b.identifiable, strict=True)
         return {
             "schema": schemas.IDENTIFICATION,
             "robot": robot.name,
             "joints": list(robot.joints),
-            "torque_rms": by_joint(self.torque_rms),
-            "rms": {"before": by_joint(self.rms_before), "after": by_joint(self.rms_after)},
-            "heldout_torque_rms": by_joint(self.heldout_torque_rms),
-            "heldout_rms": {"before": by_joint(self.heldout_before), "after": by_joint(self.heldout_after)},
+            "torque_rms": robot.by_joint(self.torque_rms),
+            "rms": {"before": robot.by_joint(self.rms_before), "after": robot.by_joint(self.rms_after)},
+            "heldout_torque_rms": robot.by_joint(self.heldout_torque_rms),
+            "heldout_rms": {
+                "before": robot.by_joint(self.heldout_before),
+                "after": robot.by_joint(self.heldout_after),
+            },
             "terms": [t.to_dict(robot) for t in self.model.terms],
             "refined": list(self.refined),
             "inertial_parameters": dict(zip(robot.joints, self.inertial_parameters.tolist(), strict=True)),
-            "physical_margin": by_joint(self.margin),
+            "physical_margin": robot.by_joint(self.margin),
             "base_parameters": [
                 {
                     "name": name,
@@ -94,9 +104,9 @@ class Identification:
                     "urdf": float(urdf),
                     "value": float(value),
                     "ci95": [float(value - half), float(value + half)],
-                    "told": bool(told),
+                    "told": bool(identifiable),
                 }
-                for name, unit, grouped, urdf, value, half, told in rows
+                for name, unit, grouped, urdf, value, half, identifiable in rows
             ],
             "strength": self.strength,
             "record": self.record,

@@ -1,4 +1,4 @@
-"""How sure an estimate is: the information of the log, and how far its blocks of time disagree."""
+"""Intervals of an estimate, from the information of the log and from the scatter between blocks of time."""
 
 from __future__ import annotations
 
@@ -17,29 +17,32 @@ from cdia_pin.regression.scaled_gram import ScaledGram
 
 Array = NDArray[np.float64]
 
-RANK_CUTOFF = 1e-13  # eigenvalues of scaled precisions that count as zero, over the largest
-LOOSE = 1.0  # strength of the URDF in intervals: a link may differ by as much as itself
+RANK_CUTOFF = 1e-13  # eigenvalues of scaled precisions, over the largest [1], that count as zero
+LOOSE = 1.0  # strength of the prior in intervals [1]: a link may differ by as much as itself
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Uncertainty:
     """Covariances of all parameters, shape (P, P) each.
 
     Attributes:
-        before: Of the prior alone.
-        after: Of the prior and the log.
+        before: Covariance of the prior alone.
+        after: Covariance given the prior and the log.
     """
 
     before: Array
     after: Array
 
+    def __repr__(self) -> str:
+        return f"Uncertainty({len(self.after)} parameters)"
+
 
 def uncertainty(experiment: Experiment, estimate: Estimate) -> Uncertainty:
-    """Return what was known of the parameters before and after the log.
+    """Return the covariance of the parameters before and after the log.
 
-    The hold on the URDF that predicts best may be firmer than anyone believes in it, so the intervals are those of a
-    loose one. Errors that are alike for a while are worth less than as many that are not, which the disagreement of
-    blocks of time knows [Liang1986].
+    The strength that predicts best may be larger than the true confidence in the URDF, so the intervals use a weak
+    prior. Errors are correlated in time and therefore contain less information than independent ones; the scatter
+    between blocks of time allows for that [Liang1986].
 
     Args:
         experiment: The conditioned logs.
@@ -49,14 +52,19 @@ def uncertainty(experiment: Experiment, estimate: Estimate) -> Uncertainty:
     loose = precision(equations, experiment, estimate.whitening, min(estimate.strength, LOOSE))
     after = _inverse(equations.total[:-1, :-1] + loose)
     scores = equations.blocks[:, :-1, -1] - equations.blocks[:, :-1, :-1] @ estimate.theta
-    scores = scores - scores.mean(axis=0)  # zero but for the prior's pull
+    scores = scores - scores.mean(axis=0)  # the mean comes from the prior alone
     count = len(scores)
     between = after @ (scores.T @ scores) @ after * count / (count - 1)
     return Uncertainty(_inverse(loose), after + between)
 
 
 def with_intervals(estimate: Estimate, covariance: Array) -> Dynamics:
-    """Return the model whose terms carry 95 % intervals."""
+    """Return the model whose terms carry 95 % intervals.
+
+    Args:
+        estimate: The final estimate.
+        covariance: Covariance of all parameters, shape (P, P).
+    """
     half = quantile(estimate) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
     terms = []
     for term, span in zip(estimate.model.terms, estimate.equations.parameters, strict=True):
@@ -66,14 +74,25 @@ def with_intervals(estimate: Estimate, covariance: Array) -> Dynamics:
 
 
 def quantile(estimate: Estimate) -> float:
-    """Return half of a 95 % interval over the standard deviation, which so many blocks of time tell [1]."""
+    """Return the half width of a 95 % interval over the standard deviation [1], for the number of blocks of time.
+
+    Args:
+        estimate: The final estimate.
+    """
     from scipy.special import stdtrit
 
     return float(stdtrit(len(estimate.equations.blocks) - 1, 0.975))
 
 
 def of_bodies(estimate: Estimate) -> Array:
-    """Return the map from all parameters to those of the links about their joints' frames, shape (10 n, P)."""
+    """Return the linear map from all parameters to the inertial parameters of the links in their joints' frames.
+
+    Args:
+        estimate: The final estimate.
+
+    Returns:
+        Shape (10 n, P).
+    """
     robot = estimate.model.robot
     out = np.zeros((10 * robot.n, len(estimate.prior)))
     for effect, span in zip(estimate.equations.effects, estimate.equations.parameters, strict=True):

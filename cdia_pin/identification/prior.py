@@ -1,4 +1,4 @@
-r"""How far a body is from the URDF's: a metric that knows mass, reach and inertia of the body itself.
+r"""The prior of an identification: a metric of inertial parameters that scales with the body itself.
 
 The Riemannian metric of pseudo-inertias, taken at the URDF [Lee2020]: a change dJ of the pseudo-inertia J has length
 
@@ -24,24 +24,27 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-LARGEST_SHARE = (
-    1.0  # torque that a joint's own effect may have without surprise, over the joint's RMS torque [1]
-)
+# Prior standard deviation of an effect in a joint, as its RMS torque over the joint's RMS torque [1].
+LARGEST_SHARE = 1.0
 
 
 def precision(
     equations: NormalEquations, experiment: Experiment, whitening: Whitening, strength: float
 ) -> Array:
-    """Return the precision of the prior, around the URDF without friction, shape (P, P).
+    """Return the precision of the prior around the URDF without friction.
 
-    Bodies are held to the URDF's. What acts in a joint is not: its prior only keeps parameters from growing where the
-    motion does not show them, as far as a torque like the joint's own, or a rotor like the arm behind it.
+    The prior on bodies keeps them near the URDF. The prior on effects in a joint is weak: it only keeps those small
+    that the motion does not show. Its standard deviation is the joint's own torque, or for a rotor the inertia of the
+    arm behind it.
 
     Args:
         equations: Normal equations, for the effects and the size of their columns.
         experiment: The conditioned logs.
         whitening: Noise of each joint.
-        strength: How firmly bodies are held to the URDF [1].
+        strength: Strength of the prior on bodies around the URDF [1].
+
+    Returns:
+        Shape (P, P).
     """
     robot = experiment.robot
     sigma = np.array([float(np.mean(m.sigma)) for m in whitening.noise])
@@ -62,20 +65,35 @@ def precision(
 
 
 def urdf_precision(body: Body, robot: RobotModel) -> Array:
-    """Return the precision of a body's parameters around the URDF's, of strength 1, shape (10, 10)."""
+    """Return the precision of a body's parameters around the URDF at strength 1.
+
+    Args:
+        body: The body.
+        robot: The arm.
+
+    Returns:
+        Shape (10, 10).
+    """
     link = robot.inertial_parameters[body.carrier(robot)]
     A = body.to_joint_frame(robot)
     return A.T @ metric(_solid(pseudo_inertia(link), LEAST_MASS * robot.total_mass)) @ A
 
 
 def metric(J: Array) -> Array:
-    """Return the metric of inertial parameters at a pseudo-inertia J of full rank, shape (10, 10)."""
+    """Return the metric of inertial parameters at a pseudo-inertia.
+
+    Args:
+        J: Pseudo-inertia of full rank, shape (4, 4).
+
+    Returns:
+        Shape (10, 10).
+    """
     relative = np.linalg.inv(J) @ pseudo_inertia(np.eye(10))  # J⁻¹ dJ for each parameter, (10, 4, 4)
     return np.asarray(0.5 * np.einsum("aij,bji->ab", relative, relative))
 
 
 def _solid(J: Array, least_mass: float) -> Array:
-    """Return a pseudo-inertia with the mass and radius that a link has at least."""
+    """Return a pseudo-inertia with at least the smallest mass and radius of a link, shape (4, 4)."""
     mass = max(J[3, 3], least_mass)
     centre = J[:3, 3] / J[3, 3] if J[3, 3] > 0 else np.zeros(3)
     about_centre = J[:3, :3] - J[3, 3] * np.outer(centre, centre)
@@ -89,7 +107,7 @@ def _solid(J: Array, least_mass: float) -> Array:
 
 
 def _inertia(experiment: Experiment) -> Array:
-    """Return the inertia of the arm about each joint, as it stands in the first log [kg·m² or kg], shape (n,)."""
+    """Return the mean inertia of the arm about each joint in the first log [kg·m² or kg], shape (n,)."""
     q = experiment.segments[0].state.q
     some = q[:: max(len(q) // 20, 1)]
-    return np.mean([np.diag(experiment.robot.mass_matrix(x)) for x in some], axis=0)
+    return np.asarray(np.mean([np.diag(experiment.robot.mass_matrix(x)) for x in some], axis=0))

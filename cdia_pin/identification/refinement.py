@@ -1,4 +1,4 @@
-"""Richer laws of friction, where unseen blocks of time are predicted better with them."""
+"""Richer friction laws, where they predict held-out blocks of time better."""
 
 from __future__ import annotations
 
@@ -19,18 +19,16 @@ from cdia_pin.regression.regression import Regression
 
 Array = NDArray[np.float64]
 
-ROUNDS = 6
-LEAST_GAIN = 0.03  # share of a joint's squared error that a law must explain in unseen blocks
-LEAST_TORQUE = 0.005  # share of the joint's RMS torque, likewise: less changes nothing a user would notice
+ROUNDS = 6  # rounds [1], each of at most one law per joint; a guard, because each law must explain enough
 
 
 def refine(fitter: Fitter, estimate: Estimate, tell: Progress) -> Estimate:
-    """Add to each joint the law that helps it most, again and again until none helps.
+    """Add to each joint the law that lowers its held-out error most, until no law does.
 
     Args:
-        fitter: Fits models to the experiment.
-        estimate: Of the model with the plain laws.
-        tell: Called with what was added and the share done.
+        fitter: Fitter of the experiment.
+        estimate: Estimate of the model with the plain laws.
+        tell: Called with what was added and the share done [1].
     """
     for k in range(ROUNDS):
         chosen = _best_of_each_joint(fitter, estimate)
@@ -46,7 +44,7 @@ def refine(fitter: Fitter, estimate: Estimate, tell: Progress) -> Estimate:
 
 def _best_of_each_joint(fitter: Fitter, estimate: Estimate) -> list[Refinement]:
     experiment, whitening = fitter.experiment, estimate.whitening
-    laws = list(refinements(estimate.model, experiment))
+    laws = list(refinements(estimate.model, experiment, fitter.settings))
     present = [t.effect for t in estimate.model.terms]
     effects = [*present, *(law.added for law in laws)]
     equations = Regression(fitter.design, whitening).normal_equations(estimate.model, effects)
@@ -68,12 +66,12 @@ def _best_of_each_joint(fitter: Fitter, estimate: Estimate) -> list[Refinement]:
 
 
 def _least_gain(fitter: Fitter, estimate: Estimate, total: float) -> dict[str, float]:
-    """Return the sum of squares that a law of each joint must explain [1]."""
+    """Return the sum of squares that a law of each joint must explain [1], by joint."""
     experiment, whitening = fitter.experiment, estimate.whitening
     sigma = np.array([float(np.mean(m.sigma)) for m in whitening.noise])
     count = whitening.used.sum(axis=0)
-    visible = count * (LEAST_TORQUE * rms(experiment.measured, whitening.used) / sigma) ** 2
-    least = np.maximum(visible, LEAST_GAIN * total / experiment.robot.n)
+    visible = count * (fitter.settings.least_torque * rms(experiment.measured, whitening.used) / sigma) ** 2
+    least = np.maximum(visible, fitter.settings.least_gain * total / experiment.robot.n)
     return dict(zip(experiment.robot.joints, least.tolist(), strict=True))
 
 
@@ -86,7 +84,7 @@ def _errors(equations: NormalEquations, prior: Array, chosen: Sequence[int]) -> 
 
 
 def _is_physical(equations: NormalEquations, prior: Array, chosen: Sequence[int], law: Refinement) -> bool:
-    """Tell whether the law's own best parameters are those of friction."""
+    """Return True if the best parameters of the law are those of friction."""
     at = of_effects(equations, chosen)
     p = at[:-1]
     theta = unconstrained(equations.total[np.ix_(at, at)], prior[np.ix_(p, p)])[-law.added.size :]

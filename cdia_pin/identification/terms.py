@@ -1,4 +1,4 @@
-"""What a full identification fits: every link, and the friction, offset and rotor of every joint."""
+"""The terms of an identification: every link, and the friction, offset and rotor of every joint."""
 
 from __future__ import annotations
 
@@ -27,18 +27,15 @@ from cdia_pin.effects import (
     TorqueOffset,
     ViscousFriction,
 )
+from cdia_pin.identification.identification_settings import IdentificationSettings
 from cdia_pin.regression.experiment import Experiment, rms
 
-SATURATION = (0.05, 0.15, 0.45)  # share of the speed driven at which saturating friction levels off
+SATURATION = (0.05, 0.15, 0.45)  # speeds at which friction levels off, over the fastest speed driven [1]
 SPANNED_BY: dict[type[Effect], tuple[type[Effect], ...]] = {
     CoulombFriction: (StribeckFriction, AsymmetricFriction),
     ViscousFriction: (AsymmetricFriction,),
     TorqueOffset: (JointSpring,),
 }
-LEAST_MOTION = 0.1  # share of the samples in which a joint must move to show friction and rotor
-LEAST_LOAD = (
-    0.2  # share of a joint's torque that must be the rigid body's for load and friction to be told apart
-)
 
 
 @dataclass(frozen=True)
@@ -47,34 +44,42 @@ class Refinement:
 
     Attributes:
         added: The effect.
-        replaced: Labels of the terms that it spans.
+        replaced: Labels of the terms that it contains.
     """
 
     added: Effect
     replaced: tuple[str, ...] = ()
 
     def of(self, model: Dynamics) -> Dynamics:
-        """Return the model with the law, its parameters zero."""
+        """Return the model with the law at zero parameters, without the terms that it replaces.
+
+        Args:
+            model: The present model.
+        """
         for label in self.replaced:
             model = model.remove(label)
         return model.add(Term(self.added, (0.0,) * self.added.size))
 
 
-def full_model(model: Dynamics, experiment: Experiment) -> Dynamics:
-    """Return a model with all that an identification fits; what it had already keeps its parameters.
+def full_model(
+    model: Dynamics, experiment: Experiment, settings: IdentificationSettings | None = None
+) -> Dynamics:
+    """Return a model with all terms of an identification; terms of the given model keep their parameters.
 
-    A joint that hardly moves has no friction or rotor to show.
+    A joint that hardly moves gets no friction and no rotor.
 
     Args:
-        model: What is known.
+        model: The model as it is known.
         experiment: The conditioned logs.
+        settings: When a joint counts as moving.
     """
+    settings = settings or IdentificationSettings()
     robot, model = model.robot, _one_by_one(model)
     has_payload = any(isinstance(t.effect, Payload) for t in model.terms)
     wanted: list[Effect] = [
         LinkInertia(j) for j in robot.joints if not (has_payload and j == robot.tool_joint)
     ]
-    for joint, moves in zip(robot.joints, is_moving(experiment), strict=True):
+    for joint, moves in zip(robot.joints, moving_joints(experiment, settings.least_motion), strict=True):
         wanted.append(TorqueOffset(joint))
         if moves:
             wanted += [CoulombFriction(joint), ViscousFriction(joint), RotorInertia(joint)]
@@ -84,7 +89,7 @@ def full_model(model: Dynamics, experiment: Experiment) -> Dynamics:
 
 
 def _one_by_one(model: Dynamics) -> Dynamics:
-    """Return a model in which links that differ together are terms of their own."""
+    """Return a model in which an effect of several links is one term per link."""
     several = [(t, t.effect) for t in model.terms if isinstance(t.effect, LinkInertias)]
     for term, effect in several:
         model = model.remove(term.label)
@@ -96,20 +101,38 @@ def _one_by_one(model: Dynamics) -> Dynamics:
     return model
 
 
-def is_moving(experiment: Experiment) -> NDArray[np.bool_]:
-    """Tell which joints move for long enough to show what acts in them, shape (n,)."""
-    return np.asarray(experiment.moving.mean(axis=0) >= LEAST_MOTION)
+def moving_joints(experiment: Experiment, least_share: float) -> NDArray[np.bool_]:
+    """Return True for joints that move for long enough to show their friction and rotor.
+
+    Args:
+        experiment: The conditioned logs.
+        least_share: Share of the samples in which such a joint moves [1].
+
+    Returns:
+        Shape (n,).
+    """
+    return np.asarray(experiment.moving.mean(axis=0) >= least_share)
 
 
-def refinements(model: Dynamics, experiment: Experiment) -> Iterator[Refinement]:
-    """Yield the richer laws that a model may take on, each for one joint."""
+def refinements(
+    model: Dynamics, experiment: Experiment, settings: IdentificationSettings
+) -> Iterator[Refinement]:
+    """Yield the richer laws that a model may get, each for one joint.
+
+    Args:
+        model: The present model.
+        experiment: The conditioned logs.
+        settings: Which joints move, and carry enough load.
+    """
     present = {t.label for t in model.terms}
     saturating = {t.effect.joint for t in model.terms if isinstance(t.effect, Expression)}
     along = experiment.along(experiment.predict(model))
     load = np.vstack([s.motion.compared(s.state.rigid_torque) for s in experiment.segments])
-    loaded = rms(load, experiment.informative) > LEAST_LOAD * rms(experiment.measured, experiment.informative)
+    whole = rms(experiment.measured, experiment.informative)
+    loaded = rms(load, experiment.informative) > settings.least_rigid_share * whole
+    moving = moving_joints(experiment, settings.least_motion)
     for j, joint in enumerate(model.robot.joints):
-        if not is_moving(experiment)[j]:
+        if not moving[j]:
             continue
         for law in _laws(joint, along, bool(loaded[j])):
             if {law.label, *_spanning(law)} & present or (
@@ -121,12 +144,12 @@ def refinements(model: Dynamics, experiment: Experiment) -> Iterator[Refinement]
 
 
 def saturating_friction(joint: str, along: State, share: float) -> Expression:
-    """Return friction that grows with speed and levels off, −α tanh(q̇/w), as lubricated gears have it [Makkar2005].
+    """Return friction that grows with speed and levels off, −α tanh(q̇/w), as in lubricated gears [Makkar2005].
 
     Args:
         joint: Name of the joint.
-        along: The motion.
-        share: w over the speed that is driven [1].
+        along: State along the motion.
+        share: w over the 95th percentile of the joint's speed [1].
     """
     fast = np.percentile(np.abs(along.v[:, along.robot.joint_index(joint)]), 95)
     return Expression(joint, f"-tanh(dq/{share * fast:.2g})")
@@ -141,5 +164,5 @@ def _laws(joint: str, along: State, loaded: bool) -> Iterator[Effect]:
 
 
 def _spanning(effect: Effect) -> set[str]:
-    """Return the labels of effects that do what this one does, and more."""
+    """Return the labels of effects that contain this one as a special case."""
     return {e(*effect.scope).label for e in SPANNED_BY.get(type(effect), ())}

@@ -1,1 +1,1 @@
-"""Regression: y = X θ + e of conditioned logs, whatever the search that asks for it."""
+"""Regression: y = X θ + e of conditioned logs. It does not depend on what the fit is for."""

@@ -1,4 +1,4 @@
-"""A fit within physical bounds: parameters that a real arm can have."""
+"""A fit within physical bounds: the parameters are possible for a real arm."""
 
 from __future__ import annotations
 
@@ -14,19 +14,21 @@ from cdia_pin.regression.physical_consistency import consistent_parameters
 
 Array = NDArray[np.float64]
 
-MOST_INFLATION = 1e5  # of a parameter's variance by the others, beyond which it repeats them [1]
-REPAIRS = 4  # rounds in which parameters that pass a bound are held there
+# Variance of a parameter over that without the other parameters [1]; above it, it repeats them.
+MOST_INFLATION = 1e5
+# Rounds [1] in which parameters that violate a bound are fixed at it; a guard, because each round fixes more.
+REPAIRS = 4
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BoundedFit:
     """A set of effects fitted together, with parameters within their bounds.
 
     Attributes:
         theta: Parameters of the set, one effect after another, shape (p,).
-        chi2: Sum of squares that is left, in variances of the noise [1].
-        possible: Whether the parameters are within their bounds.
-        physical: Whether they are, none repeats the others, and each effect is more than a simpler one.
+        chi2: Residual sum of squares, in variances of the noise [1].
+        possible: True if the parameters are within their bounds.
+        physical: True if, besides, no parameter repeats the others, and no effect reduces to a simpler one.
     """
 
     theta: Array
@@ -34,14 +36,17 @@ class BoundedFit:
     possible: bool
     physical: bool
 
+    def __repr__(self) -> str:
+        return f"BoundedFit({len(self.theta)} parameters, chi2 {self.chi2:.4g}, physical {self.physical})"
+
 
 def bounded_fit(equations: NormalEquations, chosen: Sequence[int], *, bodies: bool = False) -> BoundedFit:
-    """Fit a set of effects together, and hold parameters at the bounds that they would pass.
+    """Fit a set of effects together, and fix parameters at the bounds that they would violate.
 
     Args:
         equations: Normal equations of the effects.
         chosen: Indices of the set.
-        bodies: Whether rigid bodies are made physically consistent too, which takes a hundred times longer.
+        bodies: Make rigid bodies physically consistent too [Wensing2018]. This takes a hundred times longer.
     """
     theta, _ = equations.optimum(chosen)
     if chosen and not _in_bounds(equations, chosen, theta):
@@ -68,7 +73,7 @@ def _bounds(equations: NormalEquations, chosen: Sequence[int]) -> tuple[Array, A
 
 
 def _bounded(equations: NormalEquations, chosen: Sequence[int], theta: Array) -> Array:
-    """Return parameters within their bounds, those that would pass them held there."""
+    """Return parameters within their bounds; those that would violate a bound are fixed at it."""
     lower, upper = _bounds(equations, chosen)
     columns = equations.columns(chosen)
     free = np.ones(len(columns), bool)
@@ -89,14 +94,14 @@ def _in_bounds(equations: NormalEquations, chosen: Sequence[int], theta: Array) 
 
 
 def _are_distinct(equations: NormalEquations, chosen: Sequence[int], theta: Array) -> bool:
-    """Tell whether every effect of a set is more than a simpler one of the vocabulary."""
+    """Return True if no effect of a set reduces to a simpler one of the vocabulary."""
     effects = [equations.effects[c] for c in chosen]
     parts = ParameterBlocks.of(effects).split(theta)
     return all(e.is_distinct(part) for e, part in zip(effects, parts, strict=True))
 
 
 def _are_consistent(equations: NormalEquations, chosen: Sequence[int], theta: Array) -> bool:
-    """Tell whether a real arm can have the rigid bodies of a set."""
+    """Return True if the rigid bodies of a set are physically consistent."""
     effects = [equations.effects[c] for c in chosen]
     parts = ParameterBlocks.of(effects).split(theta)
     return all(

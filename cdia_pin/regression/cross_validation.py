@@ -1,4 +1,4 @@
-"""Held-out errors: each block of time predicted from the others."""
+"""Cross-validation: each block of time is predicted from a fit to the other blocks."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ Array = NDArray[np.float64]
 
 
 def held_out_rms(regression: Regression, prediction: Prediction) -> Array:
-    """Return the RMS residual of each joint when every block of time is predicted by a fit to the others.
+    """Return the held-out RMS residual of each joint: every block of time is predicted by a fit to the other blocks.
 
-    Blocks are contiguous: a splice of raw motion would fabricate accelerations. Effects that are not linear are
-    taken to first order around the fit to all blocks.
+    Blocks are contiguous, because a splice of raw motion would create false accelerations. Nonlinear effects are
+    linearised at the fit to all blocks.
 
     Args:
         regression: The conditioned logs and their noise.
-        prediction: Of a fitted model.
+        prediction: Prediction of a fitted model.
 
     Returns:
         RMS residual [N·m or N], shape (n,).

@@ -1,4 +1,4 @@
-"""The design matrix: columns of effects in the residual, computed once where they can be kept."""
+"""The design matrix: columns of effects in the residual. Columns that can be reused are computed once."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ from cdia_pin.regression.shape_slopes import Slope
 Array = NDArray[np.float64]
 
 
-SAME_GRAVITY = 0.03  # [m/s²], by which gravity may differ and columns of bodies are kept
+# Change of gravity [m/s²] up to which the columns of bodies are reused, because they change by 0.3 %.
+SAME_GRAVITY = 0.03
 
 
 class DesignMatrix:
-    """Columns of effects in the residual, computed once where they do not depend on the model's torque.
+    """Columns of effects in the residual. Columns that do not depend on the model's torque are computed once.
 
     Args:
         experiment: The conditioned logs.
@@ -34,16 +35,16 @@ class DesignMatrix:
     def of(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
         """Return the columns of an effect.
 
-        Those of the model's own effects are exact. For a candidate (θ omitted) a gain that changes along the motion
-        is replaced by its mean, which is enough to rank it.
+        The columns of the model's own effects are exact. For a candidate (θ omitted), a gain that changes along the
+        motion is replaced by its mean; this is enough to rank the candidate.
 
         Args:
             effect: The effect.
-            prediction: Of the model that it is part of, or a candidate for.
-            theta: Its parameters, where the model has it, shape (p,).
+            prediction: Prediction of the model that has the effect, or for which it is a candidate.
+            theta: Parameters of the effect if the model has it, shape (p,).
 
         Returns:
-            Torque per unit of each parameter on each joint that it acts on, shape (K, len(acts_on), p).
+            Torque per unit of each parameter [N·m or N per unit], shape (K, len(acts_on), p).
         """
         exact = theta is not None
         joints = list(effect.acts_on(self.experiment.robot))
@@ -51,7 +52,7 @@ class DesignMatrix:
         traits = effect.traits
         of_reading = traits.channel is Channel.TORQUE_READING
         constant = of_reading or not np.ptp(gain, axis=0).any()
-        # slopes hold for the present parameters alone: nothing to keep
+        # slopes are right for the present parameters alone and cannot be reused
         if (
             isinstance(effect, Slope)
             or Signal.TORQUE in traits.depends_on
@@ -62,7 +63,15 @@ class DesignMatrix:
         return fixed if of_reading or (gain == 1.0).all() else fixed / gain.mean(axis=0)[None, :, None]
 
     def fixed(self, effect: Effect, prediction: Prediction) -> Array:
-        """Return the columns of an effect of the motion alone, as in a model without gains."""
+        """Return the columns of an effect that depends on the motion alone, as in a model without gains.
+
+        Args:
+            effect: The effect.
+            prediction: Prediction of the present model, for the direction of gravity.
+
+        Returns:
+            Torque per unit of each parameter [N·m or N per unit], shape (K, len(acts_on), p).
+        """
         known = self._fixed
         if Signal.GRAVITY in effect.traits.depends_on:
             change = np.vstack([prediction.model.gravity_change(s.state) for s in self.experiment.segments])
@@ -77,7 +86,16 @@ class DesignMatrix:
         return known[effect]
 
     def family(self, family: list[Effect], prediction: Prediction, noise: NoiseModel) -> tuple[Array, Array]:
-        """Return a family's whitened columns (C, p, K) of its joint and their inverse Gram matrices (C, p, p)."""
+        """Return the whitened columns of a family of C shapes of one effect, and their inverse Gram matrices.
+
+        Args:
+            family: One effect of one joint in C shapes.
+            prediction: Prediction of the present model.
+            noise: Noise of the joint.
+
+        Returns:
+            Columns [1 per unit], shape (C, p, K), and inverse Gram matrices, shape (C, p, p).
+        """
         known = self._families.get(family[0])
         if known is None or known[0] is not noise or known[1] != family:
             (j,) = family[0].acts_on(self.experiment.robot)

@@ -1,4 +1,4 @@
-"""A model against conditioned logs: predicted torque, residual, and what each effect would add to it."""
+"""An experiment: conditioned logs of one robot, the torque that a model predicts for them, and its residual."""
 
 from __future__ import annotations
 
@@ -14,39 +14,53 @@ from cdia_pin.dynamics.torques import Torques
 from cdia_pin.effects import Channel, Effect, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
+from cdia_pin.phrases import clipped, some
 from cdia_pin.regression.rest import RestSettings
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-POSTURES = 200  # at which the inertia is asked for
+# Postures per log [1] at which the mass matrix is computed, because all of them would take long.
+POSTURES = 200
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Segment:
-    """One log of an experiment: its motion, the state along it, and the measured torque that is compared."""
+    """One log of an experiment.
+
+    Attributes:
+        motion: The conditioned motion.
+        state: State along the motion.
+        measured: Measured torque at the compared samples [N·m or N], shape (K, n).
+    """
 
     motion: Motion
     state: State
-    measured: Array  # (K, n)
+    measured: Array
+
+    def __repr__(self) -> str:
+        return f"Segment({clipped(self.state.log)}, {len(self.measured)} compared samples)"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Prediction:
-    """What a model predicts for an experiment.
+    """The torque that a model predicts for an experiment.
 
     Attributes:
         model: The model.
         torques: Torques along each segment.
-        residual: Predicted reading less measured torque, compared samples of all segments, shape (K, n).
+        residual: Predicted minus measured torque at the compared samples of all segments [N·m or N], shape (K, n).
     """
 
     model: Dynamics
     torques: tuple[Torques, ...]
     residual: Array
 
+    def __repr__(self) -> str:
+        return f"Prediction({self.model!r}, {len(self.residual)} compared samples)"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Experiment:
     """Conditioned logs of one robot, ready to be compared with models.
 
@@ -54,10 +68,10 @@ class Experiment:
         robot: The robot.
         segments: One per log.
         measured: Measured torques, compared samples of all segments [N·m or N], shape (K, n).
-        moving: Whether a sample tells about friction: its joint clearly moves, shape (K, n).
-        nearness: Class of distance in time from each joint's rest, 0 at rest and largest far away, shape (K, n).
-        resting: Whether a joint is near rest for most of every log, shape (n,).
-        rest: Which samples show friction.
+        moving: True where a joint clearly moves, so that the sample shows friction, shape (K, n).
+        nearness: Class of the distance in time from each joint's rest: 0 at rest, largest far away, shape (K, n).
+        resting: True for a joint that is near rest for most of every log, shape (n,).
+        rest: Settings that decide which samples show friction.
     """
 
     robot: RobotModel
@@ -68,6 +82,10 @@ class Experiment:
     resting: NDArray[np.bool_]
     rest: RestSettings
 
+    def __repr__(self) -> str:
+        logs = some([clipped(log, 30) for log in self.logs], 2)
+        return f"Experiment({clipped(self.robot.name)}, logs {logs}; {len(self.measured)} compared samples)"
+
     @classmethod
     def of(cls, robot: RobotModel, motions: Sequence[Motion], rest: RestSettings | None = None) -> Experiment:
         """Prepare conditioned logs for comparison.
@@ -75,7 +93,7 @@ class Experiment:
         Args:
             robot: The arm.
             motions: Conditioned logs.
-            rest: Which samples show friction.
+            rest: Settings that decide which samples show friction.
 
         Raises:
             LogError: If a log has other joints than the robot, or nothing is left to compare.
@@ -111,12 +129,12 @@ class Experiment:
         )
 
     def without_rest_of(self, effects: Iterable[Effect]) -> Experiment:
-        """Return the experiment without the samples at which what some effects rub may stick.
+        """Return the experiment without the samples at which friction between two joints may stick.
 
-        Friction between two joints rubs at the sum of their speeds, which it can hold at rest while both joints move.
+        Such friction depends on the sum of two speeds. It can hold the sum at rest while both joints move.
 
         Args:
-            effects: Those of a model; the joints' own rest is left out in any case.
+            effects: Effects of a model. The samples at which a joint itself rests are left out in any case.
         """
         shared = [list(e.acts_on(self.robot)) for e in effects if e.traits.dissipative and len(e.scope) == 2]
         moving, nearness = self.moving.copy(), self.nearness.copy()
@@ -132,7 +150,7 @@ class Experiment:
 
     @property
     def informative(self) -> NDArray[np.bool_]:
-        """Which samples count: those of moving joints in motion, all of resting joints, shape (K, n)."""
+        """True for the samples that count: all of a resting joint, otherwise those in motion, shape (K, n)."""
         return self.moving | self.resting
 
     @property
@@ -142,16 +160,16 @@ class Experiment:
 
     @cached_property
     def resolution(self) -> Array:
-        """Torque below which a structure may be that of the sensors' noise and steps [N·m or N], shape (n,).
+        """Torque below which structure may come from noise and quantisation of the sensors [N·m or N], shape (n,).
 
-        Noise of the positions makes torque through the accelerations, and it is white only where a joint moves
-        over many steps of its encoder; a torque that changes by less than its own step is recorded as structure too.
+        Position noise becomes torque through the accelerations. It is white only where a joint moves over many steps
+        of its encoder. Torque that changes by less than its own step is recorded with structure too.
         """
         return np.sqrt(self.blur**2 + self._mean([s.motion.effort_step**2 / 12 for s in self.segments]))
 
     @cached_property
     def blur(self) -> Array:
-        """Torque that noise of the positions makes through the accelerations [N·m or N], shape (n,)."""
+        """RMS torque that position noise causes through the accelerations [N·m or N], shape (n,)."""
         power = []
         for motion in (s.motion for s in self.segments):
             inertia = self.robot.mass_matrix(motion.q[:: max(1, len(motion.q) // POSTURES)])
@@ -159,7 +177,7 @@ class Experiment:
         return np.sqrt(self._mean(power))
 
     def _mean(self, values: Sequence[Array]) -> Array:
-        """Return the mean over all logs of what each log has, by its compared samples."""
+        """Return the mean of one value per log, weighted by the compared samples of the log."""
         return np.average(values, axis=0, weights=[len(s.motion.kept) for s in self.segments])
 
     @property
@@ -168,7 +186,11 @@ class Experiment:
         return [len(s.measured) for s in self.segments]
 
     def predict(self, model: Dynamics) -> Prediction:
-        """Predict the torque readings along all segments."""
+        """Predict the torque readings along all segments.
+
+        Args:
+            model: The model.
+        """
         torques = tuple(model.torques(s.state) for s in self.segments)
         rows = [
             s.motion.compared(t.reading - s.motion.effort)
@@ -177,15 +199,15 @@ class Experiment:
         return Prediction(model, torques, np.vstack(rows))
 
     def columns(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
-        """Return how the residual grows with each parameter of an effect, filtered as the torques are.
+        """Return the derivative of the residual by each parameter of an effect, filtered like the torques.
 
         Args:
             effect: The effect, in the model or not.
-            prediction: Of the model that the effect is, or would be, part of.
-            theta: Where to differentiate an effect that is not linear; zero if omitted.
+            prediction: Prediction of the model that has the effect, or for which it is a candidate.
+            theta: Parameters at which a nonlinear effect is differentiated, shape (p,); zero if omitted.
 
         Returns:
-            Columns for the joints that the effect acts on, shape (K, len(acts_on), p).
+            Columns of the joints that the effect acts on [N·m or N per unit], shape (K, len(acts_on), p).
         """
         joints = list(effect.acts_on(self.robot))
         rows = []
@@ -204,11 +226,18 @@ class Experiment:
         return np.vstack(rows)
 
     def compared(self, torque: Callable[[Motion], Array]) -> Array:
-        """Return a torque of the motion at the compared samples of all segments, filtered as torques are, (K, …)."""
+        """Return a function of the motion at the compared samples of all segments, filtered like the torques.
+
+        Args:
+            torque: Function of a conditioned motion of N samples with values of shape (N, …).
+
+        Returns:
+            Shape (K, …), in the unit of the function.
+        """
         return np.concatenate([s.motion.compared(torque(s.motion)) for s in self.segments])
 
     def compared_motion(self) -> tuple[Array, Array, Array, Array]:
-        """Return time, q, v, a at the compared samples of all segments; shapes (K,) and (K, n)."""
+        """Return time [s], shape (K,), and q, v, a, shape (K, n), at the compared samples of all segments."""
         parts = [
             [s.motion.sampled(x) for x in (s.motion.time, s.motion.q, s.motion.v, s.motion.a)]
             for s in self.segments
@@ -217,7 +246,11 @@ class Experiment:
         return time, q, v, a
 
     def along(self, prediction: Prediction) -> State:
-        """Return the states of all segments, one after another, under the model's torque, to choose shapes on."""
+        """Return the states of all segments in one, with the model's torque; shapes are chosen on it.
+
+        Args:
+            prediction: Prediction of the model.
+        """
         first, *others = (s.state for s in self.segments)
         effort = np.vstack([t.actuator for t in prediction.torques])
         if not others:
@@ -229,13 +262,21 @@ class Experiment:
 
 
 def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:
-    """Return the root mean square of each joint's signal over the samples that count, shape (n,)."""
+    """Return the root mean square of each joint's signal over the samples that count.
+
+    Args:
+        signal: One column per joint, in any unit, shape (K, n).
+        informative: Samples that count, shape (K, n).
+
+    Returns:
+        In the unit of the signal, shape (n,).
+    """
     count = np.maximum(informative.sum(axis=0), 1)
-    return np.sqrt(np.sum(np.where(informative, signal, 0.0) ** 2, axis=0) / count)
+    return np.asarray(np.sqrt(np.sum(np.where(informative, signal, 0.0) ** 2, axis=0) / count))
 
 
 def _names(motions: Sequence[Motion]) -> list[str]:
-    """Return each log's condition, or its own name; a name that is not the first of its kind is numbered."""
+    """Return each log's condition, or its own name; repeated names are numbered."""
     out: list[str] = []
     for motion in motions:
         name = given = motion.record["source"]

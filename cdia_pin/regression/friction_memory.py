@@ -1,4 +1,4 @@
-"""Friction with memory: after a reversal, torque follows the distance travelled, not the direction alone."""
+"""Friction with memory: after a reversal the torque depends on the distance travelled, not on the direction alone."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ Array = NDArray[np.float64]
 
 
 def bristle(position: Array, reach: float) -> Array:
-    r"""Return how far the bristles of a joint are bent, −1 to 1, shape (N,).
+    r"""Return the deflection of the bristles of a joint, −1 to 1 [1], shape (N,).
 
-    Dahl's model, :math:`\mathrm{d}z = (\operatorname{sgn}\dot q - z)\,|\mathrm{d}q| / r`: after a reversal z goes
-    from one direction to the other over a distance of about r, and is sgn q̇ far from it [Armstrong1994].
+    Dahl's model, :math:`\mathrm{d}z = (\operatorname{sgn}\dot q - z)\,|\mathrm{d}q| / r`: after a reversal z changes
+    its sign over a distance of about r; far from a reversal it is sgn q̇ [Armstrong1994].
 
     Args:
-        position: Along a log [rad or m], shape (N,).
-        reach: r, in the unit of the position.
+        position: Position along a log [rad or m], shape (N,).
+        reach: r [rad or m].
     """
     step = np.diff(position, prepend=position[0])
     decay, direction = np.exp(-np.abs(step) / reach), np.sign(step)
@@ -29,11 +29,11 @@ def bristle(position: Array, reach: float) -> Array:
 
 
 def bent(experiment: Experiment, j: int, reach: float) -> Array:
-    """Return how far the bristles of a joint are bent, filtered as torques are, shape (K,).
+    """Return the deflection of the bristles of a joint [1], filtered like the torques, shape (K,).
 
     Args:
         experiment: The logs.
         j: Index of the joint.
-        reach: In the unit of its position.
+        reach: Distance of the build-up r [rad or m].
     """
     return experiment.compared(lambda m: bristle(m.q[:, j], reach))

@@ -15,27 +15,32 @@ from cdia_pin.regression.shape_slopes import slopes
 
 Array = NDArray[np.float64]
 
-MOST_ITERATIONS = 20
-CONVERGED = 0.1  # standard deviations by which no parameter moves any more
+MOST_ITERATIONS = 20  # iterations [1]; a guard against slow convergence
+# Standard deviations of a lone parameter [1]; when every parameter moves by less, the fit has converged.
+CONVERGED = 0.1
 
 
 def is_exact(effect: Effect) -> bool:
-    """Tell whether normal equations describe an effect exactly, however large it is."""
+    """Return True if normal equations describe an effect exactly, at any size of its parameters.
+
+    Args:
+        effect: The effect.
+    """
     return effect.traits.linear and Signal.TORQUE not in effect.traits.depends_on
 
 
 def refit(
     regression: Regression, model: Dynamics, iterations: int = MOST_ITERATIONS
 ) -> tuple[Dynamics, NormalEquations]:
-    """Fit all terms of a model together by the method of Gauss and Newton.
+    """Fit all terms of a model together by the Gauss-Newton method.
 
     Args:
         regression: The conditioned logs and their noise.
-        model: Its terms' parameters are where the iteration starts.
-        iterations: Most of them.
+        model: The model; the iteration starts at the parameters of its terms.
+        iterations: Largest number of iterations.
 
     Returns:
-        The model at the optimum, and the normal equations there: of its terms, then of the slopes of their shapes.
+        The model at the optimum, and the normal equations there, of its terms and then of the slopes of their shapes.
     """
     effects = [t.effect for t in model.terms]
     exact = all(map(is_exact, effects))

@@ -1,4 +1,4 @@
-"""Intervals of parameters, which know that residuals of contiguous blocks can scatter more than their noise."""
+"""Confidence intervals of parameters. They allow for blocks of time that scatter more than the noise does."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from cdia_pin.regression.scaled_gram import ScaledGram
 
 Array = NDArray[np.float64]
 
-# Variance between blocks over that within. Ten blocks of white noise exceed it in one case of five.
+# Variance between blocks over that within [1], because ten blocks of white noise exceed it in one case of five.
 SCATTER = 1.36
-RANK_CUTOFF = 1e-12  # eigenvalues of the scaled normal equations that count as zero, over the largest
+RANK_CUTOFF = 1e-12  # eigenvalues of the scaled normal equations, over the largest [1], that count as zero
 
 
 def with_intervals(model: Dynamics, equations: NormalEquations) -> Dynamics:
     """Return a model whose terms carry 95 % intervals.
 
-    They are those of the whitened fit, unless the scores of contiguous blocks scatter more than its noise allows: then
-    that scatter counts, with the few degrees of freedom that it has [Liang1986]. A shape that was searched for takes
-    its share as a parameter does, through its slope: without it a ripple whose frequency is not known has intervals
-    four times too narrow.
+    The intervals are those of the whitened fit. If the scores of contiguous blocks scatter more than the noise allows,
+    this scatter counts instead, with its few degrees of freedom [Liang1986]. A shape that was fitted counts like a
+    parameter, through its slope. Without it, a ripple of unknown frequency has intervals that are four times too
+    narrow.
 
     Args:
         model: A model at its optimum.
-        equations: Normal equations there, of its terms and after them of what else was fitted, such as shapes.
+        equations: Normal equations there: of its terms, then of what else was fitted, such as shapes.
     """
     from scipy.special import ndtri, stdtrit
 

@@ -1,4 +1,4 @@
-"""LackOfFit that is left: does anything smooth in the motion still explain the residual?"""
+"""Lack of fit: structure that a model leaves in the residual, which smooth functions of the motion explain."""
 
 from __future__ import annotations
 
@@ -9,28 +9,30 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.phrases import settings_repr
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.noise import NoiseModel, NoiseSettings, fit_noise
 
 Array = NDArray[np.float64]
 
-NEURONS = 7  # radial bases over position, speed and load
-FINEST_TORQUE = 1e-7  # of a joint's RMS torque: noise below that is what computers round
-RIDGES = (1e-3, 1e-2, 1e-1)  # how firmly smooth functions are held back, beside columns of unit norm
+# Radial basis functions [1] over each of position, speed and load; they resolve a sixth of the range.
+NEURONS = 7
+FINEST_TORQUE = 1e-7  # smallest noise over a joint's RMS torque [1], because less is rounding
+RIDGES = (1e-3, 1e-2, 1e-1)  # ridges [1] on smooth functions of unit norm; the best on held-out blocks counts
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LackOfFitSettings:
-    """When what a model leaves counts as structure.
+    """When the residual of a model counts as structure.
 
-    Smooth functions of the motion are fitted to the residual beside the model's terms. Shares are falls of the RMS of
-    held-out blocks.
+    Smooth functions of the motion are fitted to the residual together with the model's terms. A share is the relative
+    fall of the RMS of held-out blocks.
 
     Attributes:
-        false_alarm: Probability of calling white noise structure, for each joint [1].
+        false_alarm: Probability that white noise counts as structure, for each joint [1].
         least_improvement: Least share of a significant structure [1].
-        sure_improvement: The same where slow structure was not whitened away as noise [1].
-        plain_improvement: The same without a proof of significance [1].
+        sure_improvement: Least share if slow structure is not whitened away as noise [1].
+        plain_improvement: Least share of a structure whose significance is not proven [1].
         least_torque: RMS torque of a structure over the joint's RMS torque [1]. Less is no flaw of a model.
     """
 
@@ -40,17 +42,19 @@ class LackOfFitSettings:
     plain_improvement: float = 0.25
     least_torque: float = 0.001
 
+    __repr__ = settings_repr
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class LackOfFit:
-    """What smooth functions of the motion find in each joint's residual.
+    """Structure in the residual of each joint that smooth functions of the motion explain.
 
     Attributes:
-        left: Whether structure is left, shape (n,).
-        improvement: Share by which they lower the held-out RMS [1], shape (n,).
-        residual_noise: Noise of each joint if the model's residual is all noise.
-        innermost: Noise of each joint that they leave.
-        floor: RMS of what they leave [N·m or N], shape (n,).
+        left: True if structure is left, shape (n,).
+        improvement: Share by which the functions lower the held-out RMS [1], shape (n,).
+        residual_noise: Noise of each joint if all of the model's residual is noise.
+        innermost: Noise of each joint if what the functions leave is noise.
+        floor: RMS of what the functions leave [N·m or N], shape (n,).
     """
 
     left: NDArray[np.bool_]
@@ -59,15 +63,26 @@ class LackOfFit:
     innermost: tuple[NoiseModel, ...]
     floor: Array
 
+    def __repr__(self) -> str:
+        return f"LackOfFit(structure left on {int(self.left.sum())} of {len(self.left)} joints)"
+
     @property
     def noise(self) -> tuple[NoiseModel, ...]:
-        """The best guess of each joint's noise: its residual, or what lies under the structure where some is left."""
+        """Best estimate of each joint's noise: the residual, or what is below the structure if some is left."""
         both = zip(self.left, self.innermost, self.residual_noise, strict=True)
         return tuple(inner if left else outer for left, inner, outer in both)
 
 
 def slow_columns(experiment: Experiment, j: int) -> Array:
-    """Return smooth functions of joint j's position and speed, of time, and of the other joints, shape (K, m)."""
+    """Return smooth functions of a joint's position and speed, of time, and of the other joints.
+
+    Args:
+        experiment: The conditioned logs.
+        j: Index of the joint.
+
+    Returns:
+        Columns, shape (K, m).
+    """
     time, q, v, _ = experiment.compared_motion()
     speed = np.tanh(v[:, j] / max(np.percentile(np.abs(v[:, j]), 95) * 0.05, 1e-9))
     t = (time - time.mean()) / (np.ptp(time) or 1.0)
@@ -83,7 +98,16 @@ def slow_columns(experiment: Experiment, j: int) -> Array:
 
 
 def smooth_columns(experiment: Experiment, prediction: Prediction, j: int) -> Array:
-    """Return the same and those of the acceleration and of the load, which knows it, shape (K, m)."""
+    """Return the slow columns and smooth functions of the acceleration and of the load, which depends on it.
+
+    Args:
+        experiment: The conditioned logs.
+        prediction: Prediction of the model, for the load.
+        j: Index of the joint.
+
+    Returns:
+        Columns, shape (K, m).
+    """
     a = experiment.compared_motion()[3][:, j]
     load = np.concatenate(
         [s.motion.sampled(t.actuator) for s, t in zip(experiment.segments, prediction.torques, strict=True)]
@@ -103,10 +127,10 @@ def lack_of_fit(
 
     Args:
         experiment: The conditioned logs.
-        prediction: Of a model fitted to them.
-        own: Columns of the model's terms for each joint, refitted alongside; shapes (K, p_j).
-        edges: Blocks of time for held-out errors, shape (B + 1,).
-        settings: When what is left counts as structure.
+        prediction: Prediction of a model that was fitted to them.
+        own: Columns of the model's terms for each joint, which are fitted again, shapes (K, p_j).
+        edges: First sample of each block of time and the end, shape (B + 1,).
+        settings: When the residual counts as structure.
         noise_settings: How the noise of each joint is estimated.
     """
     from scipy.special import fdtrc
@@ -150,15 +174,15 @@ def lack_of_fit(
 
 
 def _at_least(resolution: float, left: Array, by_acceleration: Array, use: NDArray[np.bool_]) -> Array:
-    """Return what is left of a residual as noise, no less than that of the sensors.
+    """Return the part of a residual that is noise, at least as large as that of the sensors.
 
-    Errors of the acceleration make torque, and are in all columns that know the acceleration, which explain them away.
+    Errors of the acceleration cause torque. Columns that depend on the acceleration contain them and explain them away.
 
     Args:
-        resolution: RMS torque that the sensors' errors make [N·m or N].
-        left: What columns leave of a residual, shape (K,).
-        by_acceleration: What only those that know the acceleration explained, shape (K,).
-        use: Samples that count.
+        resolution: RMS torque that the sensors' errors cause [N·m or N].
+        left: What columns leave of a residual [N·m or N], shape (K,).
+        by_acceleration: What only columns of the acceleration explained [N·m or N], shape (K,).
+        use: Samples that count, shape (K,).
     """
     square, mixed, own = (
         float(np.mean((x * y)[use])) if use.any() else 0.0
@@ -167,9 +191,9 @@ def _at_least(resolution: float, left: Array, by_acceleration: Array, use: NDArr
     lacking = resolution**2 - own
     if lacking <= 0 or square == 0:
         return left
-    # the share of it that, given back, lifts what is left to the resolution
+    # the share to give back so that the RMS of the noise reaches the resolution
     share = (np.sqrt(mixed**2 + square * lacking) - mixed) / square
-    return left + min(share, 1.0) * by_acceleration
+    return np.asarray(left + min(share, 1.0) * by_acceleration)
 
 
 def _white(signal: Array, noise: NoiseModel, use: NDArray[np.bool_]) -> Array:
@@ -178,9 +202,9 @@ def _white(signal: Array, noise: NoiseModel, use: NDArray[np.bool_]) -> Array:
 
 
 def _improvement(own: Array, smooth: Array, y: Array, edges: NDArray[np.intp]) -> float:
-    """Return the share by which smooth functions lower the held-out RMS.
+    """Return the share by which smooth functions lower the held-out RMS [1].
 
-    Effects of several joints may fit each of them worse than if it had its own parameters: that is structure too.
+    An effect of several joints may fit each of them worse than parameters of its own would: that is structure too.
     """
     before = max(_held_out(own, np.zeros((len(y), 0)), y, edges, 0.0), float(y @ y))
     after = min(_held_out(own, smooth, y, edges, ridge) for ridge in RIDGES)
@@ -190,17 +214,17 @@ def _improvement(own: Array, smooth: Array, y: Array, edges: NDArray[np.intp]) -
 def _bases(signal: Array, count: int) -> Array:
     low, high = np.percentile(signal, [0.5, 99.5])
     width = (high - low) / (count - 1) or 1.0
-    return np.exp(-(((signal[:, None] - np.linspace(low, high, count)) / width) ** 2))
+    return np.asarray(np.exp(-(((signal[:, None] - np.linspace(low, high, count)) / width) ** 2)))
 
 
 def _orthonormal(columns: Array, use: NDArray[np.bool_]) -> Array:
-    """Return columns with the same span over the samples that count, those that add nothing left out."""
+    """Return orthonormal columns with the same span over the samples that count, without repeated ones."""
     if not columns.shape[1]:
         return columns
     scaled = columns / np.maximum(np.linalg.norm(columns[use], axis=0), 1e-300)
     _, values, right = np.linalg.svd(scaled[use], full_matrices=False)
     keep = values > 1e-2 * values[0]
-    return scaled @ right[keep].T / values[keep]
+    return np.asarray(scaled @ right[keep].T / values[keep])
 
 
 def _project(orthonormal: Array, y: Array, use: NDArray[np.bool_]) -> Array:
@@ -215,7 +239,7 @@ def _left_after(x: Array, y: Array) -> float:
 
 
 def _held_out(own: Array, smooth: Array, y: Array, edges: NDArray[np.intp], ridge: float) -> float:
-    """Sum of squares of each block predicted from the others; smooth functions are held back by a ridge."""
+    """Return the held-out sum of squares over all blocks; a ridge keeps the smooth functions small."""
     x = np.column_stack([own, smooth])
     x = x / np.maximum(np.linalg.norm(x, axis=0), 1e-300)
     gram, right = x.T @ x, x.T @ y

@@ -1,4 +1,4 @@
-"""Whitening: residuals of a log are coloured, and evidence that takes them for white is far too sure."""
+"""Noise of a joint: residuals of a log are coloured, and statistics that assume white noise are far too certain."""
 
 from __future__ import annotations
 
@@ -7,49 +7,65 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.phrases import settings_repr
+
 Array = NDArray[np.float64]
 
-SAMPLES_PER_ORDER = 30  # at least, so that a short log has a simple noise model
-TAPER = 0.05  # relative fall of the longest lag's covariance, which keeps the estimate a valid covariance
+SAMPLES_PER_ORDER = 30  # samples per coefficient [1] at least, so that a short log has a simple noise model
+# Relative fall of the covariance at the longest lag [1], so that the estimate stays a valid covariance.
+TAPER = 0.05
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class NoiseSettings:
     """How the noise of a joint is estimated.
 
     Attributes:
-        highest_order: Largest order of the autoregressive model.
-        white_share: Share of white noise that is assumed beside it [1], so that no frequency is trusted without limit.
-        borrowed: Weight of the joint's overall noise in a class of distance from rest, in samples.
+        highest_order: Largest order of the autoregressive model [1].
+        white_share: Share of white noise that is added [1], so that no frequency gets an unlimited weight.
+        borrowed: Weight of the joint's overall noise in a class of distance from rest [samples], because a class may
+            have few samples.
     """
 
     highest_order: int = 12
     white_share: float = 0.03
     borrowed: float = 20.0
 
+    __repr__ = settings_repr
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class NoiseModel:
     r"""Autoregressive noise of one joint, :math:`e_t = \sum_k a_k e_{t-k} + \sigma w_t`.
 
     Attributes:
         coefficients: a₁ … a_p [1].
         sigma: Standard deviation of each innovation [N·m or N], shape (K,).
-        lengths: Samples of each segment; the filter starts anew in each.
+        lengths: Samples of each segment; the filter starts again in each.
     """
 
     coefficients: Array
     sigma: Array
     lengths: tuple[int, ...]
 
+    def __repr__(self) -> str:
+        return f"NoiseModel(order {len(self.coefficients)}, {len(self.sigma)} samples)"
+
     @property
     def kept(self) -> NDArray[np.bool_]:
-        """Samples that have a full past, shape (K,)."""
+        """True for samples whose past is long enough for the filter, shape (K,)."""
         p = len(self.coefficients)
         return np.concatenate([np.arange(length) >= p for length in self.lengths])
 
     def whiten(self, signal: Array) -> Array:
-        """Return the innovations in units of σ; samples without a full past are zero, shape as given (K, …)."""
+        """Return the innovations of a signal.
+
+        Args:
+            signal: Torque or columns of torque [N·m or N], shape (K, …).
+
+        Returns:
+            Innovations in units of σ [1], zero where the past is too short, shape (K, …).
+        """
         out = np.array(signal, dtype=float)
         for k, a in enumerate(self.coefficients, start=1):
             out[k:] -= a * signal[:-k]
@@ -66,22 +82,22 @@ def fit_noise(
     least: float = 0.0,
     settings: NoiseSettings | None = None,
 ) -> NoiseModel:
-    """Fit autoregressive noise by Yule and Walker, over informative samples only.
+    """Fit autoregressive noise by the Yule-Walker equations, over informative samples only.
 
-    Near a reversal the filter blurs sgn q̇ and all that hangs on it, so the innovations have a size of their own at
-    each distance from rest.
+    Near a reversal the filter blurs sgn q̇ and every effect that depends on it. The innovations therefore have their own
+    standard deviation in each class of distance from rest.
 
     Args:
-        residual: What a fitted model left [N·m or N], shape (K,).
+        residual: Residual of a fitted model [N·m or N], shape (K,).
         informative: Samples that count, shape (K,).
-        nearness: Class of distance to the joint's last or next reversal, shape (K,).
-        lengths: Samples of each segment, adding up to K.
-        parameters: Effective number of parameters of the fit.
+        nearness: Class of the distance from the joint's rest, shape (K,).
+        lengths: Samples of each segment; they sum to K.
+        parameters: Effective number of parameters of the fit [1].
         least: Least standard deviation of an innovation [N·m or N].
         settings: How the noise is estimated.
 
     Returns:
-        The noise, its size corrected for those degrees of freedom.
+        The noise; σ is corrected for the degrees of freedom of the fit.
     """
     used = np.where(informative, residual, 0.0)
     settings = settings or NoiseSettings()
@@ -106,7 +122,7 @@ def fit_noise(
     sigma = np.full(len(residual), power)
     for k in np.unique(nearness):
         here = usable & (nearness == k)
-        # a class of few samples borrows from the whole
+        # a class of few samples uses the overall noise as well
         own = float(np.sum(innovations[here] ** 2))
         sigma[nearness == k] = (own + settings.borrowed * power) / (here.sum() + settings.borrowed)
     freedom = max(usable.sum() - parameters, 0.2 * usable.sum(), 1.0) / max(usable.sum(), 1)

@@ -1,8 +1,8 @@
 r"""Normal equations of effects, in blocks of time.
 
-In whitened residuals :math:`y = X \theta + e` with white noise e of unit variance. All that is asked of a set of
-effects follows from :math:`X^T X` and :math:`X^T y`, formed once: a set costs one small solve, and the gain of every
-effect beside a set one matrix product.
+The whitened residual is :math:`y = X \theta + e` with white noise e of unit variance. Everything about a set of effects
+follows from :math:`X^T X` and :math:`X^T y`, which are computed once. The fit of a set then takes one small solve, and
+the gains of all other effects one matrix product.
 """
 
 from __future__ import annotations
@@ -23,19 +23,21 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
-WEAKEST_PRIOR = 1e-10  # precision of the prior of every parameter, over its column's sum of squares [1]
-REPEATED = 1e-5  # share of its sum of squares below which a column repeats a set, and shows rounding only
-NO_CUTOFF = 1e-15  # eigenvalues that a pseudo-inverse takes for zero, over the largest
+# Precision of every prior over the sum of squares of the column [1], so that XᵀX can be inverted.
+WEAKEST_PRIOR = 1e-10
+# Share of its sum of squares [1]; if a set leaves less of a column, the column repeats the set.
+REPEATED = 1e-5
+NO_CUTOFF = 1e-15  # eigenvalues of a pseudo-inverse, over the largest [1], that count as zero: rounding only
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class NormalEquations:
     """XᵀX and Xᵀy of effects.
 
     Attributes:
         robot: The robot, for physical bounds.
-        effects: The effects whose columns X has, one after another.
-        blocks: XᵀX of each block of time with y as the last column, shape (B, P + 1, P + 1).
+        effects: The effects whose columns are in X, in this order.
+        blocks: [X y]ᵀ[X y] of each block of time, shape (B, P + 1, P + 1).
         samples: Number of whitened samples of all joints.
     """
 
@@ -44,9 +46,13 @@ class NormalEquations:
     blocks: Array
     samples: int
 
+    def __repr__(self) -> str:
+        size = f"{len(self.effects)} effects, {self.parameters.total} parameters"
+        return f"NormalEquations({size}, {len(self.blocks)} blocks, {self.samples} samples)"
+
     @cached_property
     def parameters(self) -> ParameterBlocks:
-        """Where the parameters of each effect stand."""
+        """Position of the parameters of each effect in θ."""
         return ParameterBlocks.of(self.effects)
 
     @cached_property
@@ -78,22 +84,36 @@ class NormalEquations:
     # ------------------------------------------------------------- one set
 
     def columns(self, chosen: Sequence[int]) -> Indices:
-        """Return where the parameters of some effects stand, shape (p,)."""
-        return self.parameters.indices(chosen)
-
-    def with_prior(self, chosen: Sequence[int]) -> Array:
-        """Return XᵀX of some effects with the precision of their prior, shape (p, p)."""
-        at = self.columns(chosen)
-        return self.total[np.ix_(at, at)] + np.diag(self.prior[at])
-
-    def optimum(self, chosen: Sequence[int]) -> tuple[Array, float]:
-        """Return the best parameters of a set, physical or not, and the sum of squares that they leave.
+        """Return the positions of the parameters of some effects in θ.
 
         Args:
             chosen: Indices of the effects.
 
         Returns:
-            Parameters, shape (p,), and the sum of squares in variances of the noise [1].
+            Shape (p,).
+        """
+        return self.parameters.indices(chosen)
+
+    def with_prior(self, chosen: Sequence[int]) -> Array:
+        """Return XᵀX of some effects plus the precision of their prior.
+
+        Args:
+            chosen: Indices of the effects.
+
+        Returns:
+            Shape (p, p).
+        """
+        at = self.columns(chosen)
+        return self.total[np.ix_(at, at)] + np.diag(self.prior[at])
+
+    def optimum(self, chosen: Sequence[int]) -> tuple[Array, float]:
+        """Return the best parameters of a set, physical or not, and the residual sum of squares.
+
+        Args:
+            chosen: Indices of the effects.
+
+        Returns:
+            Parameters, shape (p,), and the residual sum of squares in variances of the noise [1].
         """
         key = tuple(chosen)
         if key not in self._optima:
@@ -109,13 +129,13 @@ class NormalEquations:
         held: Array | None = None,
         gram: Array | None = None,
     ) -> Array:
-        """Return the best values of some parameters, with or without others that are held.
+        """Return the best values of some parameters, of which some may be fixed.
 
         Args:
-            columns: Where the parameters stand, shape (p,).
-            free: Which of them are free; all if omitted, shape (p,).
-            held: Values of those that are not, shape (p,).
-            gram: Normal equations to use; those of all blocks if omitted, shape (P + 1, P + 1).
+            columns: Positions of the parameters in θ, shape (p,).
+            free: True for parameters that are not fixed, shape (p,); all if omitted.
+            held: Values of the fixed parameters, shape (p,); entries of free ones are ignored.
+            gram: Normal equations to use, shape (P + 1, P + 1); those of all blocks if omitted.
 
         Returns:
             All of the parameters, shape (p,).
@@ -131,12 +151,12 @@ class NormalEquations:
         return theta
 
     def chi2(self, columns: Indices, theta: Array, gram: Array | None = None) -> float:
-        """Return the sum of squares that parameters leave, in variances of the noise [1].
+        """Return the residual sum of squares, in variances of the noise [1].
 
         Args:
-            columns: Where the parameters stand, shape (p,).
-            theta: Their values, shape (p,).
-            gram: Normal equations to use; those of all blocks if omitted, shape (P + 1, P + 1).
+            columns: Positions of the parameters in θ, shape (p,).
+            theta: Values of the parameters, shape (p,).
+            gram: Normal equations to use, shape (P + 1, P + 1); those of all blocks if omitted.
         """
         gram = self.total if gram is None else gram
         v = np.append(theta, -1.0)
@@ -158,25 +178,37 @@ class NormalEquations:
         return inverse[np.ix_(own, own)]
 
     def own(self, chosen: Sequence[int], one: int) -> Mask:
-        """Return which of a set's parameters are those of one effect, shape (p of the set,)."""
-        return np.isin(self.columns(chosen), self.columns([one]))
-
-    def is_redundant(self, chosen: Sequence[int], most_inflation: float) -> bool:
-        """Tell whether a parameter does what others of the set do already, as two levels of friction would.
+        """Return a mask of the parameters of one effect among those of a set.
 
         Args:
             chosen: Indices of the set.
-            most_inflation: Variance of a parameter over that without the others, beyond which it repeats them [1].
+            one: Index of the effect.
+
+        Returns:
+            Shape (p of the set,).
+        """
+        return np.isin(self.columns(chosen), self.columns([one]))
+
+    def is_redundant(self, chosen: Sequence[int], most_inflation: float) -> bool:
+        """Return True if a parameter repeats others of the set, as two levels of friction would.
+
+        Args:
+            chosen: Indices of the set.
+            most_inflation: Variance of a parameter over that without the others, above which it repeats them [1].
         """
         inflation = ScaledGram.of(self.with_prior(chosen)).inflation
-        # the parameters of a body repeat each other, and have a prior
+        # the parameters of a body repeat each other, but they have a prior
         without_prior = np.isinf(self.prior_scale[self.columns(chosen)])
         return bool((inflation[without_prior] > most_inflation).any())
 
     # ------------------------------------------------------------- blocks that are left out
 
     def held_out(self, chosen: Sequence[int]) -> float:
-        """Return the sum of squares when each block is predicted from the others, in variances of the noise [1]."""
+        """Return the held-out sum of squares, in variances of the noise [1]: each block is predicted from the others.
+
+        Args:
+            chosen: Indices of the set.
+        """
         columns = self.columns(sorted(chosen))
         return float(
             np.sum([self.chi2(columns, self.without(b, sorted(chosen)), gram=b) for b in self.blocks])
@@ -195,21 +227,25 @@ class NormalEquations:
         return self.solve(self.columns(chosen), gram=self.total - block)
 
     def restricted(self, chosen: Sequence[int]) -> NormalEquations:
-        """Return the normal equations of some of the effects alone."""
+        """Return the normal equations of some of the effects alone.
+
+        Args:
+            chosen: Indices of the effects.
+        """
         at = np.append(self.columns(chosen), -1)
         blocks = self.blocks[:, at][:, :, at]
         return NormalEquations(self.robot, [self.effects[c] for c in chosen], blocks, self.samples)
 
-    # ------------------------------------------------------------- every effect beside a set
+    # ------------------------------------------------------------- every effect added to a set
 
     def gains(self, chosen: Sequence[int]) -> Array:
-        """Return by how much each effect would lower the sum of squares beside a set.
+        """Return the gain of each effect: by how much it would lower the residual sum of squares of a set.
 
         Args:
             chosen: Indices of the set.
 
         Returns:
-            In variances of the noise [1], zero for the set's own, shape (number of effects,).
+            In variances of the noise [1], zero for effects of the set, shape (number of effects,).
         """
         rest = self.total
         at = self.columns(chosen)

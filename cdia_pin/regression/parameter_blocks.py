@@ -1,4 +1,4 @@
-"""Parameter blocks: where the parameters of each of several effects stand in one vector."""
+"""Parameter blocks: the positions of the parameters of several effects in one vector."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class _Sized(Protocol):
     def size(self) -> int: ...
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ParameterBlocks:
     """The layout of a parameter vector θ that holds one block after another.
 
@@ -29,9 +29,16 @@ class ParameterBlocks:
 
     sizes: tuple[int, ...]
 
+    def __repr__(self) -> str:
+        return f"ParameterBlocks({len(self)} blocks, {self.total} parameters)"
+
     @classmethod
     def of(cls, effects: Iterable[_Sized]) -> Self:
-        """Return the layout with one block per effect, in the order given."""
+        """Return the layout with one block per effect.
+
+        Args:
+            effects: The effects, in the order of their blocks; their sizes are read.
+        """
         return cls(tuple(e.size for e in effects))
 
     def __len__(self) -> int:
@@ -49,7 +56,7 @@ class ParameterBlocks:
         return sum(self.sizes)
 
     def indices(self, chosen: Sequence[int]) -> Indices:
-        """Return where the parameters of some blocks stand.
+        """Return the positions of the parameters of some blocks in θ.
 
         Args:
             chosen: Indices of the blocks.

@@ -1,4 +1,4 @@
-"""Physically consistent parameters: the best fit among those that a real body can have [Wensing2018]."""
+"""Physically consistent parameters: the best fit among those of bodies that can exist [Wensing2018]."""
 
 from __future__ import annotations
 
@@ -15,19 +15,22 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-LARGEST = 1e8  # standard deviations of a lone parameter that the solver is given
-INSIDE = 1e-7  # share of the link's pseudo-inertia by which a body stays clear of the impossible
+# Largest right-hand side given to the solver, in standard deviations [1], so that its numbers stay moderate.
+LARGEST = 1e8
+# Distance from the limit of physical consistency over the link's pseudo-inertia [1], against rounding.
+INSIDE = 1e-7
 
 
 def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], robot: RobotModel) -> Array:
     r"""Minimise :math:`\frac12 \theta^T G \theta - r^T \theta` over physical parameters.
 
-    Parameters stay within their bounds, and each body's pseudo-inertia, with its link's, positive semidefinite.
+    Parameters stay within their bounds. The pseudo-inertia of each body together with its link stays positive
+    semidefinite.
 
     Args:
         gram: G, shape (P, P).
         right: r, shape (P,).
-        effects: Whose parameters these are, one after another.
+        effects: The effects whose parameters are in θ, in this order.
         robot: The robot.
 
     Returns:
@@ -38,7 +41,7 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
 
     scaled = ScaledGram.of(gram)
     unit = scaled.unit
-    # where there is no noise, the solver's numbers would be huge
+    # without noise, the solver's numbers would be huge
     size = max(np.abs(unit * right).max() / LARGEST, 1.0)
     lower, upper = (np.concatenate(b) for b in zip(*(e.bounds(robot) for e in effects), strict=True))
     rows, offsets, cones = [], [], []
@@ -68,7 +71,7 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
     solution = solver.solve()
     if str(solution.status) not in {"Solved", "AlmostSolved"}:
         return np.zeros(len(right))
-    return np.clip(unit * size * np.array(solution.x), lower, upper)
+    return np.asarray(np.clip(unit * size * np.array(solution.x), lower, upper))
 
 
 def _triangle(matrix: Array) -> Array:

@@ -19,7 +19,7 @@ from cdia_pin.regression.whitening import Whitening
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Regression:
     """Conditioned logs with the columns of effects X and the noise e.
 
@@ -31,24 +31,31 @@ class Regression:
     design: DesignMatrix
     whitening: Whitening
 
+    def __repr__(self) -> str:
+        return f"Regression({self.experiment!r})"
+
     @property
     def experiment(self) -> Experiment:
         """The conditioned logs."""
         return self.design.experiment
 
     def with_whitening(self, whitening: Whitening) -> Regression:
-        """Return the same logs with other noise."""
+        """Return the same logs with other noise.
+
+        Args:
+            whitening: The other noise.
+        """
         return replace(self, whitening=whitening)
 
     def normal_equations(self, model: Dynamics | Prediction, effects: Sequence[Effect]) -> NormalEquations:
         """Form the normal equations of effects around a model.
 
-        The response is what the URDF misses: the model's residual plus what its own terms explain, to first order.
-        Those of the effects that the model has, with the same shape, are differentiated at its parameters.
+        The response is the torque that the URDF lacks: the model's residual plus what the model's own terms explain, to
+        first order. Effects that the model has in the same shape are differentiated at the model's parameters.
 
         Args:
             model: The present model, or its prediction.
-            effects: Effects, the model's own among them or not.
+            effects: The effects; the model's own may be among them.
         """
         prediction = self.experiment.predict(model) if isinstance(model, Dynamics) else model
         robot = self.experiment.robot

@@ -1,4 +1,4 @@
-"""Rest: where a joint moves clearly enough to show its friction."""
+"""Rest: the samples at which a joint moves clearly enough to show its friction."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.logs.conditioning import Motion
+from cdia_pin.phrases import settings_repr
 
 Array = NDArray[np.float64]
 
-CLASSES = (1.0, 2.0, 4.0, 8.0)  # classes of distance from rest, over the least distance [1]
+CLASSES = (1.0, 2.0, 4.0, 8.0)  # limits of the classes of distance from rest, over the least distance [1]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RestSettings:
     """Which samples show friction.
 
@@ -35,19 +36,42 @@ class RestSettings:
     least_distance: float = 0.5
     resting_share: float = 0.75
 
+    __repr__ = settings_repr
+
     def sign_width(self, motion: Motion) -> Array:
-        """Return the width over which sgn(q̇) is smoothed [rad/s or m/s], shape (n,)."""
+        """Return the width over which sgn(q̇) is smoothed.
+
+        Args:
+            motion: The conditioned log.
+
+        Returns:
+            Speeds [rad/s or m/s], shape (n,).
+        """
         return np.maximum(
             self.width_over_noise * motion.speed_noise,
             self.width_over_speed * np.percentile(np.abs(motion.v), 95, axis=0) + 1e-6,
         )
 
     def is_clear(self, distance: Array) -> NDArray[np.bool_]:
-        """Tell which samples are far enough from rest, shape as given."""
+        """Return True for samples that are far enough from rest.
+
+        Args:
+            distance: Time from rest, in periods of the cut-off [1], any shape.
+
+        Returns:
+            Shape as given.
+        """
         return distance > self.least_distance
 
     def nearness(self, distance: Array) -> NDArray[np.intp]:
-        """Return classes of distance, 0 at rest and largest far away, shape as given."""
+        """Return classes of distance, 0 at rest and largest far away.
+
+        Args:
+            distance: Time from rest, in periods of the cut-off [1], any shape.
+
+        Returns:
+            Shape as given.
+        """
         return np.digitize(distance, [self.least_distance * c for c in CLASSES])
 
     def distance(self, motion: Motion, v: Array, width: Array | float) -> Array:
@@ -56,10 +80,10 @@ class RestSettings:
         Args:
             motion: The conditioned log.
             v: Speeds [rad/s or m/s], shape (N, m).
-            width: Over which their sgn is smoothed [rad/s or m/s], scalar or shape (m,).
+            width: Width over which their sgn is smoothed [rad/s or m/s], scalar or shape (m,).
 
         Returns:
-            In periods of the cut-off [1], shape (K, m).
+            Time in periods of the cut-off [1], shape (K, m).
         """
         near_rest = np.abs(v) < self.near_rest * width
         time, out = motion.sampled(motion.time), np.full((len(motion.kept), v.shape[1]), np.inf)

@@ -1,4 +1,4 @@
-"""A scaled Gram matrix: symmetric normal equations brought to a unit diagonal before they are solved."""
+"""A scaled Gram matrix: symmetric normal equations are scaled to a unit diagonal before they are solved."""
 
 from __future__ import annotations
 
@@ -14,11 +14,12 @@ Array = NDArray[np.float64]
 SMALLEST_DIAGONAL = 1e-300  # guard against division by zero, in the matrix's own units
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ScaledGram:
     r"""A symmetric matrix :math:`A = D^{-1} S D^{-1}` with :math:`D = \mathrm{diag}(A)^{-1/2}`.
 
-    Parameters have different units. The scaled matrix S has none, so that its condition tells about the data.
+    Parameters have different units. The scaled matrix S has none, so that its condition number depends on the data
+    alone.
 
     Attributes:
         matrix: S, shape (P, P).
@@ -27,6 +28,9 @@ class ScaledGram:
 
     matrix: Array
     unit: Array
+
+    def __repr__(self) -> str:
+        return f"ScaledGram({len(self.unit)} parameters)"
 
     @classmethod
     def of(cls, gram: Array, ridge: float = 0.0) -> Self:

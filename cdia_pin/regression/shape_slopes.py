@@ -1,4 +1,4 @@
-"""Slopes of shapes: how a term's torque changes with its shape, so that intervals know what searching for it cost."""
+"""Slopes of shapes: the derivative of a term's torque by its shape, so that intervals allow for fitted shapes."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-STEP = 1e-4  # [1], relative, to differentiate by a shape
+STEP = 1e-4  # relative step of the central difference [1]: its error is about 1e-8, its rounding 1e-12
 
 
 @dataclass(frozen=True)
 class Slope(WrappedEffect):
     """The change of a term's torque with its shape, to first order: f = ∂(Φ θ)/∂s Δs.
 
-    Beside the term it makes a fit one of θ and s together.
+    A fit of the term together with its slope is a fit of θ and s.
 
     Attributes:
         effect: The term's effect.
@@ -56,21 +56,40 @@ class Slope(WrappedEffect):
         return f"{self.effect.label}: {self.of_shape}"
 
     def basis(self, x: State) -> Array:
-        """Return ∂(Φ θ)/∂s by central differences, shape (N, n, 1); by one side at a bound of s."""
+        """Return ∂(Φ θ)/∂s by central differences; at a bound of s by a one-sided difference.
+
+        Args:
+            x: State along the motion, N samples.
+
+        Returns:
+            Torque per unit of the shape [N·m or N per unit], shape (N, n, 1).
+        """
         here, theta = self.effect.shape_values[self.of_shape], np.array(self.theta)
-        below, above = (self._at(here * (1 + step)) for step in (-STEP, STEP))
+        below, above = (self._at(here + step * self._size) for step in (-STEP, STEP))
         apart = above.shape_values[self.of_shape] - below.shape_values[self.of_shape]
         return np.asarray((above.torque(x, theta) - below.torque(x, theta))[:, :, None] / apart)
 
     def prior_scale(self, robot: RobotModel) -> Array:
-        """Return the shape's own value: it was searched for in a range, and is not further off than that."""
-        return np.array([abs(self.effect.shape_values[self.of_shape])])
+        """Return the size of the shape, because the shape was searched for in a range of about that width.
 
-    # all else that depends on the parameters is that of any linear effect without bounds
+        Args:
+            robot: The robot; not used.
+
+        Returns:
+            Prior standard deviation of Δs, shape (1,).
+        """
+        return np.array([self._size])
+
+    # the other methods are those of a linear effect without bounds
     torque, jacobian, bounds, units = Effect.torque, Effect.jacobian, Effect.bounds, Effect.units
     is_physical, nearest_physical = Effect.is_physical, Effect.nearest_physical
     is_distinct, shift, gravity_change = Effect.is_distinct, Effect.shift, Effect.gravity_change
     shape_values, with_shape, shape_grid = Effect.shape_values, Effect.with_shape, Effect.shape_grid
+
+    @property
+    def _size(self) -> float:
+        """Absolute value of the shape, in its unit; one where it is zero."""
+        return abs(self.effect.shape_values[self.of_shape]) or 1.0
 
     def _at(self, value: float) -> Effect:
         try:
@@ -80,7 +99,11 @@ class Slope(WrappedEffect):
 
 
 def slopes(model: Dynamics) -> Iterator[Slope]:
-    """Yield the slope of each shape of a model's terms."""
+    """Yield the slope of each shape of a model's terms.
+
+    Args:
+        model: The model.
+    """
     for term in model.terms:
         for name in term.effect.shape_values:
             yield Slope(term.effect, term.theta, name)

@@ -1,4 +1,4 @@
-"""Linear regression of the torques of several joints that share parameters, each with a weak prior."""
+"""Linear regression of the torques of several joints that share parameters. Each parameter has a weak prior."""
 
 from __future__ import annotations
 
@@ -16,36 +16,42 @@ from cdia_pin.regression.scaled_gram import ScaledGram
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-WEAKEST = 1e-12  # precision of a prior that says nothing, for columns that are zero
-RIDGE = 1e-10  # beside a unit diagonal, for columns that repeat each other
+WEAKEST = 1e-12  # precision of a prior without information [1/unit²], so that columns of zeros can be solved
+RIDGE = 1e-10  # added to a unit diagonal [1], so that columns that repeat each other can be solved
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ColumnGroup:
     """Columns of one set of parameters.
 
     Attributes:
-        columns: By joint, shape (K, p) each.
-        scale: Prior standard deviation of each parameter, ``inf`` where there is none, shape (p,).
+        columns: Columns of each joint, by its index [N·m or N per unit], shape (K, p) each.
+        scale: Prior standard deviation of each parameter, ``inf`` without a prior, shape (p,).
     """
 
     columns: dict[int, Array]
     scale: Array
 
+    def __repr__(self) -> str:
+        return f"ColumnGroup({len(self.scale)} parameters on {len(self.columns)} joints)"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class SharedRegression:
     """Rows of all joints, in units of their noise.
 
     Attributes:
-        rows: Of each joint, its own columns and last its response, shape (K, m_j + 1).
-        at: Where each of them stands among all parameters, the response last, shape (m_j + 1,).
-        precision: Of the prior on each parameter, shape (P,).
+        rows: Columns of each joint, the response last [1], shape (K, m_j + 1).
+        at: Positions of these columns among all parameters, the response last, shape (m_j + 1,).
+        precision: Precision of the prior on each parameter [1/unit²], shape (P,).
     """
 
     rows: tuple[Array, ...]
     at: tuple[Indices, ...]
     precision: Array
+
+    def __repr__(self) -> str:
+        return f"SharedRegression({len(self.precision)} parameters, {len(self.rows)} joints)"
 
     @classmethod
     def of(
@@ -54,9 +60,9 @@ class SharedRegression:
         """Stack columns.
 
         Args:
-            groups: Columns of each set of parameters, one set after another.
+            groups: Columns of each set of parameters, in the order of the parameters.
             response: Torque of each joint [N·m or N], shape (K, n).
-            scaled: Brings a joint's columns (K, …) into units of its noise.
+            scaled: Function of a joint's index and columns (K, …) that divides them by the joint's noise.
         """
         blocks = ParameterBlocks(tuple(len(g.scale) for g in groups))
         rows, at = [], []
@@ -77,7 +83,7 @@ class SharedRegression:
         return out
 
     def residual(self) -> tuple[Array, Array]:
-        """Return what the best parameters leave, in units of the noise (K, n), and how many each joint used (n,)."""
+        """Return the residual in units of the noise (K, n), and the effective number of parameters per joint (n,)."""
         inverse = self._inverse(len(self.precision))
         theta = np.append(-inverse @ self.gram[:-1, -1], 1.0)
         left = np.column_stack([rows @ theta[at] for rows, at in zip(self.rows, self.at, strict=True)])
@@ -86,14 +92,24 @@ class SharedRegression:
         return left, np.array(used, float)
 
     def explained_by(self, first: int) -> Array:
-        """Return the first few parameters that explain each other column best, shape (first, P − first + 1)."""
+        """Return the values of the first parameters that explain each other column best.
+
+        Args:
+            first: Number of the first parameters.
+
+        Returns:
+            Shape (first, P − first + 1).
+        """
         return self._inverse(first) @ self.gram[:first, first:]
 
     def beside(self, first: int) -> tuple[list[Array], Array]:
-        """Return the other columns without what the first few parameters explain of them.
+        """Return the other columns without what the first parameters explain of them.
+
+        Args:
+            first: Number of the first parameters.
 
         Returns:
-            Rows of each joint, shape (K, P − first + 1), and what the prior adds to their XᵀX.
+            Rows of each joint, shape (K, P − first + 1), and what the prior adds to their XᵀX, a square matrix.
         """
         share = self.explained_by(first)
         rest = []
@@ -105,6 +121,6 @@ class SharedRegression:
         return rest, share.T @ (self.precision[:first, None] * share)
 
     def _inverse(self, first: int) -> Array:
-        """Return the inverse of the normal equations of the first few parameters."""
+        """Return the inverse of the normal equations of the first parameters."""
         matrix = self.gram[:first, :first] + np.diag(self.precision[:first])
         return ScaledGram.of(matrix, RIDGE).inverse()

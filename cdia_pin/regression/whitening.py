@@ -1,4 +1,4 @@
-"""Whitening: what turns residuals into evidence."""
+"""Whitening: residuals become innovations, which are independent and have unit variance."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cdia_pin.regression.noise import NoiseModel
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Whitening:
     """The noise of each joint, the samples that count, and contiguous blocks of time.
 
@@ -28,6 +28,9 @@ class Whitening:
     noise: tuple[NoiseModel, ...]
     used: NDArray[np.bool_]
     edges: NDArray[np.intp]
+
+    def __repr__(self) -> str:
+        return f"Whitening({len(self.noise)} joints, {len(self.used)} samples, {len(self.edges) - 1} blocks)"
 
     @classmethod
     def of(cls, experiment: Experiment, noise: Sequence[NoiseModel], edges: NDArray[np.intp]) -> Whitening:
@@ -42,7 +45,7 @@ class Whitening:
 
     @property
     def samples(self) -> int:
-        """Number of innovations that count, of all joints."""
+        """Number of innovations that count, over all joints."""
         return sum(int((self.used[:, j] & m.kept).sum()) for j, m in enumerate(self.noise))
 
     @property
@@ -53,8 +56,8 @@ class Whitening:
     def joint(self, j: int, signal: Array) -> Array:
         """Whiten a signal of one joint.
 
-        Samples that do not count are cleared before, so that what happens near rest does not reach later samples,
-        and again after.
+        Samples that do not count are set to zero before, so that friction near rest does not reach later samples, and
+        again after.
 
         Args:
             j: Index of the joint.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Self
@@ -85,6 +85,14 @@ class RobotModel(RigidBodyTerms):
             return self.joints.index(joint)
         except ValueError:
             raise RobotError(unknown_name("joint", joint, self.joints)) from None
+
+    def by_joint(self, values: Iterable[float]) -> dict[str, float]:
+        """Return one number of each joint by the joint's name, for JSON.
+
+        Args:
+            values: One number per joint, shape (n,).
+        """
+        return dict(zip(self.joints, map(float, values), strict=True))
 
     @cached_property
     def limits(self) -> JointLimits:

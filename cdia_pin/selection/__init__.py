@@ -1,4 +1,4 @@
-"""Selection: which effects a model needs, by the evidence for each set of them."""
+"""Selection: which effects a model needs. A criterion compares sets of effects."""
 
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.problem import Problem

@@ -1,4 +1,4 @@
-"""Candidates: every effect of the vocabulary in every scope, with the shapes worth trying."""
+"""Candidates: every effect of the vocabulary in every scope, each with the shapes of its grid."""
 
 from __future__ import annotations
 
@@ -29,15 +29,21 @@ from cdia_pin.selection.discovery_settings import DiscoverySettings
 
 Array = NDArray[np.float64]
 
-LARGE_FAMILY = 12  # an effect with more shapes than that is screened before it is a candidate
-SLOW = (CoulombFriction, ViscousFriction, TorqueOffset)  # what may drift within a log
-SCREENED = 2  # shapes that pass the screening
+# Shapes [1]; an effect with more is screened, because each candidate adds to the normal equations.
+LARGE_FAMILY = 12
+SLOW = (CoulombFriction, ViscousFriction, TorqueOffset)  # effects that may drift within a log
+SCREENED = 2  # shapes of a large family [1] that pass the screening
 
 
 def enumerate_candidates(
     experiment: Experiment, prediction: Prediction, settings: DiscoverySettings
 ) -> list[list[Effect]]:
-    """Return the candidates in families of one effect and scope, each with its shapes.
+    """Return the candidates in families: each family is one effect and scope in its shapes.
+
+    Args:
+        experiment: The conditioned logs.
+        prediction: Prediction of the present model, for the load.
+        settings: The effects that may be found, and the least load for effects of the torque.
 
     Raises:
         EffectError: If the settings name an effect that is not in the vocabulary.
@@ -66,17 +72,27 @@ def enumerate_candidates(
 
 
 def per_log(family: list[Effect], experiment: Experiment, asked: Sequence[str]) -> list[Effect]:
-    """Return a family with parameters per log, if its effect, by name or label, is among those asked for."""
+    """Return a family with parameters per log if they are asked for, otherwise the family itself.
+
+    Args:
+        family: One effect and scope in its shapes.
+        experiment: The conditioned logs.
+        asked: Names or labels of the effects that get parameters per log.
+    """
     if not {family[0].name, family[0].label} & set(asked):
         return family
     return [PerLog(e, experiment.logs) for e in family]
 
 
 def drifting(effects: Iterable[Effect], experiment: Experiment) -> list[list[Effect]]:
-    """Return the families of friction and offsets, on the joints of some effects, that drift within the log.
+    """Return families of friction and offsets that drift within the log, on the joints of some effects.
 
-    Only effects of one parameter: more of them, each with a beginning and an end, would fit whatever is left. None
-    where there are several logs.
+    Only effects of one parameter may drift: more parameters, each with a start and an end, would fit any residual.
+    There are none if there are several logs.
+
+    Args:
+        effects: Effects of the present model.
+        experiment: The conditioned logs.
     """
     if len(experiment.segments) > 1:
         return []
@@ -97,10 +113,10 @@ def _expanded(effect: Effect, experiment: Experiment) -> Iterator[Effect]:
 
 
 def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool_]) -> bool:
-    """Tell whether an effect can show on this motion.
+    """Return True if an effect can show on this motion.
 
-    Effects of motion need a joint that moves; those of the torque one that carries something, for where all torque is
-    friction, a gain is only another name for it.
+    Effects of the motion need a joint that moves. Effects of the torque need a joint that carries a load: where all
+    torque is friction, a gain only scales it.
     """
     joints = [experiment.robot.joint_index(j) for j in effect.scope]
     if Signal.TORQUE in effect.traits.depends_on and joints and not loaded[joints].all():
@@ -116,14 +132,14 @@ def screen(
     noise: Sequence[NoiseModel],
     leftover: Array,
 ) -> list[Effect]:
-    """Keep of each large family the shapes that fit what is left best, and all of the small ones.
+    """Return the candidates: of each large family the shapes that fit the residual best, and all small families.
 
     Args:
-        families: From `enumerate_candidates`.
+        families: Families of `enumerate_candidates`.
         design: Columns of effects.
-        prediction: Of the present model.
+        prediction: Prediction of the present model.
         noise: Noise of each joint.
-        leftover: Whitened residual of the present model, uninformative samples zero, shape (K, n).
+        leftover: Whitened residual of the present model [1], zero for samples that do not count, shape (K, n).
     """
     out: list[Effect] = []
     for family in families:
@@ -135,7 +151,7 @@ def screen(
         right = white @ leftover[:, j]
         best = np.argsort(np.einsum("cp,cpq,cq->c", right, inverse, right))[::-1]
         chosen: list[int] = []
-        for c in best:  # neighbours of the best are the same ripple again
+        for c in best:  # neighbours of the best are nearly the same ripple
             if all(abs(int(c) - other) > 2 for other in chosen):
                 chosen.append(int(c))
             if len(chosen) == SCREENED:

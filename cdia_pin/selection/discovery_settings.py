@@ -1,4 +1,4 @@
-"""Settings of a discovery: what is searched for, and every number that decides, with its reason."""
+"""Settings of a discovery: the effects that may be found, and every number that decides, with its reason."""
 
 from __future__ import annotations
 
@@ -6,21 +6,22 @@ from dataclasses import dataclass, field
 
 from cdia_pin.effects import Effect
 from cdia_pin.logs.conditioning import Conditioning
+from cdia_pin.phrases import settings_repr
 from cdia_pin.regression.lack_of_fit import LackOfFitSettings
 from cdia_pin.regression.noise import NoiseSettings
 from cdia_pin.regression.rest import RestSettings
 from cdia_pin.selection.criterion import SelectionCriterion
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class EveryLinkSettings:
     """When a URDF counts as slightly wrong everywhere.
 
     Attributes:
-        over_blur: Torque that the links must explain, over what noise of the positions makes through the accelerations
-            [1]. At one posture that noise is known to a factor of three.
+        over_blur: Torque that the links must explain, over the torque that position noise causes through the
+            accelerations [1]. At one posture that noise is known to a factor of three.
         largest_error: Largest RMS of the links' parameters over their prior standard deviations [1]. Noise of the
-            accelerations asks for more.
+            accelerations leads to more.
         least_fall: Share by which the sum of squares of held-out blocks must fall [1].
     """
 
@@ -28,17 +29,19 @@ class EveryLinkSettings:
     largest_error: float = 0.5
     least_fall: float = 0.08
 
+    __repr__ = settings_repr
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class AlternativeSettings:
     """When another explanation counts as possible.
 
     Attributes:
-        doubt: Difference of χ² up to which two explanations are hard to tell apart, in variances of the noise [1].
+        doubt: Difference of χ² up to which two explanations are hard to distinguish, in variances of the noise [1].
             Under white noise a difference of 30 has a probability of 3e-7 where one of the two is true; residuals with
             structure need such a margin.
-        undetermined_share: Torque that an alternative may have on other motions, by one standard deviation, over the
-            torque that the effect explains [1]. Below it the alternative is the effect with another name.
+        undetermined_share: One standard deviation of an alternative's torque on other motions, over the torque that
+            the effect explains [1]. Below it the alternative is the effect under another name.
         first_order_share: Share of what an effect explains that an effect which is not linear must explain to first
             order to be fitted at its own optimum [1].
     """
@@ -47,35 +50,39 @@ class AlternativeSettings:
     undetermined_share: float = 0.2
     first_order_share: float = 0.9
 
+    __repr__ = settings_repr
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class MemorySettings:
     """When friction after a reversal counts as having memory.
 
     Attributes:
-        least_share: Share of what is left of a joint that memory must explain [1].
+        least_share: Share of the residual of a joint that memory must explain [1].
         least_torque: Level of the friction that builds up, over the joint's RMS torque [1].
     """
 
     least_share: float = 0.1
     least_torque: float = 0.01
 
+    __repr__ = settings_repr
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class DiscoverySettings:
-    """What is searched for and how.
+    """What a discovery searches for, and how.
 
     Attributes:
         conditioning: How logs are filtered.
-        effects: Names of the vocabulary that may be found; all but ``unknown`` and ``expression`` if None.
-        extra: Effects of the user's own that may be found as well.
-        per_log: Effects, by name or label, whose parameters are each log's own in any case.
-        most_effects: The search ends with this many effects in the model.
-        blocks: Number of contiguous blocks of time for held-out errors and intervals.
+        effects: Names of the effects that may be found; all but ``unknown`` and ``expression`` if None.
+        extra: The user's own effects that may be found as well.
+        per_log: Names or labels of effects that get parameters of their own in each log in any case.
+        most_effects: Largest number of effects in the model [1].
+        blocks: Number of contiguous blocks of time for held-out errors and intervals [1].
         criterion: What an effect must explain to be named.
         every_link: When a URDF counts as slightly wrong everywhere.
         alternatives: When another explanation counts as possible.
-        lack_of_fit: When what a model leaves counts as structure.
+        lack_of_fit: When the residual of a model counts as structure.
         memory: When friction after a reversal counts as having memory.
         noise: How the noise of a joint is estimated.
         rest: Which samples show friction.
@@ -94,3 +101,5 @@ class DiscoverySettings:
     memory: MemorySettings = field(default_factory=MemorySettings)
     noise: NoiseSettings = field(default_factory=NoiseSettings)
     rest: RestSettings = field(default_factory=RestSettings)
+
+    __repr__ = settings_repr

@@ -1,7 +1,7 @@
-"""Every link slightly wrong: what many small errors of a URDF leave, which no single body explains.
+"""Every link slightly wrong: many small errors of a URDF, which no single body explains.
 
-Such errors are too small to be worth a name each, so the search does not come upon them link by link: a payload or one
-link imitates all of them on this motion, and is wrong on another. They are tried at once, as one effect.
+Each error is too small to be named, so the search does not find it link by link. A payload or one wrong link can
+imitate all of them on this motion, but is wrong on another one. All links are therefore tried at once, as one effect.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from cdia_pin.selection.search import fitted
 
 
 def with_every_link(problem: WhitenedProblem, found: Dynamics) -> Dynamics | None:
-    """Return the better model in which every link may be slightly wrong, None if there is none.
+    """Return a better model in which every link may be slightly wrong, or None.
 
-    It must cost less, and explain blocks of time visibly better that it was not fitted to. It need not have the torque
-    that an effect needs for a name: on another motion it may have more. Bodies that were found go if not missed.
+    It must cost less and predict held-out blocks of time visibly better. It need not have the torque that other effects
+    need, because it may have more on another motion. Bodies that were found are dropped if they are no longer needed.
 
     Args:
         problem: Logs, candidates and noise.
@@ -50,7 +50,11 @@ def with_every_link(problem: WhitenedProblem, found: Dynamics) -> Dynamics | Non
 
 
 def has_every_link(model: Dynamics) -> bool:
-    """Tell whether every link may differ in a model."""
+    """Return True if every link may differ in a model.
+
+    Args:
+        model: The model.
+    """
     return any(isinstance(t.effect, LinkInertias) for t in model.terms)
 
 
@@ -65,14 +69,14 @@ def _without_bodies(model: Dynamics) -> Iterator[Dynamics]:
 
 
 def _is_slight(model: Dynamics, largest: float) -> bool:
-    """Tell whether the links of a model differ by no more than is usual."""
+    """Return True if the links of a model differ by no more than is usual."""
     term = next(t for t in model.terms if isinstance(t.effect, LinkInertias))
     usual = term.effect.prior_scale(model.robot)
     return bool(np.sqrt(np.mean((np.array(term.theta) / usual) ** 2)) <= largest)
 
 
 def _is_better(problem: WhitenedProblem, now: Dynamics, then: Dynamics, gain: float) -> bool:
-    """Tell whether a model costs less than another, by no more than blocks say that were not fitted to."""
+    """Return True if a model costs less than another, and held-out blocks confirm the gain."""
     before, after = (fitted(problem, model) for model in (now, then))
     cheaper = before.fit.cost - after.fit.cost
     experiment = problem.experiment

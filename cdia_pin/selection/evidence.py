@@ -1,4 +1,4 @@
-"""Evidence: what sets of effects cost by the criterion, from the normal equations of all candidates at once."""
+"""Evidence: the cost of sets of effects by the criterion, from the normal equations of all candidates."""
 
 from __future__ import annotations
 
@@ -18,22 +18,23 @@ from cdia_pin.selection.criterion import SelectionCriterion
 
 Array = NDArray[np.float64]
 
-LARGEST_PRIOR = 1e6  # prior standard deviation that stands for none, so that a spectrum can be formed
-RANK_CUTOFF = 1e-9  # eigenvalues that are rounding, over the largest
-SURELY = 2.0  # standard deviations from zero at which a parameter counts as identifiable
+# Prior standard deviation [unit of the parameter] that replaces an infinite one in a spectrum.
+LARGEST_PRIOR = 1e6
+RANK_CUTOFF = 1e-9  # eigenvalues, over the largest [1], that are rounding
+SURELY = 2.0  # standard deviations from zero [1] at which a parameter counts as identifiable: 95 %
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SetFit:
-    """A set of effects fitted together, with what it costs.
+    """A set of effects fitted together, and its cost.
 
     Attributes:
         chosen: Indices of the candidates, in increasing order.
-        theta: Their parameters one after another, physical unless ``physical`` is false, shape (p,).
-        chi2: Sum of squares left, in variances of the noise [1].
+        theta: Their parameters, one effect after another, shape (p,).
+        chi2: Residual sum of squares, in variances of the noise [1].
         cost: chi2 plus the penalties of the effects [1].
-        possible: Whether the parameters are within their bounds.
-        physical: Whether they are, none repeats the others, and each effect is more than a simpler one.
+        possible: True if the parameters are within their bounds.
+        physical: True if, besides, no parameter repeats the others, and no effect reduces to a simpler one.
     """
 
     chosen: tuple[int, ...]
@@ -43,23 +44,30 @@ class SetFit:
     possible: bool
     physical: bool
 
+    def __repr__(self) -> str:
+        fit = f"{len(self.theta)} parameters, chi2 {self.chi2:.4g}, cost {self.cost:.4g}, physical {self.physical}"
+        return f"SetFit({len(self.chosen)} effects, {fit})"
 
-@dataclass(eq=False)
+
+@dataclass(eq=False, repr=False)
 class Evidence:
-    """What sets of candidates cost.
+    """The cost of sets of candidates.
 
     Attributes:
         equations: Normal equations of all candidates.
         criterion: What an effect must explain to be named.
-        searched: Number of shapes in which each candidate, by label, was looked for; counted if omitted.
-        needed: Sum of squares of each joint that an effect must explain to be worth a name [1], shape (n,); the
-            criterion's share of all samples if omitted.
+        searched: Number of shapes in which each candidate was looked for, by label; counted if omitted.
+        needed: Sum of squares of each joint that an effect must explain to be named, in variances of the noise [1],
+            shape (n,); the criterion's share of all samples if omitted.
     """
 
     equations: NormalEquations
     criterion: SelectionCriterion = field(default_factory=SelectionCriterion)
     searched: Mapping[str, int] | None = None
     needed: Array | None = None
+
+    def __repr__(self) -> str:
+        return f"Evidence({self.equations!r})"
 
     @property
     def effects(self) -> Sequence[Effect]:
@@ -95,18 +103,18 @@ class Evidence:
 
     @cached_property
     def penalty(self) -> Array:
-        """What each candidate adds to the cost of a set [1], shape (number of candidates,); see `criterion`."""
+        """Penalty that each candidate adds to the cost of a set [1], shape (number of candidates,); see `criterion`."""
         names = max(len({e.label for e in self.effects}), 1)
         nominal = np.array([e.size for e in self.effects])
         shapes = Counter(e.label for e in self.effects) if self.searched is None else self.searched
         looked_for = np.array([2 * np.log(shapes[e.label]) for e in self.effects])
         rarity = np.array([e.plausibility.penalty for e in self.effects])
         of_parameters = self.effective_parameters * self.penalty_per_parameter
-        return of_parameters + 2 * np.log(names) + looked_for + rarity + 0.5 * nominal
+        return np.asarray(of_parameters + 2 * np.log(names) + looked_for + rarity + 0.5 * nominal)
 
     @cached_property
     def least_gain(self) -> Array:
-        """What each candidate must explain beside the others of its set, significant and worth a name [1]."""
+        """Sum of squares that each candidate must explain in its set to be named [1], shape (number of candidates,)."""
         if self.needed is None:
             enough = self.criterion.least_share * self.equations.samples / self.robot.n
             return np.maximum(self.penalty, enough)
@@ -121,7 +129,7 @@ class Evidence:
 
         Args:
             chosen: Indices of the candidates.
-            bodies: Whether rigid bodies are made physically consistent too, which takes a hundred times longer.
+            bodies: Make rigid bodies physically consistent too. This takes a hundred times longer.
         """
         key = tuple(sorted(chosen))
         if (key, bodies) not in self._fits:
@@ -131,19 +139,31 @@ class Evidence:
         return self._fits[key, bodies]
 
     def penalty_of(self, chosen: Sequence[int]) -> float:
-        """Return what the effects of a set add to its cost [1]."""
+        """Return the penalty of a set [1].
+
+        Args:
+            chosen: Indices of the candidates.
+        """
         return float(self.penalty[list(chosen)].sum())
 
     def bound(self, chosen: Sequence[int]) -> float:
-        """Return a cost that no physical fit of a set can be below, much sooner than the fit itself [1]."""
+        """Return a lower bound of the cost of a set [1], much faster than a physical fit.
+
+        Args:
+            chosen: Indices of the candidates.
+        """
         return self.free_chi2(chosen) + self.penalty_of(sorted(chosen))
 
     def free_chi2(self, chosen: Sequence[int]) -> float:
-        """Return the sum of squares that a set leaves if its parameters need not be physical [1]."""
+        """Return the residual sum of squares of a set whose parameters need not be physical [1].
+
+        Args:
+            chosen: Indices of the candidates.
+        """
         return self.equations.optimum(tuple(sorted(chosen)))[1]
 
     def identifiable_parameters(self, fit: SetFit, one: int) -> int:
-        """Return how many parameters of one effect of a fit differ surely from zero.
+        """Return how many parameters of one effect of a fit are identifiable: they differ significantly from zero.
 
         Args:
             fit: Fit of a set.
@@ -153,7 +173,14 @@ class Evidence:
         return int(np.sum(np.abs(fit.theta[self.equations.own(fit.chosen, one)]) > SURELY * deviation))
 
     def gains(self, chosen: Sequence[int]) -> Array:
-        """Return by how much each candidate would lower chi2 beside a set [1], shape (number of candidates,)."""
+        """Return the gain of each candidate: by how much it would lower chi2 of a set [1].
+
+        Args:
+            chosen: Indices of the set.
+
+        Returns:
+            Shape (number of candidates,).
+        """
         return self.equations.gains(chosen)
 
     @cached_property
@@ -162,15 +189,15 @@ class Evidence:
 
 
 def needed_gain(left: Array, residual_rms: Array, smallest: Array, least_share: float) -> Array:
-    """Return what an effect must explain of each joint to be worth a name.
+    """Return the sum of squares of each joint that an effect must explain to be named.
 
-    It must lower what is left by a share that can be seen, and give a torque that matters beside the joint's own.
+    The effect must lower the residual by a visible share, and its torque must matter compared with the joint's own.
 
     Args:
-        left: Sum of squares that the present model leaves, in variances of the noise [1], shape (n,).
+        left: Residual sum of squares of the present model, in variances of the noise [1], shape (n,).
         residual_rms: RMS residual of the present model [N·m or N], shape (n,).
         smallest: RMS torque of an effect that matters [N·m or N], shape (n,).
-        least_share: Share of what is left that can be seen [1].
+        least_share: Share of the residual that is visible [1].
 
     Returns:
         Sum of squares [1], shape (n,).

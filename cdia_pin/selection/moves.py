@@ -10,8 +10,10 @@ from cdia_pin.selection.evidence import Evidence, SetFit
 
 Names = frozenset[str]
 
-LOCAL = 2  # joints that an effect may act on to be split or merged with its neighbours
-TRIED = 5  # candidates that are fitted after the gains have ranked them
+# Joints [1] that an effect may act on to be split or merged; all pairs of larger effects would take long.
+LOCAL = 2
+# Candidates [1] of largest gain that are fitted at each move, because a fit takes longer than a gain.
+TRIED = 5
 
 
 def improve(
@@ -19,13 +21,13 @@ def improve(
 ) -> SetFit | None:
     """Return the best set that one move leads to, or None if no move lowers the cost.
 
-    Dropping comes before the other moves, so that an effect which a later one made needless never guides the search.
+    Dropping comes before the other moves, so that an effect which has become needless never guides the search.
 
     Args:
         evidence: Evidence for the candidates.
         chosen: Indices of the present set.
-        allowed: Tells which sets may be tried; the normal equations of some promise what they do not hold.
-        most: Largest number of effects.
+        allowed: Returns True for sets that may be tried; others have failed at their own optimum.
+        most: Largest number of effects [1].
     """
     criterion, now = evidence.criterion, evidence.fit(chosen, bodies=True)
     needless = [
@@ -40,14 +42,17 @@ def improve(
         if better is not None and (not now.physical or holds(evidence, now, better)):
             return better
     exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
-    # far from the noise, a small change is no change
+    # far above the noise, a small gain does not count
     margin = max(criterion.margin, criterion.exchange_share * (now.chi2 - evidence.samples))
-    count = lambda m: float(evidence.effective_parameters[list(m)].sum())  # noqa: E731
+
+    def count(chosen: tuple[int, ...]) -> float:
+        return float(evidence.effective_parameters[list(chosen)].sum())
+
     simpler = [m for m in exchanges if len(m) <= len(now.chosen) or count(m) < count(now.chosen)]
     better = _cheapest(evidence, simpler, now.cost - margin)
     if better is not None:
         return better
-    # two for one, with more parameters, must be worth the additional name
+    # two effects for one, with more parameters, must explain enough for the additional name
     worth = float(np.max(evidence.least_gain[list(now.chosen)], initial=0.0))
     return _cheapest(evidence, exchanges, now.cost - margin - worth)
 
@@ -67,7 +72,7 @@ def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float)
 
 
 def _without(evidence: Evidence, whole: SetFit, lacking: int) -> SetFit | None:
-    """Return the fit without an effect that explains too little to be missed."""
+    """Return the fit without an effect if the effect explains too little to stay, otherwise None."""
     rest = tuple(c for c in whole.chosen if c != lacking)
     needed = missed(evidence, lacking)
     if whole.physical and evidence.free_chi2(rest) - whole.chi2 >= needed:
@@ -77,13 +82,26 @@ def _without(evidence: Evidence, whole: SetFit, lacking: int) -> SetFit | None:
 
 
 def missed(evidence: Evidence, one: int) -> float:
-    """Return what an effect of a set must explain to stay: less than to come, lest it come and go."""
+    """Return the sum of squares that an effect must explain to stay in its set [1].
+
+    It is less than for an addition, so that an effect is not added and dropped by turns.
+
+    Args:
+        evidence: Evidence for the candidates.
+        one: Index of the effect.
+    """
     stays = evidence.criterion.staying_share * float(evidence.least_gain[one])
     return max(float(evidence.penalty[one]), stays)
 
 
 def holds(evidence: Evidence, before: SetFit, after: SetFit) -> bool:
-    """Tell whether what an addition explains is explained in blocks of time that it was not fitted to as well."""
+    """Return True if the gain of an addition holds on held-out blocks of time too.
+
+    Args:
+        evidence: Evidence for the candidates.
+        before: Fit of the set without the addition.
+        after: Fit of the set with it.
+    """
     gain = before.chi2 - after.chi2
     added = [c for c in after.chosen if c not in before.chosen]
     if gain > evidence.criterion.clear_gain * max(evidence.least_gain[c] for c in added):
@@ -93,18 +111,23 @@ def holds(evidence: Evidence, before: SetFit, after: SetFit) -> bool:
 
 
 def names(evidence: Evidence, chosen: Sequence[int]) -> Names:
-    """Return what a set is called, whatever its shapes."""
-    return frozenset(evidence.effects[c].label for c in chosen)
-
-
-def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float = 0.0) -> list[int]:
-    """Return the effects whose gain beside a set best repays their penalty, each in its best shape.
+    """Return the labels of a set, which do not depend on the shapes.
 
     Args:
         evidence: Evidence for the candidates.
         chosen: Indices of the set.
-        count: How many to return.
-        spare: Cost that may be lost beyond the penalty.
+    """
+    return frozenset(evidence.effects[c].label for c in chosen)
+
+
+def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float = 0.0) -> list[int]:
+    """Return the effects whose gain exceeds their penalty most when they are added to a set, each in its best shape.
+
+    Args:
+        evidence: Evidence for the candidates.
+        chosen: Indices of the set.
+        count: Largest number of effects to return [1].
+        spare: Cost by which the penalty may exceed the gain [1].
     """
     gains = evidence.gains(chosen)
     profit = np.where(gains > evidence.least_gain - spare, gains - evidence.penalty, -np.inf)
@@ -114,7 +137,7 @@ def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float =
         if not profit[c] > -spare or len(out) == count:
             break
         label = evidence.effects[c].label
-        if label not in taken:  # of each effect only its best shape
+        if label not in taken:  # only the best shape of each effect
             taken.add(label)
             out.append(int(c))
     return out
@@ -124,7 +147,7 @@ def _additions(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[in
     for c in ranked(evidence, chosen, TRIED):
         with_it = (*chosen, c)
         yield with_it
-        # what the addition made needless or unphysical goes in the same move
+        # an effect that the addition makes needless or unphysical is dropped in the same move
         yield from (tuple(x for x in with_it if x != other) for other in chosen)
 
 

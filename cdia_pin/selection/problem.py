@@ -1,4 +1,4 @@
-"""The problem of a discovery: logs, candidates and settings, and what follows from them for any model."""
+"""The problem of a discovery: logs, candidates and settings."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ from cdia_pin.selection.evidence import Evidence, needed_gain
 
 Array = NDArray[np.float64]
 
-GENERIC_SIZE = 10  # parameters from which an effect does not take part in the first estimate of the noise
-GENERIC_SHAPES = 20  # nor does one with more shapes
+GENERIC_SIZE = 10  # parameters [1]; effects with as many or more would fit noise in its first estimate
+GENERIC_SHAPES = 20  # shapes [1]; effects with as many or more would fit noise too
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Problem:
-    """What a discovery works on.
+    """Logs, candidates and settings of a discovery.
 
     Attributes:
         experiment: The conditioned logs.
         held_out: Conditioned logs that are only predicted, if any.
         design: Columns of effects, kept for reuse.
-        families: Candidates, each effect and scope with its shapes.
+        families: Candidates in families: each is one effect and scope in its shapes.
         settings: The settings.
-        differing: Labels of effects that may have parameters of their own in each log, since something changed.
+        differing: Labels of effects that may have parameters per log, because they changed between the logs.
     """
 
     experiment: Experiment
@@ -49,6 +49,9 @@ class Problem:
     settings: DiscoverySettings
     differing: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"Problem({self.experiment!r}, {len(self.families)} candidates)"
+
     @classmethod
     def of(
         cls, model: Dynamics, logs: Sequence[Log], holdout: Sequence[Log], settings: DiscoverySettings
@@ -56,10 +59,10 @@ class Problem:
         """Condition the logs and enumerate the candidates.
 
         Args:
-            model: What is known of the arm.
+            model: The model of the arm as it is known.
             logs: Logs to fit.
             holdout: Logs that are only predicted.
-            settings: What is searched for, and how logs are conditioned.
+            settings: Effects that may be found, and how logs are conditioned.
 
         Raises:
             LogError: If a log is too short or of other joints.
@@ -87,19 +90,27 @@ class Problem:
         return cls(experiment, held_out, DesignMatrix(experiment), (), settings)
 
     def around(self, model: Dynamics) -> Problem:
-        """Return the same logs with the candidates around a model; several questions share their columns."""
+        """Return the same logs with the candidates for a model; the columns are shared.
+
+        Args:
+            model: The present model.
+        """
         experiment = self.experiment
         families = enumerate_candidates(experiment, experiment.predict(model), self.settings)
         return replace(self, families=tuple(families))
 
     def with_drift(self, model: Dynamics) -> Problem:
-        """Return the problem in which the model's own friction and offsets may drift as well."""
+        """Return the problem in which the model's own friction and offsets may drift too.
+
+        Args:
+            model: The present model.
+        """
         known = {f[0].label for f in self.families}
         more = drifting([t.effect for t in model.terms], self.experiment)
         return replace(self, families=(*self.families, *(f for f in more if f[0].label not in known)))
 
     def with_parts(self, labels: Iterable[str]) -> Problem:
-        """Return the problem in which some effects may have parameters per log as well as common ones.
+        """Return the problem in which some effects may have parameters per log or common ones.
 
         Args:
             labels: Labels of the effects.
@@ -109,7 +120,7 @@ class Problem:
         return replace(self, families=(*self.families, *apart), differing=labels)
 
     def without_rest_of(self, effects: Iterable[Effect]) -> Problem:
-        """Return the problem without the samples at which what some effects rub may stick.
+        """Return the problem without the samples at which friction between two joints may stick.
 
         Args:
             effects: Effects of a model.
@@ -124,10 +135,10 @@ class Problem:
     # ------------------------------------------------------------- noise
 
     def with_first_noise(self, model: Dynamics) -> WhitenedProblem:
-        """Return the problem with the noise as it is before a search: what all simple effects together leave.
+        """Return the problem with the noise before a search: the residual that all simple effects together leave.
 
         Args:
-            model: What is known.
+            model: The model as it is known.
         """
         generic = [f[0] for f in self.families if f[0].size < GENERIC_SIZE and len(f) < GENERIC_SHAPES]
         effects = list(dict.fromkeys([*(t.effect for t in model.terms), *generic]))
@@ -135,23 +146,38 @@ class Problem:
         return WhitenedProblem(self, Whitening.of(self.experiment, left.innermost, self.edges))
 
     def with_noise_of(self, left: LackOfFit) -> WhitenedProblem:
-        """Return the problem with the noise that is known once the lack of fit of a model is known."""
+        """Return the problem with the noise that follows from the lack of fit of a model.
+
+        Args:
+            left: Lack of fit of the model.
+        """
         return WhitenedProblem(self, Whitening.of(self.experiment, left.noise, self.edges))
 
     def lack_of_fit(self, model: Dynamics) -> LackOfFit:
-        """Look for structure in what a fitted model leaves."""
+        """Look for structure in the residual of a fitted model.
+
+        Args:
+            model: The model at its optimum.
+        """
         return self._lack_of_fit(self.experiment.predict(model), [t.effect for t in model.terms])
 
     # ------------------------------------------------------------- sizes
 
     @cached_property
     def smallest_torque(self) -> Array:
-        """RMS torque of an effect that matters and is above what the sensors resolve [N·m or N], shape (n,)."""
+        """Least RMS torque of an effect that matters and that the sensors resolve [N·m or N], shape (n,)."""
         measured = rms(self.experiment.measured, self.experiment.informative)
         return np.maximum(self.experiment.resolution, self.settings.criterion.least_torque * measured)
 
     def rms(self, model: Dynamics) -> Array:
-        """Return the RMS residual of a model [N·m or N], shape (n,)."""
+        """Return the RMS residual of a model.
+
+        Args:
+            model: The model.
+
+        Returns:
+            In N·m or N, shape (n,).
+        """
         return rms(self.experiment.predict(model).residual, self.experiment.informative)
 
     @property
@@ -160,7 +186,7 @@ class Problem:
         return np.linspace(0, len(self.experiment.measured), self.settings.blocks + 1).astype(int)
 
     def _lack_of_fit(self, prediction: Prediction, effects: Sequence[Effect]) -> LackOfFit:
-        """Look for structure beside effects, as if each joint had its own parameters of them."""
+        """Look for structure that effects leave, as if each joint had its own parameters of them."""
         present = {t.effect: np.array(t.theta) for t in prediction.model.terms}
         own: list[list[Array]] = [
             [np.zeros((len(prediction.residual), 0))] for _ in self.experiment.robot.joints
@@ -174,7 +200,7 @@ class Problem:
         return lack_of_fit(self.experiment, prediction, columns, self.edges, given.lack_of_fit, given.noise)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class WhitenedProblem:
     """A problem whose noise is known.
 
@@ -185,6 +211,9 @@ class WhitenedProblem:
 
     problem: Problem
     whitening: Whitening
+
+    def __repr__(self) -> str:
+        return f"WhitenedProblem({self.problem!r})"
 
     @cached_property
     def regression(self) -> Regression:
@@ -202,16 +231,24 @@ class WhitenedProblem:
         return self.problem.settings
 
     def with_drift(self, model: Dynamics) -> WhitenedProblem:
-        """Return the problem in which the model's own friction and offsets may drift as well."""
+        """Return the problem in which the model's own friction and offsets may drift too.
+
+        Args:
+            model: The present model.
+        """
         return replace(self, problem=self.problem.with_drift(model))
 
     def with_noise_left_by(self, model: Dynamics) -> WhitenedProblem:
-        """Return the problem with the noise that a fitted model leaves, away from where its effects may stick."""
+        """Return the problem with the noise that a fitted model leaves where its friction cannot stick.
+
+        Args:
+            model: The model at its optimum.
+        """
         problem = self.problem.without_rest_of(t.effect for t in model.terms)
         return problem.with_noise_of(problem.lack_of_fit(model))
 
     def evidence(self, model: Dynamics) -> Evidence:
-        """Return the evidence for a model's effects and all candidates around it.
+        """Return the evidence for a model's effects and all candidates.
 
         Args:
             model: The present model.

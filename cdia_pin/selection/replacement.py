@@ -1,4 +1,4 @@
-"""Replacement: effects that are not linear, fitted at their own optimum in the place of others."""
+"""Replacement: nonlinear effects are fitted at their own optimum in the place of others."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ Refit = Callable[
 def refitting(
     problem: WhitenedProblem, model: Dynamics, evidence: Evidence, iterations: int = MOST_ITERATIONS
 ) -> Refit:
-    """Return how another effect is fitted in the place of some of a model's, beside all the rest of it.
+    """Return a function that fits a candidate at its own optimum together with some of a model's effects.
 
-    Normal equations describe an effect that is not linear to first order only.
+    Normal equations describe a nonlinear effect to first order only.
 
     Args:
         problem: Logs, candidates and noise.
         model: A fitted model.
-        evidence: Evidence for its effects and all candidates, whose indices and penalties the fits have.
-        iterations: Most of a refit.
+        evidence: Evidence for its effects and all candidates; indices and penalties are those of the evidence.
+        iterations: Largest number of iterations of a refit [1].
     """
 
     def refitted(rest: Sequence[int], other: int) -> SetFit:
@@ -48,14 +48,14 @@ def refitting(
 def promising(
     evidence: Evidence, rest: Sequence[int], enough: Callable[[Effect], float]
 ) -> Iterator[tuple[int, float]]:
-    """Yield the candidates that explain enough beside a set, to first order, the best first, of each its best shape.
+    """Yield candidates that explain enough when they are added to a set, to first order, each in its best shape.
 
-    Each comes with what it would lower chi2 by [1].
+    The best comes first. Each comes with its gain: by how much it would lower chi2 [1].
 
     Args:
         evidence: Evidence for all candidates.
         rest: Indices of the set.
-        enough: By how much an effect must lower chi2 [1].
+        enough: Returns the least gain of an effect [1].
     """
     gains = evidence.gains(rest)
     taken = {evidence.effects[c].label for c in rest}

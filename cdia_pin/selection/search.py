@@ -1,4 +1,4 @@
-"""The search for the set of effects of least cost, refitting and differentiating anew after each move."""
+"""The search for the set of effects of least cost. The model is fitted and linearised again after each move."""
 
 from __future__ import annotations
 
@@ -24,45 +24,45 @@ Array = NDArray[np.float64]
 Swaps = set[tuple[str, str]]
 Allowed = Callable[[tuple[int, ...]], bool]
 
-ROUGHLY = 2  # iterations of Gauss-Newton while searching; the end of the search has as many as it needs
-LIKELY = 0.5  # share of what an effect explains that another must, to first order, to be tried as it is
-MOST_REFITS = 8  # exchanges that are tried so from one model, those best to first order
-NEARBY = 5  # iterations of such a trial
-MOST_MOVES = 120
-MOST_REJECTED = 6  # moves in a row that did not hold what they promised
+ROUGHLY = 2  # iterations of Gauss-Newton [1] after each move; the result has as many as it needs
+LIKELY = 0.5  # share of what an effect explains [1] that another one must explain to first order to be tried
+MOST_REFITS = 8  # exchanges [1] that are fitted at their own optimum from one model, the best to first order
+NEARBY = 5  # iterations of Gauss-Newton [1] of such an exchange
+MOST_MOVES = 120  # moves [1]; a guard, because the cost falls at every move
+MOST_REJECTED = 6  # moves in a row [1] that the refit rejects, after which the search ends
 
 
 def search(problem: WhitenedProblem, model: Dynamics, futile: Swaps, report: Progress) -> Dynamics:
-    """Add, drop and exchange effects, refitting and differentiating anew after each move.
+    """Add, drop and exchange effects. The model is fitted and linearised again after each move.
 
-    A move is kept only if the cost falls at its own optimum, not just in the normal equations that proposed it, so
-    that the search cannot turn in circles. A swap that failed for an effect of the torque is not tried again, in
-    whatever company: a gain seems able to replace the friction in that torque, until the friction is gone.
+    A move is kept only if the cost falls at its own optimum, not just in the normal equations that proposed it. The
+    search therefore cannot run in circles. A swap that failed for an effect of the torque is not tried again in any
+    other set: a gain seems to replace the friction in that torque until the friction is dropped.
 
     Args:
         problem: Logs, candidates and noise.
-        model: Where the search starts; its terms may be dropped.
-        futile: Swaps that failed before; those that fail here are added.
-        report: Called with what changed and the share done.
+        model: Model at which the search starts; its terms may be dropped.
+        futile: Swaps that failed before; swaps that fail here are added.
+        report: Called with what changed and the share done [1].
 
     Returns:
         The model that no move improves.
     """
     regression = problem.regression
     model, _ = refit(regression, model)
-    # beside the others, and in the noise known by now
+    # a shape depends on the other terms and on the noise
     now = fitted(problem, refine_shapes(regression, model))
     failed: set[Names] = set()
     rejected = 0
 
     def beyond(now: Found) -> tuple[Allowed, Iterator[SetFit]]:
-        """Return which sets may be tried from a model, and exchanges that normal equations do not show."""
+        """Return a test of the sets that may be tried, and the exchanges that normal equations do not show."""
         present, before = names(now.evidence, now.fit.chosen), set(now.fit.chosen)
         slight = {c for c in before if now.evidence.effects[c].plausibility.collective}
 
         def allowed(chosen: tuple[int, ...]) -> bool:
             tried, after = names(now.evidence, chosen), set(chosen)
-            if not (slight <= after or after < before):  # it stands for many, which no other does
+            if not (slight <= after or after < before):  # no other effect can replace a collective one
                 return False
             return tried not in failed and not _swaps(present, tried) & futile
 
@@ -103,9 +103,9 @@ def search(problem: WhitenedProblem, model: Dynamics, futile: Swaps, report: Pro
     return now.model
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Found:
-    """A fitted model with the evidence around it.
+    """A fitted model with the evidence for it and for all candidates.
 
     Attributes:
         model: The model.
@@ -119,9 +119,12 @@ class Found:
     fit: SetFit
     errors: Array
 
+    def __repr__(self) -> str:
+        return f"Found({self.model!r}, cost {self.fit.cost:.4g})"
+
 
 def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:
-    """Return a model with the evidence for its effects and all candidates around it.
+    """Return a model with the evidence for its effects and all candidates.
 
     Args:
         problem: Logs, candidates and noise.
@@ -133,7 +136,7 @@ def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:
 
 
 def _exchanges(problem: WhitenedProblem, now: Found, allowed: Allowed) -> Iterator[SetFit]:
-    """Yield better sets in which a large effect that is not linear, seen only at its own optimum, replaces another."""
+    """Yield better sets in which a nonlinear effect, fitted at its own optimum, replaces another effect."""
     evidence = now.evidence
     pairs: list[tuple[float, tuple[int, ...], int]] = []
     for one in now.fit.chosen:
@@ -157,7 +160,7 @@ def _exchanges(problem: WhitenedProblem, now: Found, allowed: Allowed) -> Iterat
 
 
 def _slimmed(problem: WhitenedProblem, now: Found) -> Found | None:
-    """Return a model without an effect that stands for what the shape of another on its joint is wrong by."""
+    """Return a model without an effect that only corrects the shape of another effect on its joint, or None."""
     evidence = now.evidence
     lost = {
         evidence.effects[c]: evidence.free_chi2([x for x in now.fit.chosen if x != c]) - now.fit.chi2
@@ -176,14 +179,14 @@ def _slimmed(problem: WhitenedProblem, now: Found) -> Found | None:
 
 
 def _is_seen(problem: WhitenedProblem, before: Array, after: Array) -> bool:
-    """Tell whether a user would see the RMS of some joint fall, by a torque that matters there."""
+    """Return True if the RMS of some joint falls visibly, by a torque that matters there."""
     fallen = np.sqrt(np.maximum(before**2 - after**2, 0.0))
     lower = after < (1 - problem.settings.criterion.least_fall) * before
     return bool((lower & (fallen > problem.problem.smallest_torque)).any())
 
 
 def _sacrifice(evidence: Evidence, now: SetFit, after: SetFit) -> float:
-    """Return the cost that a move may add: none, or what an effect that is dropped would have had to earn."""
+    """Return the cost that a move may add [1]: none, or the least gain of an effect that is dropped."""
     dropped = set(now.chosen) - set(after.chosen)
     if not now.physical:
         return float("inf")
@@ -195,7 +198,7 @@ def _sacrifice(evidence: Evidence, now: SetFit, after: SetFit) -> float:
 
 
 def _swaps(before: Names, after: Names) -> Swaps:
-    """Return which effect came for which."""
+    """Return the pairs of an added and a dropped effect."""
     return {(new, old) for new in after - before for old in before - after}
 
 

@@ -1,4 +1,4 @@
-"""Shapes: the grid finds a ripple's frequency or a Stribeck speed roughly, this finds it well."""
+"""Shapes: the grid finds a ripple's frequency or a Stribeck speed roughly; parabolas refine it."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.regression.bounded_fit import bounded_fit
 from cdia_pin.regression.regression import Regression
 
-ROUNDS = 7  # of a parabola through three shapes
-NARROWER = 0.35  # each round's steps over those of the round before [1]
-FARTHEST = 1.5  # steps that one round may move [1]
+ROUNDS = 7  # parabolas [1] through three shapes; the last step is about a thousandth of the first
+NARROWER = 0.35  # step of a round over that of the round before [1]
+FARTHEST = 1.5  # largest move of one round over its step [1], because a parabola is only local
 
 
 def refine_shapes(regression: Regression, model: Dynamics, known: Collection[str] = ()) -> Dynamics:
-    """Return the model with the shape of its terms moved to where the others allow the best fit.
+    """Return the model with the shapes of its terms moved to the best fit, one term after another.
 
     Args:
         regression: The conditioned logs and their noise.
         model: A fitted model.
-        known: Labels of terms whose shape is left as it is.
+        known: Labels of terms whose shape stays as it is.
     """
     experiment = regression.experiment
     for term in [t for t in model.terms if t.effect.shape and t.label not in known]:
@@ -54,7 +54,7 @@ def _cell(value: float, grid: list[float]) -> float:
 
 
 def _bottom(left: float, middle: float, right: float) -> float:
-    """Return where the parabola through three neighbouring values is least, in steps from the middle."""
+    """Return the minimum of the parabola through three neighbouring values, in steps from the middle [1]."""
     curve = left - 2 * middle + right
     if curve <= 1e-9 * (abs(left) + abs(right)):
         return -1.0 if left < right else 1.0

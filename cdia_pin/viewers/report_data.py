@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from cdia_pin.viewers.words import joint_units, region_words, short_names
 if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison, Discovery
     from cdia_pin.logs import LogCheck
+    from cdia_pin.logs.motion import MotionRecord
     from cdia_pin.robot.model import RobotModel
 
 REGIONS = 12  # worst regions listed for a model
@@ -99,8 +100,8 @@ class ReportDocument(TypedDict):
     version: str
     robot: str
     given: list[str]
-    logs: list[dict[str, Any]]  # as the record has them
-    holdout: list[dict[str, Any]]
+    logs: list[MotionRecord]  # as the record has them
+    holdout: list[MotionRecord]
     duration: float
     samples: int
     joints: list[JointReport]

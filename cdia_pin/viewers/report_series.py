@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison
-    from cdia_pin.discovery.comparison import Shape
+    from cdia_pin.discovery.comparison import ResidualShape
 
 Array = NDArray[np.float64]
 
@@ -198,7 +198,7 @@ def against(signal: str, before: Comparison, after: Comparison | None, joint: st
     return {"means": means, "curve": curve}
 
 
-def _means(shape: Shape) -> Means:
+def _means(shape: ResidualShape) -> Means:
     known = np.isfinite(shape.mean)
     middles = (shape.edges[:-1] + shape.edges[1:]) / 2
     return {

@@ -72,7 +72,7 @@ def gain_words(motion: Excitation) -> str:
         f"{one} and {two} differ by {number(gain.after)} standard deviations; {gain.beside}: "
         f"{number(gain.before)}."
     )
-    contained = [b for b, told in zip(gain.between, gain.told, strict=True) if not told]
+    contained = [b for b, seen in zip(gain.between, gain.separable, strict=True) if not seen]
     if contained:
         (other,) = (b for b in gain.between if b not in contained)
         inner = listed(contained)

@@ -51,7 +51,7 @@ def sentences(found: Identification) -> list[str]:
         for e in (found.heldout_before, found.heldout_after)
     )
     base, names = found.base, short_names(found.model.robot.joints)
-    silent = [n for n, seen in zip(base.names, base.told, strict=True) if not seen]
+    silent = [n for n, seen in zip(base.names, base.identifiable, strict=True) if not seen]
     links = [names[j] for j in found.model.robot.joints if any(n.startswith(f"{j}.") for n in silent)]
     out = [
         f"On data that was not fitted the error falls from {percent(before)} to {percent(after)} of the torque, mean "
@@ -107,7 +107,7 @@ def _base(found: Identification, everything: bool) -> Table:
     base = found.base
     table = new_table("base parameter", "URDF", "identified ± 95 %", "identifiable", left=(0,))
     furthest = np.argsort(-base.moved)
-    order = np.arange(len(base)) if everything else furthest[base.told[furthest]][:SHOWN]
+    order = np.arange(len(base)) if everything else furthest[base.identifiable[furthest]][:SHOWN]
     for k in order:
         unit, value, half = base.units[k], float(base.value[k]), float(base.half_width[k])
         grouped = f" + {base.grouped[k]} more" if base.grouped[k] else ""
@@ -116,7 +116,7 @@ def _base(found: Identification, everything: bool) -> Table:
             base.names[k] + grouped,
             with_unit(number(float(base.urdf[k])), unit),
             with_interval(value, (value - half, value + half), unit),
-            "yes" if base.told[k] else "no",
+            "yes" if base.identifiable[k] else "no",
         )
     if not everything:
         table.caption = (

@@ -10,7 +10,7 @@ from cdia_pin.discovery.comparison import signal_units
 from cdia_pin.effects import Varying
 
 if TYPE_CHECKING:
-    from cdia_pin.discovery.comparison import Region
+    from cdia_pin.discovery.comparison import ResidualRegion
     from cdia_pin.effects import Effect, Term
     from cdia_pin.identifiability import Confusion
     from cdia_pin.robot.model import RobotModel
@@ -88,7 +88,7 @@ def with_unit(text: str, unit: str) -> str:
     return text if unit == "1" else f"{text}{NO_BREAK}{unit}"
 
 
-def region_words(region: Region) -> str:
+def region_words(region: ResidualRegion) -> str:
     """Return ``velocity in [−0.10, 0.10] rad/s``, with enough digits to distinguish the ends.
 
     Args:

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from cdia_pin import load_model, load_robot
-from cdia_pin.discovery.discovery_result import VERDICTS
+from cdia_pin.discovery import DiscoveryVerdict
 
 
 def test_a_bag_says_the_same_as_the_csv(cdia, measured):
@@ -34,7 +34,7 @@ def test_discover_ends_with_a_verdict_and_a_model(cdia, measured, tmp_path, arm)
     outcome = cdia("discover", measured / log, "--robot", robot, *options, "--save", model, "--json", result)
     assert outcome.code == 0, outcome.err
     found = json.loads(result.read_text())
-    assert found["verdict"] in VERDICTS
+    assert found["verdict"] in set(DiscoveryVerdict)
     assert load_model(model, load_robot(robot)).terms
     first, last = found["trace"][0], found["trace"][-1]
     mean = lambda step: sum(step["heldout_rms"][j] / found["torque_rms"][j] for j in found["joints"])  # noqa: E731

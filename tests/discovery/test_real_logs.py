@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, compare, load_model, load_robot, read_log, save_model
-from cdia_pin.discovery import discover
-from cdia_pin.discovery.discovery_result import VERDICTS
+from cdia_pin.discovery import DiscoveryVerdict, discover
 from tests.hidden_plants import MEASURED
 
 LOGS = [
@@ -29,7 +28,7 @@ def load(robot, path):
 def test_each_log_ends_with_a_verdict_and_a_better_model(robot, path, tmp_path):
     arm, log = load(robot, path)
     found = discover(Dynamics(arm), log)
-    assert found.verdict in VERDICTS
+    assert found.verdict in set(DiscoveryVerdict)
     before, after = found.trace[0], found.trace[-1]
     assert (after.heldout_rms < before.heldout_rms + 0.03 * found.torque_rms).all()
     assert np.mean(after.heldout_rms / found.torque_rms) < 0.95 * np.mean(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, compare, discover, load_robot
-from cdia_pin.discovery.discovery_result import VERDICTS
+from cdia_pin.discovery import DiscoveryVerdict
 from cdia_pin.effects import CoulombFriction, Payload, Term, TorqueOffset
 from cdia_pin.identifiability import Confusion
 from cdia_pin.robot.inertia import parameters_of
@@ -149,7 +149,7 @@ def test_nothing_hidden_is_a_verdict_of_its_own(pendulum):
 
 
 def test_verdicts_are_three():
-    assert set(VERDICTS) == {"nothing-missing", "explained", "unexplained"}
+    assert set(DiscoveryVerdict) == {"nothing-missing", "explained", "unexplained"}
 
 
 def test_the_same_log_gives_the_same_json(pendulum, made, found):

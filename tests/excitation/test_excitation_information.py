@@ -31,9 +31,9 @@ def effects(asked, *labels):
     return [parse_effect(label, asked.model.robot) for label in labels]
 
 
-def told(asked, one, two):
+def separable(asked, one, two):
     """Whether each of two explanations, with commas between effects, leaves something of the other."""
-    return asked.between(*(effects(asked, *side.split(",")) for side in (one, two))).tellable
+    return asked.between(*(effects(asked, *side.split(",")) for side in (one, two))).separable
 
 
 def test_the_gram_is_that_of_whitened_columns(ur5):
@@ -62,8 +62,8 @@ def test_what_is_unexplained_is_what_least_squares_leaves(ur5):
 
 
 def test_the_same_effect_twice_is_a_wrong_question(ur5):
-    with pytest.raises(EffectError, match="itself"):
-        told(ur5, f"coulomb_friction@{ELBOW}", f"coulomb_friction@{ELBOW}")
+    with pytest.raises(EffectError, match="given twice"):
+        separable(ur5, f"coulomb_friction@{ELBOW}", f"coulomb_friction@{ELBOW}")
 
 
 @pytest.mark.parametrize(
@@ -81,8 +81,8 @@ def test_the_same_effect_twice_is_a_wrong_question(ur5):
         ),
     ],
 )
-def test_which_of_two_can_be_told(ur5, one, two, which):
-    assert told(ur5, one, two) == which
+def test_which_of_two_is_separable(ur5, one, two, which):
+    assert separable(ur5, one, two) == which
 
 
 @pytest.mark.parametrize(
@@ -100,19 +100,19 @@ def test_which_of_two_can_be_told(ur5, one, two, which):
 )
 def test_what_no_motion_tells_is_said_with_the_reason(robot, one, two, why):
     with pytest.raises(EffectError, match=f"no motion of this arm tells {one} from {two}: .*{why}"):
-        told(question(robot), one, two)
+        separable(question(robot), one, two)
 
 
 @pytest.mark.parametrize(
     ("one", "said"),
     [
         ("encoder_offset@joint1", "has no torque on any motion.*gravity does not load joint1"),
-        ("unknown@joint1", "can be anything"),
+        ("unknown@joint1", "has no equation"),
     ],
 )
 def test_what_has_no_torque_or_no_form_is_said(one, said):
     with pytest.raises(EffectError, match=said):
-        told(question("scara"), one, "payload")
+        separable(question("scara"), one, "payload")
 
 
 def test_gravity_along_the_axis_hides_the_mass_of_the_first_link(ur5):

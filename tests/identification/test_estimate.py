@@ -7,6 +7,7 @@ from cdia_pin import Dynamics, load_robot
 from cdia_pin.effects.body import Body
 from cdia_pin.identification.block_validation import STRENGTHS, choose_strength, held_out_rms
 from cdia_pin.identification.estimate import Fitter, unconstrained
+from cdia_pin.identification.identification_settings import IdentificationSettings
 from cdia_pin.identification.terms import full_model
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.robot.inertia import parameters_of
@@ -25,7 +26,7 @@ def robot():
 
 def fitted(robot, made, strength=STRENGTH):
     experiment = Experiment.of(robot, [conditioned(robot, made)])
-    fitter = Fitter(experiment, blocks=10)
+    fitter = Fitter(experiment, IdentificationSettings())
     return fitter, fitter.fit(full_model(Dynamics(robot), experiment), strength)
 
 
@@ -100,7 +101,7 @@ def test_a_joint_that_rests_weighs_as_one_sample(robot):
     experiment = Experiment.of(
         robot, [conditioned(robot, type(made)(still, resting, made.v, made.a, made.f))]
     )
-    fitter = Fitter(experiment, blocks=10)
+    fitter = Fitter(experiment, IdentificationSettings())
     weights = fitter.weights(np.zeros_like(experiment.measured))
     torque = np.sqrt(np.mean(experiment.measured[:, 1] ** 2))
     assert len(experiment.measured) * (torque / weights.noise[1].sigma[0]) ** 2 == pytest.approx(1.0)

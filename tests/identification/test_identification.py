@@ -99,7 +99,7 @@ def test_intervals_cover_base_parameters(identified, robot, motion):
     base = identified[motion].base
     _, reduction = base_reduction(robot)
     covered = np.abs(base.value - reduction @ true_parameters(robot).ravel()) <= base.half_width
-    assert covered[base.told].mean() >= 0.85
+    assert covered[base.identifiable].mean() >= 0.85
     assert covered.mean() >= 0.85
 
 
@@ -139,7 +139,7 @@ def test_without_the_hold_on_the_urdf_a_weak_motion_does_spoil(identified, robot
 
 def test_what_one_joint_cannot_tell_stays_as_the_urdf_has_it(identified, robot):
     found = identified["single"]
-    assert found.base.told.sum() < 0.5 * identified["strong"].base.told.sum()
+    assert found.base.identifiable.sum() < 0.5 * identified["strong"].base.identifiable.sum()
     nearest_base = found.inertial_parameters[0] - robot.inertial_parameters[0]  # a link that does not move
     assert np.abs(nearest_base).max() < 0.02 * np.abs(robot.inertial_parameters[0]).max()
 

@@ -1,7 +1,8 @@
 """Fitting: the joint optimum, from wherever it starts, with intervals that mean what they say."""
 
 import itertools
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -13,11 +14,15 @@ from cdia_pin.effects import (
     CoulombFriction,
     EffortDelay,
     EncoderOffset,
+    JointEffect,
+    Parameter,
     PositionRipple,
+    Signal,
     State,
     StribeckFriction,
     Term,
     TorqueOffset,
+    Traits,
     ViscousFriction,
     parse_effect,
 )
@@ -341,3 +346,26 @@ def test_the_slope_of_a_shape_is_its_derivative(frequency, off, pendulum):
 
 def test_effects_without_a_shape_have_no_slopes(pendulum):
     assert not list(slopes(model_with(pendulum, COULOMB, VISCOUS)))
+
+
+def test_the_slope_of_a_shape_that_is_zero_is_finite(pendulum):
+    """A step in proportion to the shape would be none."""
+
+    @dataclass(frozen=True)
+    class SpringAbout(JointEffect):
+        rest: float = 0.0
+
+        name: ClassVar[str] = "spring_about"
+        equation: ClassVar[str] = "−k (q − r)³"
+        traits: ClassVar[Traits] = Traits({Signal.POSITION})
+        parameters = (Parameter("stiffness", "{effort}/{position}³"),)
+        shape = (Parameter("rest", "{position}"),)
+
+        def columns(self, x):
+            return [-((x.q - self.rest) ** 3)]
+
+    regression = prepared(pendulum, lambda q, v, a: np.column_stack([-0.2 * q[:, 0] ** 3, np.zeros(len(q))]))
+    model, equations = refit(regression, model_with(pendulum, SpringAbout("joint1")))
+    (low, high), *_ = with_intervals(model, equations).terms[0].ci95
+    assert low < 0.2 < high
+    assert high - low < 0.05

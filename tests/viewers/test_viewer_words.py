@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from cdia_pin.discovery.comparison import Region
+from cdia_pin.discovery.comparison import ResidualRegion
 from cdia_pin.effects import CoulombFriction, Payload, from_expression
 from cdia_pin.viewers import verdict_sentences
 from cdia_pin.viewers.words import (
@@ -63,7 +63,7 @@ def test_an_interval_decides_the_digits(value, interval, unit, text):
 
 
 def test_the_ends_of_a_region_are_told_apart():
-    region = Region("j", "velocity", -0.0004, 0.4, 1.0, 0.1, 2.0, "rad/s")
+    region = ResidualRegion("j", "velocity", -0.0004, 0.4, 1.0, 0.1, 2.0, "rad/s")
     assert region_words(region).replace("\xa0", " ") == "velocity in [0.00, 0.40] rad/s"
 
 

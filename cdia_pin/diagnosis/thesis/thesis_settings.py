@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.diagnosis.monitor_settings import changed_fields
 from cdia_pin.diagnosis.thesis.basis import Neurons
 from cdia_pin.diagnosis.thesis.gains import Gains, ScaledGains
 from cdia_pin.diagnosis.thesis.threshold import THRESHOLDS, ThresholdForm
 from cdia_pin.errors import ModelError, unknown_name
+from cdia_pin.phrases import settings_repr
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -84,8 +84,7 @@ class ThesisSettings:
         if self.threshold not in THRESHOLDS:
             raise ModelError(unknown_name("threshold", self.threshold, THRESHOLDS))
 
-    def __repr__(self) -> str:
-        return f"ThesisSettings({changed_fields(self)})"
+    __repr__ = settings_repr
 
 
 def per_joint(robot: RobotModel, name: str, given: float | tuple[float, ...]) -> Array:

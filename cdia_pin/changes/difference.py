@@ -1,0 +1,125 @@
+"""The difference of an effect between logs before and logs after."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects import Effect, Traits, WrappedEffect
+from cdia_pin.effects.rigid_body import RigidBody
+from cdia_pin.effects.state import State
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+INF = float("inf")
+
+
+@dataclass(frozen=True)
+class Difference(WrappedEffect):
+    """An effect by which some logs differ from the others. Its parameters may have either sign.
+
+    Attributes:
+        effect: The effect.
+        logs: Names of the logs in which it is present, see `State.log`.
+    """
+
+    effect: Effect
+    logs: tuple[str, ...]
+
+    @property
+    def traits(self) -> Traits:
+        """Traits of the effect, but not dissipative, because a difference of friction may add power."""
+        return replace(self.effect.traits, dissipative=False)
+
+    @property
+    def bodies(self) -> tuple[RigidBody, ...]:
+        """No bodies, because a difference between two bodies need not be physically consistent."""
+        return ()
+
+    def basis(self, x: State) -> Array:
+        """Return the effect's basis, zero in the other logs.
+
+        Args:
+            x: State along one log, N samples.
+
+        Returns:
+            Torque per unit of each parameter [N·m or N per unit], shape (N, n, p).
+        """
+        return self.effect.basis(x) * self._presence(x)
+
+    def torque(self, x: State, theta: Array) -> Array:
+        """Return the effect's torque, zero in the other logs.
+
+        Args:
+            x: State along one log, N samples.
+            theta: Differences of the parameters, shape (p,).
+
+        Returns:
+            In N·m or N, shape (N, n).
+        """
+        return self.effect.torque(x, theta) * self._presence(x)
+
+    def jacobian(self, x: State, theta: Array) -> Array:
+        """Return the effect's ∂f/∂θ, zero in the other logs.
+
+        Args:
+            x: State along one log, N samples.
+            theta: Differences of the parameters, shape (p,).
+
+        Returns:
+            Torque per unit of each parameter [N·m or N per unit], shape (N, n, p).
+        """
+        return self.effect.jacobian(x, theta) * self._presence(x)
+
+    def shift(self, x: State, theta: Array) -> Array:
+        """Return the effect's shift of positions, zero in the other logs.
+
+        Args:
+            x: State along one log, N samples.
+            theta: Differences of the parameters, shape (p,).
+
+        Returns:
+            In rad or m, shape (N, n).
+        """
+        return self.effect.shift(x, theta) * self._presence(x)
+
+    def gravity_change(self, x: State, theta: Array) -> Array:
+        """Return the effect's change of gravity, zero in the other logs.
+
+        Args:
+            x: State along one log, N samples.
+            theta: Differences of the parameters, shape (p,).
+
+        Returns:
+            In m/s², shape (N, 3).
+        """
+        return self.effect.gravity_change(x, theta) * self._presence(x)
+
+    def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
+        """Return no bounds.
+
+        Args:
+            robot: The robot; not used.
+
+        Returns:
+            Smallest and largest parameters, both infinite, shape (p,) each.
+        """
+        return np.full(self.size, -INF), np.full(self.size, INF)
+
+    def is_physical(self, theta: Array, robot: RobotModel) -> bool:
+        """Return True: any difference is possible on a real arm."""
+        return True
+
+    def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
+        """Return the estimate unchanged, shape (p,)."""
+        return np.array(theta, float)
+
+    def is_distinct(self, theta: Array) -> bool:
+        """Return True: any difference counts."""
+        return True
+
+    def _presence(self, x: State) -> float:
+        return float(x.log in self.logs)
