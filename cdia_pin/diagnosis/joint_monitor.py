@@ -3,8 +3,7 @@
 A joint is healthy until its remainder passes the threshold (*detection*). The remainder is the residual less the
 torque of the believed faults. The joint then collects normal equations, and takes a decision several times a second,
 a *look*. When enough looks in a row agree, the fault is *isolated* and *accommodated*. An effect whose torque stays
-away where it would show is *cleared* (stage ``idle``): it is no longer compensated, but remembered, and recognised at
-once when it returns. No stage is final: later looks may decide otherwise.
+away where it would show is *cleared* (stage ``idle``): it is no longer compensated, but remembered in case it returns.
 """
 
 from __future__ import annotations

@@ -218,7 +218,11 @@ class Dynamics(ModelTerms):
         return tuple(dict.fromkeys(m for t in self.on_motion for m in t.effect.memories))
 
     def memory(self, known: Mapping[Memory, Array] | None = None) -> dict[Memory, Array]:
-        """Return the state of each memory: as it is known, else the initial one, shape (m,) each."""
+        """Return the state of each memory: as it is known, else the initial one, shape (m,) each.
+
+        Args:
+            known: States that are known, shape (m,) each.
+        """
         known = known or {}
         return {m: known[m] if m in known else m.initial_state(self.robot) for m in self.memories}
 

@@ -22,7 +22,11 @@ class Confusion:
     motion: str
 
     def to_dict(self, robot: RobotModel) -> dict[str, Any]:
-        """Return a JSON-ready description."""
+        """Return a JSON-ready description.
+
+        Args:
+            robot: The robot.
+        """
         return {
             "effect": " + ".join(e.label if len(self.effects) > 1 else e.name for e in self.effects),
             "joints": list(dict.fromkeys(j for e in self.effects for j in e.joints(robot))),

@@ -76,7 +76,12 @@ class FixedGains:
     state: tuple[float, ...]
 
     def rate(self, error: Array, at: AdaptationInputs) -> Array:
-        """Return Ẇ = −Γ diag(Φ) M⁻¹ e, shape (F, n, P); see `Gains.rate`."""
+        """Return Ẇ = −Γ diag(Φ) M⁻¹ e, shape (F, n, P); see `Gains.rate`.
+
+        Args:
+            error: Velocity errors e [rad/s or m/s], shape (F, n).
+            at: Inputs of the law.
+        """
         gain = np.where(at.of_torque, np.array(self.torque)[:, None], np.array(self.state)[:, None])
         drive = error @ at.inverse_inertia.T
         return -(gain * at.columns) * drive[:, :, None] * at.used[:, None, :]
@@ -101,7 +106,12 @@ class ScaledGains:
     share: float = 25.0
 
     def rate(self, error: Array, at: AdaptationInputs) -> Array:
-        """Return Ẇ = −Γ diag(Φ) M⁻¹ P e, normalised, shape (F, n, P); see `Gains.rate`."""
+        """Return Ẇ = −Γ diag(Φ) M⁻¹ P e, normalised, shape (F, n, P); see `Gains.rate`.
+
+        Args:
+            error: Velocity errors e [rad/s or m/s], shape (F, n).
+            at: Inputs of the law.
+        """
         P = 1.0 / at.reference
         speed = np.minimum(self.share * at.gamma**2, (FASTEST / at.duration) ** 2)  # [1/s²]
         drive = speed * P * ((error * P) @ at.inverse_inertia.T)  # [N·m/s], (F, n)
