@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,9 @@ from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.scaled_gram import ScaledGram
 from cdia_pin.robot.inertia import pseudo_inertia
 from cdia_pin.robot.model import RobotModel
+
+if TYPE_CHECKING:
+    from clarabel import DefaultSolver
 
 Array = NDArray[np.float64]
 
@@ -34,7 +38,8 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
         robot: The robot.
 
     Returns:
-        Parameters, shape (P,); zeros if the program cannot be solved.
+        Parameters, shape (P,). Where the program cannot be solved, the physical ones next to the best of all, which
+        is a worse fit.
     """
     import clarabel
     from scipy import sparse
@@ -68,10 +73,24 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
     solver = clarabel.DefaultSolver(
         problem, -unit * right / size, constraints, np.concatenate(offsets) / size, cones, settings
     )
-    solution = solver.solve()
-    if str(solution.status) not in {"Solved", "AlmostSolved"}:
-        return np.zeros(len(right))
-    return np.asarray(np.clip(unit * size * np.array(solution.x), lower, upper))
+    solution = _solution(solver)
+    if solution is None:
+        parts = ParameterBlocks.of(effects).split(scaled.solve(right))
+        return np.concatenate([e.nearest_physical(p, robot) for e, p in zip(effects, parts, strict=True)])
+    return np.asarray(np.clip(unit * size * solution, lower, upper))
+
+
+def _solution(solver: DefaultSolver) -> Array | None:
+    """Return the solver's numbers, None if it found none or panicked."""
+    try:
+        solution = solver.solve()
+    except Exception:
+        return None
+    except BaseException as panic:  # what Rust calls a panic is no Exception
+        if type(panic).__name__ != "PanicException":
+            raise
+        return None
+    return np.array(solution.x) if str(solution.status) in {"Solved", "AlmostSolved"} else None
 
 
 def _triangle(matrix: Array) -> Array:
