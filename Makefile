@@ -13,7 +13,7 @@ help:  ## show this list
 install: $(VENV)/.installed  ## the package with every extra and the command cdia, in .venv
 
 test: $(VENV)/.installed-dev  ## all tests
-	$(BIN)/python -m pytest -n $(JOBS)
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal  # a file mostly stays with one worker, and with what it has set up
 
 lint: $(VENV)/.installed-dev  ## format, lint and types
 	$(BIN)/ruff format --check .
