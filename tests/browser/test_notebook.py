@@ -39,9 +39,7 @@ def results() -> dict[str, Any]:
     faulty = measured(2, 12.0, f"coulomb_friction@joint1: level={LEVEL:g}, after=6")
     return {
         "comparison": compare(model, log),
-        "discovery": discover(
-            model, log, settings=DiscoverySettings(effects=FRICTION)
-        ),
+        "discovery": discover(model, log, settings=DiscoverySettings(effects=FRICTION)),
         "run": replay(Monitor(model, healthy=[measured(3, 12.0)], bank=FRICTION), faulty),
     }
 
