@@ -88,7 +88,7 @@ def test_a_command_that_is_interrupted_says_so(tmp_path):
     assert running.stderr.read().splitlines()[-1] == "cdia: error: interrupted"
 
 
-def test_a_view_that_is_interrupted_ends_in_peace():
+def test_a_view_that_is_interrupted_ends_without_an_error():
     running = started("-m", "cdia_pin", "view", "--simulate", "--robot", "ur5", "--no-open")
     assert "http" in running.stdout.readline()
     running.send_signal(signal.SIGINT)
