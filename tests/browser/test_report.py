@@ -21,7 +21,6 @@ from cdia_pin.viewers.page import LARGEST
 
 FAULTY, ONSET = "panda_joint4", 30.0
 EFFECTS = ("coulomb_friction", "torque_offset")
-BANK = ("actuator_gain", "joint_spring", "coulomb_friction")
 STATE = "() => ({...motion.arm.state(), time: motion.player.time})"
 CURSOR = """() => Array.from(document.querySelectorAll('#motion .u-over'), (o) => {
   const x = o.querySelector('.u-cursor-x').style.transform.match(/translate\\((-?[0-9.]+)px/);
@@ -53,7 +52,7 @@ def watched(tmp_path_factory: pytest.TempPathFactory) -> Written:
     robot = load_robot("panda")
     fault = parse_term(f"actuator_gain@{FAULTY}: gain=-0.3, after={ONSET}")
     log = measured(robot, 1, 60.0, f"actuator_gain@{FAULTY}: gain=-0.3, after={ONSET}")
-    run = replay(Monitor(Dynamics(robot), healthy=[measured(robot, 2, 20.0)], bank=BANK), log)
+    run = replay(Monitor(Dynamics(robot), healthy=[measured(robot, 2, 20.0)]), log)
     path = write_monitor_report(tmp_path_factory.mktemp("run") / "watch.html", run, present=[fault])
     return Written(path, log, robot, float(run.time[0]), float(run.time[-1]))
 
