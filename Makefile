@@ -12,8 +12,9 @@ help:  ## show this list
 
 install: $(VENV)/.installed  ## the package with every extra and the command cdia, in .venv
 
+# worksteal: most files stay with one worker, which sets up and compiles for them once.
 test: $(VENV)/.installed-dev  ## all tests
-	$(BIN)/python -m pytest -n $(JOBS)
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 
 lint: $(VENV)/.installed-dev  ## format, lint and types
 	$(BIN)/ruff format --check .

@@ -68,7 +68,7 @@ def test_advice_is_added_to_what_was_asked_for():
         ASKED.converted("colour=red")
 
 
-def test_a_port_that_is_taken_is_told():
+def test_a_port_in_use_is_reported():
     with socket.socket() as taken:
         taken.bind((HOST, 0))
         taken.listen()

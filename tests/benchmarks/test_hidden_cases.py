@@ -174,7 +174,7 @@ NOT_YET = {  # steps of an encoder beat with the samples on even motion: called 
 
 
 @pytest.mark.parametrize("case", SAMPLE, ids=lambda c: c.id)
-def test_the_discovery_answers_as_hoped(case: Case, request: pytest.FixtureRequest) -> None:
+def test_the_discovery_answers_as_expected(case: Case, request: pytest.FixtureRequest) -> None:
     if case.id in NOT_YET:
         request.applymarker(pytest.mark.xfail(reason="docs/results-discovery.md, falls short", strict=True))
     plant, scenario = drawn(case)

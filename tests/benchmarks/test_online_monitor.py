@@ -47,7 +47,7 @@ def only_joint(outcome: Outcome) -> JointOutcome:
 
 @pytest.mark.parametrize("arm", s.ARMS)
 @pytest.mark.parametrize("k", range(3))  # ten seconds each
-def test_healthy_motion_alarms_nobody(outcome_of, arm: str, k: int) -> None:
+def test_healthy_motion_raises_no_alarm(outcome_of, arm: str, k: int) -> None:
     outcome = outcome_of(arm, "healthy", k)
     assert outcome.false_alarms == 0, outcome.said
     assert outcome.said == ()
@@ -64,7 +64,7 @@ def test_healthy_motion_alarms_nobody(outcome_of, arm: str, k: int) -> None:
         ("ur5", "triple", 0),
     ],
 )
-def test_a_fault_is_seen_at_once_named_and_made_up_for(outcome_of, arm: str, suite: str, k: int) -> None:
+def test_a_fault_is_detected_at_once_named_and_compensated(outcome_of, arm: str, suite: str, k: int) -> None:
     outcome = outcome_of(arm, suite, k)
     joint = only_joint(outcome)
     assert joint.delay < 0.2

@@ -338,7 +338,7 @@ def test_faults_add_up(plants) -> None:
 
 
 @pytest.mark.parametrize("effect", ["torque_offset", "rotor_inertia", "payload", "base_tilt", "tool_wrench"])
-def test_fault_begins_when_told_and_grows_along_its_ramp(effect: str, plants) -> None:
+def test_fault_begins_at_its_time_and_grows_along_its_ramp(effect: str, plants) -> None:
     robot = load_robot("ur5")
     always = fault_on(robot, effect)
     fault = Fault(effect, joint=always.joint, after=1.0, ramp=0.5, **always.parameters)

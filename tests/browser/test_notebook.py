@@ -21,6 +21,7 @@ from cdia_pin.selection import DiscoverySettings
 from cdia_pin.viewers.notebook import html_of
 
 LEVEL = 5.0  # [N·m] of the friction that the model lacks
+FRICTION = ("coulomb_friction", "viscous_friction")
 
 
 def measured(seed: int, duration: float, *faults: str) -> Any:
@@ -38,10 +39,8 @@ def results() -> dict[str, Any]:
     faulty = measured(2, 12.0, f"coulomb_friction@joint1: level={LEVEL:g}, after=6")
     return {
         "comparison": compare(model, log),
-        "discovery": discover(
-            model, log, settings=DiscoverySettings(effects=("coulomb_friction", "viscous_friction"))
-        ),
-        "run": replay(Monitor(model, healthy=[measured(3, 12.0)]), faulty),
+        "discovery": discover(model, log, settings=DiscoverySettings(effects=FRICTION)),
+        "run": replay(Monitor(model, healthy=[measured(3, 12.0)], bank=FRICTION), faulty),
     }
 
 

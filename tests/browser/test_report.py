@@ -116,7 +116,7 @@ def test_a_minute_of_a_panda_fits_in_six_megabytes(written: Written):
     assert written.path.stat().st_size <= LARGEST
 
 
-def test_it_opens_from_disk_and_asks_nobody_for_anything(page: Any, written: Written):
+def test_it_opens_from_disk_without_any_request(page: Any, written: Written):
     opened(page, written)
     page.mouse.wheel(0, 4000)
     page.wait_for_timeout(300)
@@ -171,7 +171,7 @@ def test_playing_moves_the_cursor_of_every_chart(page: Any, written: Written):
     assert after == pytest.approx([share] * len(after), abs=0.02)
 
 
-def test_the_hands_off_a_mouse(page: Any, written: Written):
+def test_a_keyboard_is_enough(page: Any, written: Written):
     """Joints are chosen, and time is moved, with the keyboard alone."""
     opened(page, written)
     button = page.locator("#motion .picker:not(.steps) button").nth(1)

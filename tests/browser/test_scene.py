@@ -151,7 +151,7 @@ def test_at_the_end_it_stops_and_begins_again(player):
     assert settled(player, "() => player.time", lambda t: 0 < t < 7)
 
 
-def test_time_is_told(player):
+def test_time_is_reported(player):
     told = player.evaluate(
         "() => { const at = []; player.onTime = (t) => at.push(t); player.seek(2.5); return at; }"
     )

@@ -27,6 +27,8 @@ SIMULATION = (
     "--duration",
     "12",
     "--bank",
+    "coulomb_friction",
+    "--bank",
     "viscous_friction",
     "--rate",
     "250",

@@ -17,7 +17,7 @@ def pair(tmp_path_factory):
     return folder
 
 
-def test_what_changed_is_told_with_its_size(cdia, pair):
+def test_what_changed_is_reported_with_its_size(cdia, pair):
     done = cdia("compare", pair / "cold.csv", pair / "warm.csv", "--robot", "double_pendulum", "--no-check")
     assert done.code == 0, done.err
     assert "From cold.csv to warm.csv: viscous friction on joint1" in " ".join(done.out.split())

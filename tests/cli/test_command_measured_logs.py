@@ -20,7 +20,7 @@ def test_a_bag_says_the_same_as_the_csv(cdia, measured):
 SIMPLE = ("--effects", "coulomb_friction,viscous_friction,torque_offset")  # quick
 LOGS = {
     "panda": ("panda/exciting.csv", "panda", SIMPLE),
-    "ur10": ("ur10/exciting.csv", "ur10", ()),
+    "ur10": ("ur10/exciting.csv", "ur10", SIMPLE),
     "ur10e": ("ur10e/fourier_40s.csv", "ur10e/ur10e.urdf", (*SIMPLE, "--gains", "ur10e/drive_gains.json")),
 }
 

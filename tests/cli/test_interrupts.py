@@ -43,8 +43,25 @@ except KeyboardInterrupt:
 """
 
 
-def started(*arguments):
-    command = python("-m", "cdia_pin", *arguments)
+TELLING = """
+import sys
+from importlib import import_module
+
+module = import_module("cdia_pin.dynamics.simulate")
+run_plant = module.run_plant
+
+def told(*arguments, **options):
+    print("simulating", flush=True)
+    return run_plant(*arguments, **options)
+
+module.run_plant = told
+from cdia_pin.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def started(*program):
+    command = python(*program)
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
@@ -63,15 +80,16 @@ def test_an_interrupt_inside_executed_text_does_not_decide_the_exit_code(tmp_pat
 
 def test_a_command_that_is_interrupted_says_so(tmp_path):
     arguments = ["simulate", "--robot", "ur5", "--duration", "1000", "--out", str(tmp_path / "run.csv")]
-    running = started(*arguments)
-    time.sleep(8.0)  # until it simulates
+    running = started("-c", TELLING, *arguments)
+    assert running.stdout.readline() == "simulating\n"
+    time.sleep(0.5)
     running.send_signal(signal.SIGINT)
     assert running.wait(60) == 130
     assert running.stderr.read().splitlines()[-1] == "cdia: error: interrupted"
 
 
-def test_a_view_that_is_interrupted_ends_in_peace():
-    running = started("view", "--simulate", "--robot", "ur5", "--no-open")
+def test_a_view_that_is_interrupted_ends_without_an_error():
+    running = started("-m", "cdia_pin", "view", "--simulate", "--robot", "ur5", "--no-open")
     assert "http" in running.stdout.readline()
     running.send_signal(signal.SIGINT)
     assert running.wait(60) == 0

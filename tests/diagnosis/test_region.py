@@ -56,7 +56,7 @@ def test_a_fault_that_is_always_there_has_no_region(signals) -> None:
     assert learned(np.ones(400), q, v) is None
 
 
-def test_half_a_torque_tells_neither_presence_nor_absence() -> None:
+def test_half_a_torque_shows_neither_presence_nor_absence() -> None:
     learner = RegionLearner("elbow_joint")
     for k in range(100):
         learner.add(0.45, 0.01 * k, 0.0)

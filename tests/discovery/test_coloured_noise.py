@@ -1,4 +1,7 @@
-"""Coloured noise: over many draws nothing is found in it, and intervals of what is there hold the truth."""
+"""Coloured noise: over a few draws nothing is found in it, and intervals of what is there hold the truth.
+
+`python -m benchmarks.hidden_effects` counts intervals that hold the truth over forty draws of each of its cases.
+"""
 
 from functools import cache
 
@@ -11,7 +14,7 @@ from cdia_pin.discovery import Discovery, discover
 from tests.hidden_plants import labels, plant_of
 
 COLOURS = ("white", "ar1", "pink")
-SEEDS = range(10)
+SEEDS = range(4)
 JOINT, LEVEL = "joint2", 0.05  # [N·m], a quarter of the joint's RMS torque
 
 
@@ -28,8 +31,7 @@ def found(colour: str, seed: int, level: float) -> Discovery:
 def test_nothing_is_found_in_noise(colour):
     results = [found(colour, seed, 0.0) for seed in SEEDS]
     assert [labels(r) for r in results] == [set()] * len(results)
-    # the test for structure is one too: among many logs, a few are called unexplained by chance
-    assert sum(r.verdict == "nothing-missing" for r in results) >= 9
+    assert [r.verdict for r in results] == ["nothing-missing"] * len(results)
 
 
 @pytest.mark.parametrize("colour", COLOURS)
@@ -40,9 +42,9 @@ def test_friction_is_found_by_name_in_noise(colour):
 
 
 @pytest.mark.parametrize("colour", COLOURS)
-def test_intervals_hold_the_truth_in_eight_of_ten(colour):
+def test_intervals_hold_the_truth(colour):
     terms = [found(colour, seed, LEVEL).steps[0].term for seed in SEEDS]
-    assert sum(low <= LEVEL <= high for t in terms for low, high in t.ci95[:1]) >= 8
+    assert sum(low <= LEVEL <= high for t in terms for low, high in t.ci95[:1]) >= len(SEEDS) - 1
 
 
 @pytest.mark.parametrize("colour", COLOURS)

@@ -1,4 +1,8 @@
-"""Effects hidden in a plant that is not our model are found by name; nothing is found where nothing is hidden."""
+"""Effects hidden in a plant that is not our model are found by name; nothing is found where nothing is hidden.
+
+Every effect and every combination is hidden in one of the arms, in turn; `python -m benchmarks.hidden_effects` hides
+every effect in every arm, with every noise.
+"""
 
 import numpy as np
 import pytest
@@ -8,17 +12,15 @@ from tests.hidden_plants import label, labels, plant_of
 
 ARMS = ("ur5", "panda")
 FRACTION = 0.2  # of the joint's RMS torque
+# with a payload, on one joint, on two, one effect twice; the triples have the other effects
+PAIRS = {0: "ur5", 1: "panda", 4: "panda", 6: "ur5", 8: "panda", 9: "panda"}
+TRIPLES = (1, 2, 3, 4)
 
 
-def cases(kind, arms=ARMS):
-    """Name and number of each scenario; the plants are built when the tests run."""
-    count = {
-        "singles": len(scenarios.RECIPES),
-        "pairs": len(scenarios.PAIRS),
-        "triples": len(scenarios.TRIPLES),
-    }
-    names = list(scenarios.RECIPES) if kind == "singles" else [str(k) for k in range(count[kind])]
-    return [pytest.param(arm, k, id=f"{arm}-{name}") for arm in arms for k, name in enumerate(names)]
+def in_turn(names):
+    """Return arm and number of each scenario, the arms in turn; the plants are built when the tests run."""
+    turns = [(ARMS[k % len(ARMS)], k, name) for k, name in enumerate(names)]
+    return [pytest.param(arm, k, id=f"{arm}-{name}") for arm, k, name in turns]
 
 
 def run(kind, arm, k):
@@ -36,7 +38,7 @@ def check(scenario, log_of_run, arm, discovered):
     return found
 
 
-@pytest.mark.parametrize(("arm", "k"), cases("singles"))
+@pytest.mark.parametrize(("arm", "k"), in_turn(scenarios.RECIPES))
 def test_a_single_effect_is_named_and_nothing_else(arm, k, discovered):
     scenario, done = run("singles", arm, k)
     found = check(scenario, done, arm, discovered)
@@ -49,16 +51,16 @@ def test_a_single_effect_is_named_and_nothing_else(arm, k, discovered):
         assert step.term.values["mass"] == pytest.approx(fault.parameters["mass"], rel=0.02)
 
 
-@pytest.mark.parametrize(("arm", "k"), cases("pairs"))
+@pytest.mark.parametrize(("k", "arm"), PAIRS.items())
 def test_pairs_on_one_joint_on_two_and_with_a_payload(arm, k, discovered):
     scenario, done = run("pairs", arm, k)
     check(scenario, done, arm, discovered)
 
 
-@pytest.mark.parametrize(("arm", "k"), cases("triples", ("ur5",)))
-def test_three_at_once(arm, k, discovered):
-    scenario, done = run("triples", arm, k)
-    check(scenario, done, arm, discovered)
+@pytest.mark.parametrize("k", TRIPLES)
+def test_three_at_once(k, discovered):
+    scenario, done = run("triples", "ur5", k)
+    check(scenario, done, "ur5", discovered)
 
 
 @pytest.mark.parametrize("k", range(9))
@@ -72,10 +74,9 @@ def test_nothing_is_missing_from_a_clean_log(k, discovered):
 @pytest.mark.parametrize(
     ("arm", "k"),
     [
-        (arm, k)
-        for arm in ARMS
-        for k, name in enumerate(scenarios.OUTSIDE_RECIPES)
-        if name != "warming_friction"  # a drift, which is found: see test_recognition.py
+        case
+        for case in in_turn(scenarios.OUTSIDE_RECIPES)
+        if "warming_friction" not in case.id  # a drift, which is found: see test_recognition.py
     ],
 )
 def test_what_is_outside_the_vocabulary_is_called_unexplained(arm, k, discovered):

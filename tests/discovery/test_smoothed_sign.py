@@ -50,8 +50,9 @@ def test_coulomb_is_called_coulomb_on_poor_logs(motion, noise):
     assert found.steps[0].term.theta[0] == pytest.approx(3.0, rel=0.03)
 
 
-@pytest.mark.parametrize("motion", [Fourier(), PointToPoint()], ids=["sines", "point to point"])
-@pytest.mark.parametrize("decay", [4.0, 15.0])
+@pytest.mark.parametrize(
+    ("decay", "motion"), [(4.0, PointToPoint()), (15.0, Fourier())], ids=["point to point", "sines"]
+)
 def test_a_wide_stribeck_curve_is_found_with_its_shape_and_size(decay, motion):
     plant = plant_of("ur5")
     fault = Fault("stribeck_friction", joint=ELBOW, level=2.0, breakaway=3.0, decay=decay)

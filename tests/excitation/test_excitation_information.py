@@ -98,7 +98,7 @@ def test_which_of_two_is_separable(ur5, one, two, which):
         ("double_pendulum", "encoder_offset@joint1", "base_tilt", "base_tilt can do as well"),
     ],
 )
-def test_what_no_motion_tells_is_said_with_the_reason(robot, one, two, why):
+def test_what_no_motion_identifies_is_reported_with_the_reason(robot, one, two, why):
     with pytest.raises(EffectError, match=f"no motion of this arm tells {one} from {two}: .*{why}"):
         separable(question(robot), one, two)
 
@@ -142,7 +142,7 @@ def test_other_effects_have_a_share_of_their_joints_torque(ur5):
     assert np.sqrt(covariance[0, 0]) * speed == pytest.approx(ur5.settings.size * torque, rel=1e-6)
 
 
-def test_what_is_fitted_along_makes_two_harder_to_tell():
+def test_what_is_fitted_along_makes_two_harder_to_tell_apart():
     pair = (f"coulomb_friction@{ELBOW}", f"load_friction@{ELBOW}")
     apart = []
     for terms in (

@@ -34,7 +34,7 @@ def named(found: Discovery) -> set[str]:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_the_designed_motion_tells_what_the_poor_one_does_not(case):
+def test_the_designed_motion_decides_what_the_poor_one_leaves_open(case):
     arm, fault, poor, rival = CASES[case]
     plant, hidden = plant_of(arm), label(fault)
     model = Dynamics(plant.robot)

@@ -116,7 +116,7 @@ def test_on_a_poor_motion_the_hidden_effect_is_found_or_named(arm, motion, fault
     assert hidden in named, f"found {labels(result)}, confusable with {sorted(confusable(result))}"
 
 
-def test_what_the_motion_does_tell_is_no_confusion():
+def test_what_the_motion_separates_is_no_confusion():
     """A full motion tells a gain from a mass."""
     log, model = run("ur5", Fault("actuator_gain", joint=ELBOW, gain=-0.2), Fourier())
     result = discover(model, log)

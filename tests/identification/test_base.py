@@ -41,7 +41,7 @@ def test_no_change_of_one_of_them_leaves_torques_alone(robot):
     assert values[-1] > 1e-6 * values[0]
 
 
-def test_values_deviations_and_what_is_told():
+def test_values_deviations_and_what_is_identifiable():
     arm = load_robot("ur5")
     _, reduction = base_reduction(arm)
     n = 10 * arm.n

@@ -137,7 +137,7 @@ def test_without_the_hold_on_the_urdf_a_weak_motion_does_spoil(identified, robot
     )
 
 
-def test_what_one_joint_cannot_tell_stays_as_the_urdf_has_it(identified, robot):
+def test_what_one_joint_cannot_identify_stays_as_in_the_urdf(identified, robot):
     found = identified["single"]
     assert found.base.identifiable.sum() < 0.5 * identified["strong"].base.identifiable.sum()
     nearest_base = found.inertial_parameters[0] - robot.inertial_parameters[0]  # a link that does not move

@@ -295,7 +295,7 @@ def test_profiles_of_terms_are_kept(pendulum):
     assert with_intervals(fitted, equations).terms[0].profile == after(5.0)
 
 
-def test_viscous_friction_is_told_from_none(pendulum):
+def test_viscous_friction_is_distinguished_from_none(pendulum):
     regression = prepared(pendulum, friction)
     model, equations = refit(
         regression, model_with(pendulum, COULOMB, OFFSET, VISCOUS, ViscousFriction("joint2"))

@@ -172,7 +172,7 @@ def test_isolation_and_the_accommodation_at_once_are_one_line(run):
     assert rows[3].joints == "all"
 
 
-def test_what_is_unknown_is_not_told_by_its_weights(run):
+def test_an_unknown_fault_is_not_described_by_its_weights(run):
     unknown = Term(Unknown(joint="joint2"), tuple(np.zeros(Unknown(joint="joint2").size)))
     event = Event(1.0, "isolation", ("joint2",), Verdict.UNKNOWN, (unknown,))
     (row,) = event_rows([event], run.robot)

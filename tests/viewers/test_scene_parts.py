@@ -128,7 +128,7 @@ def test_the_same_arm_gives_the_same_text():
     assert first == second
 
 
-def test_a_slide_is_told_from_a_turn():
+def test_a_slide_differs_from_a_turn():
     joints = {j["name"]: j for j in Scene.of(load_robot("scara")).to_dict()["joints"]}
     assert [j["kind"] for j in joints.values()] == ["revolute", "revolute", "revolute", "prismatic"]
     assert {j["unit"] for j in joints.values()} == {"N·m", "N"}

@@ -141,7 +141,7 @@ class TestView:
         with pytest.raises(CdiaError, match="not of scara"):
             view(load_robot("scara"), run)
 
-    def test_what_cannot_be_written_is_told(self, tmp_path):
+    def test_what_cannot_be_written_is_reported(self, tmp_path):
         (tmp_path / "file").write_text("")
         with pytest.raises(CdiaError, match="cannot be written"):
             view(load_robot("scara")).save(tmp_path / "file" / "arm.html")
