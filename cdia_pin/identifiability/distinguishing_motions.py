@@ -27,6 +27,7 @@ QUICK = 5.0  # [rad/s² or m/s²] at a reversal
 NEAR = 0.02  # [rad or m] around one posture
 NEGLIGIBLE = 1e-9  # norm of a column beside the largest, or share of it that others leave, that is rounding
 ENOUGH = 0.5  # share of the largest separation at which a simpler motion is preferred
+NO_MOTION = "no motion of this arm does"  # how the answer begins where nothing can be driven
 WEIGHTLESS = 1e-9  # share of the largest joint's gravity torque below which gravity does not load a joint
 
 
@@ -77,7 +78,7 @@ def motion_between(one: Effect, other: Effect, robot: RobotModel) -> str:
         robot: The arm.
     """
     if are_alike(robot, one, other):
-        return f"no motion of this arm does: {why_alike([one], [other], robot)}"
+        return f"{NO_MOTION}: {why_alike([one], [other], robot)}"
     return _motion_between(one, other, robot)
 
 

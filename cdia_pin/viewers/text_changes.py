@@ -12,6 +12,7 @@ from rich.table import Table
 
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.words import (
+    advice_words,
     confusion_words,
     effect_name,
     effect_words,
@@ -20,6 +21,7 @@ from cdia_pin.viewers.words import (
     number,
     parameter_name,
     percent,
+    sentence_case,
     short_names,
     with_interval,
     with_unit,
@@ -144,7 +146,7 @@ def _doubts(found: Changes) -> list[str]:
         for x in c.confusions:
             by_motion.setdefault(x.motion, []).append(f"{effect_words(c.term.effect)} ↔ {confusion_words(x)}")
     return [
-        f"Hard to distinguish: {', '.join(pairs)}. To distinguish them, {motion}."
+        f"Hard to distinguish: {', '.join(pairs)}. {sentence_case(advice_words(motion))}."
         for motion, pairs in by_motion.items()
     ]
 

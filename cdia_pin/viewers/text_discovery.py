@@ -14,6 +14,7 @@ from cdia_pin.viewers.cells import clean, new_table
 from cdia_pin.viewers.report_discovery import ShapeRow, parameters, shape_parameters
 from cdia_pin.viewers.verdict import mean_share, verdict_sentences
 from cdia_pin.viewers.words import (
+    advice_words,
     confusion_words,
     effect_name,
     effect_words,
@@ -21,6 +22,7 @@ from cdia_pin.viewers.words import (
     joints_words,
     percent,
     profile_words,
+    sentence_case,
     short_names,
 )
 
@@ -113,7 +115,7 @@ def _confusions(found: Discovery) -> RenderableType:
             pairs.setdefault(effect_words(step.term.effect), []).append(confusion_words(c))
     parts: list[RenderableType] = []
     for motion, pairs in by_motion.items():
-        parts.append(clean(f"To distinguish them, {motion}:", "italic"))
+        parts.append(clean(f"{sentence_case(advice_words(motion))}:", "italic"))
         lines = (clean(f"{one} ↔ {', '.join(few(others))}") for one, others in pairs.items())
         parts += [Padding(line, (0, 0, 0, 2)) for line in lines]
     return Padding(Group(*parts), (0, 1, 1, 1))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cdia_pin.viewers.words import confusion_words, effect_words, few, listed, percent
+from cdia_pin.viewers.words import advice_words, confusion_words, effect_words, few, listed, percent
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison, Discovery, Step
@@ -117,5 +117,5 @@ def _confusion_sentences(steps: Sequence[Step]) -> list[str]:
     others = listed(few(confusion_words(c) for c in step.confusions))
     return [
         f"With this motion, {effect_words(step.term.effect)} is hard to distinguish from {others}; "
-        f"to distinguish them: {step.confusions[0].motion}."
+        f"{advice_words(step.confusions[0].motion)}."
     ]

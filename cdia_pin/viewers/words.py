@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from cdia_pin.discovery.comparison import signal_units
 from cdia_pin.effects import Varying
+from cdia_pin.identifiability.distinguishing_motions import NO_MOTION
 
 if TYPE_CHECKING:
     from cdia_pin.discovery.comparison import ResidualRegion
@@ -86,6 +87,24 @@ def with_unit(text: str, unit: str) -> str:
         unit: Its unit; 1 is not written.
     """
     return text if unit == "1" else f"{text}{NO_BREAK}{unit}"
+
+
+def advice_words(motion: str) -> str:
+    """Return what to drive to distinguish two explanations, or that no motion does, as the end of a sentence.
+
+    Args:
+        motion: Of a confusion.
+    """
+    return motion if motion.startswith(NO_MOTION) else f"to distinguish them, {motion}"
+
+
+def sentence_case(text: str) -> str:
+    """Return a text whose first letter is a capital.
+
+    Args:
+        text: Not empty.
+    """
+    return text[0].upper() + text[1:]
 
 
 def region_words(region: ResidualRegion) -> str:

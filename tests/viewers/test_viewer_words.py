@@ -102,7 +102,7 @@ def test_explained_names_the_effect_and_the_doubt(doubtful):
     said = " ".join(verdict_sentences(doubtful))
     assert "down to the noise once stribeck friction on joint3 is added" in said
     assert (
-        "hard to distinguish from coulomb friction on joint3; to distinguish them: move the joint slowly"
+        "hard to distinguish from coulomb friction on joint3; to distinguish them, move the joint slowly"
         in said
     )
 
