@@ -74,7 +74,7 @@ class Run:
         return State(plant.robot, self.q, self.v, self.a, self.effort, self.time, self.sign_width)
 
 
-class Step(NamedTuple):
+class SimulationStep(NamedTuple):
     """True motion and torques at one step of a simulation.
 
     Attributes:
@@ -182,7 +182,7 @@ def steps(
     controller: Controller | None,
     width: Array,
     step: float,
-) -> Iterator[Step]:
+) -> Iterator[SimulationStep]:
     """Integrate a plant under control step by step, without an end.
 
     Args:
@@ -216,7 +216,7 @@ def steps(
             a = moving.forward_dynamics(q, v, tau, t, width, memory)
             if k % WATCHED == 0:
                 _require_bounded(robot, v, t, step)
-            yield Step(t, q, v, a, tau)
+            yield SimulationStep(t, q, v, a, tau)
             half = half + (step if k else 0.5 * step) * a
             if memory:
                 x = State.of(robot, q, v, a, effort=tau, time=t, sign_width=width, memory=memory)

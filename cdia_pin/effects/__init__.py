@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cdia_pin.effects.actuation import ActuatorGain, JointSpring, PositionRipple, RotorInertia, TorqueOffset
+from cdia_pin.effects.drift import Drift
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.environment import BaseTilt, ToolWrench, ViscousMedium
 from cdia_pin.effects.expression import Expression, from_expression
@@ -20,6 +21,7 @@ from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.link_inertias import LinkInertias
 from cdia_pin.effects.nonlinear_effect import NonlinearEffect
 from cdia_pin.effects.parameter import Parameter
+from cdia_pin.effects.per_log import PerLog
 from cdia_pin.effects.plausibility import Plausibility
 from cdia_pin.effects.profile import (
     ALWAYS,
@@ -39,7 +41,8 @@ from cdia_pin.effects.stateful_effect import StatefulEffect
 from cdia_pin.effects.term import Term
 from cdia_pin.effects.traits import Channel, Signal, Traits
 from cdia_pin.effects.unknown import Unknown
-from cdia_pin.effects.varying import Drift, PerLog, Varying, varied
+from cdia_pin.effects.variations import varied
+from cdia_pin.effects.varying import Varying
 from cdia_pin.effects.vocabulary import EFFECTS, effect_from_dict, parse_effect, register
 from cdia_pin.effects.wrapped import WrappedEffect
 

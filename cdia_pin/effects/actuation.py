@@ -33,7 +33,11 @@ class ActuatorGain(JointEffect):
     parameters = (Parameter("gain", "1", lower=-0.999, upper=10.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the column of the gain."""
+        """Return the column of the gain.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         return [x.effort]
 
 
@@ -47,7 +51,11 @@ class TorqueOffset(JointEffect):
     parameters = (Parameter("offset", "{effort}"),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the column of the offset."""
+        """Return the column of the offset.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         return [np.ones_like(x.q)]
 
 
@@ -61,7 +69,11 @@ class RotorInertia(JointEffect):
     parameters = (Parameter("inertia", "{inertia}", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the column of the inertia."""
+        """Return the column of the inertia.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         return [-x.a]
 
 
@@ -75,7 +87,11 @@ class JointSpring(JointEffect):
     parameters = (Parameter("stiffness", "{effort}/{position}", lower=0.0), Parameter("preload", "{effort}"))
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the columns of stiffness and preload."""
+        """Return the columns of stiffness and preload.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         return [-x.q, np.ones_like(x.q)]
 
 
@@ -98,13 +114,20 @@ class PositionRipple(JointEffect):
     shape = (Parameter("frequency", "1/{position}", lower=0.1, upper=1e3),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the sine and cosine columns."""
+        """Return the sine and cosine columns.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         return [np.sin(self.frequency * x.q), np.cos(self.frequency * x.q)]
 
     def shape_grid(self, x: State) -> Sequence[Self]:
         """Return frequencies that can be a ripple on the range driven, finely enough to miss none.
 
         Either two periods of it are seen, or it is as fast as what motors and gears make.
+
+        Args:
+            x: Motion and torques, N samples.
         """
         travel = float(np.ptp(x.q[:, x.robot.joint_index(self.joint)]))
         if travel < 1e-3:

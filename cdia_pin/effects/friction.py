@@ -32,7 +32,11 @@ class CoulombFriction(JointEffect):
     parameters = (Parameter("level", "{effort}", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the column of the level."""
+        """Return the column of the level.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         return [-x.sign]
 
 
@@ -46,7 +50,11 @@ class ViscousFriction(JointEffect):
     parameters = (Parameter("coefficient", VISCOUS, lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the column of the coefficient."""
+        """Return the column of the coefficient.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         return [-x.v]
 
 
@@ -70,7 +78,11 @@ class StribeckFriction(JointEffect):
     shape = (Parameter("decay", "s/{position}", lower=1e-3, upper=1e4),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the columns of the level and of the breakaway part."""
+        """Return the columns of the level and of the breakaway part.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         return [-x.sign, -np.exp(-self.decay * np.abs(x.v)) * x.sign]
 
     def is_distinct(self, theta: Array) -> bool:
@@ -113,7 +125,11 @@ class AsymmetricFriction(JointEffect):
     )
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the columns of both levels, then of both coefficients."""
+        """Return the columns of both levels, then of both coefficients.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         forth, back = np.maximum(x.sign, 0.0), np.minimum(x.sign, 0.0)
         return [-forth, -back, -np.maximum(x.v, 0.0), -np.minimum(x.v, 0.0)]
 
@@ -128,7 +144,11 @@ class QuadraticFriction(JointEffect):
     parameters = (Parameter("coefficient", "{effort}·s²/{position}²", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the column of the coefficient."""
+        """Return the column of the coefficient.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         return [-np.abs(x.v) * x.v]
 
 
@@ -142,7 +162,11 @@ class LoadFriction(JointEffect):
     parameters = (Parameter("coefficient", "1", lower=0.0, upper=1.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the column of the coefficient."""
+        """Return the column of the coefficient.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         return [-np.abs(x.effort) * x.sign]
 
 
@@ -170,7 +194,11 @@ class CoupledFriction(Effect):
             raise EffectError(f"{self.name} takes two different joints, given {self.joint} twice")
 
     def check(self, robot: RobotModel) -> None:
-        """Make sure that both joints are of the robot, and turn or slide alike: their speeds are added."""
+        """Make sure that both joints are of the robot, and turn or slide alike: their speeds are added.
+
+        Args:
+            robot: The arm, n joints.
+        """
         super().check(robot)
         i, j = self.acts_on(robot)
         if robot.is_prismatic[i] != robot.is_prismatic[j]:
@@ -192,7 +220,11 @@ class CoupledFriction(Effect):
         return out
 
     def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
-        """Return the indices of both joints."""
+        """Return the indices of both joints.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return (robot.joint_index(self.joint), robot.joint_index(self.other))
 
     @classmethod

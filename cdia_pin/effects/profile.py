@@ -46,7 +46,11 @@ class Profile(ABC):
         return frozenset({Signal.TIME})
 
     def check(self, robot: RobotModel) -> None:  # noqa: B027  (most profiles name nothing)
-        """Make sure that the robot has what the profile names; raises RobotError."""
+        """Make sure that the robot has what the profile names; raises RobotError.
+
+        Args:
+            robot: The arm, n joints.
+        """
 
     @abstractmethod
     def __call__(self, x: State) -> Array:
@@ -139,7 +143,11 @@ class Region(Profile):
         return frozenset({SIGNAL_OF_REGION[self.signal]})
 
     def check(self, robot: RobotModel) -> None:
-        """Make sure that the joint is of the robot; raises RobotError."""
+        """Make sure that the joint is of the robot; raises RobotError.
+
+        Args:
+            robot: The arm, n joints.
+        """
         robot.joint_index(self.joint)
 
     def __call__(self, x: State) -> Array:

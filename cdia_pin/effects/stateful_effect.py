@@ -42,9 +42,20 @@ class StatefulEffect(Memory, JointEffect):
         """
 
     def advance(self, z: Array, x: State, dq: Array, dt: float) -> Array:
-        """Return z after a step of the arm, shape (m,); see `Memory.advance`."""
+        """Return z after a step of the arm, shape (m,); see `Memory.advance`.
+
+        Args:
+            z: At the beginning of the step, shape (m,).
+            x: One sample at the beginning of the step.
+            dq: Motion during the step [rad or m], shape (n,).
+            dt: Duration of the step [s], above 0.
+        """
         return self.step(z, x.joint(self.joint), float(dq[x.robot.joint_index(self.joint)]), dt)
 
     def of_joint(self, x: State) -> JointState:
-        """Return the signals of the joint, with z at each sample."""
+        """Return the signals of the joint, with z at each sample.
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return replace(x.joint(self.joint), memory=self.along(x))

@@ -72,7 +72,11 @@ class Unknown(JointEffect):
         )
 
     def columns(self, x: JointState) -> Sequence[Array]:
-        """Return the activation of each neuron and the torque."""
+        """Return the activation of each neuron and the torque.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
         at_q = [np.exp(-(((x.q - c) / self.position_width) ** 2)) for c in self.position_centres]
         at_v = [np.exp(-(((x.v - c) / self.velocity_width) ** 2)) for c in self.velocity_centres]
         return at_q + at_v + [x.effort]
@@ -95,5 +99,9 @@ class Unknown(JointEffect):
         )
 
     def shape_grid(self, x: State) -> Sequence[Self]:
-        """Return the effect spread over the motion."""
+        """Return the effect spread over the motion.
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return [self.fitted_to(x)]

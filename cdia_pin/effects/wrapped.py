@@ -79,43 +79,89 @@ class WrappedEffect(Effect):
     # ------------------------------------------------------------- physics
 
     def basis(self, x: State) -> Array:
-        """Return Φ, shape (N, n, p)."""
+        """Return Φ, shape (N, n, p).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return self.effect.basis(x)
 
     def torque(self, x: State, theta: Array) -> Array:
-        """Return f [N·m or N] for parameters θ (p,), shape (N, n)."""
+        """Return f [N·m or N] for parameters θ (p,), shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
         return self.effect.torque(x, theta)
 
     def jacobian(self, x: State, theta: Array) -> Array:
-        """Return ∂f/∂θ for parameters θ (p,), shape (N, n, p)."""
+        """Return ∂f/∂θ for parameters θ (p,), shape (N, n, p).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
         return self.effect.jacobian(x, theta)
 
     def shift(self, x: State, theta: Array) -> Array:
-        """Return by how much the arm is further than its encoders read [rad or m], shape (N, n)."""
+        """Return by how much the arm is further than its encoders read [rad or m], shape (N, n).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
         return self.effect.shift(x, theta)
 
     def gravity_change(self, x: State, theta: Array) -> Array:
-        """Return by how much gravity differs from the robot's [m/s²], shape (N, 3)."""
+        """Return by how much gravity differs from the robot's [m/s²], shape (N, 3).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
+        """
         return self.effect.gravity_change(x, theta)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
-        """Return the smallest and largest physical parameters, each shape (p,)."""
+        """Return the smallest and largest physical parameters, each shape (p,).
+
+        Args:
+            robot: The arm, n joints.
+        """
         return self.effect.bounds(robot)
 
     def is_physical(self, theta: Array, robot: RobotModel) -> bool:
-        """Tell whether the parameters, taken together, can belong to a real arm."""
+        """Tell whether the parameters, taken together, can belong to a real arm.
+
+        Args:
+            theta: Parameters θ, shape (p,).
+            robot: The arm, n joints.
+        """
         return self.effect.is_physical(theta, robot)
 
     def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
-        """Return the physical parameters next to an estimate, shape (p,)."""
+        """Return the physical parameters next to an estimate, shape (p,).
+
+        Args:
+            theta: Parameters θ, shape (p,).
+            robot: The arm, n joints.
+        """
         return self.effect.nearest_physical(theta, robot)
 
     def prior_scale(self, robot: RobotModel) -> Array:
-        """Return the prior standard deviation of each parameter, shape (p,)."""
+        """Return the prior standard deviation of each parameter, shape (p,).
+
+        Args:
+            robot: The arm, n joints.
+        """
         return self.effect.prior_scale(robot)
 
     def is_distinct(self, theta: Array) -> bool:
-        """Tell whether the parameters make it more than a simpler effect with another name."""
+        """Tell whether the parameters make it more than a simpler effect with another name.
+
+        Args:
+            theta: Parameters θ, shape (p,).
+        """
         return self.effect.is_distinct(theta)
 
     # ------------------------------------------------------------- scope and names
@@ -136,19 +182,35 @@ class WrappedEffect(Effect):
         return self.effect.label
 
     def check(self, robot: RobotModel) -> None:
-        """Make sure that the robot can have the inner effect."""
+        """Make sure that the robot can have the inner effect.
+
+        Args:
+            robot: The arm, n joints.
+        """
         self.effect.check(robot)
 
     def joints(self, robot: RobotModel) -> tuple[str, ...]:
-        """Return the joints that the inner effect names; all of them for an effect of the whole arm."""
+        """Return the joints that the inner effect names; all of them for an effect of the whole arm.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return self.effect.joints(robot)
 
     def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
-        """Return the indices of the joints whose torque the inner effect can change."""
+        """Return the indices of the joints whose torque the inner effect can change.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return self.effect.acts_on(robot)
 
     def units(self, robot: RobotModel) -> tuple[str, ...]:
-        """Return the unit of each parameter on this robot."""
+        """Return the unit of each parameter on this robot.
+
+        Args:
+            robot: The arm, n joints.
+        """
         return self.effect.units(robot)
 
     @property
@@ -157,11 +219,19 @@ class WrappedEffect(Effect):
         return self.effect.shape_values
 
     def with_shape(self, **shape: float) -> Self:
-        """Return the effect with other shape parameters of the inner effect."""
+        """Return the effect with other shape parameters of the inner effect.
+
+        Args:
+            shape: New values by name, each in the unit that `shape` states.
+        """
         return replace(self, effect=self.effect.with_shape(**shape))  # type: ignore[type-var]
 
     def shape_grid(self, x: State) -> Sequence[Self]:
-        """Return the effect at the shapes of the inner effect that are worth trying on this motion."""
+        """Return the effect at the shapes of the inner effect that are worth trying on this motion.
+
+        Args:
+            x: Motion and torques, N samples.
+        """
         return [replace(self, effect=e) for e in self.effect.shape_grid(x)]  # type: ignore[type-var]
 
     def to_dict(self) -> EffectRecord:

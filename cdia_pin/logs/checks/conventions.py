@@ -26,7 +26,7 @@ LIKELY = 0.7  # [1], gain in misfit that is reported as possible
 BROKEN = 0.2  # [1], unexplained share above which an effort may be misread; missing physics leaves less
 
 
-class Change(StrEnum):
+class ConventionChange(StrEnum):
     """One change of conventions that the search tries."""
 
     EFFORT_SIGN = "effort sign"
@@ -101,7 +101,7 @@ class Trial:
         gain: Fall of the misfit by the change [1].
     """
 
-    kind: Change
+    kind: ConventionChange
     joints: tuple[int, ...]
     conventions: Conventions
     share: Array
@@ -170,34 +170,38 @@ def _mends(old: Array, new: Array) -> bool:
 
 def _changes(
     current: Conventions, motion: SmoothedMotion, robot: RobotModel
-) -> Iterator[tuple[Change, tuple[int, ...], Conventions]]:
+) -> Iterator[tuple[ConventionChange, tuple[int, ...], Conventions]]:
     moves = motion.moves[list(current.position_column)]
     for k in np.flatnonzero(moves).tolist():
         effort = _negated(current.effort_sign, k)
         position = _negated(current.position_sign, k)
-        yield Change.EFFORT_SIGN, (k,), replace(current, effort_sign=effort)
-        yield Change.POSITION_SIGN, (k,), replace(current, position_sign=position)
-        yield Change.BOTH_SIGNS, (k,), replace(current, effort_sign=effort, position_sign=position)
+        yield ConventionChange.EFFORT_SIGN, (k,), replace(current, effort_sign=effort)
+        yield ConventionChange.POSITION_SIGN, (k,), replace(current, position_sign=position)
+        yield ConventionChange.BOTH_SIGNS, (k,), replace(current, effort_sign=effort, position_sign=position)
     for i, j in itertools.combinations(range(robot.n), 2):
         if not (moves[i] or moves[j]):
             continue
         effort_column = _swapped(current.effort_column, i, j)
         position_column = _swapped(current.position_column, i, j)
         yield (
-            Change.ORDER,
+            ConventionChange.ORDER,
             (i, j),
             replace(current, effort_column=effort_column, position_column=position_column),
         )
         if moves[i] and moves[j]:
-            yield Change.EFFORT_ORDER, (i, j), replace(current, effort_column=effort_column)
+            yield ConventionChange.EFFORT_ORDER, (i, j), replace(current, effort_column=effort_column)
     for order in _whole_orders(robot.joints):
         both = (_reordered(current.position_column, order), _reordered(current.effort_column, order))
         changed = tuple(k for k in range(robot.n) if order[k] != k)
-        yield Change.ORDER, changed, replace(current, position_column=both[0], effort_column=both[1])
-        yield Change.EFFORT_ORDER, changed, replace(current, effort_column=both[1])
+        yield (
+            ConventionChange.ORDER,
+            changed,
+            replace(current, position_column=both[0], effort_column=both[1]),
+        )
+        yield ConventionChange.EFFORT_ORDER, changed, replace(current, effort_column=both[1])
     if current.angle == 1.0 and not robot.is_prismatic.all():
         revolute = tuple(np.flatnonzero(~robot.is_prismatic).tolist())
-        yield Change.DEGREES, revolute, replace(current, angle=DEGREE)
+        yield ConventionChange.DEGREES, revolute, replace(current, angle=DEGREE)
 
 
 class _Shares:

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cdia_pin.logs.checks.conventions import DEGREE, LIKELY, Change, Conventions, ConventionSearch, Trial
+from cdia_pin.logs.checks.conventions import (
+    DEGREE,
+    LIKELY,
+    ConventionChange,
+    Conventions,
+    ConventionSearch,
+    Trial,
+)
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.log import Log
 
@@ -164,7 +171,7 @@ def _angles_out_of_reach(log: Log, robot: RobotModel, search: ConventionSearch) 
     fits = (as_degrees > limits.lower - 0.01) & (as_degrees < limits.upper + 0.01)
     turns = np.maximum(2 * np.pi, np.where(np.isfinite(limits.upper), limits.upper, 0.0))
     beyond = revolute & (most > 1.2 * turns)
-    against = next((t.gain for t in search.rest if t.kind is Change.DEGREES), 0.0)
+    against = next((t.gain for t in search.rest if t.kind is ConventionChange.DEGREES), 0.0)
     if beyond.any() and fits[:, revolute].all() and against > -LIKELY:
         yield Finding(
             Topic.UNITS,
@@ -177,11 +184,11 @@ def _angles_out_of_reach(log: Log, robot: RobotModel, search: ConventionSearch) 
 
 def _signs(log: Log, search: ConventionSearch) -> Finding:
     """Report the joints whose sign is certain, and those whose axis may be reversed."""
-    flips = {t.joints[0]: -t.gain for t in search.rest if t.kind is Change.EFFORT_SIGN}
+    flips = {t.joints[0]: -t.gain for t in search.rest if t.kind is ConventionChange.EFFORT_SIGN}
     sure = [log.joints[k] for k in sorted(flips) if flips[k] > LIKELY]
     unsure = [log.joints[k] for k in sorted(flips) if flips[k] <= LIKELY]
     open_axes = sorted(
-        t.joints[0] for t in search.rest if t.kind is Change.BOTH_SIGNS and t.gain > -UNDECIDED
+        t.joints[0] for t in search.rest if t.kind is ConventionChange.BOTH_SIGNS and t.gain > -UNDECIDED
     )
     mirrored = [log.joints[k] for k in open_axes]
     parts = []
@@ -203,7 +210,7 @@ def _signs(log: Log, search: ConventionSearch) -> Finding:
 
 def _order(log: Log, search: ConventionSearch) -> Finding:
     """Report the joints that could be exchanged without a worse fit."""
-    swaps = [t for t in search.rest if t.kind is Change.ORDER and len(t.joints) == 2]
+    swaps = [t for t in search.rest if t.kind is ConventionChange.ORDER and len(t.joints) == 2]
     open_pairs: list[Trial] = [t for t in swaps if t.gain > -UNDECIDED]
     pairs = [" ↔ ".join(log.joints[k] for k in t.joints) for t in open_pairs]
     value = {"cannot_tell": [[log.joints[k] for k in t.joints] for t in open_pairs]}
