@@ -44,6 +44,7 @@ from cdia_pin.robot import RobotModel as RobotModel
 from cdia_pin.robot import load_robot as load_robot
 from cdia_pin.robot import write_corrected_urdf as write_corrected_urdf
 from cdia_pin.selection import DiscoverySettings as DiscoverySettings
+from cdia_pin.selection import SelectionCriterion as SelectionCriterion
 from cdia_pin.version import __version__ as __version__
 from cdia_pin.viewers import write_monitor_report as write_monitor_report
 from cdia_pin.viewers import write_report as write_report

@@ -51,10 +51,10 @@ def doubts(session: Session) -> list[Doubt]:
 
 
 def _doubt(term: Term, confusions: tuple[Confusion, ...], robot: RobotModel) -> Doubt:
-    told = [c for c in confusions if not are_alike(robot, term.effect, c.effects[0])]
-    first = (told or confusions)[0]
-    others = listed(few(confusion_words(c) for c in told or confusions))
-    return Doubt(term.effect, first.effects, others, first.motion, bool(told))
+    separable = [c for c in confusions if not are_alike(robot, term.effect, c.effects[0])]
+    first = (separable or confusions)[0]
+    others = listed(few(confusion_words(c) for c in separable or confusions))
+    return Doubt(term.effect, first.effects, others, first.motion, bool(separable))
 
 
 def _doubtful(session: Session) -> Iterator[tuple[Term, tuple[Confusion, ...]]]:

@@ -1,9 +1,9 @@
 """The monitor of one joint: the four stages of the scheme and the transitions between them ([Thesis] fig. 6).
 
 A joint is healthy until its remainder passes the threshold (*detection*). The remainder is the residual less the
-torque of the believed faults. The joint then collects normal equations, and takes a decision several times a second,
-a *look*. When enough looks in a row agree, the fault is *isolated* and *accommodated*. An effect whose torque stays
-away where it would show is *cleared* (stage ``idle``): it is no longer compensated, but remembered in case it returns.
+torque of the present faults. The joint then collects normal equations and decides several times a second (a *look*).
+When enough looks in a row agree, the fault is *isolated* and *accommodated*. An effect whose torque stays away where it
+would show is *cleared* (stage ``idle``) but remembered. No stage is final: later looks may decide otherwise.
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Literal, NotRequired, TypedDict
 
 from cdia_pin.changes.phenomenon import PhenomenonJson
+from cdia_pin.identifiability.confusion import ConfusionJson
 from cdia_pin.logs.motion import MotionRecord
 
 ByJoint = dict[str, float]  # one number per joint, by the joint's name
@@ -67,7 +68,7 @@ class FoundEffectJson(TypedDict):
     parameters: Mapping[str, Any]
     shape: NotRequired[Mapping[str, Any]]
     varies: NotRequired[Mapping[str, Any]]
-    confusable_with: list[Mapping[str, Any]]
+    confusable_with: list[ConfusionJson]
 
 
 class BeforeAfter(TypedDict):

@@ -145,17 +145,10 @@ class Dynamics(ModelTerms):
             tau: Actuator torques [N·m or N], shape (n,).
             time: Time [s].
             sign_width: Speed below which sgn q̇ is smoothed [rad/s or m/s], scalar or shape (n,).
+            memory: States of effects with memory, from `memory` and `remembered`; initial ones if omitted.
 
         Returns:
             Accelerations [rad/s² or m/s²], shape (n,).
-
-        Args:
-            q: Positions [rad or m], shape (n,).
-            v: Velocities [rad/s or m/s], shape (n,).
-            tau: Actuator torques [N·m or N], shape (n,).
-            time: Time [s].
-            sign_width: Speed below which sgn q̇ is smoothed [rad/s or m/s], scalar or shape (n,).
-            memory: States of effects with memory, from `memory` and `remembered`; initial ones if omitted.
 
         Raises:
             ModelError: If the inertia is singular, for example because of a missing mass or rotor inertia.
@@ -221,7 +214,7 @@ class Dynamics(ModelTerms):
         """Return the state of each memory: as it is known, else the initial one, shape (m,) each.
 
         Args:
-            known: States that are known, shape (m,) each.
+            known: States that are known, shape (m,) each; others begin anew.
         """
         known = known or {}
         return {m: known[m] if m in known else m.initial_state(self.robot) for m in self.memories}

@@ -41,7 +41,7 @@ from cdia_pin.effects.stateful_effect import StatefulEffect
 from cdia_pin.effects.term import Term
 from cdia_pin.effects.traits import Channel, Signal, Traits
 from cdia_pin.effects.unknown import Unknown
-from cdia_pin.effects.variation import varied
+from cdia_pin.effects.variations import varied
 from cdia_pin.effects.varying import Varying
 from cdia_pin.effects.vocabulary import EFFECTS, effect_from_dict, parse_effect, register
 from cdia_pin.effects.wrapped import WrappedEffect

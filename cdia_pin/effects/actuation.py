@@ -36,7 +36,7 @@ class ActuatorGain(JointEffect):
         """Return the column of the gain.
 
         Args:
-            x: Motion of the joint, N samples.
+            x: Signals of the joint, N samples.
         """
         return [x.effort]
 
@@ -54,7 +54,7 @@ class TorqueOffset(JointEffect):
         """Return the column of the offset.
 
         Args:
-            x: Motion of the joint, N samples.
+            x: Signals of the joint, N samples.
         """
         return [np.ones_like(x.q)]
 
@@ -72,7 +72,7 @@ class RotorInertia(JointEffect):
         """Return the column of the inertia.
 
         Args:
-            x: Motion of the joint, N samples.
+            x: Signals of the joint, N samples.
         """
         return [-x.a]
 
@@ -90,7 +90,7 @@ class JointSpring(JointEffect):
         """Return the columns of stiffness and preload.
 
         Args:
-            x: Motion of the joint, N samples.
+            x: Signals of the joint, N samples.
         """
         return [-x.q, np.ones_like(x.q)]
 
@@ -117,7 +117,7 @@ class PositionRipple(JointEffect):
         """Return the sine and cosine columns.
 
         Args:
-            x: Motion of the joint, N samples.
+            x: Signals of the joint, N samples.
         """
         return [np.sin(self.frequency * x.q), np.cos(self.frequency * x.q)]
 
@@ -127,7 +127,7 @@ class PositionRipple(JointEffect):
         Either two periods of it are seen, or it is as fast as what motors and gears make.
 
         Args:
-            x: State along the motion, N samples.
+            x: Motion and torques, N samples.
         """
         travel = float(np.ptp(x.q[:, x.robot.joint_index(self.joint)]))
         if travel < 1e-3:

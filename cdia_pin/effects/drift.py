@@ -53,7 +53,7 @@ class Drift(Varying):
         """Return the shares of the first and of the second parameters, shape (N, 2).
 
         Args:
-            x: State along the motion, N samples.
+            x: Motion and torques, N samples.
         """
         since = np.maximum(x.time - self.start, 0.0) / self.time_constant
         share = np.expm1(-since) / np.expm1(-(self.end - self.start) / self.time_constant)
@@ -86,7 +86,7 @@ class Drift(Varying):
         """Return time constants from a quarter of the log's length to twice its length: a drift is slow.
 
         Args:
-            x: State along the motion, N samples.
+            x: Motion and torques, N samples.
         """
         length = self.end - self.start
         return [self.with_shape(time_constant=float(t)) for t in length * np.geomspace(0.25, 2.0, 4)]

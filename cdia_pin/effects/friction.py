@@ -35,7 +35,7 @@ class CoulombFriction(JointEffect):
         """Return the column of the level.
 
         Args:
-            x: Motion of the joint, N samples.
+            x: Signals of the joint, N samples.
         """
         return [-x.sign]
 
@@ -53,7 +53,7 @@ class ViscousFriction(JointEffect):
         """Return the column of the coefficient.
 
         Args:
-            x: Motion of the joint, N samples.
+            x: Signals of the joint, N samples.
         """
         return [-x.v]
 
@@ -81,7 +81,7 @@ class StribeckFriction(JointEffect):
         """Return the columns of the level and of the breakaway part.
 
         Args:
-            x: Motion of the joint, N samples.
+            x: Signals of the joint, N samples.
         """
         return [-x.sign, -np.exp(-self.decay * np.abs(x.v)) * x.sign]
 
@@ -128,7 +128,7 @@ class AsymmetricFriction(JointEffect):
         """Return the columns of both levels, then of both coefficients.
 
         Args:
-            x: Motion of the joint, N samples.
+            x: Signals of the joint, N samples.
         """
         forth, back = np.maximum(x.sign, 0.0), np.minimum(x.sign, 0.0)
         return [-forth, -back, -np.maximum(x.v, 0.0), -np.minimum(x.v, 0.0)]
@@ -147,7 +147,7 @@ class QuadraticFriction(JointEffect):
         """Return the column of the coefficient.
 
         Args:
-            x: Motion of the joint, N samples.
+            x: Signals of the joint, N samples.
         """
         return [-np.abs(x.v) * x.v]
 
@@ -165,7 +165,7 @@ class LoadFriction(JointEffect):
         """Return the column of the coefficient.
 
         Args:
-            x: Motion of the joint, N samples.
+            x: Signals of the joint, N samples.
         """
         return [-np.abs(x.effort) * x.sign]
 
@@ -197,7 +197,7 @@ class CoupledFriction(Effect):
         """Make sure that both joints are of the robot, and turn or slide alike: their speeds are added.
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
         super().check(robot)
         i, j = self.acts_on(robot)
@@ -223,7 +223,7 @@ class CoupledFriction(Effect):
         """Return the indices of both joints.
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
         return (robot.joint_index(self.joint), robot.joint_index(self.other))
 

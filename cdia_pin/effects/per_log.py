@@ -48,7 +48,7 @@ class PerLog(Varying):
         """Return one in the log that the state is of, shape (N, number of logs).
 
         Args:
-            x: State along the motion, N samples.
+            x: Motion and torques, N samples.
         """
         row = np.array([float(name == x.log) for name in self.logs])
         return np.tile(row if row.any() else np.full(len(row), 1.0 / len(row)), (len(x), 1))

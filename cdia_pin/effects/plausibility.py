@@ -1,4 +1,4 @@
-"""Plausibility: how readily a search believes in an effect, beside how well it fits."""
+"""Plausibility: how likely an effect is before any data."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Plausibility:
-    """How readily a search believes in an effect, beside how well it fits. It is no physics.
+    """How likely an effect is before any data; a search asks less likely effects for more evidence.
 
     Attributes:
-        penalty: What the effect must explain more than another explanation to be preferred to it, added to its
-            penalty [1, as χ²].
+        penalty: Added to the effect's penalty in the criterion, in variances of the noise [1].
         collective: Whether the effect stands for many small errors at once. Then it needs no large torque to be
             named, and no single effect takes its place.
     """

@@ -49,7 +49,7 @@ class Profile(ABC):
         """Make sure that the robot has what the profile names; raises RobotError.
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
 
     @abstractmethod
@@ -146,7 +146,7 @@ class Region(Profile):
         """Make sure that the joint is of the robot; raises RobotError.
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
         robot.joint_index(self.joint)
 

@@ -45,7 +45,7 @@ class EncoderOffset(NonlinearEffect):
 
         Args:
             x: Motion and torques, N samples.
-            theta: The one parameter, δ [rad or m] or d [s], shape (1,).
+            theta: δ [rad or m], shape (1,).
         """
         return x.rigid_torque - x.with_position(x.q + self.shift(x, theta)).rigid_torque
 
@@ -104,7 +104,7 @@ class EffortDelay(NonlinearEffect):
 
         Args:
             x: Motion and torques, N samples.
-            theta: The one parameter, δ [rad or m] or d [s], shape (1,).
+            theta: d [s], shape (1,).
         """
         out = np.zeros_like(x.effort)
         if len(x) < 4 or np.ptp(x.time) == 0 or theta[0] == 0:

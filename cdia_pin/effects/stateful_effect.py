@@ -46,9 +46,9 @@ class StatefulEffect(Memory, JointEffect):
 
         Args:
             z: At the beginning of the step, shape (m,).
-            x: The arm at the beginning of the step, one sample.
-            dq: Motion of all joints during the step [rad or m], shape (n,).
-            dt: Duration of the step [s].
+            x: One sample at the beginning of the step.
+            dq: Motion during the step [rad or m], shape (n,).
+            dt: Duration of the step [s], above 0.
         """
         return self.step(z, x.joint(self.joint), float(dq[x.robot.joint_index(self.joint)]), dt)
 
@@ -56,6 +56,6 @@ class StatefulEffect(Memory, JointEffect):
         """Return the signals of the joint, with z at each sample.
 
         Args:
-            x: State along the motion, N samples.
+            x: Motion and torques, N samples.
         """
         return replace(x.joint(self.joint), memory=self.along(x))

@@ -75,7 +75,7 @@ class Unknown(JointEffect):
         """Return the activation of each neuron and the torque.
 
         Args:
-            x: Motion of the joint, N samples.
+            x: Signals of the joint, N samples.
         """
         at_q = [np.exp(-(((x.q - c) / self.position_width) ** 2)) for c in self.position_centres]
         at_v = [np.exp(-(((x.v - c) / self.velocity_width) ** 2)) for c in self.velocity_centres]
@@ -102,6 +102,6 @@ class Unknown(JointEffect):
         """Return the effect spread over the motion.
 
         Args:
-            x: State along the motion, N samples.
+            x: Motion and torques, N samples.
         """
         return [self.fitted_to(x)]

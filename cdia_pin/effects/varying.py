@@ -53,12 +53,12 @@ class Varying(WrappedEffect):
         """Return wₖ at each sample, each row adding up to one, shape (N, number of parts).
 
         Args:
-            x: State along the motion, N samples.
+            x: Motion and torques, N samples.
         """
 
     @abstractmethod
     def variation(self) -> dict[str, Any]:
-        """Return a JSON-ready description of how the parameters vary; `varied` reads it back."""
+        """Return a JSON-ready description of how the parameters vary; `cdia_pin.effects.varied` reads it back."""
 
     # ------------------------------------------------------------- what differs from the plain effect
 
@@ -87,7 +87,7 @@ class Varying(WrappedEffect):
         """Return Φ with each part's weight, shape (N, n, p).
 
         Args:
-            x: State along the motion, N samples.
+            x: Motion and torques, N samples.
         """
         return self._weighted(x, [self.effect.basis(x)] * len(self.parts))
 
@@ -95,8 +95,8 @@ class Varying(WrappedEffect):
         """Return f [N·m or N] for parameters θ (p,), shape (N, n).
 
         Args:
-            x: State along the motion, N samples.
-            theta: Parameters, shape (p,).
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
         """
         w = self.weights(x)
         if self.effect.traits.linear:
@@ -108,8 +108,8 @@ class Varying(WrappedEffect):
         """Return ∂f/∂θ, shape (N, n, p).
 
         Args:
-            x: State along the motion, N samples.
-            theta: Parameters, shape (p,).
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
         """
         return self._weighted(x, [self.effect.jacobian(x, part) for part in self._split(theta)])
 
@@ -117,8 +117,8 @@ class Varying(WrappedEffect):
         """Return by how much gravity differs from the robot's in the parts that hold [m/s²], shape (N, 3).
 
         Args:
-            x: State along the motion, N samples.
-            theta: Parameters, shape (p,).
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
         """
         parts = [self.effect.gravity_change(x, part) for part in self._split(theta)]
         return np.asarray(np.einsum("nk,kng->ng", self.weights(x), np.stack(parts)))
@@ -127,7 +127,7 @@ class Varying(WrappedEffect):
         """Return the effect's bounds, once for each part.
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
         lower, upper = self.effect.bounds(robot)
         return np.tile(lower, len(self.parts)), np.tile(upper, len(self.parts))
@@ -136,8 +136,8 @@ class Varying(WrappedEffect):
         """Tell whether the parameters of every part can belong to a real arm.
 
         Args:
-            theta: Parameters, shape (p,).
-            robot: The robot.
+            theta: Parameters θ, shape (p,).
+            robot: The arm, n joints.
         """
         return all(self.effect.is_physical(part, robot) for part in self._split(theta))
 
@@ -145,8 +145,8 @@ class Varying(WrappedEffect):
         """Return the physical parameters next to an estimate, shape (p,).
 
         Args:
-            theta: Parameters, shape (p,).
-            robot: The robot.
+            theta: Parameters θ, shape (p,).
+            robot: The arm, n joints.
         """
         return np.concatenate([self.effect.nearest_physical(p, robot) for p in self._split(theta)])
 
@@ -154,7 +154,7 @@ class Varying(WrappedEffect):
         """Return the effect's prior standard deviations, once for each part, shape (p,).
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
         return np.tile(self.effect.prior_scale(robot), len(self.parts))
 
@@ -162,7 +162,7 @@ class Varying(WrappedEffect):
         """Tell whether every part is more than a simpler effect.
 
         Args:
-            theta: Parameters, shape (p,).
+            theta: Parameters θ, shape (p,).
         """
         return all(self.effect.is_distinct(part) for part in self._split(theta))
 
@@ -175,7 +175,7 @@ class Varying(WrappedEffect):
         """Return the unit of each parameter on this robot.
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
         return self.effect.units(robot) * len(self.parts)
 

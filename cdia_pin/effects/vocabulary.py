@@ -23,7 +23,7 @@ from cdia_pin.effects.inertia import LinkInertia, Payload
 from cdia_pin.effects.link_inertias import LinkInertias
 from cdia_pin.effects.sensing import EffortDelay, EncoderOffset
 from cdia_pin.effects.unknown import Unknown
-from cdia_pin.effects.variation import varied
+from cdia_pin.effects.variations import varied
 from cdia_pin.errors import EffectError, unknown_name
 from cdia_pin.robot.model import RobotModel
 

@@ -82,7 +82,7 @@ class WrappedEffect(Effect):
         """Return Φ, shape (N, n, p).
 
         Args:
-            x: State along the motion, N samples.
+            x: Motion and torques, N samples.
         """
         return self.effect.basis(x)
 
@@ -90,8 +90,8 @@ class WrappedEffect(Effect):
         """Return f [N·m or N] for parameters θ (p,), shape (N, n).
 
         Args:
-            x: State along the motion, N samples.
-            theta: Parameters, shape (p,).
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
         """
         return self.effect.torque(x, theta)
 
@@ -99,8 +99,8 @@ class WrappedEffect(Effect):
         """Return ∂f/∂θ for parameters θ (p,), shape (N, n, p).
 
         Args:
-            x: State along the motion, N samples.
-            theta: Parameters, shape (p,).
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
         """
         return self.effect.jacobian(x, theta)
 
@@ -108,8 +108,8 @@ class WrappedEffect(Effect):
         """Return by how much the arm is further than its encoders read [rad or m], shape (N, n).
 
         Args:
-            x: State along the motion, N samples.
-            theta: Parameters, shape (p,).
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
         """
         return self.effect.shift(x, theta)
 
@@ -117,8 +117,8 @@ class WrappedEffect(Effect):
         """Return by how much gravity differs from the robot's [m/s²], shape (N, 3).
 
         Args:
-            x: State along the motion, N samples.
-            theta: Parameters, shape (p,).
+            x: Motion and torques, N samples.
+            theta: Parameters θ, shape (p,).
         """
         return self.effect.gravity_change(x, theta)
 
@@ -126,7 +126,7 @@ class WrappedEffect(Effect):
         """Return the smallest and largest physical parameters, each shape (p,).
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
         return self.effect.bounds(robot)
 
@@ -134,8 +134,8 @@ class WrappedEffect(Effect):
         """Tell whether the parameters, taken together, can belong to a real arm.
 
         Args:
-            theta: Parameters, shape (p,).
-            robot: The robot.
+            theta: Parameters θ, shape (p,).
+            robot: The arm, n joints.
         """
         return self.effect.is_physical(theta, robot)
 
@@ -143,8 +143,8 @@ class WrappedEffect(Effect):
         """Return the physical parameters next to an estimate, shape (p,).
 
         Args:
-            theta: Parameters, shape (p,).
-            robot: The robot.
+            theta: Parameters θ, shape (p,).
+            robot: The arm, n joints.
         """
         return self.effect.nearest_physical(theta, robot)
 
@@ -152,7 +152,7 @@ class WrappedEffect(Effect):
         """Return the prior standard deviation of each parameter, shape (p,).
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
         return self.effect.prior_scale(robot)
 
@@ -160,7 +160,7 @@ class WrappedEffect(Effect):
         """Tell whether the parameters make it more than a simpler effect with another name.
 
         Args:
-            theta: Parameters, shape (p,).
+            theta: Parameters θ, shape (p,).
         """
         return self.effect.is_distinct(theta)
 
@@ -185,7 +185,7 @@ class WrappedEffect(Effect):
         """Make sure that the robot can have the inner effect.
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
         self.effect.check(robot)
 
@@ -193,7 +193,7 @@ class WrappedEffect(Effect):
         """Return the joints that the inner effect names; all of them for an effect of the whole arm.
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
         return self.effect.joints(robot)
 
@@ -201,7 +201,7 @@ class WrappedEffect(Effect):
         """Return the indices of the joints whose torque the inner effect can change.
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
         return self.effect.acts_on(robot)
 
@@ -209,7 +209,7 @@ class WrappedEffect(Effect):
         """Return the unit of each parameter on this robot.
 
         Args:
-            robot: The robot.
+            robot: The arm, n joints.
         """
         return self.effect.units(robot)
 
@@ -222,7 +222,7 @@ class WrappedEffect(Effect):
         """Return the effect with other shape parameters of the inner effect.
 
         Args:
-            **shape: Shape parameters by name.
+            shape: New values by name, each in the unit that `shape` states.
         """
         return replace(self, effect=self.effect.with_shape(**shape))  # type: ignore[type-var]
 
@@ -230,7 +230,7 @@ class WrappedEffect(Effect):
         """Return the effect at the shapes of the inner effect that are worth trying on this motion.
 
         Args:
-            x: State along the motion, N samples.
+            x: Motion and torques, N samples.
         """
         return [replace(self, effect=e) for e in self.effect.shape_grid(x)]  # type: ignore[type-var]
 

@@ -1,4 +1,4 @@
-"""Identifiability: which effects logs can tell apart, and which motion would."""
+"""Identifiability: which effects logs can distinguish, and which motion would."""
 
 from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.identifiability.distinguishing_motions import distinguishing_motion, motion_between, why_alike

@@ -1,4 +1,4 @@
-"""Alternatives: other explanations that the logs hardly tell from the one that was found."""
+"""Alternatives: other explanations that the logs hardly distinguish from the one that was found."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cdia_pin.selection.replacement import Refit, promising
 
 @dataclass(frozen=True)
 class _Alternative:
-    """How much worse a candidate is than what may be in doubt, and its index."""
+    """A candidate, and by how much its cost exceeds the limit; negative for a possible alternative."""
 
     worse: float
     index: int
@@ -32,7 +32,7 @@ class Alternatives:
     Attributes:
         evidence: Evidence for the model's effects and all candidates around it.
         chosen: Indices of the model's effects.
-        refit: Fits alternatives that are not linear; if None they are taken to first order, which is enough for a
+        refit: Fits alternatives that are not linear. If None, they are taken to first order, which is enough for a
             ranking.
         settings: When another explanation counts as possible.
     """
@@ -45,9 +45,9 @@ class Alternatives:
     def of(self, one: int) -> tuple[Confusion, ...]:
         """Return what explains as much in the place of one effect, or of it and another on its joint.
 
-        An alternative is judged by what it leaves, not by its penalty: one that is less simple is less likely, not
-        impossible. One that can do all that the effect can, on any motion, is only another name for it if the log
-        determines the rest of it.
+        An alternative is judged by the residual that it leaves, not by its penalty: a less simple one is less likely,
+        not impossible. An alternative that contains the effect on every motion is only another name for it if the
+        log determines its other parameters.
 
         Args:
             one: Index of one of the model's effects.
@@ -69,7 +69,7 @@ class Alternatives:
         return tuple(Confusion((e,), motion_between(evidence.effects[one], e, evidence.robot)) for e in plain)
 
     def _rank(self, one: int, alternative: _Alternative) -> tuple[bool, bool, float]:
-        """Return the order of alternatives: those that some motion rules out, then the simple, then the close."""
+        """Return the sort key: first alternatives that some motion rules out, then simple ones, then close ones."""
         evidence, other = self.evidence, alternative.index
         same = are_alike(evidence.robot, evidence.effects[one], evidence.effects[other])
         return same, self._is_richer(one, other), alternative.worse
@@ -79,15 +79,15 @@ class Alternatives:
         return bool(count[other] > count[one])
 
     def _limit(self, found: SetFit, replaced: Sequence[int]) -> float:
-        """Return the largest cost of an alternative; of one for two, which must be simpler, the penalty counts."""
+        """Return the largest cost of an alternative. One effect for two must be simpler, so its penalty counts."""
         return (found.chi2 if len(replaced) == 1 else found.cost) + self._doubt(found)
 
     def _doubt(self, found: SetFit) -> float:
-        """Return by how much explanations may differ and be hard to tell apart: structure that is left adds to it."""
+        """Return the difference up to which explanations are hard to distinguish; structure that is left raises it."""
         return self.settings.doubt * max(1.0, found.chi2 / max(self.evidence.samples, 1))
 
     def _promising(self, rest: Sequence[int], found: SetFit) -> Iterator[int]:
-        """Yield the candidates that explain beside the others nearly what was explained."""
+        """Yield candidates that, added to the rest, explain nearly as much as what they replace."""
         lost = self.evidence.free_chi2(rest) - found.chi2
         names = {self.evidence.effects[c].label for c in found.chosen}
 
@@ -99,7 +99,7 @@ class Alternatives:
         yield from (c for c, _ in found_again if self.evidence.effects[c].label not in names)
 
     def _cost(self, rest: Sequence[int], other: int, found: SetFit, replaced: Sequence[int]) -> float:
-        """Return what an alternative leaves; of one for two with the penalty of the parameters that it needs."""
+        """Return what an alternative leaves; one effect for two also pays for the parameters that it needs."""
         evidence, effect = self.evidence, self.evidence.effects[other]
         if len(replaced) == 1 and self._is_other_name(found, replaced[0], rest, other):
             return float("inf")
@@ -112,11 +112,11 @@ class Alternatives:
         if not fit.physical:
             return float("inf")
         needed = evidence.identifiable_parameters(evidence.fit([*rest, other]), other)
-        idle = max(float(evidence.effective_parameters[other]) - needed, 0.0)
-        return fit.cost - evidence.penalty_per_parameter * idle
+        unneeded = max(float(evidence.effective_parameters[other]) - needed, 0.0)
+        return fit.cost - evidence.penalty_per_parameter * unneeded
 
     def _is_other_name(self, found: SetFit, one: int, rest: Sequence[int], other: int) -> bool:
-        """Tell whether an alternative is the effect with more parameters, and could not do much else elsewhere."""
+        """Return True if an alternative contains the effect and its other parameters matter little elsewhere."""
         robot, mine, effect = self.evidence.robot, self.evidence.effects[one], self.evidence.effects[other]
         if generic_rank(robot, effect) <= generic_rank(robot, mine) or not contains(robot, effect, mine):
             return False

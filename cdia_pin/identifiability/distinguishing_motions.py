@@ -21,9 +21,9 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 Draw = tuple[Array, Array, Array, Array]  # q, v, a of shape (K, n) and time of shape (K,)
 
-SAMPLES = 60  # states of each kind of motion, several times the parameters of any pair of effects
-SLOW, FAST = 0.05, 1.5  # [rad/s or m/s]
-QUICK = 5.0  # [rad/s² or m/s²] at a reversal
+SAMPLES = 60  # states [1] of each kind of motion, several times the parameters of any pair of effects
+SLOW, FAST = 0.05, 1.5  # [rad/s or m/s], where Coulomb friction dominates, and where viscous friction does
+QUICK = 5.0  # [rad/s² or m/s²], standard deviation at a reversal
 NEAR = 0.02  # [rad or m] around one posture
 NEGLIGIBLE = 1e-9  # norm of a column beside the largest, or share of it that others leave, that is rounding
 ENOUGH = 0.5  # share of the largest separation at which a simpler motion is preferred
@@ -48,7 +48,7 @@ def distinguishing_motion(explanations: Sequence[Sequence[Effect]], robot: Robot
     """Return in words the simplest motion in which explanations clearly differ.
 
     Whichever of two explanations is true must show what the other cannot imitate. The share of its columns that is left
-    is compared with the largest share of any motion; an explanation that the other always imitates does not count.
+    is compared with the largest share on any motion. A pair in which one always imitates the other does not count.
 
     Args:
         explanations: Each the effects that explain together.
@@ -62,10 +62,10 @@ def distinguishing_motion(explanations: Sequence[Sequence[Effect]], robot: Robot
         [[_left(b[true], b[fitted]) for true, fitted in pairs] for b in bases]
     )  # (kinds, pairs)
     most = shares.max(axis=0, initial=0.0)
-    tellable = most > NEGLIGIBLE
-    if not tellable.any():
+    separable = most > NEGLIGIBLE
+    if not separable.any():
         return KINDS[-1].words
-    scores = (shares[:, tellable] / most[tellable]).min(axis=1)
+    scores = (shares[:, separable] / most[separable]).min(axis=1)
     return next(k.words for k, score in zip(KINDS, scores, strict=True) if score >= ENOUGH * scores.max())
 
 
@@ -94,7 +94,7 @@ def prepare(robot: RobotModel, joint: str) -> None:
 
 
 def why_alike(one: Sequence[Effect], other: Sequence[Effect], robot: RobotModel) -> str:
-    """Return why two explanations do not differ on any motion.
+    """Return in words why two explanations do not differ on any motion.
 
     Args:
         one: One explanation.

@@ -1,4 +1,4 @@
-"""Structural rank: what effects have in common on any motion, whatever a log shows of them."""
+"""Structural rank: the directions that effects span on motions that excite everything, whatever a log shows."""
 
 from __future__ import annotations
 
@@ -35,27 +35,44 @@ def rank(columns: Array, negligible: float = NEGLIGIBLE) -> int:
 
 @lru_cache(maxsize=512)
 def generic_rank(robot: RobotModel, *effects: Effect) -> int:
-    """Return how many directions effects span together on motions that show all there is."""
+    """Return how many directions effects span together on motions that excite everything.
+
+    Args:
+        robot: The arm.
+        effects: The effects.
+    """
     return rank(np.column_stack([_columns(robot, e) for e in effects]))
 
 
 def contains(robot: RobotModel, wide: Effect, narrow: Effect) -> bool:
-    """Tell whether one effect can do on every motion whatever another can."""
+    """Return True if one effect can produce on every motion any torque that another can.
+
+    Args:
+        robot: The arm.
+        wide: The effect that may contain the other.
+        narrow: The other.
+    """
     return generic_rank(robot, wide, narrow) == generic_rank(robot, wide)
 
 
 def are_alike(robot: RobotModel, one: Effect, other: Effect) -> bool:
-    """Tell whether no motion of this arm can tell two effects apart."""
+    """Return True if no motion of this arm distinguishes two effects.
+
+    Args:
+        robot: The arm.
+        one: One effect.
+        other: The other.
+    """
     return contains(robot, one, other) and contains(robot, other, one)
 
 
 def torque_elsewhere(robot: RobotModel, effect: Effect, covariance: Array) -> Array:
-    """Return the RMS torque of an effect whose parameters have a covariance, on motions that show all there is.
+    """Return the RMS torque of an effect whose parameters have a covariance, on motions that excite everything.
 
     Args:
         robot: The robot.
         effect: The effect.
-        covariance: Of its parameters, or θθᵀ for parameters that are known, shape (p, p).
+        covariance: Covariance of its parameters, or θθᵀ if they are known, shape (p, p).
 
     Returns:
         Torque [N·m or N], shape (n,).
@@ -73,7 +90,11 @@ def _columns(robot: RobotModel, effect: Effect) -> Array:
 
 @lru_cache(maxsize=8)
 def random_states(robot: RobotModel) -> State:
-    """Return states that show all there is, always the same for one robot, shapes (K, n)."""
+    """Return states that excite everything, always the same for one robot, shapes (K, n).
+
+    Args:
+        robot: The arm.
+    """
     rng = np.random.default_rng(0)
     lower, upper = np.maximum(robot.limits.lower, -REACH), np.minimum(robot.limits.upper, REACH)
     q = rng.uniform(lower, upper, (STATES, robot.n))

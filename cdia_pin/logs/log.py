@@ -115,29 +115,6 @@ class Log:
         return replace(self, notes=(*self.notes, *notes))
 
 
-def require_joints(given: Sequence[str], wanted: Sequence[str], source: str) -> list[int]:
-    """Find the column of each joint.
-
-    Args:
-        given: Joints of the columns.
-        wanted: Joints whose columns are needed.
-        source: Name of the log, for messages.
-
-    Returns:
-        Index of the column of each wanted joint.
-
-    Raises:
-        LogError: If a joint has no column; the message names the missing joints.
-    """
-    missing = [j for j in wanted if j not in given]
-    if missing:
-        raise LogError(
-            f"{source}: no column for joint(s) {', '.join(missing)}; the log has {', '.join(given)}, "
-            f"the robot has {', '.join(wanted)}"
-        )
-    return [list(given).index(j) for j in wanted]
-
-
 def listed(logs: Log | Sequence[Log] | None) -> list[Log]:
     """Return one log, several or none as a list.
 

@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 # Postures per log [1] at which the mass matrix is computed, because all of them would take long.
 POSTURES = 200
+FEWEST_SAMPLES = 40  # compared samples of a log [1]; fewer do not determine the noise of a joint
 
 
 @dataclass(frozen=True, repr=False)
@@ -108,7 +109,7 @@ class Experiment:
             zero = np.zeros_like(motion.q)
             state = State(robot, motion.q, motion.v, motion.a, zero, motion.time, width, name)
             measured = motion.compared(motion.effort)
-            if len(measured) < 40:
+            if len(measured) < FEWEST_SAMPLES:
                 raise LogError(
                     f"{motion.record['source']}: only {len(measured)} independent samples are left after filtering at "
                     f"{motion.cutoff:g} Hz; record for longer"

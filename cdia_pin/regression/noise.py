@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 SAMPLES_PER_ORDER = 30  # samples per coefficient [1] at least, so that a short log has a simple noise model
 # Relative fall of the covariance at the longest lag [1], so that the estimate stays a valid covariance.
 TAPER = 0.05
+LEAST_FREE = 0.2  # share of the samples [1] that counts as degrees of freedom of the noise at least
 
 
 @dataclass(frozen=True, repr=False)
@@ -125,5 +126,5 @@ def fit_noise(
         # a class of few samples uses the overall noise as well
         own = float(np.sum(innovations[here] ** 2))
         sigma[nearness == k] = (own + settings.borrowed * power) / (here.sum() + settings.borrowed)
-    freedom = max(usable.sum() - parameters, 0.2 * usable.sum(), 1.0) / max(usable.sum(), 1)
-    return NoiseModel(coefficients, np.maximum(np.sqrt(sigma / freedom), max(least, 1e-12)), tuple(lengths))
+    free = max(usable.sum() - parameters, LEAST_FREE * usable.sum(), 1.0) / max(usable.sum(), 1)
+    return NoiseModel(coefficients, np.maximum(np.sqrt(sigma / free), max(least, 1e-12)), tuple(lengths))

@@ -3,7 +3,7 @@ r"""The regression of measured torques on effects, :math:`y = X \theta + e`."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,14 +38,6 @@ class Regression:
     def experiment(self) -> Experiment:
         """The conditioned logs."""
         return self.design.experiment
-
-    def with_whitening(self, whitening: Whitening) -> Regression:
-        """Return the same logs with other noise.
-
-        Args:
-            whitening: The other noise.
-        """
-        return replace(self, whitening=whitening)
 
     def normal_equations(self, model: Dynamics | Prediction, effects: Sequence[Effect]) -> NormalEquations:
         """Form the normal equations of effects around a model.

@@ -1,6 +1,19 @@
 """Selection: which effects a model needs. A criterion compares sets of effects."""
 
-from cdia_pin.selection.discovery_settings import DiscoverySettings
+from cdia_pin.selection.criterion import SelectionCriterion
+from cdia_pin.selection.discovery_settings import (
+    AlternativeSettings,
+    DiscoverySettings,
+    EveryLinkSettings,
+    MemorySettings,
+)
 from cdia_pin.selection.problem import Problem
 
-__all__ = ["DiscoverySettings", "Problem"]
+__all__ = [
+    "AlternativeSettings",
+    "DiscoverySettings",
+    "EveryLinkSettings",
+    "MemorySettings",
+    "Problem",
+    "SelectionCriterion",
+]

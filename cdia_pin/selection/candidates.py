@@ -33,6 +33,7 @@ Array = NDArray[np.float64]
 LARGE_FAMILY = 12
 SLOW = (CoulombFriction, ViscousFriction, TorqueOffset)  # effects that may drift within a log
 SCREENED = 2  # shapes of a large family [1] that pass the screening
+NEIGHBOURS = 2  # steps of the grid [1] within which shapes are nearly the same effect
 
 
 def enumerate_candidates(
@@ -132,7 +133,7 @@ def screen(
     noise: Sequence[NoiseModel],
     leftover: Array,
 ) -> list[Effect]:
-    """Return the candidates: of each large family the shapes that fit the residual best, and all small families.
+    """Return the candidates: of each large family on one joint the shapes that fit best, and all others.
 
     Args:
         families: Families of `enumerate_candidates`.
@@ -143,16 +144,17 @@ def screen(
     """
     out: list[Effect] = []
     for family in families:
-        if len(family) <= LARGE_FAMILY:
+        joints = family[0].acts_on(design.experiment.robot)
+        if len(family) <= LARGE_FAMILY or len(joints) > 1:
             out.extend(family)
             continue
-        (j,) = family[0].acts_on(design.experiment.robot)
+        (j,) = joints
         white, inverse = design.family(family, prediction, noise[j])
         right = white @ leftover[:, j]
         best = np.argsort(np.einsum("cp,cpq,cq->c", right, inverse, right))[::-1]
         chosen: list[int] = []
-        for c in best:  # neighbours of the best are nearly the same ripple
-            if all(abs(int(c) - other) > 2 for other in chosen):
+        for c in best:
+            if all(abs(int(c) - other) > NEIGHBOURS for other in chosen):
                 chosen.append(int(c))
             if len(chosen) == SCREENED:
                 break

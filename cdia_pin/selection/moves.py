@@ -14,6 +14,8 @@ Names = frozenset[str]
 LOCAL = 2
 # Candidates [1] of largest gain that are fitted at each move, because a fit takes longer than a gain.
 TRIED = 5
+# Candidates [1] tried when two effects take the place of one, or one that of two, because each gives many pairs.
+TRIED_IN_PAIRS = 3
 
 
 def improve(
@@ -53,8 +55,8 @@ def improve(
     if better is not None:
         return better
     # two effects for one, with more parameters, must explain enough for the additional name
-    worth = float(np.max(evidence.least_gain[list(now.chosen)], initial=0.0))
-    return _cheapest(evidence, exchanges, now.cost - margin - worth)
+    least = float(np.max(evidence.least_gain[list(now.chosen)], initial=0.0))
+    return _cheapest(evidence, exchanges, now.cost - margin - least)
 
 
 def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float) -> SetFit | None:
@@ -163,13 +165,17 @@ def _exchanges(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[in
             yield (*rest, other)
             if c in local and evidence.effects[c].size > 1:
                 yield from (
-                    (*rest, other, third) for third in ranked(evidence, (*rest, other), 3) if third != c
+                    (*rest, other, third)
+                    for third in ranked(evidence, (*rest, other), TRIED_IN_PAIRS)
+                    if third != c
                 )
         for second in local:
             if c in local and second > c and _share_a_joint(evidence, c, second):
                 fewer = tuple(x for x in rest if x != second)
                 yield from (
-                    (*fewer, other) for other in ranked(evidence, fewer, 3) if other not in {c, second}
+                    (*fewer, other)
+                    for other in ranked(evidence, fewer, TRIED_IN_PAIRS)
+                    if other not in {c, second}
                 )
 
 

@@ -167,8 +167,8 @@ def _slimmed(problem: WhitenedProblem, now: Found) -> Found | None:
         for c in now.fit.chosen
     }
     shaped = [e for e in lost if e.shape]
-    for effect, worth in lost.items():
-        if not any(set(effect.scope) & set(e.scope) and worth < lost[e] for e in shaped):
+    for effect, gain in lost.items():
+        if not any(set(effect.scope) & set(e.scope) and gain < lost[e] for e in shaped):
             continue
         others = now.model.remove(effect.label)
         trial, _ = refit(problem.regression, others, ROUGHLY)

@@ -17,34 +17,38 @@ FARTHEST = 1.5  # largest move of one round over its step [1], because a parabol
 
 
 def refine_shapes(regression: Regression, model: Dynamics, known: Collection[str] = ()) -> Dynamics:
-    """Return the model with the shapes of its terms moved to the best fit, one term after another.
+    """Return the model with the shapes of its terms moved to the best fit, one shape after another.
 
     Args:
         regression: The conditioned logs and their noise.
         model: A fitted model.
         known: Labels of terms whose shape stays as it is.
     """
-    experiment = regression.experiment
     for term in [t for t in model.terms if t.effect.shape and t.label not in known]:
-        (name,) = term.effect.shape_values
-        rest = [t.effect for t in model.terms if t.label != term.label]
-        grid = [
-            e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))
-        ]
-        start = term.effect.shape_values[name]
-        best, spread = term, min(_cell(start, grid), start) / 2
-        for _ in range(ROUNDS):
-            value = best.effect.shape_values[name]
-            tries = [best.effect.with_shape(**{name: value + d}) for d in (-spread, 0.0, spread)]
-            equations = regression.normal_equations(model.remove(term.label).add(best), [*rest, *tries])
-            fits = [bounded_fit(equations, [*range(len(rest)), len(rest) + i]) for i in range(len(tries))]
-            step = float(np.clip(_bottom(*(f.chi2 for f in fits)), -FARTHEST, FARTHEST)) * spread
-            moved = float(np.clip(value + step, min(grid, default=value), max(grid, default=value)))
-            theta = tuple(float(v) for v in fits[1].theta[-best.effect.size :])
-            best = replace(best, effect=best.effect.with_shape(**{name: moved}), theta=theta)
-            spread *= NARROWER
-        model = Dynamics(model.robot, tuple(best if t.label == term.label else t for t in model.terms))
+        for name in term.effect.shape_values:
+            model = _refined(regression, model, term.label, name)
     return model
+
+
+def _refined(regression: Regression, model: Dynamics, label: str, name: str) -> Dynamics:
+    """Return the model with one shape parameter of one term moved to the best fit."""
+    experiment = regression.experiment
+    term = next(t for t in model.terms if t.label == label)
+    rest = [t.effect for t in model.terms if t.label != label]
+    grid = [e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))]
+    start = term.effect.shape_values[name]
+    best, spread = term, min(_cell(start, grid), start) / 2
+    for _ in range(ROUNDS):
+        value = best.effect.shape_values[name]
+        tries = [best.effect.with_shape(**{name: value + d}) for d in (-spread, 0.0, spread)]
+        equations = regression.normal_equations(model.remove(label).add(best), [*rest, *tries])
+        fits = [bounded_fit(equations, [*range(len(rest)), len(rest) + i]) for i in range(len(tries))]
+        step = float(np.clip(_bottom(*(f.chi2 for f in fits)), -FARTHEST, FARTHEST)) * spread
+        moved = float(np.clip(value + step, min(grid, default=value), max(grid, default=value)))
+        theta = tuple(float(v) for v in fits[1].theta[-best.effect.size :])
+        best = replace(best, effect=best.effect.with_shape(**{name: moved}), theta=theta)
+        spread *= NARROWER
+    return Dynamics(model.robot, tuple(best if t.label == label else t for t in model.terms))
 
 
 def _cell(value: float, grid: list[float]) -> float:

@@ -136,11 +136,11 @@ def _how(effect: str | None, look: Look) -> str:
 
 
 def _open(run: MonitorRun, j: int, lives: list[tuple[Look, float]]) -> list[tuple[float, float]]:
-    """Return when a joint's fault was detected, and nothing had been said of it yet."""
+    """Return when a joint's fault was detected, and no effect had been named yet."""
     spans = []
     for begin, end, stage in stage_spans(run, j):
-        told = [look.time for look, until in lives if until > begin and look.leading != ()]
-        until = min([end, *told])
+        named = [look.time for look, until in lives if until > begin and look.leading != ()]
+        until = min([end, *named])
         if stage == Stage.DETECTED and until > begin:
             spans.append((begin, until))
     return spans

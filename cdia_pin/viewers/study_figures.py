@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 INK, LINE = "#1c2126", "#dfe3e8"
-STYLES = {  # told apart without colours too; colours of Okabe and Ito
+STYLES = {  # distinguishable without colours too; colours of Okabe and Ito
     "healthy": {"color": "#009e73", "linestyle": (0, (1, 1.2)), "linewidth": 1.9, "zorder": 4},
     "faulty": {"color": "#d55e00", "linestyle": (0, (5, 2)), "linewidth": 1.3, "zorder": 2},
     "accommodated": {"color": "#0072b2", "linestyle": "-", "linewidth": 1.4, "zorder": 3},

@@ -81,8 +81,12 @@ def changes_sentence(found: Changes) -> str:
     if not found.changes:
         return f"These logs show no change from {before} to {after}."
     said = [f.sentence for f in found.findings]
-    told = [change_words(c, found) for c in found.changes]
-    few = listed(told) if len(told) <= NAMED else f"{', '.join(told[:NAMED])} and {len(told) - NAMED} more"
+    described = [change_words(c, found) for c in found.changes]
+    few = (
+        listed(described)
+        if len(described) <= NAMED
+        else f"{', '.join(described[:NAMED])} and {len(described) - NAMED} more"
+    )
     return f"From {before} to {after}: {'; '.join([*said, few])}."
 
 

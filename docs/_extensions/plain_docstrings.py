@@ -50,15 +50,15 @@ def escaped(line: str) -> str:
 
 
 def with_literal_blocks(lines: list[str]) -> list[str]:
-    """Return the lines; an indented block after an empty line, outside the sections, is literal."""
+    """Return the lines; an indented block after an empty line, outside sections and directives, is literal."""
     out: list[str] = []
-    in_section, in_block = False, False
+    in_section, in_block, head = False, False, ""
     for before, line in zip(["", *lines], lines, strict=False):
         indented = line.startswith("    ")
         if line and not indented:
-            in_section, in_block = bool(SECTION.fullmatch(line)), False
+            in_section, in_block, head = bool(SECTION.fullmatch(line)), False, line
         elif indented and not in_section and not in_block and not before.strip():
-            out += [KEPT + "::", ""]
+            out += [] if head.startswith(".. ") else [KEPT + "::", ""]
             in_block = True
         out.append(KEPT + line if in_block and line else line)
     return out

@@ -52,14 +52,14 @@ const Charts = (() => {
 
   // ---------------------------------------------------------------- one time for all
 
-  // A moment [s] that charts, strips and the picture of the arm share. Whoever sets it is not told.
+  // A moment [s] that charts, strips and the picture of the arm share. Whoever sets it is not notified.
   class Clock {
     constructor() { this.time = null; this.listeners = new Set(); }
-    listen(told) { this.listeners.add(told); return () => this.listeners.delete(told); }
+    listen(listener) { this.listeners.add(listener); return () => this.listeners.delete(listener); }
     set(time, teller = null) {
       if (time === this.time) return;
       this.time = time;
-      for (const told of this.listeners) if (told !== teller) told(time);
+      for (const listener of this.listeners) if (listener !== teller) listener(time);
     }
   }
 

@@ -18,11 +18,11 @@ function show(parts) {
 const chosen = {
   joint: null,
   listeners: [],
-  listen(told) { this.listeners.push(told); },
+  listen(listener) { this.listeners.push(listener); },
   choose(name) {
     if (name === this.joint || !DATA.joints.some((j) => j.name === name)) return;
     this.joint = name;
-    for (const told of this.listeners) told(name);
+    for (const listener of this.listeners) listener(name);
   },
 };
 

@@ -5,8 +5,8 @@ const IMPROVED = DATA.joints.some((j) => j.after);
 const share = (j, rms) => rms / Math.max(j.torque_rms, 1e-12);
 
 function mostTelling() {
-  const worth = DATA.joints.map((j) => share(j, j.before.rms) - (j.after ? share(j, j.after.rms) : 0));
-  return DATA.joints[worth.indexOf(Math.max(...worth))].name;
+  const gains = DATA.joints.map((j) => share(j, j.before.rms) - (j.after ? share(j, j.after.rms) : 0));
+  return DATA.joints[gains.indexOf(Math.max(...gains))].name;
 }
 
 // ---------------------------------------------------------------- head and verdict

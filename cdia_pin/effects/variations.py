@@ -1,20 +1,15 @@
-"""Variations in files: how the parameters of an effect vary, read back."""
+"""Variations: the ways in which an effect's parameters can vary, by the names that files give them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cdia_pin.effects.drift import Drift
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.per_log import PerLog
 from cdia_pin.effects.varying import Varying
 from cdia_pin.errors import EffectError, unknown_name
-
-Array = NDArray[np.float64]
 
 
 def varied(effect: Effect, how: Mapping[str, Any]) -> Varying:

@@ -1,0 +1,51 @@
+"""Shapes of an effect are moved to the best fit, whatever their number."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from cdia_pin.discovery import add_effect
+from cdia_pin.dynamics import Dynamics, Sensors, exciting_trajectory, simulate
+from cdia_pin.effects import JointEffect, JointState, Parameter, Signal, State, Term, Traits
+from cdia_pin.robot import load_robot
+
+
+@dataclass(frozen=True)
+class Bump(JointEffect):
+    """A torque around one position, with two shape parameters."""
+
+    centre: float = 0.0
+    width: float = 0.5
+
+    name: ClassVar[str] = "bump"
+    equation: ClassVar[str] = "h exp(−(q − c)²/w²)"
+    traits: ClassVar[Traits] = Traits({Signal.POSITION})
+    parameters = (Parameter("height", "{effort}"),)
+    shape = (
+        Parameter("centre", "{position}", lower=-7.0, upper=7.0),
+        Parameter("width", "{position}", lower=0.05, upper=3.0),
+    )
+
+    def columns(self, x: JointState) -> Sequence[np.ndarray]:
+        """Return the column of the height."""
+        return [np.exp(-(((x.q - self.centre) / self.width) ** 2))]
+
+    def shape_grid(self, x: State) -> Sequence["Bump"]:
+        """Return centres and widths, each a factor from the next."""
+        return [replace(self, centre=c, width=w) for c in (0.1, 0.4, 0.8) for w in (0.2, 0.4, 0.8)]
+
+
+def test_every_shape_of_an_effect_is_refined():
+    robot = load_robot("scara")
+    true = Bump(robot.joints[0], centre=0.5, width=0.5)
+    rng = np.random.default_rng(1)
+    path = exciting_trajectory(robot, rng, duration=10.0)
+    plant = Dynamics(robot, (Term.of(true, height=5.0),))
+    log = simulate(plant, path, duration=10.0, sensors=Sensors(effort_noise=0.02), rng=rng)
+
+    found = add_effect(Dynamics(robot), Bump(robot.joints[0]), log).steps[0].term
+    assert found is not None
+    assert found.effect.shape_values == pytest.approx(true.shape_values, rel=0.05)
