@@ -6,7 +6,19 @@ import numpy as np
 import pytest
 
 from cdia_pin import load_robot
-from cdia_pin.effects import EFFECTS, JointEffect, Payload, State, from_expression, parse_effect
+from cdia_pin.effects import (
+    EFFECTS,
+    JointEffect,
+    Parameter,
+    Payload,
+    PerLog,
+    Signal,
+    State,
+    StatefulEffect,
+    Traits,
+    from_expression,
+    parse_effect,
+)
 from cdia_pin.identifiability import distinguishing_motion, motion_between, why_alike
 from cdia_pin.identifiability.distinguishing_motions import KINDS
 from cdia_pin.identifiability.structural_rank import are_alike
@@ -84,3 +96,35 @@ def test_bodies_on_one_link_differ_on_no_motion(ur5):
     last = parse_effect(f"link_inertia@{ur5.joints[-1]}")
     assert motion_between(Payload(), last, ur5).startswith("no motion of this arm")
     assert "tool taken off" in why_alike([Payload()], [last], ur5)
+
+
+class Presliding(StatefulEffect):
+    """Friction that builds up over a distance, level · z, dz = (1 − |z|) dq / reach."""
+
+    name = "presliding"
+    equation = "−α z"
+    traits = Traits({Signal.POSITION, Signal.TIME})
+    parameters = (Parameter("level", "{effort}"),)
+
+    def initial_state(self, robot):
+        return np.zeros(1)
+
+    def step(self, z, x, dq, dt):
+        sign = np.sign(dq)
+        return sign + (z - sign) * np.exp(-abs(dq) / 0.02)
+
+    def columns(self, x):
+        return [-x.memory[:, 0]]
+
+
+def test_friction_with_memory_shows_where_the_joint_reverses_often(ur5):
+    """On a long stroke it is Coulomb friction; only the way after a reversal differs."""
+    memory, coulomb = Presliding(JOINT), effect("coulomb_friction")
+    advice = motion_between(memory, coulomb, ur5)
+    assert advice in {SPEEDS, REVERSALS}  # both go back after a short way
+    assert not imitates(driven(ur5, advice, seed=1), coulomb, memory)
+
+
+def test_an_effect_of_each_log_differs_from_the_common_one_between_logs_only(ur5):
+    common = effect("coulomb_friction")
+    assert motion_between(PerLog(common, ("monday", "friday")), common, ur5).endswith("compare logs")
