@@ -1,7 +1,7 @@
 """Effects of known size in measured logs of real arms: what is left of the logs is real, and the truth is known.
 
 python -m benchmarks.real_residuals                # every case, and docs/results-real-residuals.md
-python -m benchmarks.real_residuals --sample       # one case in sixteen, to the terminal
+python -m benchmarks.real_residuals --sample       # one draw in sixteen, to the terminal
 
 Data goes one way: `recordings` reads logs, `pairs` says which belong together, `draws` and `sizing` make an effect of
 known size, `insertion` puts it into the second log, `flows` asks the program, `answers` reads what it named, `trial`

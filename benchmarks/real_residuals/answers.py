@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import hypot, nan
+from math import hypot, isfinite, nan
 from typing import Any, Self
 
 from cdia_pin.changes import Changes
@@ -12,7 +12,11 @@ from cdia_pin.discovery import Discovery
 from cdia_pin.effects import EFFECTS
 from cdia_pin.robot import RobotModel
 
-NAMED = ("", "established", "likely")  # confidences that count; a program that gives none means all that it names
+NAMED = (
+    "",
+    "established",
+    "likely",
+)  # confidences that count; a program that gives none means all that it names
 ESTABLISHED = ("", "established")
 SEVERAL = "link_inertia"  # one name for one link or several
 Interval = tuple[float, float]
@@ -120,7 +124,7 @@ def difference(before: Named, after: Named) -> Named:
     shared = [k for k in after.values if k in before.values]
     values = {k: after.values[k] - before.values[k] for k in shared}
     wide = {k: hypot(half(before, k), half(after, k)) for k in shared}
-    intervals = {k: (values[k] - w, values[k] + w) for k, w in wide.items() if w == w}
+    intervals = {k: (values[k] - w, values[k] + w) for k, w in wide.items() if isfinite(w)}
     return Named(after.label, after.confidence, after.group, values, intervals)
 
 

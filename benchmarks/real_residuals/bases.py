@@ -39,7 +39,12 @@ class BaseCase:
     @property
     def id(self) -> str:
         """Name that stays the same."""
-        return self.recording.id + (f"/{self.variant}" if self.variant else "")
+        return self.plain + (f"/{self.variant}" if self.variant else "")
+
+    @property
+    def plain(self) -> str:
+        """Name of the log as it was measured."""
+        return self.recording.id
 
 
 @dataclass(frozen=True)
@@ -48,6 +53,7 @@ class Base:
 
     Attributes:
         id: Of the log and the variant.
+        plain: Of the log as it was measured.
         arm: Name of the arm.
         whole: Whether the log is whole and as it was measured.
         named: Effects that count as named.
@@ -59,6 +65,7 @@ class Base:
     """
 
     id: str
+    plain: str
     arm: str
     whole: bool
     named: tuple[Named, ...] = ()
@@ -106,8 +113,8 @@ def planned_bases() -> list[BaseCase]:
 def run_base(case: BaseCase) -> Base:
     """Ask what the URDF lacks."""
     recording = case.recording
-    plain = recording in single_recordings() and case.variant is Variant.NONE
-    base, robot, began = Base(case.id, recording.arm, plain), recording.robot, process_time()
+    whole = recording in single_recordings() and case.variant is Variant.NONE
+    base, robot, began = Base(case.id, case.plain, recording.arm, whole), recording.robot, process_time()
     try:
         log = varied(recording.read(), case.variant)
         began = process_time()

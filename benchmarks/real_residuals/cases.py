@@ -18,7 +18,7 @@ COMPARE, MODEL, ALONE = "compare", "model", "alone"
 FLOWS = (COMPARE, MODEL, ALONE)
 EVERY = {COMPARE: 1, MODEL: 2, ALONE: 6}  # one case in so many: a discovery takes several times a comparison
 VARIED = 4  # one comparison in so many is repeated on changed logs
-SAMPLE = 16  # one case in so many
+SAMPLE = 16  # one draw in so many
 
 
 @dataclass(frozen=True)
@@ -76,15 +76,16 @@ def planned(
         arms: Names of arms; all if None.
         sizes: Of inserted effects [%].
         flows: Questions.
-        every: One case in so many.
+        every: One draw in so many, each in all its flows.
     """
-    chosen = set(arms) if arms is not None else None
-    asked = [*_draws(suite, sizes)]
-    cases = [c for c in _cases(suite, asked, tuple(flows)) if chosen is None or c.pair.arm in chosen]
-    return sorted(cases, key=lambda c: (crc32(c.id.encode()), c.id))[::every]
+    chosen = None if arms is None else set(arms)
+    cases = [c for c in _cases(suite, sizes, tuple(flows)) if chosen is None or c.pair.arm in chosen]
+    mixed = sorted(cases, key=lambda c: (c.seed, c.id))
+    draws = set([*dict.fromkeys(c.draw for c in mixed)][::every])
+    return [c for c in mixed if c.draw in draws]
 
 
-def _draws(suite: str, sizes: Iterable[int]) -> Iterator[tuple[Pair, str, int]]:
+def _draws(sizes: Iterable[int]) -> Iterator[tuple[Pair, str, int]]:
     for pair in pairs():
         yield pair, UNCHANGED, 0
         for effect in RECIPES if pair.takes_effects else ():
@@ -93,10 +94,8 @@ def _draws(suite: str, sizes: Iterable[int]) -> Iterator[tuple[Pair, str, int]]:
     yield from ((pair, KNOWN, 0) for pair in known_pairs())
 
 
-def _cases(
-    suite: str, asked: Iterable[tuple[Pair, str, int]], flows: tuple[str, ...]
-) -> Iterator[Case]:
-    for pair, effect, size in asked:
+def _cases(suite: str, sizes: Iterable[int], flows: tuple[str, ...]) -> Iterator[Case]:
+    for pair, effect, size in _draws(sizes):
         for flow in flows:
             case = Case(suite, pair, effect, size, flow)
             if not _is_asked(case):

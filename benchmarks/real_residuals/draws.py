@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.real_residuals.filtered import FilteredLog
 from benchmarks.real_residuals.recordings import ARMS
@@ -120,9 +119,7 @@ RECIPES: dict[str, Recipe] = {
     "link_inertia": lambda at: Term(at.effect("link_inertia"), _body(at)),
     "payload": lambda at: Term(EFFECTS["payload"].from_scope([], {}), _body(at)),
     "encoder_offset": _one("encoder_offset", "offset", either_way=True),
-    "effort_delay": lambda at: Term.of(
-        EFFECTS["effort_delay"].from_scope([], {}), delay=0.005 * at.sign()
-    ),
+    "effort_delay": lambda at: Term.of(EFFECTS["effort_delay"].from_scope([], {}), delay=0.005 * at.sign()),
 }
 OF_THE_MOTOR = {  # what a sensor behind the gear cannot see
     *("coulomb_friction", "viscous_friction", "stribeck_friction", "asymmetric_friction"),
@@ -167,5 +164,3 @@ def _can_have(effect: str, joint: str, before: FilteredLog, after: FilteredLog) 
     if effect in OF_THE_LOAD and after.rigid_share[j] < LOADED:
         return False
     return bool(before.moving[j] and after.moving[j])
-
-

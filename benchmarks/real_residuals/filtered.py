@@ -25,17 +25,21 @@ class FilteredLog:
 
     Attributes:
         log: As it was measured.
-        segment: Its filtered motion, and the torque that is compared.
+        experiment: Its filtered motion, and the torque that is compared.
     """
 
     log: Log
-    segment: Segment
+    experiment: Experiment
 
     @classmethod
     def of(cls, log: Log, robot: RobotModel) -> FilteredLog:
         """Filter a log as the program does."""
-        (segment,) = Experiment.of(robot, [condition(log, robot)]).segments
-        return cls(log, segment)
+        return cls(log, Experiment.of(robot, [condition(log, robot)]))
+
+    @property
+    def segment(self) -> Segment:
+        """The one log of the experiment."""
+        return self.experiment.segments[0]
 
     @property
     def robot(self) -> RobotModel:

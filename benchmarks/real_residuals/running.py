@@ -9,7 +9,16 @@ from typing import TypeVar
 from benchmarks.outcomes import CHECKOUT, Kept, Store, package_text, text_hash
 
 STORE = CHECKOUT / ".cache" / "real-residuals"
-APART = ("__main__.py", "running.py", "claims.py", "known_truths.py", "page.py", "tables.py")  # no outcome needs them
+APART = (  # files that no outcome depends on
+    "__main__.py",
+    "running.py",
+    "claims.py",
+    "judging.py",
+    "known_truths.py",
+    "page.py",
+    "stability.py",
+    "tables.py",
+)
 WITHOUT = ("cli", "viewers", "app", "campaigns", "diagnosis")  # parts of the package that no outcome needs
 
 O = TypeVar("O", bound=Kept)  # noqa: E741

@@ -52,7 +52,10 @@ def sized(term: Term, wanted: float, along: FilteredLog) -> Term:
             break
         if abs(now / wanted - 1.0) <= TOLERANCE:
             return term
-        term = term.with_theta(_limited(term.effect.name, np.array(term.theta) * wanted / now))
+        larger = term.with_theta(_limited(term.effect.name, np.array(term.theta) * wanted / now))
+        if larger == term:  # as large as it may be
+            break
+        term = larger
     raise NoSizeError(f"{term.label} cannot have {wanted:.0%} of the joint's torque in {along.log.source}")
 
 

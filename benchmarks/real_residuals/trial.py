@@ -22,7 +22,9 @@ from benchmarks.real_residuals.variants import varied
 from cdia_pin.effects import Term
 from cdia_pin.logs import Log
 
-RIPPLE = "position_ripple"  # its sine and cosine mean nothing without its frequency: its size is its amplitude
+RIPPLE = (
+    "position_ripple"  # its sine and cosine mean nothing without its frequency: its size is its amplitude
+)
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,14 @@ def _bases(case: Case) -> tuple[Base | None, Base | None]:
     if case.flow not in (*NEEDS_BEFORE, *NEEDS_AFTER):
         return None, None
     kept = store_of("bases", Base.from_json).read()
-    before = kept[BaseCase(case.pair.before).id] if case.flow in NEEDS_BEFORE else None
-    after = kept[BaseCase(case.pair.after).id] if case.flow in NEEDS_AFTER else None
+    before = _found(kept, BaseCase(case.pair.before).id) if case.flow in NEEDS_BEFORE else None
+    after = _found(kept, BaseCase(case.pair.after).id) if case.flow in NEEDS_AFTER else None
     return before, after
+
+
+def _found(kept: Mapping[str, Base], name: str) -> Base:
+    """Return what was found in an untouched log; a program that fails there has no model to begin with."""
+    base = kept[name]
+    if base.failure:
+        raise ValueError(f"no model of {name}: {base.failure}")
+    return base
