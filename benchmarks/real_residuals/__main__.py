@@ -39,7 +39,7 @@ def main() -> None:
         tell("measured logs: not there, skipped")
         return
     os.environ[folder.VARIABLE] = str(options.data)  # processes that start inherit it
-    every = SAMPLE if options.sample else 1
+    every = options.sample or 1
     flows = [f for f in options.flows if f != UNTOUCHED]
     cases = planned(options.suite, options.arms, options.sizes, flows, every)[: options.limit]
     repeats = [r for r in planned_repeats() if r.one.arm in options.arms]
@@ -76,7 +76,9 @@ def _parser() -> argparse.ArgumentParser:
     given.add_argument("--flows", nargs="+", choices=flows, default=flows)
     given.add_argument("--jobs", type=int, default=2, help="processes")
     given.add_argument("--limit", type=int, help="most cases to run")
-    given.add_argument("--sample", action="store_true", help=f"one draw in {SAMPLE}, printed")
+    given.add_argument(
+        "--sample", type=int, nargs="?", const=SAMPLE, metavar="N", help=f"one draw in N ({SAMPLE}), printed"
+    )
     given.add_argument("--kept", action="store_true", help="run nothing: print what is kept")
     given.add_argument("--out", type=Path, help="page to write; docs/results-real-residuals.md if all is run")
     return given

@@ -59,10 +59,12 @@ class Place:
 Recipe = Callable[[Place], Term]
 
 
-def _one(name: str, parameter: str, *, either_way: bool = False) -> Recipe:
+def _one(name: str, *, either_way: bool = False) -> Recipe:
+    """Return the recipe of an effect with one parameter; its sign is drawn if it may be either."""
+
     def recipe(at: Place) -> Term:
         size = 0.02 * (at.sign() if either_way else 1.0)
-        return Term.of(at.effect(name), **{parameter: size})
+        return Term(at.effect(name), (size,))
 
     return recipe
 
@@ -104,21 +106,21 @@ def _body(at: Place) -> tuple[float, ...]:
 
 
 RECIPES: dict[str, Recipe] = {
-    "coulomb_friction": _one("coulomb_friction", "level"),
-    "viscous_friction": _one("viscous_friction", "coefficient"),
+    "coulomb_friction": _one("coulomb_friction"),
+    "viscous_friction": _one("viscous_friction"),
     "stribeck_friction": _stribeck,
     "asymmetric_friction": _asymmetric,
-    "quadratic_friction": _one("quadratic_friction", "coefficient"),
-    "load_friction": _one("load_friction", "coefficient"),
+    "quadratic_friction": _one("quadratic_friction"),
+    "load_friction": _one("load_friction"),
     "position_ripple": _ripple,
-    "actuator_gain": _one("actuator_gain", "gain", either_way=True),
-    "torque_offset": _one("torque_offset", "offset", either_way=True),
-    "rotor_inertia": _one("rotor_inertia", "inertia"),
+    "actuator_gain": _one("actuator_gain", either_way=True),
+    "torque_offset": _one("torque_offset", either_way=True),
+    "rotor_inertia": _one("rotor_inertia"),
     "joint_spring": _spring,
     "coupled_friction": _coupled,
     "link_inertia": lambda at: Term(at.effect("link_inertia"), _body(at)),
     "payload": lambda at: Term(EFFECTS["payload"].from_scope([], {}), _body(at)),
-    "encoder_offset": _one("encoder_offset", "offset", either_way=True),
+    "encoder_offset": _one("encoder_offset", either_way=True),
     "effort_delay": lambda at: Term.of(EFFECTS["effort_delay"].from_scope([], {}), delay=0.005 * at.sign()),
 }
 OF_THE_MOTOR = {  # what a sensor behind the gear cannot see

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.real_residuals.filtered import FilteredLog
 from benchmarks.real_residuals.insertion import Insertion
 from cdia_pin.effects import Term
+
+Array = NDArray[np.float64]
 
 LARGEST = {  # beyond these an effect is none that a working robot has
     "encoder_offset": 0.2,  # [rad or m]
@@ -80,6 +83,6 @@ def telling(term: Term, along: FilteredLog) -> tuple[str, ...]:
     return tuple(out)
 
 
-def _limited(name: str, theta: np.ndarray) -> np.ndarray:
+def _limited(name: str, theta: Array) -> Array:
     most = LARGEST.get(name, np.inf)
-    return np.clip(theta, -most, most)
+    return np.asarray(np.clip(theta, -most, most))

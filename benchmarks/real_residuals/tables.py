@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import isnan
 
 from benchmarks.claims import counted
-from benchmarks.markdown import details, table
+from benchmarks.markdown import Row, details, table
 from benchmarks.real_residuals.bases import Base
 from benchmarks.real_residuals.cases import ALONE, FLOWS, SIZES
 from benchmarks.real_residuals.claims import asked, held, size_error
@@ -29,7 +29,7 @@ def by_effect(outcomes: Sequence[Outcome]) -> Iterator[str]:
         yield table(heads, (_effect(e, sizes, [o for o in chosen if o.effect == e]) for e in RECIPES))
 
 
-def _effect(effect: str, sizes: Sequence[int], outcomes: Sequence[Outcome]) -> tuple[str, ...]:
+def _effect(effect: str, sizes: Sequence[int], outcomes: Sequence[Outcome]) -> Row:
     cells = []
     for size in sizes:
         some = [o for o in outcomes if o.size == size]
@@ -50,17 +50,17 @@ def of_untouched(bases: Sequence[Base], repeats: Sequence[Repeat]) -> Iterator[s
             "Established names of two logs of one arm, parameters of those found in both, and the error of one's model "
             "on the other log over that of the URDF."
         )
-        heads = ("logs", "names alike", "parameters agree", "first model on second log", "second on first")
-        yield table(heads, map(_repeat, repeats))
+        columns = ("logs", "names alike", "parameters agree", "first model on second log", "second on first")
+        yield table(columns, map(_repeat, repeats))
 
 
-def _base(b: Base) -> tuple[object, ...]:
+def _base(b: Base) -> Row:
     if b.failure:
         return b.id, f"failed: {b.failure}", "–", "–", "–", f"{b.seconds:.1f}"
     return b.id, len(b.named), lines(b), b.verdict, percent(b.heldout), f"{b.seconds:.1f}"
 
 
-def _repeat(r: Repeat) -> tuple[object, ...]:
+def _repeat(r: Repeat) -> Row:
     if r.failure:
         return r.id, r.failure, "–", "–", "–"
     onto = ["–" if isnan(x) else percent(x) for x in r.carried_over]

@@ -51,8 +51,8 @@ def run_case(case: Case) -> Outcome:
         return replace(outcome, impossible=str(why))
     outcome, began = replace(outcome, truth=truth.label), process_time()
     try:
-        logs = (varied(log, case.variant) for log in (before, after))
-        question = Question(case.pair.before.robot, *logs, *_bases(case))
+        first, second = (varied(log, case.variant) for log in (before, after))
+        question = Question(case.pair.before.robot, first, second, *_bases(case))
         began = process_time()
         answer = FLOW[case.flow](question)
     except BaseException as why:  # a solver may panic, which is no Exception
