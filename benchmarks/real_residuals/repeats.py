@@ -58,7 +58,9 @@ class Repeat:
 
     @property
     def alike(self) -> float:
-        """Intersection over union of the names [1]; 1 where neither names anything."""
+        """Intersection over union of the names [1]; 1 where neither names anything, 0 where a program failed."""
+        if self.failure:
+            return 0.0
         return self.common / (self.common + self.apart) if self.common + self.apart else 1.0
 
     def to_json(self) -> str:
@@ -78,10 +80,19 @@ def planned_repeats() -> list[RepeatCase]:
 
 
 def run_repeat(case: RepeatCase) -> Repeat:
-    """Compare what was found in both logs."""
+    """Compare what is kept of both logs."""
     kept = store_of("bases", Base.from_json).read()
-    bases = [kept[BaseCase(r).id] for r in (case.one, case.other)]
-    if why := " ".join(b.failure for b in bases):
+    return compared(case, *(kept[BaseCase(r).id] for r in (case.one, case.other)))
+
+
+def compared(case: RepeatCase, *bases: Base) -> Repeat:
+    """Compare what was found in both logs.
+
+    Args:
+        case: The logs.
+        bases: What was found in the one and in the other.
+    """
+    if why := "; ".join(b.failure for b in bases if b.failure):
         return Repeat(case.id, case.one.arm, failure=why)
     first, second = ({n.label: n for n in b.named if n.confidence in ESTABLISHED} for b in bases)
     shared = first.keys() & second.keys()

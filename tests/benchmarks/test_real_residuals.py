@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from benchmarks.measured_logs.folder import are_there
 from benchmarks.real_residuals.answers import Named, differences, label_of, of_discovery
 from benchmarks.real_residuals.bases import Base, planned_bases
 from benchmarks.real_residuals.cases import (
@@ -27,14 +29,15 @@ from benchmarks.real_residuals.filtered import FilteredLog, rms
 from benchmarks.real_residuals.insertion import Insertion
 from benchmarks.real_residuals.outcome import Outcome
 from benchmarks.real_residuals.page import page
-from benchmarks.real_residuals.pairs import pairs, repeated
-from benchmarks.real_residuals.repeats import Repeat, agree
+from benchmarks.real_residuals.pairs import known_pairs, pairs, repeated
+from benchmarks.real_residuals.recordings import data_folder
+from benchmarks.real_residuals.repeats import Repeat, agree, compared, planned_repeats
 from benchmarks.real_residuals.sizing import NoSizeError, share, sized, telling
-from benchmarks.real_residuals.trial import judged
+from benchmarks.real_residuals.trial import judged, logs_of
 from benchmarks.real_residuals.variants import Variant, varied
 from cdia_pin import Dynamics, discover, load_robot
 from cdia_pin.discovery import compare
-from cdia_pin.effects import EFFECTS, Payload, Term, parse_term
+from cdia_pin.effects import EFFECTS, Term, parse_term
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.derivatives import zero_phase
@@ -183,13 +186,13 @@ def test_a_body_on_the_last_link_is_a_payload_and_a_whole_arm_has_no_joints() ->
 
 
 def test_a_descriptive_effect_does_not_count_as_named() -> None:
-    entry = {
-        "effect": "payload",
-        "joints": list(ROBOT.joints),
-        "parameters": {"mass": {"value": 1.0, "unit": "kg", "ci95": [0.5, 1.5]}},
-    }
-    named = Named.of({**entry, "confidence": "likely", "group": "bodies"}, "parameters", ROBOT)
-    assert (named.confidence, named.group, named.intervals) == ("likely", "bodies", {"mass": (0.5, 1.5)})
+    mass = {"mass": {"value": 1.0, "unit": "kg", "ci95": [0.5, 1.5]}}
+    entry = {"effect": "payload", "joints": list(ROBOT.joints), "parameters": mass, "group": "bodies"}
+    entries = [{**entry, "confidence": c} for c in ("established", "likely", "descriptive")]
+    found = SimpleNamespace(model=Dynamics(ROBOT), to_dict=lambda: {"effects": entries})
+    named = of_discovery(found)
+    assert [n.confidence for n in named] == ["established", "likely"]
+    assert (named[0].group, named[0].intervals) == ("bodies", {"mass": (0.5, 1.5)})
 
 
 COULOMB = Named("coulomb_friction@a", "", "", {"level": 1.0}, {"level": (0.9, 1.1)})
@@ -213,6 +216,20 @@ def test_parameters_agree_within_both_intervals_together() -> None:
     assert agree(COULOMB, replace(COULOMB, values={"level": 1.14}, intervals={"level": (1.04, 1.24)})) == [
         True
     ]
+
+
+def test_two_logs_are_alike_in_the_names_that_both_establish(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("benchmarks.real_residuals.repeats._carried", lambda *_: 0.1)
+    case = planned_repeats()[0]
+    likely = replace(COULOMB, label="payload", confidence="likely")
+    one, other = (
+        Base(r.id, r.id, r.arm, True, named)
+        for r, named in ((case.one, (COULOMB, likely)), (case.other, (COULOMB,)))
+    )
+    found = compared(case, one, other)
+    assert (found.alike, found.within, found.compared, found.failure) == (1.0, 1, 1, "")
+    failing = compared(case, one, replace(other, failure="PanicException"))
+    assert (failing.alike, failing.failure) == (0.0, "PanicException")
 
 
 # ---------------------------------------------------------------- logs recorded otherwise
@@ -331,5 +348,31 @@ def test_the_page_says_what_is_met_and_from_which_draws() -> None:
     assert all(p.claims for p in PARTS)
 
 
-def test_a_payload_is_in_the_vocabulary_that_is_inserted() -> None:
-    assert Payload.name in RECIPES
+# ---------------------------------------------------------------- the measured logs
+
+measured = pytest.mark.skipif(not are_there(data_folder()), reason="the measured logs are absent")
+
+
+@measured
+def test_every_log_of_the_plan_is_there() -> None:
+    logs = {r for pair in (*pairs(), *known_pairs()) for r in (pair.before, pair.after)}
+    logs |= {b.recording for b in planned_bases()}
+    assert not [r.id for r in logs if not (data_folder() / r.arm / f"{r.file}.csv").is_file()]
+
+
+@measured
+def test_a_measured_log_keeps_its_residual_and_gets_the_effect() -> None:
+    (case,) = (
+        c
+        for c in planned(TUNING, ["double_pendulum"], [25], [COMPARE])
+        if c.draw.endswith("swing_1 → swing_2/viscous_friction 25 %") and not c.variant
+    )
+    before, after, truth = logs_of(case)
+    untouched = case.pair.after.read()
+    assert (before.source, after.source) == ("double_pendulum/swing_1", "double_pendulum/swing_2")
+    (value,) = truth.values.values()
+    along = FilteredLog.of(untouched, case.pair.before.robot)
+    j = after.joints.index(truth.label.partition("@")[2])
+    f = untouched.effort[:, j] - after.effort[:, j]
+    expected = np.interp(untouched.time, along.state.time, -value * along.state.v[:, j])
+    np.testing.assert_allclose(f, expected, atol=1e-9)  # M q̈ + nle = τ + f
