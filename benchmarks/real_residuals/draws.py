@@ -6,15 +6,22 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.real_residuals.filtered import FilteredLog
 from benchmarks.real_residuals.recordings import ARMS
+from benchmarks.real_residuals.insertion import Insertion
 from benchmarks.real_residuals.sizing import NoSizeError, sized
 from cdia_pin.effects import EFFECTS, Effect, Term
-from cdia_pin.robot.inertia import parameters_of
+from cdia_pin.robot.inertia import at_centre_of_mass, parameters_of
+
+Array = NDArray[np.float64]
 
 LOADED = 0.3  # [1], rigid-body torque over the measured one; below it a joint's torque is friction, and a gain is too
-CENTRE = 0.08  # [m], furthest that the centre of mass of an added body is drawn along each axis
+CENTRE = (
+    0.08  # [m], furthest that an added body is drawn from the tool or from the link's centre, along each axis
+)
+OWN = 0.5  # [1], share of its size that a link must have on its own joint; else it is the same body on the one before
 RADIUS = 0.05  # [m], of an added body, a ball
 BALL = 0.4  # [1], inertia of a ball over m r²
 
@@ -100,8 +107,22 @@ def _coupled(at: Place) -> Term:
     return Term.of(effect, level=1.0, coefficient=at.between(0.2, 1.0) / at.fast)
 
 
-def _body(at: Place) -> tuple[float, ...]:
-    centre = at.rng.uniform(-CENTRE, CENTRE, 3)
+def _link(at: Place) -> Term:
+    """Return a body near the centre of mass of the link, where most of what a URDF leaves out is."""
+    _, centre, _ = at_centre_of_mass(at.along.robot.inertial_parameters[at.j])
+    return Term(at.effect("link_inertia"), _body(at, centre))
+
+
+def _payload(at: Place) -> Term:
+    return Term(EFFECTS["payload"].from_scope([], {}), _body(at, np.zeros(3)))
+
+
+def _delay(at: Place) -> Term:
+    return Term(EFFECTS["effort_delay"].from_scope([], {}), (0.005 * at.sign(),))
+
+
+def _body(at: Place, near: Array) -> tuple[float, ...]:
+    centre = near + at.rng.uniform(-CENTRE, CENTRE, 3)
     return tuple(map(float, parameters_of(1.0, centre, BALL * RADIUS**2 * np.eye(3))))
 
 
@@ -118,10 +139,10 @@ RECIPES: dict[str, Recipe] = {
     "rotor_inertia": _one("rotor_inertia"),
     "joint_spring": _spring,
     "coupled_friction": _coupled,
-    "link_inertia": lambda at: Term(at.effect("link_inertia"), _body(at)),
-    "payload": lambda at: Term(EFFECTS["payload"].from_scope([], {}), _body(at)),
+    "link_inertia": _link,
+    "payload": _payload,
     "encoder_offset": _one("encoder_offset", either_way=True),
-    "effort_delay": lambda at: Term.of(EFFECTS["effort_delay"].from_scope([], {}), delay=0.005 * at.sign()),
+    "effort_delay": _delay,
 }
 OF_THE_MOTOR = {  # what a sensor behind the gear cannot see
     *("coulomb_friction", "viscous_friction", "stribeck_friction", "asymmetric_friction"),
@@ -148,9 +169,11 @@ def drawn(effect: str, wanted: float, before: FilteredLog, after: FilteredLog, s
         if not _can_have(effect, joint, before, after):
             continue
         try:
-            return sized(RECIPES[effect](Place(after, joint, rng)), wanted, after)
+            term = sized(RECIPES[effect](Place(after, joint, rng)), wanted, after)
         except NoSizeError:  # too little torque of this kind on this joint
             continue
+        if effect != "link_inertia" or _on_its_joint(term, joint, after) >= OWN * wanted:
+            return term
     raise NoSizeError(f"{effect} cannot have {wanted:.0%} of the torque of any joint in {after.log.source}")
 
 
@@ -166,3 +189,9 @@ def _can_have(effect: str, joint: str, before: FilteredLog, after: FilteredLog) 
     if effect in OF_THE_LOAD and after.rigid_share[j] < LOADED:
         return False
     return bool(before.moving[j] and after.moving[j])
+
+
+def _on_its_joint(term: Term, joint: str, along: FilteredLog) -> float:
+    """Return the RMS torque of an effect over that of one joint [1]."""
+    j = along.robot.joint_index(joint)
+    return float(along.size(Insertion(term, along).torque())[j] / along.torque_rms[j])

@@ -144,6 +144,17 @@ def test_a_draw_is_the_same_each_time_and_another_with_another_seed(along: Filte
     assert one == again != other
 
 
+def test_a_link_is_felt_on_its_own_joint(along: FilteredLog) -> None:
+    """A body on the axis of a joint is the same torque on the link before."""
+    for seed in range(4):
+        term = drawn("link_inertia", 0.1, along, along, seed)
+        (joint,) = term.effect.scope
+        j = ROBOT.joint_index(joint)
+        torque = Insertion(term, along).torque()
+        assert along.size(torque)[j] >= 0.05 * along.torque_rms[j]
+        assert 0 < j < ROBOT.n - 1
+
+
 def test_a_joint_at_rest_gets_no_effect(along: FilteredLog) -> None:
     log = along.log
     still = log.position.copy()
