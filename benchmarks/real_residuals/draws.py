@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.real_residuals.filtered import FilteredLog
-from benchmarks.real_residuals.recordings import ARMS
 from benchmarks.real_residuals.insertion import Insertion
+from benchmarks.real_residuals.recordings import ARMS
 from benchmarks.real_residuals.sizing import NoSizeError, sized
 from cdia_pin.effects import EFFECTS, Effect, Term
 from cdia_pin.robot.inertia import at_centre_of_mass, parameters_of
