@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 JOBS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1  # small matrices: threads only cost
 
-.PHONY: install test lint docs demo bench bench-discovery bench-cdia bench-sensitivity clean help
+.PHONY: install test lint docs demo bench bench-discovery bench-real bench-cdia bench-sensitivity clean help
 
 help:  ## show this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -35,6 +35,9 @@ bench: $(VENV)/.installed-dev  ## measure what the README states of measured log
 bench-discovery: $(VENV)/.installed-dev  ## measure the discovery of hidden effects; an hour, an interrupted run goes on
 	-$(BIN)/python -m pip install --quiet --editable ".[bench]"
 	$(BIN)/python -m benchmarks.hidden_effects --jobs $(JOBS)
+
+bench-real: $(VENV)/.installed-dev  ## measure known effects in measured logs; hours, an interrupted run goes on
+	$(BIN)/python -m benchmarks.real_residuals --jobs $(JOBS)
 
 bench-cdia: $(VENV)/.installed-dev  ## measure the monitor in closed loop; an hour, an interrupted run goes on
 	$(BIN)/python -m benchmarks.online --jobs $(JOBS)
