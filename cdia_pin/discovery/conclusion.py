@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cdia_pin.changes.phenomenon import Phenomenon
+from cdia_pin.discovery.discovery_documents import DiscoveryRecord
 from cdia_pin.discovery.discovery_result import Discovery, Ranked
 from cdia_pin.discovery.recognition import recognised
 from cdia_pin.discovery.trace import trace
@@ -48,18 +49,27 @@ def concluded(
         structure_left=left,
         torque_rms=rms(experiment.measured, experiment.informative),
         ranking=ranking,
-        record={
-            "version": __version__,
-            "logs": [s.motion.record for s in experiment.segments],
-            "holdout": [s.motion.record for s in logs.held_out.segments] if logs.held_out else [],
-            "blocks": settings.blocks,
-            "effects": list(settings.effects) if settings.effects else "all",
-            "extra": [e.to_dict() for e in settings.extra],
-            "per_log": [*settings.per_log, *logs.differing],
-            "most_effects": settings.most_effects,
-        },
+        record=_record(problem),
         findings=(
             *findings,
             *recognised(logs.with_noise_of(misfit).regression, final, left, settings.memory),
         ),
     )
+
+
+def _record(problem: WhitenedProblem) -> DiscoveryRecord:
+    """Return what a discovery was made from; numbers that decide are recorded where they are not the usual ones."""
+    logs, settings = problem.problem, problem.settings
+    record: DiscoveryRecord = {
+        "version": __version__,
+        "logs": [s.motion.record for s in problem.experiment.segments],
+        "holdout": [s.motion.record for s in logs.held_out.segments] if logs.held_out else [],
+        "blocks": settings.blocks,
+        "effects": list(settings.effects) if settings.effects else "all",
+        "extra": [e.to_dict() for e in settings.extra],
+        "per_log": [*settings.per_log, *logs.differing],
+        "most_effects": settings.most_effects,
+    }
+    if changed := settings.changed_decisions():
+        record["decisions"] = changed
+    return record
