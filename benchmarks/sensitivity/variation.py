@@ -16,7 +16,8 @@ LEFT_OUT = (
     "most_effects",
     "blocks",
     "criterion.margin",
-)  # the filter, the effort, and a tie-break
+    "criterion.least_share_of_change",
+)  # the filter, the effort, a tie-break, and what only a comparison of logs asks for
 
 
 @dataclass(frozen=True)
