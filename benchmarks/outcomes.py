@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict
 from pathlib import Path
-from typing import Generic, Protocol, TypeVar
+from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 
@@ -20,6 +22,26 @@ class Kept(Protocol):
 
     def to_json(self) -> str:
         """Return the outcome as a line of JSON."""
+
+
+class JsonLine:
+    """Base of outcomes that are dataclasses: each is a line of JSON.
+
+    Attributes:
+        READ: From plain JSON to the values of those fields that are not plain, by field.
+    """
+
+    READ: ClassVar[Mapping[str, Callable[[Any], object]]] = {}
+
+    def to_json(self) -> str:
+        """Return the outcome as a line of JSON."""
+        return json.dumps(asdict(self), ensure_ascii=False)  # type: ignore[call-overload]
+
+    @classmethod
+    def from_json(cls, line: str) -> Self:
+        """Read back what `to_json` wrote."""
+        given = json.loads(line)
+        return cls(**{name: cls.READ.get(name, lambda v: v)(value) for name, value in given.items()})
 
 
 T = TypeVar("T", bound=Kept)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import tempfile
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from math import nan
 from pathlib import Path
 from time import process_time
-from typing import Any, Self
+from typing import ClassVar
 
 import numpy as np
 
+from benchmarks.outcomes import JsonLine
 from benchmarks.real_residuals.answers import Named, of_discovery
 from benchmarks.real_residuals.cases import ALONE, MODEL, Case
 from benchmarks.real_residuals.failures import failed
@@ -48,7 +48,7 @@ class BaseCase:
 
 
 @dataclass(frozen=True)
-class Base:
+class Base(JsonLine):
     """What was found in an untouched log.
 
     Attributes:
@@ -86,15 +86,7 @@ class Base:
             path.write_text(self.model, encoding="utf-8")
             return load_model(path, robot)
 
-    def to_json(self) -> str:
-        """Return the outcome as a line of JSON."""
-        return json.dumps(asdict(self), ensure_ascii=False)
-
-    @classmethod
-    def from_json(cls, line: str) -> Self:
-        """Read back what `to_json` wrote."""
-        given: dict[str, Any] = json.loads(line)
-        return cls(**{**given, "named": tuple(map(Named.from_dict, given["named"]))})
+    READ: ClassVar = {"named": lambda v: tuple(map(Named.from_dict, v))}
 
 
 def needed(cases: Iterable[Case]) -> list[BaseCase]:

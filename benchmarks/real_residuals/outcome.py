@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from math import nan
-from typing import Any, Self
+from typing import ClassVar
 
+from benchmarks.outcomes import JsonLine
 from benchmarks.real_residuals.answers import Named
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Outcome(JsonLine):
     """What came of a case.
 
     Attributes:
@@ -78,12 +78,4 @@ class Outcome:
             return "nothing"
         return "among" if self.among else "other"
 
-    def to_json(self) -> str:
-        """Return the outcome as a line of JSON."""
-        return json.dumps(asdict(self), ensure_ascii=False)
-
-    @classmethod
-    def from_json(cls, line: str) -> Self:
-        """Read back what `to_json` wrote."""
-        given: dict[str, Any] = json.loads(line)
-        return cls(**{**given, "named": tuple(map(Named.from_dict, given["named"]))})
+    READ: ClassVar = {"named": lambda v: tuple(map(Named.from_dict, v))}

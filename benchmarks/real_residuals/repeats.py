@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import hypot, nan
-from typing import Any, Self
+from typing import ClassVar
 
 import numpy as np
 
+from benchmarks.outcomes import JsonLine
 from benchmarks.real_residuals.answers import ESTABLISHED, Named, half
 from benchmarks.real_residuals.bases import Base, BaseCase
 from benchmarks.real_residuals.pairs import repeated
@@ -33,7 +33,7 @@ class RepeatCase:
 
 
 @dataclass(frozen=True)
-class Repeat:
+class Repeat(JsonLine):
     """How far two logs agree.
 
     Attributes:
@@ -63,15 +63,7 @@ class Repeat:
             return 0.0
         return self.common / (self.common + self.apart) if self.common + self.apart else 1.0
 
-    def to_json(self) -> str:
-        """Return the outcome as a line of JSON."""
-        return json.dumps(asdict(self), ensure_ascii=False)
-
-    @classmethod
-    def from_json(cls, line: str) -> Self:
-        """Read back what `to_json` wrote."""
-        given: dict[str, Any] = json.loads(line)
-        return cls(**{**given, "carried_over": tuple(given["carried_over"])})
+    READ: ClassVar = {"carried_over": tuple}
 
 
 def planned_repeats() -> list[RepeatCase]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
-from typing import Self
+from dataclasses import dataclass
 
 from benchmarks.hidden_effects.case import Case
 from benchmarks.hidden_effects.drawing import drawn, recorded
 from benchmarks.hidden_effects.truth import label_of
+from benchmarks.outcomes import JsonLine
 from benchmarks.sensitivity.variation import Variation
 from cdia_pin.discovery import discover
 from cdia_pin.dynamics import Dynamics
@@ -41,7 +40,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class TrialOutcome:
+class TrialOutcome(JsonLine):
     """What came of it.
 
     Attributes:
@@ -59,15 +58,6 @@ class TrialOutcome:
     spurious: int
     alternatives: int
     unexplained: bool
-
-    def to_json(self) -> str:
-        """Return the outcome as a line of JSON."""
-        return json.dumps(asdict(self))
-
-    @classmethod
-    def from_json(cls, line: str) -> Self:
-        """Read back what `to_json` wrote."""
-        return cls(**json.loads(line))
 
 
 def cases() -> Iterator[Case]:

@@ -29,7 +29,7 @@ ADDITION = 19  # torque to add to a nominal one [N·m or N]
 SOFT_SIGN_WIDTH = 20  # the same as SIGN_WIDTH, where friction is compensated [rad/s or m/s]
 REST_SPEED = 21  # speed below which a joint may rest [rad/s or m/s]
 KNOWN_AMPLITUDE = 22  # largest torque of the model's own joint terms of late [N·m or N]
-JOINT_ROWS = 23
+JOINT_ROWS = 23  # their number [1]
 
 # Rows of the part `columns`, each of shape (n, P).
 PHI = 0  # φ of the last tick, torque per unit of a parameter
@@ -37,24 +37,24 @@ FILTERED = 1  # y, filtered φ
 BELIEVED = 2  # ĉ, parameters of the believed faults
 KNOWN = 3  # θ of the model's own joint terms
 PRESENT = 4  # β of the effect's profile [1]
-COLUMN_ROWS = 5
+COLUMN_ROWS = 5  # their number [1]
 
 # Rows of the part `phi`, each of shape (n, P): columns as the effects return them.
 PHI_TICK = 0  # over the interval of the tick
 PHI_UNLOADED = 1  # for a correction, at torque zero
 PHI_LOADED = 2  # for a correction, at the nominal torque
-PHI_ROWS = 3
+PHI_ROWS = 3  # their number [1]
 
 # Rows of the part `neurons`, each of shape (n, 2 K + 1).
 ACTIVATION = 0  # of the last tick
 ACTIVATED = 1  # filtered
 WEIGHTS = 2  # learned
-NEURON_ROWS = 3
+NEURON_ROWS = 3  # their number [1]
 
 # Rows of the parts `centres`, each of shape (K, n), and `widths`, each of shape (n,).
 OF_POSITION = 0  # [rad or m]
 OF_VELOCITY = 1  # [rad/s or m/s]
-SIGNAL_ROWS = 2
+SIGNAL_ROWS = 2  # their number [1]
 
 # Entries of the part `scalars`.
 TIME = 0  # of the last tick [s]
@@ -67,4 +67,4 @@ LEARNS = 6  # does any joint learn an unknown fault (1) or none (0)?
 CORRECTS = 7  # is the addition worked out at every tick (1) or not (0)?
 DRIVEN = 8  # is an effect of torque believed in (1) or not (0)?
 NEURON_COUNT = 9  # ticks since the neurons were last evaluated [1]
-SCALARS = 10
+SCALARS = 10  # their number [1]

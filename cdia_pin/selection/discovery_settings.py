@@ -31,20 +31,6 @@ class EveryLinkSettings:
 
     __repr__ = settings_repr
 
-    def changed_decisions(self) -> dict[str, float]:
-        """Return the numbers that decide and differ from their defaults, by name as ``criterion.least_share``."""
-        usual = type(self)()
-        groups = [
-            f.name for f in fields(self) if is_dataclass(f.default_factory) and f.name != "conditioning"
-        ]
-        both = ((g, getattr(self, g), getattr(usual, g)) for g in groups)
-        return {
-            f"{group}.{f.name}": getattr(given, f.name)
-            for group, given, default in both
-            for f in fields(given)
-            if getattr(given, f.name) != getattr(default, f.name)
-        }
-
 
 @dataclass(frozen=True, repr=False)
 class AlternativeSettings:
@@ -66,20 +52,6 @@ class AlternativeSettings:
 
     __repr__ = settings_repr
 
-    def changed_decisions(self) -> dict[str, float]:
-        """Return the numbers that decide and differ from their defaults, by name as ``criterion.least_share``."""
-        usual = type(self)()
-        groups = [
-            f.name for f in fields(self) if is_dataclass(f.default_factory) and f.name != "conditioning"
-        ]
-        both = ((g, getattr(self, g), getattr(usual, g)) for g in groups)
-        return {
-            f"{group}.{f.name}": getattr(given, f.name)
-            for group, given, default in both
-            for f in fields(given)
-            if getattr(given, f.name) != getattr(default, f.name)
-        }
-
 
 @dataclass(frozen=True, repr=False)
 class MemorySettings:
@@ -94,20 +66,6 @@ class MemorySettings:
     least_torque: float = 0.01
 
     __repr__ = settings_repr
-
-    def changed_decisions(self) -> dict[str, float]:
-        """Return the numbers that decide and differ from their defaults, by name as ``criterion.least_share``."""
-        usual = type(self)()
-        groups = [
-            f.name for f in fields(self) if is_dataclass(f.default_factory) and f.name != "conditioning"
-        ]
-        both = ((g, getattr(self, g), getattr(usual, g)) for g in groups)
-        return {
-            f"{group}.{f.name}": getattr(given, f.name)
-            for group, given, default in both
-            for f in fields(given)
-            if getattr(given, f.name) != getattr(default, f.name)
-        }
 
 
 @dataclass(frozen=True, repr=False)

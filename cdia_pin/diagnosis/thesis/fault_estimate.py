@@ -52,7 +52,7 @@ class FaultEstimate:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing is believed."""
+        """Whether no fault is present."""
         return not self.learning and self.isolated.filter is None
 
     def restart_neurons(self, error: Array | None = None) -> None:
