@@ -9,6 +9,7 @@ import numpy as np
 from cdia_pin.viewers.report_series import Numbers, compact, compact_one
 from cdia_pin.viewers.verdict import mean_share, verdict_sentences
 from cdia_pin.viewers.words import (
+    advice_words,
     confusion_words,
     effect_name,
     effect_words,
@@ -138,7 +139,9 @@ def _effect(k: int, found: Discovery) -> EffectDocument:
         "shape": shape_parameters(term, robot),
         "profile": profile_words(term),
         "error": _largest_fall(found.trace[k - 1], step, found),
-        "confusions": [{"words": confusion_words(c), "motion": c.motion} for c in step.confusions],
+        "confusions": [
+            {"words": confusion_words(c), "motion": advice_words(c.motion)} for c in step.confusions
+        ],
     }
 
 

@@ -98,7 +98,7 @@ def test_effects_carry_numbers_with_units_and_doubts(results, doubtful):
     assert [p["telling"] for p in effect["parameters"]] == [True, False]
     assert effect["shape"][0]["text"].replace("\xa0", " ") == "8.00 s/rad"
     assert effect["confusions"] == [
-        {"words": "coulomb friction on joint3", "motion": "move the joint slowly"}
+        {"words": "coulomb friction on joint3", "motion": "to distinguish them, move the joint slowly"}
     ]
 
 

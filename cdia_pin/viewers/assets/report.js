@@ -97,7 +97,7 @@ function byMotion(confusions) {
   const groups = new Map();
   for (const c of confusions) groups.set(c.motion, [...(groups.get(c.motion) || []), c.words]);
   return [...groups].map(([motion, words]) => h("div", { class: "other" }, words.join(", "),
-    h("div", { class: "soft" }, "to tell apart: " + motion)));
+    h("div", { class: "soft" }, motion)));
 }
 
 // ---------------------------------------------------------------- errors by joint
