@@ -1,8 +1,7 @@
-"""Structure that several logs may have in common: rigid bodies, friction, and smooth functions of the motion.
+"""Structure that several logs may have in common: every effect of the vocabulary, and every rigid body.
 
-It is not searched for, but fitted at once. Each column has a prior standard deviation: that of an effect of the
-vocabulary is the joint's own torque, that of a smooth function is the residual of the vocabulary. Without these priors,
-large smooth functions that cancel in one log could imitate a change in the other.
+It is not searched for, but fitted at once. The prior standard deviation of each effect is the joint's own torque.
+Without these priors, large effects that cancel in one log could imitate a change in the other.
 """
 
 from __future__ import annotations
@@ -13,16 +12,11 @@ from numpy.typing import NDArray
 from cdia_pin.effects import Effect, LinkInertia
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
-from cdia_pin.regression.friction_memory import bent
 from cdia_pin.regression.shared_parameters import ColumnGroup
 from cdia_pin.selection.candidates import enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 
 Array = NDArray[np.float64]
-
-NEURONS = 7  # radial basis functions [1] over a signal of a joint; they resolve a sixth of its range
-REACHES = (0.01, 0.03, 0.1, 0.3)  # reaches of friction with memory, over the joint's travel [1]
-SLOW = 0.05  # speed over the joint's usual speed [1] within which smooth functions change with the direction
 
 
 def common_effects(
@@ -53,39 +47,3 @@ def common_effects(
 def _few(family: list[Effect]) -> list[Effect]:
     """Return the first, the middle and the last of an effect's shapes."""
     return list(dict.fromkeys(family[k] for k in (0, len(family) // 2, -1)))
-
-
-def smooth_functions(experiment: Experiment, prediction: Prediction, size: Array) -> list[ColumnGroup]:
-    """Return smooth functions of each joint's motion and load, and of the other joints' positions.
-
-    Args:
-        experiment: The conditioned logs.
-        prediction: Prediction of the model.
-        size: Prior standard deviation of their torque on each joint [N·m or N], shape (n,).
-    """
-    _, q, v, a = experiment.compared_motion()
-    pairs = zip(experiment.segments, prediction.torques, strict=True)
-    load = np.concatenate([s.motion.sampled(t.actuator) for s, t in pairs])
-    out = []
-    for j in range(experiment.robot.n):
-        usual = max(float(np.percentile(np.abs(v[:, j]), 95)), 1e-9)
-        direction = np.tanh(v[:, j] / (SLOW * usual))[:, None]
-        at_q, at_v, at_load = (_bases(s[:, j]) for s in (q, v, load))
-        posture = [
-            f(m * q[:, k]) for k in range(q.shape[1]) if k != j for f in (np.sin, np.cos) for m in (1, 2)
-        ]
-        ways = [at_q, np.column_stack(posture)] if posture else [at_q]
-        both = [w for way in ways for w in (way, way * direction)]
-        raw = np.column_stack([*both, at_q * v[:, [j]] / usual, at_v, at_load, np.abs(a[:, [j]])])
-        travel = max(float(np.ptp(s.motion.q[:, j])) for s in experiment.segments)
-        memory = [bent(experiment, j, r * max(travel, 1e-9)) for r in REACHES]
-        raw = np.column_stack([raw, *memory])
-        columns = raw / np.maximum(np.sqrt(np.mean(raw**2, axis=0)), 1e-9)
-        out.append(ColumnGroup({j: columns}, np.full(columns.shape[1], max(float(size[j]), 1e-12))))
-    return out
-
-
-def _bases(signal: Array) -> Array:
-    low, high = np.percentile(signal, [0.5, 99.5])
-    width = (high - low) / (NEURONS - 1) or 1.0
-    return np.asarray(np.exp(-(((signal[:, None] - np.linspace(low, high, NEURONS)) / width) ** 2)))

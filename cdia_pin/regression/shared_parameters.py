@@ -77,16 +77,28 @@ class SharedRegression:
     @cached_property
     def gram(self) -> Array:
         """XᵀX of all joints with the response as last column, shape (P + 1, P + 1)."""
+        return self.gram_of(slice(None))
+
+    def gram_of(self, samples: slice) -> Array:
+        """Return XᵀX of some samples of all joints with the response as last column, shape (P + 1, P + 1).
+
+        Args:
+            samples: The samples.
+        """
         out = np.zeros((len(self.precision) + 1,) * 2)
         for rows, at in zip(self.rows, self.at, strict=True):
-            out[np.ix_(at, at)] += rows.T @ rows
+            out[np.ix_(at, at)] += rows[samples].T @ rows[samples]
         return out
+
+    def theta(self) -> Array:
+        """Return the parameters that explain the response best, shape (P,)."""
+        return np.asarray(self._inverse(len(self.precision)) @ self.gram[:-1, -1])
 
     def residual(self) -> tuple[Array, Array]:
         """Return the residual in units of the noise (K, n), and the effective number of parameters per joint (n,)."""
         inverse = self._inverse(len(self.precision))
-        theta = np.append(-inverse @ self.gram[:-1, -1], 1.0)
-        left = np.column_stack([rows @ theta[at] for rows, at in zip(self.rows, self.at, strict=True)])
+        against = np.append(-inverse @ self.gram[:-1, -1], 1.0)
+        left = np.column_stack([rows @ against[at] for rows, at in zip(self.rows, self.at, strict=True)])
         own = zip(self.rows, self.at, strict=True)
         used = [np.sum((x[:, :-1].T @ x[:, :-1]) * inverse[np.ix_(at[:-1], at[:-1])]) for x, at in own]
         return left, np.array(used, float)

@@ -52,8 +52,6 @@ class SelectionCriterion:
             raises it more is left out: the log moves too little to show it.
         least_rigid_share: Share of a joint's torque that the rigid body must have for effects of the torque to be
             candidates [1]. Where all torque is friction, a gain only scales it.
-        least_share_of_change: Share of the residual of a joint after a change that the change must explain [1]. It is
-            less than `least_share`, because all that is common to the logs is fitted as well.
     """
 
     penalty_per_parameter: float = 4.0
@@ -68,7 +66,6 @@ class SelectionCriterion:
     margin: float = 1.0
     most_harm: float = 0.005
     least_rigid_share: float = 0.2
-    least_share_of_change: float = 0.05
 
     __repr__ = settings_repr
 

@@ -69,6 +69,39 @@ class MemorySettings:
 
 
 @dataclass(frozen=True, repr=False)
+class ChangeSettings:
+    """When a difference between logs counts as a change of the arm.
+
+    Residuals of measured arms repeat with the posture, not with the sample. So evidence is counted by contiguous blocks
+    of time: each block is predicted from all others, and intervals come from how the estimates differ when one block
+    is left out [Efron1982]. Neither depends on how smooth the recorded torque is.
+
+    Attributes:
+        blocks: Blocks of time per side [1]. Half or twice as many changes few names.
+        least_certainty: Estimate over its standard deviation from blocks, root mean square over the parameters [1]. On
+            pairs of logs between which nothing changed the largest was about 4; inserted effects of a quarter of a
+            joint's torque mostly have more than 10.
+        least_share: Share of what is left on the joints concerned that the change must explain on blocks that were
+            left out [1].
+        least_torque: RMS torque of a change over that of the joint on which it is largest [1].
+        least_moving: Share of the time in which a joint must move in both logs to be compared [1]. A model is wrong in
+            another way at each posture, so a joint that rests at different postures always seems to have changed.
+        alike: Share of what a change explains by which another one may explain less and still be as good [1].
+        doubt: The same, in standard deviations of the difference over the blocks [1].
+    """
+
+    blocks: int = 16
+    least_certainty: float = 5.0
+    least_share: float = 0.1
+    least_torque: float = 0.03
+    least_moving: float = 0.05
+    alike: float = 0.02
+    doubt: float = 1.0
+
+    __repr__ = settings_repr
+
+
+@dataclass(frozen=True, repr=False)
 class DiscoverySettings:
     """What a discovery searches for, and how.
 
@@ -84,6 +117,7 @@ class DiscoverySettings:
         alternatives: When another explanation counts as possible.
         lack_of_fit: When the residual of a model counts as structure.
         memory: When friction after a reversal counts as having memory.
+        changes: When a difference between logs counts as a change of the arm.
         noise: How the noise of a joint is estimated.
         rest: Which samples show friction.
     """
@@ -99,6 +133,7 @@ class DiscoverySettings:
     alternatives: AlternativeSettings = field(default_factory=AlternativeSettings)
     lack_of_fit: LackOfFitSettings = field(default_factory=LackOfFitSettings)
     memory: MemorySettings = field(default_factory=MemorySettings)
+    changes: ChangeSettings = field(default_factory=ChangeSettings)
     noise: NoiseSettings = field(default_factory=NoiseSettings)
     rest: RestSettings = field(default_factory=RestSettings)
 

@@ -1,0 +1,202 @@
+r"""Evidence by contiguous blocks of time: each block is predicted from all others.
+
+Residuals of measured arms are not noise: they repeat with the posture, and neighbouring samples tell the same thing.
+Blocks of time are nearly independent of each other. So what a change explains is measured on blocks that its fit did not
+see, and the covariance of its parameters comes from leaving out one block at a time, the jackknife [Efron1982]:
+
+.. math::
+
+    V = \frac{B - 1}{B} \sum_b (\hat\theta_{(b)} - \hat\theta) (\hat\theta_{(b)} - \hat\theta)^T
+
+The common structure is fitted again without each block too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.changes.difference import Difference
+from cdia_pin.changes.differing import REPEATED, Differing
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
+from cdia_pin.regression.scaled_gram import ScaledGram
+
+Array = NDArray[np.float64]
+
+RIDGE = 1e-10  # added to a unit diagonal [1], so that columns that repeat each other can be solved
+NEGLIGIBLE = 1e-9  # added to a covariance, over its mean variance [1], so that it can be inverted
+
+
+@dataclass(frozen=True, repr=False)
+class BlockFits:
+    """Each change added to a set, fitted without one block of time at a time.
+
+    Attributes:
+        theta: Parameters of each change from all blocks, shape (p,) each.
+        certainty: Estimate over its standard deviation, root mean square over the parameters [1], shape (C,).
+        gains: What each change explains of each block when that block is left out, in units of what is left [1],
+            shape (C, B).
+    """
+
+    theta: tuple[Array, ...]
+    certainty: Array
+    gains: Array
+
+    def __repr__(self) -> str:
+        return f"BlockFits({len(self.theta)} changes, {self.gains.shape[1]} blocks)"
+
+    @property
+    def gain(self) -> Array:
+        """What each change explains of all blocks [1], shape (C,)."""
+        return np.asarray(self.gains.sum(axis=1))
+
+
+@dataclass(frozen=True, repr=False)
+class BlockEvidence:
+    """Normal equations of changes, after the common structure is taken out, without and of each block.
+
+    Attributes:
+        effects: The changes, in the order of their columns.
+        training: [X y]ᵀ[X y] of all blocks but one, shape (B, P + 1, P + 1).
+        unseen: [X y]ᵀ[X y] of that block, shape (B, P + 1, P + 1).
+        total: [X y]ᵀ[X y] of all blocks, shape (P + 1, P + 1).
+        norms: Sum of squares of each column before the common structure is taken out [1/unit²], shape (P,).
+        prior: Precision of the prior on each parameter [1/unit²], shape (P,).
+    """
+
+    effects: tuple[Difference, ...]
+    training: Array
+    unseen: Array
+    total: Array
+    norms: Array
+    prior: Array
+
+    def __repr__(self) -> str:
+        return f"BlockEvidence({len(self.effects)} changes, {len(self.training)} blocks)"
+
+    @classmethod
+    def of(cls, differing: Differing) -> Self:
+        """Compute the normal equations without each block.
+
+        Args:
+            differing: Logs before and after, and the columns of all changes.
+        """
+        effects = differing.screened()
+        regression = differing.together(effects)
+        first = len(regression.precision) - sum(e.size for e in effects)
+        edges = list(zip(differing.edges[:-1], differing.edges[1:], strict=True))
+        blocks = [regression.gram_of(slice(start, stop)) for start, stop in edges]
+        whole = np.sum(blocks, axis=0)
+        prior = np.diag(regression.precision[:first])
+        training, unseen = [], []
+        for block in blocks:
+            rest = whole - block
+            common = ScaledGram.of(rest[:first, :first] + prior, RIDGE).solve(rest[:first, first:])
+            training.append(rest[first:, first:] - rest[first:, :first] @ common)
+            mixed = block[first:, :first] @ common
+            unseen.append(
+                block[first:, first:] - mixed - mixed.T + common.T @ block[:first, :first] @ common
+            )
+        common = ScaledGram.of(whole[:first, :first] + prior, RIDGE).solve(whole[:first, first:])
+        total = whole[first:, first:] - whole[first:, :first] @ common
+        norms = np.maximum(np.diag(whole)[first:-1], 1e-300)
+        scale = np.concatenate([np.zeros(0), *(e.prior_scale(differing.experiment.robot) for e in effects)])
+        return cls(tuple(effects), np.array(training), np.array(unseen), total, norms, 1.0 / scale**2)
+
+    @property
+    def parameters(self) -> ParameterBlocks:
+        """Position of the parameters of each change."""
+        return ParameterBlocks.of(self.effects)
+
+    def unexplained(self, chosen: Sequence[int]) -> Array:
+        """Return what a set leaves of each block when that block is left out [1], shape (B,).
+
+        Args:
+            chosen: Indices of the set.
+        """
+        return np.asarray(self._beside(chosen)[1][:, -1, -1])
+
+    def fits(self, chosen: Sequence[int]) -> BlockFits:
+        """Return the fit of each change beside a set, and what it explains; zero for members of the set.
+
+        Args:
+            chosen: Indices of the set.
+        """
+        training, unseen, total = self._beside(chosen)
+        count, blocks = len(self.effects), len(training)
+        thetas: list[Array] = [np.zeros(e.size) for e in self.effects]
+        certainty, gains = np.zeros(count), np.zeros((count, blocks))
+        for size, members in self._by_size().items():
+            own = np.array([self.parameters.indices([c]) for c in members])
+            rows, columns = own[:, :, None], own[:, None, :]
+            ridge = (REPEATED * self.norms[own] + self.prior[own])[:, None, :] * np.eye(size)
+            right = training[:, own, -1]
+            theta = np.linalg.solve(training[:, rows, columns] + ridge, right[..., None])[..., 0]
+            whole = total[rows, columns] + ridge
+            best = np.linalg.solve(whole, total[own, -1][..., None])[..., 0]
+            gains[members] = (
+                2 * np.einsum("bcp,bcp->cb", theta, unseen[:, own, -1])
+                - np.einsum("bcp,bcpq,bcq->cb", theta, unseen[:, rows, columns], theta)
+            )
+            certainty[members] = _certainty(theta, best, np.sqrt(np.einsum("cpp->cp", whole)))
+            for c, value in zip(members, best, strict=True):
+                thetas[c] = value
+        gains[list(chosen)] = certainty[list(chosen)] = 0.0
+        return BlockFits(tuple(thetas), certainty, gains)
+
+    def estimate(self, chosen: Sequence[int]) -> tuple[Array, Array]:
+        """Return the parameters of a set, shape (p,), and their covariance, shape (p, p).
+
+        Args:
+            chosen: Indices of the set.
+        """
+        at = self.parameters.indices(chosen)
+        ridge = np.diag(RIDGE * self.norms[at] + self.prior[at])
+        theta = np.array(
+            [ScaledGram.of(t[np.ix_(at, at)] + ridge).solve(t[at, -1]) for t in self.training]
+        )
+        best = ScaledGram.of(self.total[np.ix_(at, at)] + ridge).solve(self.total[at, -1])
+        moved = theta - best
+        return best, (len(theta) - 1) / len(theta) * moved.T @ moved
+
+    def _beside(self, chosen: Sequence[int]) -> tuple[Array, Array, Array]:
+        """Return all normal equations after a set is taken out as well."""
+        at = self.parameters.indices(chosen)
+        if not len(at):
+            return self.training, self.unseen, self.total
+        ridge = np.diag(RIDGE * self.norms[at] + self.prior[at])
+        training, unseen = np.empty_like(self.training), np.empty_like(self.unseen)
+        for b, (seen, block) in enumerate(zip(self.training, self.unseen, strict=True)):
+            share = ScaledGram.of(seen[np.ix_(at, at)] + ridge).solve(seen[at])
+            training[b] = seen - seen[:, at] @ share
+            mixed = block[:, at] @ share
+            unseen[b] = block - mixed - mixed.T + share.T @ block[np.ix_(at, at)] @ share
+        share = ScaledGram.of(self.total[np.ix_(at, at)] + ridge).solve(self.total[at])
+        return training, unseen, self.total - self.total[:, at] @ share
+
+    def _by_size(self) -> dict[int, list[int]]:
+        out: dict[int, list[int]] = {}
+        for c, effect in enumerate(self.effects):
+            out.setdefault(effect.size, []).append(c)
+        return out
+
+
+def _certainty(theta: Array, best: Array, norms: Array) -> Array:
+    """Return the estimate over its standard deviation of several changes of equal size [1], shape (C,).
+
+    Args:
+        theta: Estimates without each block, shape (B, C, p).
+        best: Estimates from all blocks, shape (C, p).
+        norms: Norm of each column, to compare parameters of different units, shape (C, p).
+    """
+    blocks, _, size = theta.shape
+    moved, scaled = (theta - best) * norms, best * norms
+    covariance = (blocks - 1) / blocks * np.einsum("bcp,bcq->cpq", moved, moved)
+    least = NEGLIGIBLE * np.einsum("cpp->c", covariance) / size + 1e-12
+    covariance = covariance + least[:, None, None] * np.eye(size)
+    wald = np.einsum("cp,cp->c", scaled, np.linalg.solve(covariance, scaled[..., None])[..., 0])
+    return np.asarray(np.sqrt(np.maximum(wald, 0.0) / size))

@@ -1,0 +1,150 @@
+"""The search for the smallest set of changes that explains what differs between logs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.changes.block_evidence import BlockEvidence, BlockFits
+from cdia_pin.changes.differing import Differing
+from cdia_pin.regression.experiment import rms
+from cdia_pin.selection.discovery_settings import ChangeSettings
+
+Array = NDArray[np.float64]
+
+MOST_MOVES = 60  # moves of one search [1]; a guard, because no set is visited twice
+LARGEST_GAINS = 40  # changes [1] of which it is asked whether they can be named; the others explain less
+FELT = 0.2  # RMS torque of a change over what is left of a joint [1], above which the change concerns that joint
+
+
+@dataclass(frozen=True, repr=False)
+class ChangeSearch:
+    """The search in the evidence of two logs.
+
+    Attributes:
+        differing: Logs before and after, and the columns of all changes.
+        evidence: Normal equations without each block of time.
+        settings: What a change must explain.
+    """
+
+    differing: Differing
+    evidence: BlockEvidence
+    settings: ChangeSettings
+
+    def __repr__(self) -> str:
+        return f"ChangeSearch({self.evidence!r})"
+
+    def changes(self, most: int) -> tuple[int, ...]:
+        """Return the indices of the changes: they are added one by one, exchanged, and dropped.
+
+        Args:
+            most: Largest number of changes [1].
+        """
+        now: tuple[int, ...] = ()
+        visited = {now}
+        for _ in range(MOST_MOVES):
+            after = next((s for s in self._moves(now) if s not in visited and len(s) <= most), None)
+            if after is None:
+                break
+            visited.add(after)
+            now = after
+        return now
+
+    def rivals(self, chosen: Sequence[int], one: int) -> list[int]:
+        """Return the changes that explain as much as one of a set, the best first.
+
+        Args:
+            chosen: Indices of the set.
+            one: Index of one of its members.
+        """
+        rest = [c for c in chosen if c != one]
+        fits = self.evidence.fits(rest)
+        return [c for c in self._alike(one, self._nameable(rest, fits), fits) if c != one]
+
+    def torque(self, change: int, theta: Array) -> Array:
+        """Return the RMS torque of a change in the logs after [N·m or N], shape (n,).
+
+        Args:
+            change: Index of the change.
+            theta: Its parameters, shape (p,).
+        """
+        x = self.differing
+        f = np.zeros_like(x.prediction.residual)
+        for j, columns in x.changes[self.evidence.effects[change]].items():
+            f[:, j] = columns @ theta
+        return rms(f, x.used & x.after[:, None])
+
+    def _moves(self, now: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+        """Yield sets that are better than a set: first simpler ones, then one with another change."""
+        for one in now:
+            rest = tuple(c for c in now if c != one)
+            best = self._best(rest)
+            if best is None:
+                yield rest
+            elif best[0] != one and one not in best[1]:
+                yield _sorted(*rest, best[0])
+        for two in combinations(now, 2):
+            rest = tuple(c for c in now if c not in two)
+            best = self._best(rest)
+            if best is not None and best[0] not in two:
+                single = _sorted(*rest, best[0])
+                lost = self.evidence.unexplained(single) - self.evidence.unexplained(now)
+                explained = float(np.sum(self.evidence.unexplained(rest) - self.evidence.unexplained(single)))
+                if self._is_slight(lost, explained):
+                    yield single
+        best = self._best(now)
+        if best is not None:
+            yield _sorted(*now, best[0])
+
+    def _best(self, chosen: Sequence[int]) -> tuple[int, list[int]] | None:
+        """Return the change to be added to a set, and all that explain as much; None if none can be named."""
+        fits = self.evidence.fits(chosen)
+        nameable = self._nameable(chosen, fits)
+        if not nameable:
+            return None
+        gain = fits.gain
+        alike = self._alike(max(nameable, key=lambda c: gain[c]), nameable, fits)
+        effects = self.evidence.effects
+
+        def simplicity(c: int) -> tuple[float, float, float]:
+            return (effects[c].size + len(effects[c].shape), effects[c].plausibility.penalty, -gain[c])
+
+        return min(alike, key=simplicity), alike
+
+    def _alike(self, one: int, others: Sequence[int], fits: BlockFits) -> list[int]:
+        """Return the changes that explain as much as one, itself included, the best first."""
+        alike = {c for c in others if self._is_slight(fits.gains[one] - fits.gains[c], fits.gain[one])} | {one}
+        return sorted(alike, key=lambda c: -fits.gain[c])
+
+    def _is_slight(self, lost: Array, explained: float) -> bool:
+        """Return True if what is lost on the blocks, shape (B,), may be chance or does not matter."""
+        spread = float(np.std(lost, ddof=1) * np.sqrt(len(lost)))
+        return float(lost.sum()) < max(self.settings.alike * explained, self.settings.doubt * spread)
+
+    def _nameable(self, chosen: Sequence[int], fits: BlockFits) -> list[int]:
+        """Return the changes that can be named beside a set: sure, of some size, and explaining a visible share."""
+        present = {self.evidence.effects[c].label for c in chosen}
+        return [
+            int(c)
+            for c in np.argsort(-fits.gain)[:LARGEST_GAINS]
+            if self.evidence.effects[c].label not in present and self._can_be_named(int(c), fits)
+        ]
+
+    def _can_be_named(self, change: int, fits: BlockFits) -> bool:
+        gain = float(fits.gain[change])
+        if gain <= 0 or fits.certainty[change] < self.settings.least_certainty:
+            return False
+        torque, x = self.torque(change, fits.theta[change]), self.differing
+        if np.max(torque / x.torque) < self.settings.least_torque:
+            return False
+        felt = torque > FELT * x.size
+        left = float(np.sum((x.used & x.after[:, None])[:, felt]))  # in units of what is left on each joint
+        return gain >= self.settings.least_share * (gain + left)
+
+
+def _sorted(*chosen: int) -> tuple[int, ...]:
+    return tuple(sorted(chosen))

@@ -1,0 +1,177 @@
+"""Logs before and after, with the columns of what they have in common and of how they may differ."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.changes.common_structure import common_effects
+from cdia_pin.changes.difference import Difference
+from cdia_pin.effects import ToolWrench, ViscousMedium
+from cdia_pin.regression.design_matrix import DesignMatrix
+from cdia_pin.regression.experiment import Experiment, Prediction, rms
+from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
+from cdia_pin.selection.candidates import LARGE_FAMILY, SCREENED, enumerate_candidates
+from cdia_pin.selection.discovery_settings import DiscoverySettings
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+GENERIC_SIZE = 10  # parameters [1]; effects with as many or more would fit noise in its first estimate
+# Searched for only if asked: a steady force on a tool is nearly always a weight, and no arm is put into water unnoticed.
+UNUSUAL = (ToolWrench, ViscousMedium)
+ROUNDS = 2  # rounds [1] of weighting, because weights and residuals depend on each other
+INF = float("inf")
+
+
+@dataclass(frozen=True, repr=False)
+class Differing:
+    """Logs before and after, columns of what they have in common, and columns of how they may differ.
+
+    Attributes:
+        experiment: The conditioned logs, those before first.
+        prediction: Prediction of the model with which both sides are compared.
+        after: True for compared samples of the logs after, shape (K,).
+        used: True for samples that count: of joints that move in both logs, shape (K, n).
+        common: Columns of what the logs may have in common.
+        changes: Columns of what may differ by joint, zero before [N·m or N per unit], shape (K, p) each.
+        searched: Number of shapes in which each change is looked for, by label.
+        edges: First sample of each block of time and the end, shape (B + 1,). No block has samples of both sides.
+        settings: What may have changed, and what it must explain.
+        size: RMS torque of each joint that no effect explains, the weight of its rows [N·m or N], shape (n,).
+    """
+
+    experiment: Experiment
+    prediction: Prediction
+    after: Mask
+    used: Mask
+    common: tuple[ColumnGroup, ...]
+    changes: dict[Difference, dict[int, Array]]
+    searched: dict[str, int]
+    edges: NDArray[np.intp]
+    settings: DiscoverySettings
+    size: Array
+
+    def __repr__(self) -> str:
+        return f"Differing({self.experiment!r}, {len(self.changes)} candidates)"
+
+    @classmethod
+    def of(
+        cls, experiment: Experiment, prediction: Prediction, before: int, settings: DiscoverySettings
+    ) -> Self:
+        """Compute all columns.
+
+        Args:
+            experiment: The conditioned logs, those before first.
+            prediction: Prediction of the model.
+            before: Number of logs before.
+            settings: What may have changed, and the number of blocks of time per side.
+        """
+        columns, robot = DesignMatrix(experiment), experiment.robot
+        ends = np.cumsum([0, *experiment.lengths])
+        after = np.arange(ends[-1]) >= ends[before]
+        both = np.minimum(experiment.moving[~after].mean(axis=0), experiment.moving[after].mean(axis=0))
+        used = experiment.moving & (both >= settings.changes.least_moving)
+        logs = tuple(s.state.log for s in experiment.segments[before:])
+        changes: dict[Difference, dict[int, Array]] = {}
+        searched: dict[str, int] = {}
+        asked = settings.effects or ()
+        # a change is a difference between the logs, so no candidate has parameters per log besides
+        for family in enumerate_candidates(experiment, prediction, replace(settings, per_log=())):
+            joints = family[0].acts_on(robot)
+            unusual = isinstance(family[0], UNUSUAL) and family[0].name not in asked
+            if unusual or not used[:, list(joints)].any():
+                continue
+            searched[family[0].label] = len(family)
+            for effect in family:
+                change = Difference(effect, logs)
+                x = columns.of(change, prediction)
+                changes[change] = {j: x[:, i, :] for i, j in enumerate(joints)}
+        sides = ((0, ends[before]), (ends[before], ends[-1]))
+        edges = [np.linspace(start, stop, settings.changes.blocks + 1) for start, stop in sides]
+        differing = cls(
+            experiment,
+            prediction,
+            after,
+            used,
+            tuple(common_effects(experiment, prediction, columns)),
+            changes,
+            searched,
+            np.concatenate([edges[0][:-1], edges[1]]).astype(int),
+            settings,
+            np.maximum(rms(prediction.residual, used), 1e-12),
+        )
+        return differing._weighted()
+
+    @property
+    def torque(self) -> Array:
+        """RMS of the measured torque where it counts [N·m or N], shape (n,)."""
+        return np.maximum(rms(self.experiment.measured, self.used), 1e-12)
+
+    def scaled(self, joint: int, columns: Array) -> Array:
+        """Return columns of a joint in units of what is left there, zero for samples that do not count.
+
+        Args:
+            joint: Index of the joint.
+            columns: Columns [N·m or N, per unit], shape (K, …).
+        """
+        return np.where(self.used[:, [joint]], columns / self.size[joint], 0.0)
+
+    def together(self, changes: list[Difference]) -> SharedRegression:
+        """Return the regression of the common structure and some changes; the changes have no prior.
+
+        Args:
+            changes: The changes.
+        """
+        parts = [ColumnGroup(self.changes[c], np.full(c.size, INF)) for c in changes]
+        return SharedRegression.of([*self.common, *parts], self.prediction.residual, self.scaled)
+
+    def screened(self) -> list[Difference]:
+        """Return the changes; of large families on one joint only the shapes that fit best."""
+        families: dict[str, list[Difference]] = {}
+        for change in self.changes:
+            families.setdefault(change.label, []).append(change)
+        return [c for family in families.values() for c in self._best_shapes(family)]
+
+    def _best_shapes(self, family: list[Difference]) -> list[Difference]:
+        joints = family[0].acts_on(self.experiment.robot)
+        if len(family) <= LARGE_FAMILY or len(joints) > 1:
+            return family
+        (j,) = joints
+        own = [g for g in self.common if j in g.columns]
+        parts = [ColumnGroup(self.changes[c], np.full(c.size, INF)) for c in family]
+        alone = [ColumnGroup({0: g.columns[j]}, g.scale) for g in (*own, *parts)]
+        regression = SharedRegression.of(
+            alone, self.prediction.residual[:, [j]], lambda _, x: self.scaled(j, x)
+        )
+        first = sum(len(g.scale) for g in own)
+        left = regression.gram[first:, first:] - regression.gram[first:, :first] @ regression.explained_by(
+            first
+        )
+        gains = [self._gain(left, regression.gram[first:, first:], k, c.size) for k, c in enumerate(family)]
+        return [family[int(k)] for k in np.argsort(gains)[::-1][:SCREENED]]
+
+    @staticmethod
+    def _gain(left: Array, whole: Array, k: int, size: int) -> float:
+        """Return what the k-th of several changes of equal size explains [1]."""
+        own = slice(k * size, (k + 1) * size)
+        ridge = REPEATED * np.diag(np.maximum(np.diag(whole[own, own]), 1e-300))
+        right = left[own, -1]
+        return float(right @ np.linalg.solve(left[own, own] + ridge, right))
+
+    def _weighted(self) -> Self:
+        """Return the same with rows weighted by what the common structure and all changes of few shapes leave."""
+        few = [c for c in self.changes if c.size < GENERIC_SIZE and self.searched[c.label] <= LARGE_FAMILY]
+        generic = list({c.label: c for c in reversed(few)}.values())
+        out = self
+        for _ in range(ROUNDS):  # weights follow from the residual, and the residual from the weights
+            left, _ = out.together(generic).residual()
+            out = replace(out, size=np.maximum(rms(left, out.used) * out.size, 1e-12))
+        return out
+
+
+# Share of its sum of squares [1]; if the common structure leaves less of a column, the column repeats it.
+REPEATED = 1e-5
