@@ -9,14 +9,71 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects import Effect, LinkInertia
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import (
+    CoulombFriction,
+    Effect,
+    LinkInertia,
+    RotorInertia,
+    Term,
+    TorqueOffset,
+    ViscousFriction,
+)
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
-from cdia_pin.regression.shared_parameters import ColumnGroup
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
+from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
+from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.candidates import enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 
 Array = NDArray[np.float64]
+
+PLAIN = (CoulombFriction, ViscousFriction, TorqueOffset)  # what nearly every joint has, besides rigid bodies
+
+
+def plain_effects(robot: RobotModel) -> list[Effect]:
+    """Return what every arm has: bodies, rotors, Coulomb and viscous friction, and offsets.
+
+    Args:
+        robot: The arm.
+    """
+    kinds = (LinkInertia, RotorInertia, *PLAIN)
+    return [kind(j) for kind in kinds for j in robot.joints]
+
+
+def plainly_fitted(model: Dynamics, experiment: Experiment) -> Dynamics:
+    """Return a model with what every arm has, fitted to logs.
+
+    A motor that weakens scales the friction of its joint too. So effects that depend on the torque need a model whose
+    torque is about right; that of a bare URDF has no friction.
+
+    Args:
+        model: The model as it is known; its terms stay as they are.
+        experiment: The conditioned logs.
+    """
+    robot, prediction = experiment.robot, experiment.predict(model)
+    effects = [e for e in plain_effects(robot) if e not in {t.effect for t in model.terms}]
+    size = np.maximum(rms(prediction.residual, experiment.informative), 1e-12)
+    theta = SharedRegression.of(
+        [column_group(e, experiment.columns(e, prediction), e.prior_scale(robot), robot) for e in effects],
+        prediction.residual,
+        lambda j, x: np.where(experiment.informative[:, [j]], x / size[j], 0.0),
+    ).theta()
+    fitted = zip(effects, ParameterBlocks.of(effects).split(theta), strict=True)
+    return Dynamics(robot, (*model.terms, *(Term(e, tuple(part)) for e, part in fitted)))
+
+
+def column_group(effect: Effect, columns: Array, scale: Array, robot: RobotModel) -> ColumnGroup:
+    """Return the columns of an effect by joint.
+
+    Args:
+        effect: The effect.
+        columns: Its columns [N·m or N per unit], shape (K, len(acts_on), p).
+        scale: Prior standard deviation of each parameter, shape (p,).
+        robot: The arm.
+    """
+    return ColumnGroup({j: columns[:, i, :] for i, j in enumerate(effect.acts_on(robot))}, scale)
 
 
 def common_effects(
@@ -40,7 +97,7 @@ def common_effects(
         x, joints = columns.of(effect, prediction, present.get(effect)), effect.acts_on(robot)
         of_unit = np.sqrt(np.mean(x**2, axis=0)) / torque[list(joints)][:, None]  # (joints, p)
         scale = np.minimum(effect.prior_scale(robot), 1.0 / np.maximum(of_unit.max(axis=0), 1e-12))
-        out.append(ColumnGroup({j: x[:, i, :] for i, j in enumerate(joints)}, scale))
+        out.append(column_group(effect, x, scale, robot))
     return out
 
 

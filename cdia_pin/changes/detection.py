@@ -91,7 +91,7 @@ def changes_in(
             f"logs before and after must be of different conditions, both have {', '.join(sides[0])}"
         )
     tell("fitting what the logs have in common", 0.1)
-    differing = Differing.of(experiment, experiment.predict(model), len(before), settings)
+    differing = Differing.of(experiment, model, len(before), settings)
     tell("leaving out one block of time at a time", 0.4)
     search = ChangeSearch(differing, BlockEvidence.of(differing), settings.changes)
     tell("looking for changes", 0.6)
@@ -99,7 +99,7 @@ def changes_in(
     tell("computing intervals", 0.9)
     changes = _changes(search, chosen)
     errors = [
-        rms(differing.prediction.residual, differing.used & of[:, None])
+        rms(differing.given.residual, differing.used & of[:, None])
         for of in (~differing.after, differing.after)
     ]
     tell("done", 1.0)

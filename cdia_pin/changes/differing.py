@@ -8,8 +8,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.common_structure import common_effects
+from cdia_pin.changes.common_structure import column_group, common_effects, plainly_fitted
 from cdia_pin.changes.difference import Difference
+from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ToolWrench, ViscousMedium
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
@@ -33,7 +34,8 @@ class Differing:
 
     Attributes:
         experiment: The conditioned logs, those before first.
-        prediction: Prediction of the model with which both sides are compared.
+        given: Prediction of the model as it is known.
+        prediction: Prediction of that model with what every arm has, fitted to both sides.
         after: True for compared samples of the logs after, shape (K,).
         used: True for samples that count: of joints that move in both logs, shape (K, n).
         common: Columns of what the logs may have in common.
@@ -45,6 +47,7 @@ class Differing:
     """
 
     experiment: Experiment
+    given: Prediction
     prediction: Prediction
     after: Mask
     used: Mask
@@ -60,17 +63,18 @@ class Differing:
 
     @classmethod
     def of(
-        cls, experiment: Experiment, prediction: Prediction, before: int, settings: DiscoverySettings
+        cls, experiment: Experiment, model: Dynamics, before: int, settings: DiscoverySettings
     ) -> Self:
         """Compute all columns.
 
         Args:
             experiment: The conditioned logs, those before first.
-            prediction: Prediction of the model.
+            model: The model as it is known.
             before: Number of logs before.
             settings: What may have changed, and the number of blocks of time per side.
         """
         columns, robot = DesignMatrix(experiment), experiment.robot
+        prediction = experiment.predict(plainly_fitted(model, experiment))
         ends = np.cumsum([0, *experiment.lengths])
         after = np.arange(ends[-1]) >= ends[before]
         both = np.minimum(experiment.moving[~after].mean(axis=0), experiment.moving[after].mean(axis=0))
@@ -89,11 +93,12 @@ class Differing:
             for effect in family:
                 change = Difference(effect, logs)
                 x = columns.of(change, prediction)
-                changes[change] = {j: x[:, i, :] for i, j in enumerate(joints)}
+                changes[change] = column_group(change, x, np.full(change.size, INF), robot).columns
         sides = ((0, ends[before]), (ends[before], ends[-1]))
         edges = [np.linspace(start, stop, settings.changes.blocks + 1) for start, stop in sides]
         differing = cls(
             experiment,
+            experiment.predict(model),
             prediction,
             after,
             used,

@@ -8,16 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.block_evidence import BlockEvidence
+from cdia_pin.changes.common_structure import PLAIN, column_group
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
-from cdia_pin.effects import CoulombFriction, Effect, LinkInertia, Term, TorqueOffset, ViscousFriction
+from cdia_pin.effects import Effect, LinkInertia, Term, TorqueOffset
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 
 Array = NDArray[np.float64]
-
-PLAIN = (CoulombFriction, ViscousFriction, TorqueOffset)  # what nearly every joint has, besides rigid bodies
 
 
 def sized(evidence: BlockEvidence, chosen: tuple[int, ...]) -> list[Term]:
@@ -55,22 +54,17 @@ def friction_before(differing: Differing, changed: Sequence[Difference]) -> dict
     Returns:
         Parameters by change, shape (p,) each.
     """
-    robot = differing.experiment.robot
+    robot, prediction = differing.experiment.robot, differing.prediction
     asked = [d for d in changed if d.effect.traits.dissipative]
     if not asked:
         return {}
     described = {j for d in asked if d.size > 1 for j in d.scope}
     plain = [kind(j) for j in robot.joints for kind in PLAIN if kind is TorqueOffset or j not in described]
-    known = [t.effect for t in differing.prediction.model.terms]
     bodies = [LinkInertia(j) for j in robot.joints]
-    effects: list[Effect] = list(dict.fromkeys([*(d.effect for d in asked), *known, *bodies, *plain]))
+    effects: list[Effect] = list(dict.fromkeys([*(d.effect for d in asked), *bodies, *plain]))
     columns = DesignMatrix(differing.experiment)
-    groups = []
-    for e in effects:
-        x = columns.of(e, differing.prediction)
-        own = {j: x[:, i, :] for i, j in enumerate(e.acts_on(robot))}
-        groups.append(ColumnGroup(own, e.prior_scale(robot)))
+    groups = [column_group(e, columns.of(e, prediction), e.prior_scale(robot), robot) for e in effects]
     groups += [ColumnGroup(differing.changes[d], np.full(d.size, np.inf)) for d in changed]
-    theta = SharedRegression.of(groups, differing.prediction.residual, differing.scaled).theta()
+    theta = SharedRegression.of(groups, differing.given.residual, differing.scaled).theta()
     parts = ParameterBlocks.of([*effects, *changed]).split(theta)
     return {d: tuple(map(float, parts[i])) for i, d in enumerate(asked)}
