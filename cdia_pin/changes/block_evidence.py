@@ -155,13 +155,22 @@ class BlockEvidence:
             chosen: Indices of the set.
         """
         at = self.parameters.indices(chosen)
+        best = self._solved(self.total, at)
+        moved = self.estimates(chosen) - best
+        return best, (len(moved) - 1) / len(moved) * moved.T @ moved
+
+    def estimates(self, chosen: Sequence[int]) -> Array:
+        """Return the parameters of a set without each block, shape (B, p).
+
+        Args:
+            chosen: Indices of the set.
+        """
+        at = self.parameters.indices(chosen)
+        return np.array([self._solved(t, at) for t in self.training])
+
+    def _solved(self, equations: Array, at: NDArray[np.intp]) -> Array:
         ridge = np.diag(RIDGE * self.norms[at] + self.prior[at])
-        theta = np.array(
-            [ScaledGram.of(t[np.ix_(at, at)] + ridge).solve(t[at, -1]) for t in self.training]
-        )
-        best = ScaledGram.of(self.total[np.ix_(at, at)] + ridge).solve(self.total[at, -1])
-        moved = theta - best
-        return best, (len(theta) - 1) / len(theta) * moved.T @ moved
+        return ScaledGram.of(equations[np.ix_(at, at)] + ridge).solve(equations[at, -1])
 
     def _beside(self, chosen: Sequence[int]) -> tuple[Array, Array, Array]:
         """Return all normal equations after a set is taken out as well."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cdia_pin.changes.block_evidence import BlockEvidence, BlockFits
 from cdia_pin.changes.differing import Differing
 from cdia_pin.regression.experiment import rms
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.discovery_settings import ChangeSettings
 
 Array = NDArray[np.float64]
@@ -77,6 +78,25 @@ class ChangeSearch:
         for j, columns in x.changes[self.evidence.effects[change]].items():
             f[:, j] = columns @ theta
         return rms(f, x.used & x.after[:, None])
+
+    def unseen_torque(self, chosen: Sequence[int]) -> Array:
+        """Return the torque of a set in the logs after; each block of time is left out of the fit that predicts it.
+
+        Args:
+            chosen: Indices of the set.
+
+        Returns:
+            In N·m or N, shape (samples after, n).
+        """
+        x = self.differing
+        f = np.zeros_like(x.prediction.residual)
+        parts = ParameterBlocks.of([self.evidence.effects[c] for c in chosen])
+        edges = zip(x.edges[:-1], x.edges[1:], strict=True)
+        for theta, (start, stop) in zip(self.evidence.estimates(chosen), edges, strict=True):
+            for c, own in zip(chosen, parts, strict=True):
+                for j, columns in x.changes[self.evidence.effects[c]].items():
+                    f[start:stop, j] += columns[start:stop] @ theta[own]
+        return f[x.after]
 
     def _moves(self, now: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
         """Yield sets that are better than a set: first simpler ones, then one with another change."""

@@ -80,24 +80,10 @@ def changes_in(
     Raises:
         LogError: If a log is of other joints, or on both sides.
     """
-    rest = replace(settings.rest, resting_share=1.0 - settings.changes.least_moving)
-    experiment = Experiment.of(model.robot, [*before, *after], rest)
-    sides = [
-        tuple(s.state.log for s in part)
-        for part in (experiment.segments[: len(before)], experiment.segments[len(before) :])
-    ]
-    if set(sides[0]) & set(sides[1]):
-        raise LogError(
-            f"logs before and after must be of different conditions, both have {', '.join(sides[0])}"
-        )
-    tell("fitting what the logs have in common", 0.1)
-    differing = Differing.of(experiment, model, len(before), settings)
-    tell("leaving out one block of time at a time", 0.4)
-    search = ChangeSearch(differing, BlockEvidence.of(differing), settings.changes)
-    tell("looking for changes", 0.6)
-    chosen = search.changes(settings.most_effects)
+    search, chosen = searched(model, before, after, settings, tell)
+    differing = search.differing
     tell("computing intervals", 0.9)
-    changes = _changes(search, chosen)
+    changes = sized_changes(search, chosen)
     errors = [
         rms(differing.given.residual, differing.used & of[:, None])
         for of in (~differing.after, differing.after)
@@ -105,8 +91,8 @@ def changes_in(
     tell("done", 1.0)
     return Changes(
         model=model,
-        before=sides[0],
-        after=sides[1],
+        before=differing.names[0],
+        after=differing.names[1],
         changes=changes,
         bounds=_bounds(search, chosen),
         findings=findings_of(changes, model.robot),
@@ -122,8 +108,45 @@ def changes_in(
     )
 
 
-def _changes(search: ChangeSearch, chosen: tuple[int, ...]) -> tuple[Change, ...]:
-    """Return the changes with their sizes, in the order of what would be lost without them."""
+def searched(
+    model: Dynamics,
+    before: Sequence[Motion],
+    after: Sequence[Motion],
+    settings: DiscoverySettings,
+    tell: Progress = silent,
+) -> tuple[ChangeSearch, tuple[int, ...]]:
+    """Search for changes, and return the search and the indices of what it found.
+
+    Args:
+        model: The model of the arm as it is known.
+        before: Conditioned logs.
+        after: Conditioned logs.
+        settings: What may have changed.
+        tell: Called with a sentence and the share done, from 0 to 1.
+
+    Raises:
+        LogError: If a log is of other joints, or on both sides.
+    """
+    rest = replace(settings.rest, resting_share=1.0 - settings.changes.least_moving)
+    experiment = Experiment.of(model.robot, [*before, *after], rest)
+    tell("fitting what the logs have in common", 0.1)
+    differing = Differing.of(experiment, model, len(before), settings)
+    earlier, later = differing.names
+    if set(earlier) & set(later):
+        raise LogError(f"logs before and after must be of different conditions, both have {', '.join(earlier)}")
+    tell("leaving out one block of time at a time", 0.4)
+    search = ChangeSearch(differing, BlockEvidence.of(differing), settings.changes)
+    tell("looking for changes", 0.6)
+    return search, search.changes(settings.most_effects)
+
+
+def sized_changes(search: ChangeSearch, chosen: tuple[int, ...]) -> tuple[Change, ...]:
+    """Return the changes with their sizes, in the order of what would be lost without them.
+
+    Args:
+        search: The search.
+        chosen: Indices of what it found.
+    """
     evidence, effects = search.evidence, search.evidence.effects
     earlier = friction_before(search.differing, [effects[c] for c in chosen])
     with_all = float(np.sum(evidence.unexplained(chosen)))

@@ -34,6 +34,7 @@ class Differing:
 
     Attributes:
         experiment: The conditioned logs, those before first.
+        before: Number of logs before.
         given: Prediction of the model as it is known.
         prediction: Prediction of that model with what every arm has, fitted to both sides.
         after: True for compared samples of the logs after, shape (K,).
@@ -47,6 +48,7 @@ class Differing:
     """
 
     experiment: Experiment
+    before: int
     given: Prediction
     prediction: Prediction
     after: Mask
@@ -84,11 +86,14 @@ class Differing:
         searched: dict[str, int] = {}
         asked = settings.effects or ()
         # a change is a difference between the logs, so no candidate has parameters per log besides
-        for family in enumerate_candidates(experiment, prediction, replace(settings, per_log=())):
-            joints = family[0].acts_on(robot)
-            unusual = isinstance(family[0], UNUSUAL) and family[0].name not in asked
+        present = {t.label: t.effect for t in model.terms}
+        for every in enumerate_candidates(experiment, prediction, replace(settings, per_log=())):
+            label, joints = every[0].label, every[0].acts_on(robot)
+            unusual = isinstance(every[0], UNUSUAL) and every[0].name not in asked and label not in present
             if unusual or not used[:, list(joints)].any():
                 continue
+            # what the model has may change its size, not its shape
+            family = [present[label]] if label in present else every
             searched[family[0].label] = len(family)
             for effect in family:
                 change = Difference(effect, logs)
@@ -98,6 +103,7 @@ class Differing:
         edges = [np.linspace(start, stop, settings.changes.blocks + 1) for start, stop in sides]
         differing = cls(
             experiment,
+            before,
             experiment.predict(model),
             prediction,
             after,
@@ -110,6 +116,12 @@ class Differing:
             np.maximum(rms(prediction.residual, used), 1e-12),
         )
         return differing._weighted()
+
+    @property
+    def names(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Names of the logs before and of those after."""
+        names = tuple(s.state.log for s in self.experiment.segments)
+        return names[: self.before], names[self.before :]
 
     @property
     def torque(self) -> Array:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.discovery_documents import DiscoveryRecord
-from cdia_pin.discovery.discovery_result import Discovery, Ranked
+from cdia_pin.discovery.discovery_result import Discovery, Ranked, Step
 from cdia_pin.discovery.recognition import recognised
 from cdia_pin.discovery.trace import trace
 from cdia_pin.discovery.verdict import verdict_on
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
-from cdia_pin.selection.problem import WhitenedProblem
+from cdia_pin.selection.problem import Problem, WhitenedProblem
 from cdia_pin.version import __version__
 
 
@@ -37,19 +39,41 @@ def concluded(
         findings: Phenomena that are already known.
     """
     final, steps = trace(problem, base, found, forced)
-    logs, experiment, settings = problem.problem, problem.experiment, problem.settings
+    return conclusion(problem.problem, final, steps, report, ranking=ranking, findings=findings)
+
+
+def conclusion(
+    logs: Problem,
+    final: Dynamics,
+    steps: tuple[Step, ...],
+    report: Progress,
+    *,
+    ranking: tuple[Ranked, ...] = (),
+    findings: tuple[Phenomenon, ...] = (),
+) -> Discovery:
+    """Return the result of a discovery whose steps are known.
+
+    Args:
+        logs: Logs and settings.
+        final: The improved model.
+        steps: The model as given, and every effect that was added.
+        report: Called with a sentence and the share done, from 0 to 1.
+        ranking: What each candidate would explain alone.
+        findings: Phenomena that are already known.
+    """
+    experiment, settings = logs.experiment, logs.settings
     misfit = logs.lack_of_fit(final)
     report("done", 1.0)
-    left = tuple(j for j, s in zip(base.robot.joints, misfit.left, strict=True) if s)
+    left = tuple(j for j, s in zip(final.robot.joints, misfit.left, strict=True) if s)
     return Discovery(
-        model=final,
+        model=replace(final, learned_from=tuple(s.motion for s in experiment.segments)),
         verdict=verdict_on(left, added=len(steps) - 1),
         trace=steps,
         noise_floor=misfit.floor,
         structure_left=left,
         torque_rms=rms(experiment.measured, experiment.informative),
         ranking=ranking,
-        record=_record(problem),
+        record=_record(logs),
         findings=(
             *findings,
             *recognised(logs.with_noise_of(misfit).regression, final, left, settings.memory),
@@ -57,12 +81,12 @@ def concluded(
     )
 
 
-def _record(problem: WhitenedProblem) -> DiscoveryRecord:
+def _record(logs: Problem) -> DiscoveryRecord:
     """Return what a discovery was made from; numbers that decide are recorded where they are not the usual ones."""
-    logs, settings = problem.problem, problem.settings
+    settings = logs.settings
     record: DiscoveryRecord = {
         "version": __version__,
-        "logs": [s.motion.record for s in problem.experiment.segments],
+        "logs": [s.motion.record for s in logs.experiment.segments],
         "holdout": [s.motion.record for s in logs.held_out.segments] if logs.held_out else [],
         "blocks": settings.blocks,
         "effects": list(settings.effects) if settings.effects else "all",

@@ -70,6 +70,7 @@ class FoundEffectJson(TypedDict):
     shape: NotRequired[Mapping[str, Any]]
     varies: NotRequired[Mapping[str, Any]]
     confusable_with: list[ConfusionJson]
+    change_of_model: NotRequired[bool]
 
 
 class BeforeAfter(TypedDict):

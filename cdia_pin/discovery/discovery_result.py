@@ -29,12 +29,14 @@ class Step:
         rms: RMS residual of each joint when all steps up to this one are fitted together [N·m or N], shape (n,).
         heldout_rms: Held-out RMS residual of each joint [N·m or N], shape (n,).
         confusions: Other explanations of what this effect explains.
+        change_of_model: Whether the model as given has the effect too; the parameters are differences then.
     """
 
     term: Term | None
     rms: Array
     heldout_rms: Array
     confusions: tuple[Confusion, ...] = ()
+    change_of_model: bool = False
 
     def __repr__(self) -> str:
         what = clipped(self.term.label, 60) if self.term else "model as given"
@@ -110,7 +112,11 @@ class Discovery:
             "robot": robot.name,
             "joints": list(robot.joints),
             "verdict": str(self.verdict),
-            "effects": [_entry(s.term, s.confusions, robot) for s in self.steps if s.term is not None],
+            "effects": [
+                {**_entry(s.term, s.confusions, robot), "change_of_model": s.change_of_model}
+                for s in self.steps
+                if s.term is not None
+            ],
             "trace": [
                 {
                     "added": step.term.label if step.term else None,

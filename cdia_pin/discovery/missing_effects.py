@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from cdia_pin.changes.conditions import changes_between, effects_that_differ, with_parameters_per_log
 from cdia_pin.changes.phenomenon import Phenomenon
+from cdia_pin.discovery.beyond_model import discover_beyond
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
 from cdia_pin.discovery.ranking import rank
@@ -33,8 +34,9 @@ def discover(
     """Find the effects that a model lacks in measured logs, add them, and decide whether structure is left.
 
     Args:
-        model: The model as it is known: a bare robot, or one with terms. The terms are fitted again together with what
-            is found.
+        model: The model as it is known: a bare robot, or one with terms. A model that remembers the logs it was learned
+            from is compared with them: what is found are new effects and changes of its terms. The terms of another
+            model are fitted again together with what is found.
         logs: One log or several of the same arm. Effects that differ between conditions may have parameters per log;
             all other parameters are common.
         holdout: Logs that are only predicted; without them, each block of time is predicted from the others.
@@ -51,6 +53,8 @@ def discover(
     report = progress or silent
     report("conditioning", 0.0)
     settings, given = settings or DiscoverySettings(), listed(logs)
+    if model.learned_from and not settings.per_log:
+        return discover_beyond(model, Problem.conditioned(model.robot, given, listed(holdout), settings), report)
     # differences between the logs are found first, after all that the logs may have in common
     changes = changes_between(model, given, settings, part(report, 0.0, 0.05))
     problem = Problem.of(model, given, listed(holdout), settings).with_parts(effects_that_differ(changes))

@@ -30,6 +30,7 @@ class Dynamics(ModelTerms):
     Attributes:
         robot: The rigid bodies of the URDF.
         terms: Terms Σ β Φ θ that are added to them.
+        learned_from: Conditioned logs that the terms were fitted to, if any; later logs are compared with them.
     """
 
     # ------------------------------------------------------------- torques

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any, NotRequired, TypedDict
 
 from cdia_pin import schemas
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.errors import CdiaError, ModelError
+from cdia_pin.logs.motion_file import MotionDocument, motion_document, motion_from
 from cdia_pin.robot import catalogue
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.version import __version__
@@ -26,6 +27,7 @@ class ModelDocument(TypedDict):
         joints: Names of its joints.
         terms: Records of the terms.
         record: Origin of the numbers: logs, hashes, settings.
+        learned_from: Conditioned logs that the terms were fitted to, so that a later log can be compared with them.
     """
 
     schema: str
@@ -34,6 +36,7 @@ class ModelDocument(TypedDict):
     joints: list[str]
     terms: Sequence[Mapping[str, object]]
     record: Mapping[str, object]
+    learned_from: NotRequired[list[MotionDocument]]
 
 
 def save_model(model: Dynamics, path: str | Path, *, record: Mapping[str, Any] | None = None) -> Path:
@@ -59,6 +62,8 @@ def save_model(model: Dynamics, path: str | Path, *, record: Mapping[str, Any] |
         "terms": [t.to_dict(model.robot) for t in model.terms],
         "record": record or {},
     }
+    if model.learned_from:
+        document["learned_from"] = [motion_document(m) for m in model.learned_from]
     try:
         text = json.dumps(document, indent=2, ensure_ascii=False)
     except (TypeError, ValueError) as error:
@@ -94,7 +99,8 @@ def load_model(path: str | Path, robot: RobotModel) -> Dynamics:
         raise ModelError(f'{path} is not a model: expected a JSON object with "schema": "{schemas.MODEL}"')
     _require_same_robot(document, path, robot)
     try:
-        return Dynamics(robot, tuple(Term.from_dict(t) for t in document["terms"]))
+        terms = tuple(Term.from_dict(t) for t in document["terms"])
+        return Dynamics(robot, terms, tuple(motion_from(m) for m in document.get("learned_from", [])))
     except CdiaError as error:
         raise ModelError(f"{path}: {error}") from None
     except (KeyError, TypeError, AttributeError, ValueError, IndexError) as error:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
 
 from cdia_pin.effects import Channel, Signal, Term, parse_effect
 from cdia_pin.errors import ModelError
+from cdia_pin.logs.motion import Motion
 from cdia_pin.phrases import shortened, some
 from cdia_pin.robot.model import RobotModel
 
@@ -19,10 +20,12 @@ class ModelTerms:
     Attributes:
         robot: The rigid bodies of the URDF.
         terms: Terms Σ β Φ θ that are added to them.
+        learned_from: Conditioned logs that the terms were fitted to, if any; later logs are compared with them.
     """
 
     robot: RobotModel
     terms: tuple[Term, ...] = ()
+    learned_from: tuple[Motion, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         for term in self.terms:
@@ -45,7 +48,7 @@ class ModelTerms:
         """
         labels = {t.label for t in terms}
         kept = tuple(t for t in self.terms if t.label not in labels)
-        return type(self)(self.robot, kept + terms)
+        return replace(self, terms=kept + terms)
 
     def remove(self, label: str) -> Self:
         """Return the model without a term.
@@ -63,7 +66,7 @@ class ModelTerms:
         if len(kept) == len(self.terms):
             have = ", ".join(t.label for t in self.terms) or "none"
             raise ModelError(f"the model has no term '{label}'; its terms: {have}")
-        return type(self)(self.robot, kept)
+        return replace(self, terms=kept)
 
     def find(self, label: str) -> Term:
         """Find a term by its label.

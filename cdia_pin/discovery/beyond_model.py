@@ -1,0 +1,112 @@
+"""What logs show beyond a model: new effects, and changes of the effects that the model has.
+
+The model remembers the logs that it was learned from. So the question is the same as between two logs: what differs,
+after all that both have in common. Terms that did not change keep their values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.changes.changes_result import Change
+from cdia_pin.changes.change_search import ChangeSearch
+from cdia_pin.changes.detection import searched, sized_changes
+from cdia_pin.changes.interpretation import findings_of
+from cdia_pin.discovery.conclusion import conclusion
+from cdia_pin.discovery.discovery_result import Discovery, Step
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Term
+from cdia_pin.logs.motion import Motion
+from cdia_pin.progress import Progress, part
+from cdia_pin.regression.experiment import rms
+from cdia_pin.selection.problem import Problem
+
+Array = NDArray[np.float64]
+
+
+def discover_beyond(model: Dynamics, logs: Problem, report: Progress) -> Discovery:
+    """Find what logs show beyond a model that remembers the logs it was learned from.
+
+    Args:
+        model: The model.
+        logs: Conditioned logs, without candidates.
+        report: Called with a sentence and the share done, from 0 to 1.
+
+    Returns:
+        The verdict; a step for each new effect and for each change of a term, whose parameters are differences; and the
+        model with all of them. It remembers the new logs.
+    """
+    after = [s.motion for s in logs.experiment.segments]
+    before = [_remembered(m, k) for k, m in enumerate(model.learned_from)]
+    search, chosen = searched(model, before, after, logs.settings, part(report, 0.0, 0.8))
+    changes = sized_changes(search, chosen)
+    models = [model]
+    for change in changes:
+        models.append(updated(models[-1], change.term))
+    order = _in_order(search, chosen, changes)
+    steps = [_step(logs, None, model, model, search, ())]
+    for k, (change, later) in enumerate(zip(changes, models[1:], strict=True)):
+        steps.append(_step(logs, change, model, later, search, order[: k + 1]))
+    findings = findings_of(changes, model.robot)
+    return conclusion(logs, models[-1], tuple(steps), part(report, 0.8, 1.0), findings=findings)
+
+
+def updated(model: Dynamics, difference: Term) -> Dynamics:
+    """Return a model with a new term, or with a term whose parameters changed.
+
+    Args:
+        model: The model.
+        difference: A term; if the model has it, its parameters are added, and so are the variances.
+    """
+    known = {t.label: t for t in model.terms}
+    if difference.label not in known:
+        return model.add(difference)
+    old = known[difference.label]
+    theta = np.add(old.theta, difference.theta)
+    half = np.hypot(_half(old), _half(difference))
+    ci95 = tuple((float(v - h), float(v + h)) for v, h in zip(theta, half, strict=True))
+    new = replace(old, theta=tuple(theta), ci95=ci95)
+    return replace(model, terms=tuple(new if t is old else t for t in model.terms))
+
+
+def _half(term: Term) -> Array:
+    """Return half the width of each interval of a term, zero where it has none, shape (p,)."""
+    return np.zeros(len(term.theta)) if term.ci95 is None else np.diff(term.ci95, axis=1)[:, 0] / 2
+
+
+def _remembered(motion: Motion, k: int) -> Motion:
+    """Return a motion of the model under a name of its own, because the new log may have the same one."""
+    return replace(motion, record={**motion.record, "condition": f"log {k + 1} of the model"})
+
+
+def _in_order(search: ChangeSearch, chosen: Sequence[int], changes: Sequence[Change]) -> list[int]:
+    """Return the indices of changes in the order in which they are shown."""
+    at = {search.evidence.effects[c].effect: c for c in chosen}
+    return [at[c.term.effect] for c in changes]
+
+
+def _step(
+    logs: Problem,
+    change: Change | None,
+    base: Dynamics,
+    later: Dynamics,
+    search: ChangeSearch,
+    chosen: Sequence[int],
+) -> Step:
+    """Return the errors of a model; the held-out error of the changes comes from leaving out blocks of time."""
+    x = logs.experiment
+    fitted = rms(x.predict(later).residual, x.informative)
+    if logs.held_out is not None:
+        unseen = rms(logs.held_out.predict(later).residual, logs.held_out.informative)
+    elif change is None:
+        unseen = fitted  # nothing was fitted
+    else:
+        unseen = rms(x.predict(base).residual - search.unseen_torque(chosen), x.informative)
+    if change is None:
+        return Step(None, fitted, unseen)
+    of_model = change.term.label in {t.label for t in base.terms}
+    return Step(change.term, fitted, unseen, change.confusions, of_model)

@@ -1,0 +1,96 @@
+"""Conditioned motions inside a JSON file, so that a model remembers the logs that it was learned from."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from io import BytesIO
+from typing import Any, TypedDict
+
+import numpy as np
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs.motion import Motion, MotionRecord
+
+MOST_SAMPLES = 60_000  # samples of a motion that are kept [1], ten minutes at 100 Hz: about 4 MB
+LARGEST = 64 * 2**20  # bytes of one array after decompression [B]; a larger one is refused
+SIGNALS = ("q", "v", "a", "effort")
+OF_JOINTS = ("speed_noise", "acceleration_noise", "effort_step")
+
+
+class MotionDocument(TypedDict):
+    """A motion in JSON.
+
+    Attributes:
+        record: Record of its conditioning.
+        joints: Joint names.
+        start: Time of the first sample [s].
+        rate: Samples per second [Hz].
+        cutoff: Cut-off of the filter [Hz].
+        decimation: Samples per compared torque [1].
+        arrays: Signals in SI units, 32-bit floats: a compressed npz file in base64.
+    """
+
+    record: MotionRecord
+    joints: list[str]
+    start: float
+    rate: float
+    cutoff: float
+    decimation: int
+    arrays: str
+
+
+def motion_document(motion: Motion) -> MotionDocument:
+    """Return a motion for JSON; of a very long one its beginning.
+
+    Args:
+        motion: The conditioned log.
+    """
+    kept = {name: getattr(motion, name)[:MOST_SAMPLES] for name in SIGNALS}
+    kept |= {name: getattr(motion, name) for name in OF_JOINTS}
+    file = BytesIO()
+    np.savez_compressed(file, **{name: np.asarray(x, np.float32) for name, x in kept.items()})
+    return {
+        "record": motion.record,
+        "joints": list(motion.joints),
+        "start": float(motion.time[0]),
+        "rate": float(motion.rate),
+        "cutoff": float(motion.cutoff),
+        "decimation": int(motion.decimation),
+        "arrays": base64.b64encode(file.getvalue()).decode("ascii"),
+    }
+
+
+def motion_from(document: Any) -> Motion:
+    """Return a motion from JSON.
+
+    Args:
+        document: What `motion_document` returned.
+
+    Raises:
+        LogError: If it is not a motion.
+    """
+    try:
+        rate, joints = float(document["rate"]), tuple(map(str, document["joints"]))
+        with np.load(BytesIO(base64.b64decode(document["arrays"], validate=True)), allow_pickle=False) as file:
+            sizes = [i.file_size for i in file.zip.infolist()]
+            if max(sizes) > LARGEST:
+                raise LogError(f"a motion of {max(sizes)} bytes is too large")
+            arrays = {name: np.asarray(file[name], float) for name in (*SIGNALS, *OF_JOINTS)}
+        count = len(arrays["q"])
+        shapes = {arrays[name].shape for name in SIGNALS} | {(count, *arrays[n].shape) for n in OF_JOINTS}
+        if shapes != {(count, len(joints))} or not all(np.isfinite(x).all() for x in arrays.values()):
+            raise LogError(f"arrays of shapes {sorted(map(str, shapes))} are no motion of {len(joints)} joints")
+        return Motion(
+            joints=joints,
+            time=float(document["start"]) + np.arange(count) / rate,
+            rate=rate,
+            cutoff=float(document["cutoff"]),
+            decimation=int(document["decimation"]),
+            record=document["record"],
+            **arrays,
+        )
+    except LogError:
+        raise
+    except (KeyError, TypeError, ValueError, OSError, EOFError, binascii.Error, ZeroDivisionError) as error:
+        raise LogError(f"not a motion ({error!r})") from None
