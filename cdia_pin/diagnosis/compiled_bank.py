@@ -8,7 +8,7 @@ understand, such as a line of arithmetic or a user's class with richer Python, i
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.kernel_cache import load
-from cdia_pin.diagnosis.layout import Shape, spans
+from cdia_pin.diagnosis.layout import sides
 from cdia_pin.effects import JointEffect, JointState, Signal
 
 Array = NDArray[np.float64]
@@ -29,7 +29,7 @@ import numpy as np
 from numba import njit
 
 from cdia_pin.diagnosis.kernel_rows import (
-    ABSENT_TICKS, ADDITION, BANDWIDTH, CORRECTS, DEBOUNCE, DRIVEN, FORGET, GAIN_FLOOR, LEARNS, NEURON_COUNT,
+    ABSENT_TICKS, ADDITION, BANDWIDTH, CORRECTS, DEBOUNCE, DRIVEN, FORGET, GAIN_FLOOR, LEARNS, NEURON_COUNT, NEURONS,
     OF_POSITION, OF_VELOCITY, PHI_LOADED, PHI_TICK, PHI_UNLOADED, POSITION, REMEMBER, SIGN_WIDTH, SOFT_SIGN_WIDTH,
     TIME, VELOCITY,
 )
@@ -127,15 +127,14 @@ class CompiledBank:
     in_python: tuple[int, ...]
 
 
-def compile_bank(effects: Sequence[JointEffect], parts: Mapping[str, Shape]) -> CompiledBank:
-    """Compile the columns of effects, side by side in the given order.
+def compile_bank(effects: Sequence[JointEffect]) -> CompiledBank:
+    """Compile the columns of effects, side by side in the given order; all arms share the code.
 
     Args:
         effects: Effects of one joint, on any joint.
-        parts: Shapes of the parts of the state, as `layout` returns them.
     """
     in_python = tuple(i for i, e in enumerate(effects) if not _compiles(e))
-    module = load(_source(effects, in_python, parts), effects)
+    module = load(_source(effects, in_python), effects)
     return CompiledBank(module.tick, module.corrected, in_python)
 
 
@@ -203,7 +202,16 @@ def _shape_class(i: int, effect: JointEffect) -> str:
     return f'Shape{i} = namedtuple("Shape{i}", "{" ".join(_shape(effect))}")'
 
 
-def _source(effects: Sequence[JointEffect], in_python: Sequence[int], parts: Mapping[str, Shape]) -> str:
+def _views(effects: Sequence[JointEffect]) -> str:
+    """Return the lines that view the parts of the state, of which the scalars come first."""
+    lines = ["n, K, end = len(tau), int(state[NEURONS]), 0", "H, H1 = 2 * K + 1, 2 * K + 2"]
+    for part, shape in sides(effects).items():
+        size, shown = (sign.join(map(str, shape)) for sign in (" * ", ", "))
+        lines += [f"begin, end = end, end + {size}", f"{part} = state[begin:end].reshape(({shown},))"]
+    return "\n".join(f"    {line}" for line in lines)
+
+
+def _source(effects: Sequence[JointEffect], in_python: Sequence[int]) -> str:
     """Return the text of the generated module; it depends on the effects and this package's own text alone."""
     lines, fills, at = [], [], 0
     for i, effect in enumerate(effects):
@@ -226,6 +234,5 @@ def _source(effects: Sequence[JointEffect], in_python: Sequence[int], parts: Map
         smooth=np.repeat([Signal.ACCELERATION in s for s in signals], sizes).tolist(),
         ends=np.cumsum([0, *sizes]).tolist(),
     )
-    views = [f"    {name} = state[{a}:{b}].reshape({shape})" for name, a, b, shape in spans(parts)]
-    tail = TAIL.format(fills="\n".join(fills) or "    pass", views="\n".join(views))
+    tail = TAIL.format(fills="\n".join(fills) or "    pass", views=_views(effects))
     return head + "\n".join(lines) + tail

@@ -67,4 +67,5 @@ LEARNS = 6  # does any joint learn an unknown fault (1) or none (0)?
 CORRECTS = 7  # is the addition worked out at every tick (1) or not (0)?
 DRIVEN = 8  # is an effect of torque believed in (1) or not (0)?
 NEURON_COUNT = 9  # ticks since the neurons were last evaluated [1]
-SCALARS = 10  # their number [1]
+NEURONS = 10  # K, radial basis functions per joint in position, and as many in velocity [1]
+SCALARS = 11  # their number [1]

@@ -14,6 +14,31 @@ Array = NDArray[np.float64]
 Shape = tuple[int, ...]
 
 
+def sides(effects: Sequence[JointEffect]) -> dict[str, tuple[int | str, ...]]:
+    """Return the sides of each part of the state, in the order of the parts.
+
+    What differs from arm to arm stays a name, so that all arms share the compiled code: n joints, K radial basis
+    functions per joint in position and as many in velocity, H = 2 K + 1 neurons, H1 = H + 1.
+
+    Args:
+        effects: Effects whose columns are filtered, with P parameters together.
+    """
+    P = sum(e.size for e in effects)
+    return {
+        "scalars": (rows.SCALARS,),
+        "joint": (rows.JOINT_ROWS, "n"),
+        "columns": (rows.COLUMN_ROWS, "n", P),
+        "gram": ("n", P + 1, P + 1),
+        "absent": ("n", len(effects)),
+        "mass": ("n", "n"),
+        "phi": (rows.PHI_ROWS, "n", P),
+        "centres": (rows.SIGNAL_ROWS, "K", "n"),
+        "widths": (rows.SIGNAL_ROWS, "n"),
+        "neurons": (rows.NEURON_ROWS, "n", "H"),
+        "neuron_gram": ("n", "H1", "H1"),
+    }
+
+
 def layout(n: int, effects: Sequence[JointEffect], neurons: int) -> dict[str, Shape]:
     """Return the shape of each part of the state of n joints, in the order of the parts.
 
@@ -22,19 +47,10 @@ def layout(n: int, effects: Sequence[JointEffect], neurons: int) -> dict[str, Sh
         effects: Effects whose columns are filtered, with P parameters together.
         neurons: K, radial basis functions per joint in position, and as many in velocity.
     """
-    P, hidden = sum(e.size for e in effects), 2 * neurons + 1
+    named = {"n": n, "K": neurons, "H": 2 * neurons + 1, "H1": 2 * neurons + 2}
     return {
-        "scalars": (rows.SCALARS,),
-        "joint": (rows.JOINT_ROWS, n),
-        "columns": (rows.COLUMN_ROWS, n, P),
-        "gram": (n, P + 1, P + 1),
-        "absent": (n, len(effects)),
-        "mass": (n, n),
-        "phi": (rows.PHI_ROWS, n, P),
-        "centres": (rows.SIGNAL_ROWS, neurons, n),
-        "widths": (rows.SIGNAL_ROWS, n),
-        "neurons": (rows.NEURON_ROWS, n, hidden),
-        "neuron_gram": (n, hidden + 1, hidden + 1),
+        part: tuple(named[side] if isinstance(side, str) else side for side in shape)
+        for part, shape in sides(effects).items()
     }
 
 

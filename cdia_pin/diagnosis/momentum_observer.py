@@ -70,9 +70,10 @@ class MomentumObserver:
         self.effects = effects + tuple(e for e in dict.fromkeys(own) if e not in effects)
         self.ends = np.cumsum([0, *(e.size for e in self.effects)])
         unknown = unknown or [Unknown(joint=joint) for joint in nominal.robot.joints]
-        parts = layout(n, self.effects, len(unknown[0].position_centres))
-        self._compiled = compile_bank(self.effects, parts)
-        self.state = state = ObserverState(parts)
+        neurons = len(unknown[0].position_centres)
+        self._compiled = compile_bank(self.effects)
+        self.state = state = ObserverState(layout(n, self.effects, neurons))
+        state.neurons = neurons
         signals = [e.traits.depends_on for e in self.effects]
         self._smooth = self._columns_of([Signal.ACCELERATION in s for s in signals])
         self._driven = self._columns_of(

@@ -121,6 +121,7 @@ class ObserverState:
     corrects = _Scalar(rows.CORRECTS)
     driven = _Scalar(rows.DRIVEN)
     neuron_count = _Scalar(rows.NEURON_COUNT)
+    neurons = _Scalar(rows.NEURONS)
 
     def forget_past(self) -> None:
         """Set all that past samples left to zero; bounds, beliefs and learned weights stay."""

@@ -13,12 +13,11 @@ from scipy import special
 from cdia_pin.diagnosis import MonitorSettings
 from cdia_pin.diagnosis.bank import prototype
 from cdia_pin.diagnosis.compiled_bank import compile_bank, python_columns
-from cdia_pin.diagnosis.layout import layout
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.tick_flags import BAD
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import EFFECTS, Expression, JointEffect, Parameter, Signal, Traits
+from cdia_pin.effects import EFFECTS, Expression, JointEffect, Parameter, Signal, Traits, Unknown
 from cdia_pin.robot import load_robot
 
 ROBOT = load_robot("scara")  # has a joint that slides
@@ -122,8 +121,22 @@ def test_compiled_columns_are_those_of_the_effect(ticked, i: int) -> None:
 
 def test_only_what_numba_does_not_understand_is_evaluated_in_python() -> None:
     given = effects()
-    compiled = compile_bank(given, layout(ROBOT.n, given, 3))
+    compiled = compile_bank(given)
     assert [given[i].name for i in compiled.in_python] == ["rounded", "expression", "expression"]
+
+
+def test_arms_of_any_number_of_joints_and_neurons_share_the_compiled_code() -> None:
+    bank, ticks = (EFFECTS["coulomb_friction"](JOINT), EFFECTS["viscous_friction"](JOINT)), set()
+    for name, neurons in (("double_pendulum", (0.0, 1.0)), ("scara", (0.0, 1.0, 2.0))):
+        robot = load_robot(name)
+        unknown = [Unknown(j, position_centres=neurons, velocity_centres=neurons) for j in robot.joints]
+        observer = MomentumObserver(Nominal.of(Dynamics(robot)), bank, MonitorSettings(), DT, unknown)
+        v = np.linspace(-1.0, 1.0, robot.n)
+        for k in range(3):
+            observer.step(k * DT, k * DT * v, v, np.zeros(robot.n))
+        np.testing.assert_allclose(observer.state.phi[:, 1], -v)
+        ticks.add(observer._compiled.tick)
+    assert len(ticks) == 1
 
 
 def columns_of(effect: JointEffect, time: float = 3.0, q: float = 0.5) -> np.ndarray:
