@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+import time as clock
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from cdia_pin.selection import DiscoverySettings
 from cdia_pin.viewers import write_monitor_report, write_report
 from cdia_pin.viewers.page import LARGEST
 
+RATE = 250.0  # [Hz]
 FAULTY, ONSET = "panda_joint4", 30.0
 EFFECTS = ("coulomb_friction", "torque_offset")
 STATE = "() => ({...motion.arm.state(), time: motion.player.time})"
@@ -40,10 +41,22 @@ class Written:
 
 
 def measured(robot: RobotModel, seed: int, duration: float, *faults: str) -> Log:
+    """What a simulated arm reads, each torque held until the next sample as a monitor expects it."""
     plant = Dynamics(robot, tuple(parse_term(f) for f in faults))
     motion_of, noise = np.random.default_rng(seed).spawn(2)
     motion = exciting_trajectory(robot, motion_of, duration=duration)
-    return simulate(plant, motion, rate=250.0, sensors=Sensors(effort_share=0.01), rng=noise)
+    return simulate(plant, motion, rate=RATE, sensors=Sensors(effort_share=0.01), rng=noise)
+
+
+def exact(robot: RobotModel, seed: int, duration: float, *faults: str) -> Log:
+    """What an arm reads that follows its motion exactly, which takes no simulation."""
+    plant = Dynamics(robot, tuple(parse_term(f) for f in faults))
+    motion_of, noise = np.random.default_rng(seed).spawn(2)
+    time = np.arange(0.0, duration, 1.0 / RATE)
+    q, v, a = exciting_trajectory(robot, motion_of, duration=duration)(time)
+    tau = plant.inverse_dynamics(q, v, a)
+    tau += 0.01 * tau.std(axis=0) * noise.standard_normal(tau.shape)
+    return Log(robot.joints, time, q, tau, velocity=v)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +74,7 @@ def watched(tmp_path_factory: pytest.TempPathFactory) -> Written:
 def discovered(tmp_path_factory: pytest.TempPathFactory) -> Written:
     """A minute of a Panda with friction and an offset that its model lacks."""
     robot = load_robot("panda")
-    log = measured(
+    log = exact(
         robot, 3, 60.0, f"coulomb_friction@{FAULTY}: level=4", "torque_offset@panda_joint6: offset=0.5"
     )
     found = discover(Dynamics(robot), log, settings=DiscoverySettings(effects=EFFECTS))
@@ -78,9 +91,9 @@ def written(request: pytest.FixtureRequest) -> Written:
 
 def until(page: Any, expression: str, patience: float = 15.0) -> None:
     """Wait until an expression holds; Playwright's own way needs eval, which the page forbids."""
-    end = time.monotonic() + patience
+    end = clock.monotonic() + patience
     while not page.evaluate(expression):
-        assert time.monotonic() < end, f"not within {patience:g} s: {expression}"
+        assert clock.monotonic() < end, f"not within {patience:g} s: {expression}"
         page.wait_for_timeout(50)
 
 

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from benchmarks.plant import scenarios
-from tests.hidden_plants import label, labels, plant_of
+from tests.hidden_plants import hidden, label, labels, plant_of
 
 ARMS = ("ur5", "panda")
-FRACTION = 0.2  # of the joint's RMS torque
 # with a payload, on one joint, on two, one effect twice; the triples have the other effects
 PAIRS = {0: "ur5", 1: "panda", 4: "panda", 6: "ur5", 8: "panda", 9: "panda"}
 TRIPLES = (1, 2, 3, 4)
@@ -24,9 +23,8 @@ def in_turn(names):
 
 
 def run(kind, arm, k):
-    plant = plant_of(arm)
-    scenario = getattr(scenarios, kind)(plant, FRACTION)[k]
-    return scenario, scenario.run(plant)
+    scenario = hidden(kind, arm)[k]
+    return scenario, scenario.run(plant_of(arm))
 
 
 def check(scenario, log_of_run, arm, discovered):
@@ -65,8 +63,7 @@ def test_three_at_once(k, discovered):
 
 @pytest.mark.parametrize("k", range(9))
 def test_nothing_is_missing_from_a_clean_log(k, discovered):
-    scenario = scenarios.clean()[k]
-    found = discovered("ur5", scenario.run(plant_of("ur5")).log)
+    found = discovered("ur5", scenarios.clean()[k].run(plant_of("ur5")).log)
     assert found.verdict == "nothing-missing"
     assert labels(found) == set()
 
@@ -80,17 +77,15 @@ def test_nothing_is_missing_from_a_clean_log(k, discovered):
     ],
 )
 def test_what_is_outside_the_vocabulary_is_called_unexplained(arm, k, discovered):
-    plant = plant_of(arm)
-    scenario = scenarios.outside(plant)[k]
-    found = discovered(arm, scenario.run(plant).log)
+    scenario, done = run("outside", arm, k)
+    found = discovered(arm, done.log)
     assert found.verdict == "unexplained"
     assert scenario.faults[0].joint in found.structure_left
 
 
 def test_a_faulty_joint_is_found_on_another_motion_too(discovered):
-    plant = plant_of("ur5")
-    scenario = scenarios.singles(plant, FRACTION)[0].holdout()
-    found = discovered("ur5", scenario.run(plant).log)
+    scenario = hidden("singles", "ur5")[0].holdout()
+    found = discovered("ur5", scenario.run(plant_of("ur5")).log)
     assert labels(found) == {label(f) for f in scenario.faults}
     (level,) = found.steps[0].term.theta
     assert np.isclose(level, scenario.faults[0].parameters["level"], rtol=0.03)

@@ -3,16 +3,14 @@
 import numpy as np
 import pytest
 
-from benchmarks.plant import scenarios
 from cdia_pin.regression.friction_memory import bristle
-from tests.hidden_plants import plant_of
+from tests.hidden_plants import hidden, plant_of
 
 ARMS = ("ur5", "panda")
 
 
 def outside(arm, name):
-    plant = plant_of(arm)
-    return next(s for s in scenarios.outside(plant) if s.faults[0].effect == name)
+    return next(s for s in hidden("outside", arm) if s.faults[0].effect == name)
 
 
 @pytest.mark.parametrize("arm", ARMS)
@@ -26,7 +24,9 @@ def test_friction_that_falls_as_a_drive_warms_up_is_found_with_its_time_constant
     level, time = fault.parameters["level"], fault.parameters["time"]
     assert step.term.effect.time_constant == pytest.approx(time, rel=0.1)
     assert step.term.values["level[start]"] == pytest.approx(level, rel=0.05)
-    assert step.term.values["level[end]"] == pytest.approx(level * np.exp(-36.0 / time), abs=0.03 * level)
+    assert step.term.values["level[end]"] == pytest.approx(
+        level * np.exp(-scenario.duration / time), abs=0.03 * level
+    )
     (finding,) = found.findings
     assert (finding.kind, finding.joints) == ("drift", (fault.joint,))
     assert "warms up" in finding.sentence
@@ -46,9 +46,8 @@ def test_presliding_is_recognised_with_its_level_and_reach(arm, discovered):
 
 @pytest.mark.parametrize("name", ["coulomb_friction", "stribeck_friction"])
 def test_friction_without_memory_or_drift_has_none(name, discovered):
-    plant = plant_of("ur5")
-    scenario = next(s for s in scenarios.singles(plant, 0.2) if s.faults[0].effect == name)
-    assert discovered("ur5", scenario.run(plant).log).findings == ()
+    scenario = next(s for s in hidden("singles", "ur5") if s.faults[0].effect == name)
+    assert discovered("ur5", scenario.run(plant_of("ur5")).log).findings == ()
 
 
 def test_bristles_follow_distance_and_not_speed():
