@@ -9,8 +9,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.block_evidence import BlockEvidence, BlockFits
+from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
+from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.discovery_settings import ChangeSettings
@@ -19,7 +20,9 @@ Array = NDArray[np.float64]
 
 MOST_MOVES = 60  # moves of one search [1]; a guard, because no set is visited twice
 LARGEST_GAINS = 40  # changes [1] of which it is asked whether they can be named; the others explain less
-FELT = 0.2  # RMS torque of a change over what is left of a joint [1], above which the change concerns that joint
+FELT = (
+    0.2  # RMS torque of a change over what is left of a joint [1], above which the change concerns that joint
+)
 
 
 @dataclass(frozen=True, repr=False)
@@ -33,7 +36,7 @@ class ChangeSearch:
     """
 
     differing: Differing
-    evidence: BlockEvidence
+    evidence: BlockEvidence[Difference]
     settings: ChangeSettings
 
     def __repr__(self) -> str:
@@ -137,7 +140,9 @@ class ChangeSearch:
 
     def _alike(self, one: int, others: Sequence[int], fits: BlockFits) -> list[int]:
         """Return the changes that explain as much as one, itself included, the best first."""
-        alike = {c for c in others if self._is_slight(fits.gains[one] - fits.gains[c], fits.gain[one])} | {one}
+        alike = {c for c in others if self._is_slight(fits.gains[one] - fits.gains[c], fits.gain[one])} | {
+            one
+        }
         return sorted(alike, key=lambda c: -fits.gain[c])
 
     def _is_slight(self, lost: Array, explained: float) -> bool:

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from cdia_pin.changes.block_evidence import BlockEvidence
 from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.changes_result import Bound, Change, Changes
 from cdia_pin.changes.differing import Differing
@@ -57,8 +56,10 @@ def what_changed(
         raise LogError("what_changed needs at least one log before and one after")
     tell = progress or silent
     tell("conditioning", 0.0)
-    conditioned = [[condition(log, model.robot, settings.conditioning) for log in s] for s in (first, last)]
-    return changes_in(model, *conditioned, settings, tell)
+    earlier, later = (
+        [condition(log, model.robot, settings.conditioning) for log in side] for side in (first, last)
+    )
+    return changes_in(model, earlier, later, settings, tell)
 
 
 def changes_in(
@@ -133,9 +134,11 @@ def searched(
     differing = Differing.of(experiment, model, len(before), settings)
     earlier, later = differing.names
     if set(earlier) & set(later):
-        raise LogError(f"logs before and after must be of different conditions, both have {', '.join(earlier)}")
+        raise LogError(
+            f"logs before and after must be of different conditions, both have {', '.join(earlier)}"
+        )
     tell("leaving out one block of time at a time", 0.4)
-    search = ChangeSearch(differing, BlockEvidence.of(differing), settings.changes)
+    search = ChangeSearch(differing, differing.evidence(), settings.changes)
     tell("looking for changes", 0.6)
     return search, search.changes(settings.most_effects)
 

@@ -12,6 +12,7 @@ from cdia_pin.changes.common_structure import column_group, common_effects, plai
 from cdia_pin.changes.difference import Difference
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ToolWrench, ViscousMedium
+from cdia_pin.regression.block_evidence import REPEATED, BlockEvidence
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
@@ -22,7 +23,8 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 GENERIC_SIZE = 10  # parameters [1]; effects with as many or more would fit noise in its first estimate
-# Searched for only if asked: a steady force on a tool is nearly always a weight, and no arm is put into water unnoticed.
+# Searched for only if asked: a steady force on a tool is nearly always a weight, and nobody puts an arm into water
+# unnoticed.
 UNUSUAL = (ToolWrench, ViscousMedium)
 ROUNDS = 2  # rounds [1] of weighting, because weights and residuals depend on each other
 INF = float("inf")
@@ -64,9 +66,7 @@ class Differing:
         return f"Differing({self.experiment!r}, {len(self.changes)} candidates)"
 
     @classmethod
-    def of(
-        cls, experiment: Experiment, model: Dynamics, before: int, settings: DiscoverySettings
-    ) -> Self:
+    def of(cls, experiment: Experiment, model: Dynamics, before: int, settings: DiscoverySettings) -> Self:
         """Compute all columns.
 
         Args:
@@ -146,6 +146,12 @@ class Differing:
         parts = [ColumnGroup(self.changes[c], np.full(c.size, INF)) for c in changes]
         return SharedRegression.of([*self.common, *parts], self.prediction.residual, self.scaled)
 
+    def evidence(self) -> BlockEvidence[Difference]:
+        """Return the evidence for all changes by blocks of time."""
+        effects = self.screened()
+        edges = list(zip(self.edges[:-1], self.edges[1:], strict=True))
+        return BlockEvidence.of(effects, self.together(effects), edges, self.experiment.robot)
+
     def screened(self) -> list[Difference]:
         """Return the changes; of large families on one joint only the shapes that fit best."""
         families: dict[str, list[Difference]] = {}
@@ -188,7 +194,3 @@ class Differing:
             left, _ = out.together(generic).residual()
             out = replace(out, size=np.maximum(rms(left, out.used) * out.size, 1e-12))
         return out
-
-
-# Share of its sum of squares [1]; if the common structure leaves less of a column, the column repeats it.
-REPEATED = 1e-5

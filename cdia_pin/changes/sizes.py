@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.block_evidence import BlockEvidence
 from cdia_pin.changes.common_structure import PLAIN, column_group
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
 from cdia_pin.effects import Effect, LinkInertia, Term, TorqueOffset
+from cdia_pin.regression.block_evidence import BlockEvidence
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
@@ -19,7 +19,7 @@ from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 Array = NDArray[np.float64]
 
 
-def sized(evidence: BlockEvidence, chosen: tuple[int, ...]) -> list[Term]:
+def sized(evidence: BlockEvidence[Difference], chosen: tuple[int, ...]) -> list[Term]:
     """Return the differences of some effects, fitted together, with 95 % intervals.
 
     Args:
@@ -35,13 +35,16 @@ def sized(evidence: BlockEvidence, chosen: tuple[int, ...]) -> list[Term]:
     half = student.ppf(0.975, len(evidence.training) - 1) * np.sqrt(np.diag(covariance))
     blocks = ParameterBlocks.of(effects)
     pairs = zip(effects, blocks.split(theta), blocks.split(half), strict=True)
-    return [
-        Term(e.effect, tuple(map(float, p)), ci95=tuple((float(v - w), float(v + w)) for v, w in zip(p, h, strict=True)))
-        for e, p, h in pairs
-    ]
+    return [Term(e.effect, tuple(p), ci95=_intervals(p, h)) for e, p, h in pairs]
 
 
-def friction_before(differing: Differing, changed: Sequence[Difference]) -> dict[Difference, tuple[float, ...]]:
+def _intervals(theta: Array, half: Array) -> tuple[tuple[float, float], ...]:
+    return tuple((float(v - h), float(v + h)) for v, h in zip(theta, half, strict=True))
+
+
+def friction_before(
+    differing: Differing, changed: Sequence[Difference]
+) -> dict[Difference, tuple[float, ...]]:
     """Return the parameters of each changed friction before the change.
 
     The common structure consists here of rigid bodies, Coulomb and viscous friction and an offset, so that friction has

@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.changes_result import Change
 from cdia_pin.changes.change_search import ChangeSearch
+from cdia_pin.changes.changes_result import Change
 from cdia_pin.changes.detection import searched, sized_changes
 from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.discovery.conclusion import conclusion

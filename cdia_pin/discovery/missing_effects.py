@@ -54,7 +54,9 @@ def discover(
     report("conditioning", 0.0)
     settings, given = settings or DiscoverySettings(), listed(logs)
     if model.learned_from and not settings.per_log:
-        return discover_beyond(model, Problem.conditioned(model.robot, given, listed(holdout), settings), report)
+        return discover_beyond(
+            model, Problem.conditioned(model.robot, given, listed(holdout), settings), report
+        )
     # differences between the logs are found first, after all that the logs may have in common
     changes = changes_between(model, given, settings, part(report, 0.0, 0.05))
     problem = Problem.of(model, given, listed(holdout), settings).with_parts(effects_that_differ(changes))

@@ -49,7 +49,8 @@ def motion_document(motion: Motion) -> MotionDocument:
     kept = {name: getattr(motion, name)[:MOST_SAMPLES] for name in SIGNALS}
     kept |= {name: getattr(motion, name) for name in OF_JOINTS}
     file = BytesIO()
-    np.savez_compressed(file, **{name: np.asarray(x, np.float32) for name, x in kept.items()})
+    arrays: dict[str, Any] = {name: np.asarray(x, np.float32) for name, x in kept.items()}
+    np.savez_compressed(file, **arrays)
     return {
         "record": motion.record,
         "joints": list(motion.joints),
@@ -72,7 +73,9 @@ def motion_from(document: Any) -> Motion:
     """
     try:
         rate, joints = float(document["rate"]), tuple(map(str, document["joints"]))
-        with np.load(BytesIO(base64.b64decode(document["arrays"], validate=True)), allow_pickle=False) as file:
+        with np.load(
+            BytesIO(base64.b64decode(document["arrays"], validate=True)), allow_pickle=False
+        ) as file:
             sizes = [i.file_size for i in file.zip.infolist()]
             if max(sizes) > LARGEST:
                 raise LogError(f"a motion of {max(sizes)} bytes is too large")
@@ -80,7 +83,9 @@ def motion_from(document: Any) -> Motion:
         count = len(arrays["q"])
         shapes = {arrays[name].shape for name in SIGNALS} | {(count, *arrays[n].shape) for n in OF_JOINTS}
         if shapes != {(count, len(joints))} or not all(np.isfinite(x).all() for x in arrays.values()):
-            raise LogError(f"arrays of shapes {sorted(map(str, shapes))} are no motion of {len(joints)} joints")
+            raise LogError(
+                f"arrays of shapes {sorted(map(str, shapes))} are no motion of {len(joints)} joints"
+            )
         return Motion(
             joints=joints,
             time=float(document["start"]) + np.arange(count) / rate,

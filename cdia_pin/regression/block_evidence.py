@@ -1,8 +1,8 @@
 r"""Evidence by contiguous blocks of time: each block is predicted from all others.
 
 Residuals of measured arms are not noise: they repeat with the posture, and neighbouring samples tell the same thing.
-Blocks of time are nearly independent of each other. So what a change explains is measured on blocks that its fit did not
-see, and the covariance of its parameters comes from leaving out one block at a time, the jackknife [Efron1982]:
+Blocks of time are nearly independent of each other. So what an effect explains is measured on blocks that its fit did
+not see, and the covariance of its parameters comes from leaving out one block at a time, the jackknife [Efron1982]:
 
 .. math::
 
@@ -15,30 +15,34 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Generic, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.difference import Difference
-from cdia_pin.changes.differing import REPEATED, Differing
+from cdia_pin.effects import Effect
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.scaled_gram import ScaledGram
+from cdia_pin.regression.shared_parameters import SharedRegression
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
+E = TypeVar("E", bound=Effect)
 
+# Share of its sum of squares [1]; if a set leaves less of a column, the column repeats the set.
+REPEATED = 1e-5
 RIDGE = 1e-10  # added to a unit diagonal [1], so that columns that repeat each other can be solved
 NEGLIGIBLE = 1e-9  # added to a covariance, over its mean variance [1], so that it can be inverted
 
 
 @dataclass(frozen=True, repr=False)
 class BlockFits:
-    """Each change added to a set, fitted without one block of time at a time.
+    """Each effect added to a set, fitted without one block of time at a time.
 
     Attributes:
-        theta: Parameters of each change from all blocks, shape (p,) each.
+        theta: Parameters of each effect from all blocks, shape (p,) each.
         certainty: Estimate over its standard deviation, root mean square over the parameters [1], shape (C,).
-        gains: What each change explains of each block when that block is left out, in units of what is left [1],
+        gains: What each effect explains of each block when that block is left out, in units of what is left [1],
             shape (C, B).
     """
 
@@ -47,20 +51,20 @@ class BlockFits:
     gains: Array
 
     def __repr__(self) -> str:
-        return f"BlockFits({len(self.theta)} changes, {self.gains.shape[1]} blocks)"
+        return f"BlockFits({len(self.theta)} effects, {self.gains.shape[1]} blocks)"
 
     @property
     def gain(self) -> Array:
-        """What each change explains of all blocks [1], shape (C,)."""
+        """What each effect explains of all blocks [1], shape (C,)."""
         return np.asarray(self.gains.sum(axis=1))
 
 
 @dataclass(frozen=True, repr=False)
-class BlockEvidence:
-    """Normal equations of changes, after the common structure is taken out, without and of each block.
+class BlockEvidence(Generic[E]):
+    """Normal equations of effects, after the common structure is taken out, without and of each block.
 
     Attributes:
-        effects: The changes, in the order of their columns.
+        effects: The effects, in the order of their columns.
         training: [X y]ᵀ[X y] of all blocks but one, shape (B, P + 1, P + 1).
         unseen: [X y]ᵀ[X y] of that block, shape (B, P + 1, P + 1).
         total: [X y]ᵀ[X y] of all blocks, shape (P + 1, P + 1).
@@ -68,7 +72,7 @@ class BlockEvidence:
         prior: Precision of the prior on each parameter [1/unit²], shape (P,).
     """
 
-    effects: tuple[Difference, ...]
+    effects: tuple[E, ...]
     training: Array
     unseen: Array
     total: Array
@@ -76,19 +80,25 @@ class BlockEvidence:
     prior: Array
 
     def __repr__(self) -> str:
-        return f"BlockEvidence({len(self.effects)} changes, {len(self.training)} blocks)"
+        return f"BlockEvidence({len(self.effects)} effects, {len(self.training)} blocks)"
 
     @classmethod
-    def of(cls, differing: Differing) -> Self:
+    def of(
+        cls,
+        effects: Sequence[E],
+        regression: SharedRegression,
+        edges: Sequence[tuple[int, int]],
+        robot: RobotModel,
+    ) -> Self:
         """Compute the normal equations without each block.
 
         Args:
-            differing: Logs before and after, and the columns of all changes.
+            effects: The effects that are asked for; their columns are the last of the regression.
+            regression: Columns of the common structure, then of the effects.
+            edges: First and last sample of each block, the last excluded.
+            robot: The arm, for the prior of each effect.
         """
-        effects = differing.screened()
-        regression = differing.together(effects)
         first = len(regression.precision) - sum(e.size for e in effects)
-        edges = list(zip(differing.edges[:-1], differing.edges[1:], strict=True))
         blocks = [regression.gram_of(slice(start, stop)) for start, stop in edges]
         whole = np.sum(blocks, axis=0)
         prior = np.diag(regression.precision[:first])
@@ -98,13 +108,11 @@ class BlockEvidence:
             common = ScaledGram.of(rest[:first, :first] + prior, RIDGE).solve(rest[:first, first:])
             training.append(rest[first:, first:] - rest[first:, :first] @ common)
             mixed = block[first:, :first] @ common
-            unseen.append(
-                block[first:, first:] - mixed - mixed.T + common.T @ block[:first, :first] @ common
-            )
+            unseen.append(block[first:, first:] - mixed - mixed.T + common.T @ block[:first, :first] @ common)
         common = ScaledGram.of(whole[:first, :first] + prior, RIDGE).solve(whole[:first, first:])
         total = whole[first:, first:] - whole[first:, :first] @ common
         norms = np.maximum(np.diag(whole)[first:-1], 1e-300)
-        scale = np.concatenate([np.zeros(0), *(e.prior_scale(differing.experiment.robot) for e in effects)])
+        scale = np.concatenate([np.zeros(0), *(e.prior_scale(robot) for e in effects)])
         return cls(tuple(effects), np.array(training), np.array(unseen), total, norms, 1.0 / scale**2)
 
     @property
@@ -121,7 +129,7 @@ class BlockEvidence:
         return np.asarray(self._beside(chosen)[1][:, -1, -1])
 
     def fits(self, chosen: Sequence[int]) -> BlockFits:
-        """Return the fit of each change beside a set, and what it explains; zero for members of the set.
+        """Return the fit of each effect beside a set, and what it explains; zero for members of the set.
 
         Args:
             chosen: Indices of the set.
@@ -138,9 +146,8 @@ class BlockEvidence:
             theta = np.linalg.solve(training[:, rows, columns] + ridge, right[..., None])[..., 0]
             whole = total[rows, columns] + ridge
             best = np.linalg.solve(whole, total[own, -1][..., None])[..., 0]
-            gains[members] = (
-                2 * np.einsum("bcp,bcp->cb", theta, unseen[:, own, -1])
-                - np.einsum("bcp,bcpq,bcq->cb", theta, unseen[:, rows, columns], theta)
+            gains[members] = 2 * np.einsum("bcp,bcp->cb", theta, unseen[:, own, -1]) - np.einsum(
+                "bcp,bcpq,bcq->cb", theta, unseen[:, rows, columns], theta
             )
             certainty[members] = _certainty(theta, best, np.sqrt(np.einsum("cpp->cp", whole)))
             for c, value in zip(members, best, strict=True):
@@ -195,7 +202,7 @@ class BlockEvidence:
 
 
 def _certainty(theta: Array, best: Array, norms: Array) -> Array:
-    """Return the estimate over its standard deviation of several changes of equal size [1], shape (C,).
+    """Return the estimate over its standard deviation of several effects of equal size [1], shape (C,).
 
     Args:
         theta: Estimates without each block, shape (B, C, p).
