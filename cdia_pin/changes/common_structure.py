@@ -6,6 +6,8 @@ Without these priors, large effects that cancel in one log could imitate a chang
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -77,7 +79,10 @@ def column_group(effect: Effect, columns: Array, scale: Array, robot: RobotModel
 
 
 def common_effects(
-    experiment: Experiment, prediction: Prediction, columns: DesignMatrix
+    experiment: Experiment,
+    prediction: Prediction,
+    columns: DesignMatrix,
+    wanted: Callable[[Effect], bool] = lambda _: True,
 ) -> list[ColumnGroup]:
     """Return the columns of the vocabulary, each effect in a few shapes, with the joint's own torque as prior.
 
@@ -85,6 +90,7 @@ def common_effects(
         experiment: The conditioned logs.
         prediction: Prediction of the model.
         columns: Columns of effects.
+        wanted: Returns True for effects that are common; all are if omitted.
     """
     robot = experiment.robot
     families = enumerate_candidates(experiment, prediction, DiscoverySettings())
@@ -93,7 +99,7 @@ def common_effects(
     effects: list[Effect] = list(dict.fromkeys([*present, *(e for f in families for e in _few(f)), *bodies]))
     torque = np.maximum(rms(experiment.measured, experiment.informative), 1e-9)
     out = []
-    for effect in effects:
+    for effect in filter(wanted, effects):
         x, joints = columns.of(effect, prediction, present.get(effect)), effect.acts_on(robot)
         of_unit = np.sqrt(np.mean(x**2, axis=0)) / torque[list(joints)][:, None]  # (joints, p)
         scale = np.minimum(effect.prior_scale(robot), 1.0 / np.maximum(of_unit.max(axis=0), 1e-12))

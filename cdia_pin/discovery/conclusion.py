@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from cdia_pin.changes.phenomenon import Phenomenon
+from cdia_pin.discovery.confidence import trust_in, with_total_intervals
 from cdia_pin.discovery.discovery_documents import DiscoveryRecord
 from cdia_pin.discovery.discovery_result import Discovery, Ranked, Step
 from cdia_pin.discovery.recognition import recognised
@@ -39,6 +40,13 @@ def concluded(
         findings: Phenomena that are already known.
     """
     final, steps = trace(problem, base, found, forced)
+    report("repeating the decisions", 0.9)
+    trust = trust_in(problem.problem, final, base)
+    final = with_total_intervals(final, trust)
+    steps = tuple(
+        replace(s, term=final.find(s.term.label), confidence=trust[s.term.label].confidence) if s.term else s
+        for s in steps
+    )
     return conclusion(problem.problem, final, steps, report, ranking=ranking, findings=findings)
 
 

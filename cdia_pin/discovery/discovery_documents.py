@@ -70,6 +70,8 @@ class FoundEffectJson(TypedDict):
     shape: NotRequired[Mapping[str, Any]]
     varies: NotRequired[Mapping[str, Any]]
     confusable_with: list[ConfusionJson]
+    confidence: NotRequired[str]
+    group: NotRequired[str]
     change_of_model: NotRequired[bool]
 
 

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from cdia_pin import schemas
 from cdia_pin.changes.phenomenon import Phenomenon
+from cdia_pin.discovery.confidence import Confidence
 from cdia_pin.discovery.discovery_documents import DiscoveryJson, DiscoveryRecord, FoundEffectJson
+from cdia_pin.discovery.groups import group_of
 from cdia_pin.discovery.verdict import DiscoveryVerdict
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
@@ -30,6 +32,7 @@ class Step:
         heldout_rms: Held-out RMS residual of each joint [N·m or N], shape (n,).
         confusions: Other explanations of what this effect explains.
         change_of_model: Whether the model as given has the effect too; the parameters are differences then.
+        confidence: How far the name can be trusted.
     """
 
     term: Term | None
@@ -37,6 +40,7 @@ class Step:
     heldout_rms: Array
     confusions: tuple[Confusion, ...] = ()
     change_of_model: bool = False
+    confidence: Confidence = Confidence.ESTABLISHED
 
     def __repr__(self) -> str:
         what = clipped(self.term.label, 60) if self.term else "model as given"
@@ -113,7 +117,12 @@ class Discovery:
             "joints": list(robot.joints),
             "verdict": str(self.verdict),
             "effects": [
-                {**_entry(s.term, s.confusions, robot), "change_of_model": s.change_of_model}
+                {
+                    **_entry(s.term, s.confusions, robot),
+                    "confidence": str(s.confidence),
+                    "group": group_of(s.term.effect),
+                    "change_of_model": s.change_of_model,
+                }
                 for s in self.steps
                 if s.term is not None
             ],

@@ -22,11 +22,19 @@ class EffectRecord(TypedDict):
 
 
 class ParameterRecord(TypedDict):
-    """A parameter in a file, in its unit; the 95 % interval where it was estimated."""
+    """A parameter in a file, in its unit; the 95 % interval where it was estimated.
+
+    Attributes:
+        value: The number.
+        unit: Its unit.
+        ci95: 95 % interval, statistical and systematic together.
+        ci95_statistical: The statistical part alone, where the two were told apart.
+    """
 
     value: float
     unit: str
     ci95: NotRequired[list[float]]
+    ci95_statistical: NotRequired[list[float]]
 
 
 class TermRecord(EffectRecord):

@@ -32,12 +32,14 @@ class Term:
         theta: Its parameters, in the effect's order and units.
         profile: Where it is present.
         ci95: 95 % interval of each parameter, where the numbers were estimated.
+        ci95_statistical: The same from the scatter of the data alone, where the assumptions were varied too.
     """
 
     effect: Effect
     theta: tuple[float, ...]
     profile: Profile = ALWAYS
     ci95: tuple[tuple[float, float], ...] | None = field(default=None, compare=False)
+    ci95_statistical: tuple[tuple[float, float], ...] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "theta", tuple(float(v) for v in self.theta))  # hashable, and plain in JSON
@@ -145,6 +147,8 @@ class Term:
             out[p.name] = {"value": value, "unit": unit}
             if self.ci95 is not None:
                 out[p.name]["ci95"] = list(self.ci95[i])
+            if self.ci95_statistical is not None:
+                out[p.name]["ci95_statistical"] = list(self.ci95_statistical[i])
         return out
 
     def to_dict(self, robot: RobotModel) -> TermRecord:
@@ -182,5 +186,10 @@ class Term:
         ci95 = None
         if ordered and all("ci95" in p for p in ordered):
             ci95 = tuple((float(p["ci95"][0]), float(p["ci95"][1])) for p in ordered)
+        statistical = None
+        if ordered and all("ci95_statistical" in p for p in ordered):
+            statistical = tuple(
+                (float(p["ci95_statistical"][0]), float(p["ci95_statistical"][1])) for p in ordered
+            )
         theta = tuple(float(p["value"]) for p in ordered)
-        return cls(effect, theta, profile_from_dict(given.get("profile", {})), ci95)
+        return cls(effect, theta, profile_from_dict(given.get("profile", {})), ci95, statistical)

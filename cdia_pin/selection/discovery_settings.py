@@ -102,6 +102,29 @@ class ChangeSettings:
 
 
 @dataclass(frozen=True, repr=False)
+class ConfidenceSettings:
+    """How the decision about an effect is repeated, and what it must show each time.
+
+    Attributes:
+        blocks: Contiguous blocks of time [1]; each half of a log has half of them.
+        cutoffs: Cut-offs over that of the discovery [1]. The right one is not known better.
+        wrong_links: Number of repeats with wrong links [1].
+        link_error: Standard deviation of their error over the links' parameters [1]. URDFs of makers are about as good.
+        least_certainty: Estimate over its standard deviation from blocks, root mean square over the parameters [1].
+        likely_share: Share of the repeats that a likely effect survives [1].
+    """
+
+    blocks: int = 32
+    cutoffs: tuple[float, ...] = (0.7, 1.4)
+    wrong_links: int = 2
+    link_error: float = 0.05
+    least_certainty: float = 3.0
+    likely_share: float = 0.7
+
+    __repr__ = settings_repr
+
+
+@dataclass(frozen=True, repr=False)
 class DiscoverySettings:
     """What a discovery searches for, and how.
 
@@ -118,6 +141,7 @@ class DiscoverySettings:
         lack_of_fit: When the residual of a model counts as structure.
         memory: When friction after a reversal counts as having memory.
         changes: When a difference between logs counts as a change of the arm.
+        confidence: How the decision about an effect is repeated.
         noise: How the noise of a joint is estimated.
         rest: Which samples show friction.
     """
@@ -134,6 +158,7 @@ class DiscoverySettings:
     lack_of_fit: LackOfFitSettings = field(default_factory=LackOfFitSettings)
     memory: MemorySettings = field(default_factory=MemorySettings)
     changes: ChangeSettings = field(default_factory=ChangeSettings)
+    confidence: ConfidenceSettings = field(default_factory=ConfidenceSettings)
     noise: NoiseSettings = field(default_factory=NoiseSettings)
     rest: RestSettings = field(default_factory=RestSettings)
 

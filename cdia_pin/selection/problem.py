@@ -40,6 +40,7 @@ class Problem:
         families: Candidates in families: each is one effect and scope in its shapes.
         settings: The settings.
         differing: Labels of effects that may have parameters per log, because they changed between the logs.
+        logs: The logs as they were measured, to be filtered in other ways too.
     """
 
     experiment: Experiment
@@ -48,6 +49,7 @@ class Problem:
     families: tuple[list[Effect], ...]
     settings: DiscoverySettings
     differing: tuple[str, ...] = ()
+    logs: tuple[Log, ...] = ()
 
     def __repr__(self) -> str:
         return f"Problem({self.experiment!r}, {len(self.families)} candidates)"
@@ -87,7 +89,7 @@ class Problem:
         )
         experiment = Experiment.of(robot, motions, settings.rest)
         held_out = Experiment.of(robot, unseen, settings.rest) if unseen else None
-        return cls(experiment, held_out, DesignMatrix(experiment), (), settings)
+        return cls(experiment, held_out, DesignMatrix(experiment), (), settings, logs=tuple(logs))
 
     def around(self, model: Dynamics) -> Problem:
         """Return the same logs with the candidates for a model; the columns are shared.

@@ -1,0 +1,236 @@
+"""How far each effect of a discovery can be trusted: its decision and its size are repeated under other assumptions.
+
+Nobody knows the right cut-off, the right links, or what else acts. An effect that is real does not depend on them.
+The repeats: both halves of the log, 0.7 and 1.4 of the cut-off, and links that are five percent wrong. An effect that
+is not everyday must besides be certain beside all everyday ones, for these are on every arm. A body is asked for beside
+the other links too, because the mass of a link is hard to tell from that of the next one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.changes.common_structure import column_group, common_effects
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Effect, LinkInertia, RotorInertia, Term, TorqueOffset
+from cdia_pin.effects.body import Body
+from cdia_pin.errors import LogError
+from cdia_pin.logs.conditioning import condition
+from cdia_pin.logs.motion import Motion
+from cdia_pin.regression.block_evidence import BlockEvidence
+from cdia_pin.regression.design_matrix import DesignMatrix
+from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
+from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
+from cdia_pin.selection.discovery_settings import ConfidenceSettings
+from cdia_pin.selection.problem import Problem
+
+Array = NDArray[np.float64]
+Blocks = list[tuple[int, int]]
+
+
+class Confidence(StrEnum):
+    """How far the name of an effect can be trusted."""
+
+    ESTABLISHED = "established"  # it survives every repeat
+    LIKELY = "likely"  # it survives most
+    DESCRIPTIVE = "descriptive"  # it lowers the error, and may be something else
+
+
+@dataclass(frozen=True)
+class Trust:
+    """What the repeats say about an effect.
+
+    Attributes:
+        confidence: How far its name can be trusted.
+        systematic: Half width by which its parameters differ between the repeats, in their units, shape (p,).
+    """
+
+    confidence: Confidence
+    systematic: Array
+
+
+def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust]:
+    """Return how far the effects that were found can be trusted, by label.
+
+    Args:
+        logs: The logs.
+        model: The fitted model.
+        given: The model before the discovery; its own terms are not judged.
+    """
+    known = {t.label for t in given.terms}
+    found = [t for t in model.terms if t.label not in known]
+    if not found:
+        return {}
+    settings = logs.settings.confidence
+    whole = Repeat(logs.experiment, model, settings)
+    crowded = Repeat(logs.experiment, model, settings, everyday=True)
+    others = [Repeat(x, replace(model, robot=x.robot), settings) for x in _variations(logs)]
+    halves = [whole.half(0), whole.half(1)]
+    out = {}
+    for term in found:
+        needed, survived = whole.survives(term), [r.survives(term) for r in (*halves, *others)]
+        if isinstance(term.effect, Body):  # the next link may have the same mass
+            survived.append(crowded.survives(term))
+        elif not is_everyday(term.effect):
+            needed = needed and crowded.survives(term)
+        moved = [np.abs(r.theta(term) - whole.theta(term)) for r in (*halves, *others)]
+        systematic = np.max([np.zeros(term.effect.size), *moved], axis=0)
+        out[term.label] = Trust(_confidence(needed, survived, settings), systematic)
+    return out
+
+
+def is_everyday(effect: Effect) -> bool:
+    """Tell whether every arm has an effect: friction of a joint, a rotor, another mass, an offset.
+
+    Args:
+        effect: The effect.
+    """
+    plain = isinstance(effect, Body | LinkInertia | RotorInertia | TorqueOffset)
+    return plain or (effect.traits.dissipative and len(effect.scope) == 1)
+
+
+def _confidence(needed: bool, survived: Sequence[bool], settings: ConfidenceSettings) -> Confidence:
+    if not needed or np.mean(survived) < settings.likely_share:
+        return Confidence.DESCRIPTIVE
+    return Confidence.ESTABLISHED if all(survived) else Confidence.LIKELY
+
+
+def _variations(logs: Problem) -> Iterator[Experiment]:
+    """Yield the logs with other cut-offs and with wrong links."""
+    x, settings = logs.experiment, logs.settings
+    for factor in settings.confidence.cutoffs:
+        try:
+            yield Experiment.of(x.robot, list(_filtered(logs, factor)), x.rest)
+        except LogError:  # the log cannot be filtered there: its rate is too low, or too little is left
+            continue
+    bodies = x.robot.inertial_parameters
+    for seed in range(settings.confidence.wrong_links):
+        error = np.random.default_rng(seed).normal(0.0, settings.confidence.link_error, len(bodies))
+        robot = x.robot.with_inertial_parameters(bodies * (1 + error[:, None]))
+        yield Experiment.of(robot, [s.motion for s in x.segments], x.rest)
+
+
+def _filtered(logs: Problem, factor: float) -> Iterator[Motion]:
+    for log, segment in zip(logs.logs, logs.experiment.segments, strict=True):
+        given = replace(logs.settings.conditioning, cutoff=factor * segment.motion.cutoff)
+        yield condition(log, logs.experiment.robot, given)
+
+
+@dataclass(frozen=True, repr=False)
+class Repeat:
+    """The decision about the effects of a model under one set of assumptions.
+
+    Attributes:
+        experiment: The logs.
+        model: The fitted model.
+        settings: What an effect must show.
+        everyday: Whether all everyday effects are fitted beside the model's, each with a prior.
+        part: Half of the blocks of time that is used, 0 or 1; all blocks if None.
+    """
+
+    experiment: Experiment
+    model: Dynamics
+    settings: ConfidenceSettings
+    everyday: bool = False
+    part: int | None = None
+
+    def __repr__(self) -> str:
+        return f"Repeat({self.experiment!r})"
+
+    def half(self, k: int) -> Repeat:
+        """Return the same decision on one half of the log.
+
+        Args:
+            k: The half, 0 or 1.
+        """
+        return replace(self, part=k)
+
+    def survives(self, term: Term) -> bool:
+        """Tell whether an effect is certain, and helps on blocks of time that its fit did not see.
+
+        Args:
+            term: A term of the model.
+        """
+        one = self._at[term.label]
+        fits = self._evidence.fits([c for c in range(len(self._evidence.effects)) if c != one])
+        return bool(fits.certainty[one] >= self.settings.least_certainty and fits.gain[one] > 0)
+
+    def theta(self, term: Term) -> Array:
+        """Return the parameters of an effect, fitted together with all others, shape (p,).
+
+        Args:
+            term: A term of the model.
+        """
+        own = ParameterBlocks.of(self._evidence.effects)[self._at[term.label]]
+        return self._estimate[0][own]
+
+    def covariance(self, term: Term) -> Array:
+        """Return the covariance of the parameters of an effect, shape (p, p).
+
+        Args:
+            term: A term of the model.
+        """
+        own = ParameterBlocks.of(self._evidence.effects)[self._at[term.label]]
+        return self._estimate[1][own, own]
+
+    @cached_property
+    def _at(self) -> dict[str, int]:
+        return {e.label: i for i, e in enumerate(self._evidence.effects)}
+
+    @cached_property
+    def _estimate(self) -> tuple[Array, Array]:
+        return self._evidence.estimate(range(len(self._evidence.effects)))
+
+    @cached_property
+    def _evidence(self) -> BlockEvidence[Effect]:
+        x, robot = self.experiment, self.experiment.robot
+        prediction, columns = x.predict(self.model), DesignMatrix(x)
+        effects = [t.effect for t in self.model.terms]
+        groups, response = [], prediction.residual.copy()
+        for term in self.model.terms:
+            own = columns.of(term.effect, prediction, np.array(term.theta))
+            groups.append(column_group(term.effect, own, np.full(term.effect.size, np.inf), robot))
+            for j, part in groups[-1].columns.items():
+                response[:, j] += part @ np.array(term.theta)
+        common: list[ColumnGroup] = []
+        if self.everyday:
+            common = common_effects(x, prediction, columns, lambda e: is_everyday(e) and e not in effects)
+        size = np.maximum(rms(prediction.residual, x.informative), 1e-12)
+        regression = SharedRegression.of(
+            [*common, *groups],
+            response,
+            lambda j, part: np.where(x.informative[:, [j]], part / size[j], 0.0),
+        )
+        return BlockEvidence.of(effects, regression, self._blocks(), robot)
+
+    def _blocks(self) -> Blocks:
+        """Return first and last sample of each block of time."""
+        edges = np.linspace(0, len(self.experiment.measured), self.settings.blocks + 1).astype(int)
+        every = list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
+        middle = len(every) // 2
+        return every if self.part is None else (every[:middle] if self.part == 0 else every[middle:])
+
+
+def with_total_intervals(model: Dynamics, trust: Mapping[str, Trust]) -> Dynamics:
+    """Return a model whose 95 % intervals hold the statistical and the systematic part.
+
+    Args:
+        model: A model with statistical intervals.
+        trust: What the repeats say about its effects, by label.
+    """
+    terms = []
+    for term in model.terms:
+        if term.label in trust and term.ci95 is not None:
+            half = np.hypot(np.diff(term.ci95, axis=1)[:, 0] / 2, trust[term.label].systematic)
+            total = tuple((float(v - h), float(v + h)) for v, h in zip(term.theta, half, strict=True))
+            terms.append(replace(term, ci95=total, ci95_statistical=term.ci95))
+        else:
+            terms.append(term)
+    return replace(model, terms=tuple(terms))
