@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
 from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
@@ -20,9 +21,6 @@ Array = NDArray[np.float64]
 
 MOST_MOVES = 60  # moves of one search [1]; a guard, because no set is visited twice
 LARGEST_GAINS = 40  # changes [1] of which it is asked whether they can be named; the others explain less
-FELT = (
-    0.2  # RMS torque of a change over what is left of a joint [1], above which the change concerns that joint
-)
 
 
 @dataclass(frozen=True, repr=False)
@@ -68,6 +66,16 @@ class ChangeSearch:
         rest = [c for c in chosen if c != one]
         fits = self.evidence.fits(rest)
         return [c for c in self._alike(one, self._nameable(rest, fits), fits) if c != one]
+
+    def confidence(self, rest: Sequence[int], one: int) -> Confidence:
+        """Return how far the name of a change can be trusted: established if it is twice as certain as it must be.
+
+        Args:
+            rest: Indices of the other changes.
+            one: Index of the change.
+        """
+        sure = self.evidence.fits(rest).certainty[one] >= 2 * self.settings.least_certainty
+        return Confidence.ESTABLISHED if sure else Confidence.LIKELY
 
     def torque(self, change: int, theta: Array) -> Array:
         """Return the RMS torque of a change in the logs after [N·m or N], shape (n,).
@@ -160,15 +168,12 @@ class ChangeSearch:
         ]
 
     def _can_be_named(self, change: int, fits: BlockFits) -> bool:
-        gain = float(fits.gain[change])
-        if gain <= 0 or fits.certainty[change] < self.settings.least_certainty:
+        gain, certainty = float(fits.gain[change]), float(fits.certainty[change])
+        if gain <= 0 or certainty < self.settings.least_certainty:
             return False
-        torque, x = self.torque(change, fits.theta[change]), self.differing
-        if np.max(torque / x.torque) < self.settings.least_torque:
-            return False
-        felt = torque > FELT * x.size
-        left = float(np.sum((x.used & x.after[:, None])[:, felt]))  # in units of what is left on each joint
-        return gain >= self.settings.least_share * (gain + left)
+        x, torque = self.differing, self.torque(change, fits.theta[change])
+        samples = (x.used & x.after[:, None]).sum(axis=0)
+        return self.settings.can_be_named(certainty, gain, torque, x.size, x.torque, samples)
 
 
 def _sorted(*chosen: int) -> tuple[int, ...]:

@@ -32,6 +32,7 @@ class ChangeJson(TypedDict):
     growth: float | None
     torque_rms: ByJoint
     evidence: float
+    confidence: str
     confusable_with: list[Mapping[str, Any]]
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cdia_pin import schemas
 from cdia_pin.changes.changes_documents import ChangeJson, ChangesJson, ChangesRecord
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
@@ -37,6 +38,7 @@ class Change:
         torque_rms: RMS torque of the change in the logs after [N·m or N], shape (n,).
         evidence: Log-likelihood that is lost without the change [1].
         confusions: Other changes that would explain nearly as much.
+        confidence: How far the name can be trusted.
     """
 
     term: Term
@@ -44,6 +46,7 @@ class Change:
     torque_rms: Array
     evidence: float
     confusions: tuple[Confusion, ...] = ()
+    confidence: Confidence = Confidence.ESTABLISHED
 
     def __repr__(self) -> str:
         torque = f"torque up to {np.max(self.torque_rms):.3g}"
@@ -71,6 +74,7 @@ class Change:
             "growth": self.growth,
             "torque_rms": robot.by_joint(self.torque_rms),
             "evidence": self.evidence,
+            "confidence": str(self.confidence),
             "confusable_with": [c.to_dict(robot) for c in self.confusions],
         }
         described = self.term.effect.to_dict()

@@ -155,7 +155,8 @@ def sized_changes(search: ChangeSearch, chosen: tuple[int, ...]) -> tuple[Change
     with_all = float(np.sum(evidence.unexplained(chosen)))
     out = []
     for one, term in zip(chosen, sized(evidence, chosen), strict=True):
-        without = float(np.sum(evidence.unexplained([c for c in chosen if c != one])))
+        rest = [c for c in chosen if c != one]
+        without = float(np.sum(evidence.unexplained(rest)))
         rivals = [effects[c].effect for c in search.rivals(chosen, one)]
         out.append(
             Change(
@@ -164,6 +165,7 @@ def sized_changes(search: ChangeSearch, chosen: tuple[int, ...]) -> tuple[Change
                 search.torque(one, np.array(term.theta)),
                 (without - with_all) / 2,
                 tuple(_confusions(term, rivals, search.differing.experiment.robot)),
+                search.confidence(rest, one),
             )
         )
     return tuple(sorted(out, key=lambda c: -c.evidence))

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from cdia_pin.changes.common_structure import column_group, common_effects, plainly_fitted
 from cdia_pin.changes.difference import Difference
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import ToolWrench, ViscousMedium
 from cdia_pin.regression.block_evidence import REPEATED, BlockEvidence
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
@@ -23,9 +22,6 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 GENERIC_SIZE = 10  # parameters [1]; effects with as many or more would fit noise in its first estimate
-# Searched for only if asked: a steady force on a tool is nearly always a weight, and nobody puts an arm into water
-# unnoticed.
-UNUSUAL = (ToolWrench, ViscousMedium)
 ROUNDS = 2  # rounds [1] of weighting, because weights and residuals depend on each other
 INF = float("inf")
 
@@ -84,12 +80,12 @@ class Differing:
         logs = tuple(s.state.log for s in experiment.segments[before:])
         changes: dict[Difference, dict[int, Array]] = {}
         searched: dict[str, int] = {}
-        asked = settings.effects or ()
+        asked = (*(settings.effects or ()), *settings.expected)
         # a change is a difference between the logs, so no candidate has parameters per log besides
         present = {t.label: t.effect for t in model.terms}
         for every in enumerate_candidates(experiment, prediction, replace(settings, per_log=())):
             label, joints = every[0].label, every[0].acts_on(robot)
-            unusual = isinstance(every[0], UNUSUAL) and every[0].name not in asked and label not in present
+            unusual = every[0].plausibility.unusual and every[0].name not in asked and label not in present
             if unusual or not used[:, list(joints)].any():
                 continue
             # what the model has may change its size, not its shape

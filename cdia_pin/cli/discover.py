@@ -64,7 +64,12 @@ def discover(
         ),
     ] = None,
     everything: Annotated[
-        bool, typer.Option("--all", help="Show the whole ranking of single effects.", rich_help_panel=OUTPUT)
+        bool,
+        typer.Option(
+            "--all",
+            help="Show every effect with its numbers, every step, and the whole ranking.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = False,
     condition: Conditions = None,
     per_log: PerLog = None,
@@ -105,12 +110,14 @@ def discover(
         held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
         found = discovery.discover(known, given, holdout=held_out or None, settings=settings, progress=tell)
     from cdia_pin.viewers import discovery_table
+    from cdia_pin.viewers.short_answer import next_step
     from cdia_pin.viewers.text_ranking import ranking_table
 
     show_inputs(console, known, given, held_out)
-    if found.ranking:
+    if everything and found.ranking:
         console.print(ranking_table(found, everything))
-    console.print(discovery_table(found))
+    console.print(discovery_table(found, everything))
+    console.print(next_step(found, save is not None, everything), style="dim")
     files.write(console, found, known, given, conditioning=conditioning, checks=checks, command=ctx.obj)
 
 

@@ -109,4 +109,4 @@ def _step(
     if change is None:
         return Step(None, fitted, unseen)
     of_model = change.term.label in {t.label for t in base.terms}
-    return Step(change.term, fitted, unseen, change.confusions, of_model)
+    return Step(change.term, fitted, unseen, change.confusions, of_model, change.confidence)

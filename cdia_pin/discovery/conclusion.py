@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from cdia_pin.changes.phenomenon import Phenomenon
-from cdia_pin.discovery.confidence import trust_in, with_total_intervals
+from cdia_pin.discovery.capability import capability_of
 from cdia_pin.discovery.discovery_documents import DiscoveryRecord
 from cdia_pin.discovery.discovery_result import Discovery, Ranked, Step
 from cdia_pin.discovery.recognition import recognised
 from cdia_pin.discovery.trace import trace
+from cdia_pin.discovery.trust import trust_in, with_total_intervals
 from cdia_pin.discovery.verdict import verdict_on
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.progress import Progress
@@ -71,15 +72,21 @@ def conclusion(
     """
     experiment, settings = logs.experiment, logs.settings
     misfit = logs.lack_of_fit(final)
+    torque = rms(experiment.measured, experiment.informative)
+    error = steps[-1].heldout_rms
+    able = capability_of(experiment, error, torque, settings.changes)
     report("done", 1.0)
     left = tuple(j for j, s in zip(final.robot.joints, misfit.left, strict=True) if s)
     return Discovery(
         model=replace(final, learned_from=tuple(s.motion for s in experiment.segments)),
-        verdict=verdict_on(left, added=len(steps) - 1),
+        verdict=verdict_on(
+            misfit.left.tolist(), able.feedforward_error, len(steps) - 1, settings.tolerable_error
+        ),
         trace=steps,
         noise_floor=misfit.floor,
         structure_left=left,
-        torque_rms=rms(experiment.measured, experiment.informative),
+        torque_rms=torque,
+        capability=able,
         ranking=ranking,
         record=_record(logs),
         findings=(

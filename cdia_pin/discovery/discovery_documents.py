@@ -110,5 +110,6 @@ class DiscoveryJson(TypedDict):
     torque_rms: ByJoint
     structure_left: list[str]
     ranking: list[RankedJson]
+    capability: Mapping[str, Any]
     findings: list[PhenomenonJson]
     record: DiscoveryRecord

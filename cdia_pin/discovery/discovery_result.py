@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin import schemas
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.phenomenon import Phenomenon
-from cdia_pin.discovery.confidence import Confidence
+from cdia_pin.discovery.capability import Capability
 from cdia_pin.discovery.discovery_documents import DiscoveryJson, DiscoveryRecord, FoundEffectJson
 from cdia_pin.discovery.groups import group_of
 from cdia_pin.discovery.verdict import DiscoveryVerdict
@@ -76,13 +77,14 @@ class Discovery:
 
     Attributes:
         model: The improved model.
-        verdict: ``nothing-missing``, ``explained`` or ``unexplained``.
+        verdict: ``nothing-missing``, ``explained``, ``explained-in-practice`` or ``unexplained``.
         trace: The model as given, then every effect that was added, in the order of what it explains.
         noise_floor: RMS residual that no smooth function of the motion explains [N·m or N], shape (n,).
         structure_left: Names of the joints whose residual is not noise.
         torque_rms: RMS of the measured torque [N·m or N], shape (n,).
         ranking: What the best candidates would explain alone, the best first.
         record: Logs, hashes, settings and version, enough to run the discovery again.
+        capability: What the improved model lets a user notice.
         findings: Phenomena: what several effects mean together, and patterns of the residual.
     """
 
@@ -94,6 +96,7 @@ class Discovery:
     torque_rms: Array
     ranking: tuple[Ranked, ...]
     record: DiscoveryRecord
+    capability: Capability
     findings: tuple[Phenomenon, ...] = ()
 
     def __repr__(self) -> str:
@@ -148,6 +151,7 @@ class Discovery:
                 }
                 for r in self.ranking
             ],
+            "capability": self.capability.to_dict(robot),
             "findings": [f.to_dict() for f in self.findings],
             "record": self.record,
         }

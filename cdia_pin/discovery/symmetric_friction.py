@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cdia_pin.discovery.confidence import Repeat
+from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import AsymmetricFriction, CoulombFriction, Term, ViscousFriction
 from cdia_pin.selection.problem import Problem

@@ -5,22 +5,35 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import StrEnum
 
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
 
 class DiscoveryVerdict(StrEnum):
     """What a discovery concludes."""
 
     NOTHING_MISSING = "nothing-missing"
     EXPLAINED = "explained"
+    EXPLAINED_IN_PRACTICE = "explained-in-practice"
     UNEXPLAINED = "unexplained"
 
 
-def verdict_on(structure_left: Sequence[str], added: int) -> DiscoveryVerdict:
-    """Return the verdict: structure that is left outweighs all that was found.
+def verdict_on(
+    structure_left: Sequence[bool], error: Array, added: int, tolerable_error: float
+) -> DiscoveryVerdict:
+    """Return the verdict: structure that is left outweighs all that was found, but only where it matters.
 
     Args:
-        structure_left: Names of the joints whose residual is not noise.
+        structure_left: Whether the residual of each joint is more than noise, shape (n,).
+        error: Error on data that was not fitted, over the torque [1], shape (n,).
         added: Number of effects that were added.
+        tolerable_error: Error below which structure does not matter [1].
     """
-    if structure_left:
+    left = np.asarray(structure_left, bool)
+    if (left & (error > tolerable_error)).any():
         return DiscoveryVerdict.UNEXPLAINED
+    if left.any():
+        return DiscoveryVerdict.EXPLAINED_IN_PRACTICE
     return DiscoveryVerdict.EXPLAINED if added else DiscoveryVerdict.NOTHING_MISSING

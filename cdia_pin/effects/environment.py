@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.nonlinear_effect import NonlinearEffect
 from cdia_pin.effects.parameter import Parameter
+from cdia_pin.effects.plausibility import Plausibility
 from cdia_pin.effects.state import State
 from cdia_pin.effects.traits import Signal, Traits
 from cdia_pin.robot.model import RobotModel
@@ -31,6 +32,7 @@ class BaseTilt(NonlinearEffect):
     """
 
     name: ClassVar[str] = "base_tilt"
+    plausibility: ClassVar[Plausibility] = Plausibility(unusual=True)
     equation: ClassVar[str] = "−K(q) Δg,  |g + Δg| = |g|"
     parameters = (Parameter("tilt_x", "m/s²"), Parameter("tilt_y", "m/s²"))
     steps: ClassVar[tuple[float, ...]] = (1e-5, 1e-5)
@@ -115,6 +117,7 @@ class ToolWrench(Effect):
     """A constant force and torque on the tool in base axes: a cable, a contact, f = Jᵀ F."""
 
     name: ClassVar[str] = "tool_wrench"
+    plausibility: ClassVar[Plausibility] = Plausibility(unusual=True)
     equation: ClassVar[str] = "Jᵀ F"
     traits: ClassVar[Traits] = Traits({Signal.POSITION})
     parameters = (
@@ -140,6 +143,7 @@ class ViscousMedium(Effect):
     """
 
     name: ClassVar[str] = "viscous_medium"
+    plausibility: ClassVar[Plausibility] = Plausibility(unusual=True)
     equation: ClassVar[str] = "−d Σ wₗ JₗᵀJₗ q̇ + (m_d/m) G"
     traits: ClassVar[Traits] = Traits({Signal.POSITION, Signal.VELOCITY, Signal.GRAVITY})
     parameters = (Parameter("drag", "N·s/m", lower=0.0), Parameter("displaced_mass", "kg", lower=0.0))

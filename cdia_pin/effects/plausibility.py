@@ -13,7 +13,9 @@ class Plausibility:
         penalty: Added to the effect's penalty in the criterion, in variances of the noise [1].
         collective: Whether the effect stands for many small errors at once. Then it needs no large torque to be
             named, and no single effect takes its place.
+        unusual: Whether an arm in use hardly ever has it, so that it needs far more evidence or the user's word.
     """
 
     penalty: float = 0.0
     collective: bool = False
+    unusual: bool = False

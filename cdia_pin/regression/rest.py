@@ -34,7 +34,7 @@ class RestSettings:
     width_over_speed: float = 0.005
     near_rest: float = 2.0
     least_distance: float = 0.5
-    resting_share: float = 0.75
+    resting_share: float = 0.95
 
     __repr__ = settings_repr
 

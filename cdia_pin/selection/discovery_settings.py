@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, is_dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cdia_pin.effects import Effect
 from cdia_pin.logs.conditioning import Conditioning
 from cdia_pin.phrases import settings_repr
@@ -11,6 +14,10 @@ from cdia_pin.regression.lack_of_fit import LackOfFitSettings
 from cdia_pin.regression.noise import NoiseSettings
 from cdia_pin.regression.rest import RestSettings
 from cdia_pin.selection.criterion import SelectionCriterion
+
+Array = NDArray[np.float64]
+
+FELT = 0.2  # RMS torque of an effect over what is left of a joint [1], above which the effect concerns that joint
 
 
 @dataclass(frozen=True, repr=False)
@@ -100,6 +107,26 @@ class ChangeSettings:
 
     __repr__ = settings_repr
 
+    def can_be_named(
+        self, certainty: float, gain: float, torque: Array, left: Array, measured: Array, samples: Array
+    ) -> bool:
+        """Tell whether an effect is sure, of some size, and explains a visible share of what is left.
+
+        Args:
+            certainty: Estimate over its standard deviation [1].
+            gain: What it explains on blocks that were left out, in units of what is left on each joint [1].
+            torque: RMS of its torque on each joint [N·m or N], shape (n,).
+            left: RMS torque that no effect explains [N·m or N], shape (n,).
+            measured: RMS of the measured torque [N·m or N], shape (n,).
+            samples: Number of samples of each joint that count [1], shape (n,).
+        """
+        if gain <= 0 or certainty < self.least_certainty or np.max(torque / measured) < self.least_torque:
+            return False
+        noise = float(
+            np.sum(samples[torque > FELT * left])
+        )  # the sum of squares that is left on these joints
+        return gain >= self.least_share * (gain + noise)
+
 
 @dataclass(frozen=True, repr=False)
 class ConfidenceSettings:
@@ -112,6 +139,8 @@ class ConfidenceSettings:
         link_error: Standard deviation of their error over the links' parameters [1]. URDFs of makers are about as good.
         least_certainty: Estimate over its standard deviation from blocks, root mean square over the parameters [1].
         likely_share: Share of the repeats that a likely effect survives [1].
+        unusual_certainty: The same certainty that a fluid, a steady wrench or a tilt needs beside all everyday effects
+            unless the user expects it [1]. Such effects mop up what everyday ones leave.
     """
 
     blocks: int = 32
@@ -120,6 +149,7 @@ class ConfidenceSettings:
     link_error: float = 0.05
     least_certainty: float = 3.0
     likely_share: float = 0.7
+    unusual_certainty: float = 20.0
 
     __repr__ = settings_repr
 
@@ -133,6 +163,7 @@ class DiscoverySettings:
         effects: Names of the effects that may be found; all but ``unknown`` and ``expression`` if None.
         extra: The user's own effects that may be found as well.
         per_log: Names or labels of effects that get parameters of their own in each log in any case.
+        expected: Names of unusual effects that the user expects, such as ``viscous_medium`` under water.
         most_effects: Largest number of effects in the model [1].
         blocks: Number of contiguous blocks of time for held-out errors and intervals [1].
         criterion: What an effect must explain to be named.
@@ -140,6 +171,8 @@ class DiscoverySettings:
         alternatives: When another explanation counts as possible.
         lack_of_fit: When the residual of a model counts as structure.
         memory: When friction after a reversal counts as having memory.
+        tolerable_error: Error of a joint on data that was not fitted, over its torque, below which structure that is
+            left does not matter [1]. Good identified models of industrial arms leave five to ten percent.
         changes: When a difference between logs counts as a change of the arm.
         confidence: How the decision about an effect is repeated.
         noise: How the noise of a joint is estimated.
@@ -150,6 +183,7 @@ class DiscoverySettings:
     effects: tuple[str, ...] | None = None
     extra: tuple[Effect, ...] = ()
     per_log: tuple[str, ...] = ()
+    expected: tuple[str, ...] = ()
     most_effects: int = 40
     blocks: int = 10
     criterion: SelectionCriterion = field(default_factory=SelectionCriterion)
@@ -157,6 +191,7 @@ class DiscoverySettings:
     alternatives: AlternativeSettings = field(default_factory=AlternativeSettings)
     lack_of_fit: LackOfFitSettings = field(default_factory=LackOfFitSettings)
     memory: MemorySettings = field(default_factory=MemorySettings)
+    tolerable_error: float = 0.1
     changes: ChangeSettings = field(default_factory=ChangeSettings)
     confidence: ConfidenceSettings = field(default_factory=ConfidenceSettings)
     noise: NoiseSettings = field(default_factory=NoiseSettings)

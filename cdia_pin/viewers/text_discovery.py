@@ -12,6 +12,7 @@ from rich.text import Text
 
 from cdia_pin.viewers.cells import clean, new_table
 from cdia_pin.viewers.report_discovery import ShapeRow, parameters, shape_parameters
+from cdia_pin.viewers.short_answer import short_answer
 from cdia_pin.viewers.verdict import mean_share, verdict_sentences
 from cdia_pin.viewers.words import (
     advice_words,
@@ -31,31 +32,61 @@ if TYPE_CHECKING:
 
 MANY = 4  # parameters; of an effect with more, only those that differ from zero are listed
 NOTABLE_FALL = 0.1  # share of a joint's error by which a step must lower it to stand out
-VERDICT_STYLE = {"nothing-missing": "green", "explained": "green", "unexplained": "yellow"}
+VERDICT_STYLE = {
+    "nothing-missing": "green",
+    "explained": "green",
+    "explained-in-practice": "green",
+    "unexplained": "yellow",
+}
 
 
-def discovery_table(found: Discovery) -> RenderableType:
-    """Return the error step by step, the effects found, and the verdict in words.
+def discovery_table(found: Discovery, everything: bool = True) -> RenderableType:
+    """Return the short answer, and the errors by joint; on request also each step and every number.
 
     Args:
         found: The outcome of ``discover``.
+        everything: Whether every step, effect and confusion is shown.
     """
-    parts: list[RenderableType] = [_steps(found)]
+    answer = Table.grid(padding=(0, 2))
+    style = VERDICT_STYLE.get(found.verdict, "")
+    for k, (head, text) in enumerate(short_answer(found)):
+        answer.add_row(clean(head, f"bold {style}" if k == 0 else "bold"), clean(text))
+    if not everything:
+        return Group(Padding(answer, (0, 1)), _errors(found))
+    parts: list[RenderableType] = [Padding(answer, (0, 1)), _steps(found)]
     if found.steps:
         parts.append(_effects(found))
     if sum(len({c.motion for c in s.confusions}) for s in found.steps) > 1:  # else the verdict says it
         parts.append(_confusions(found))
     said = verdict_sentences(found)
-    style = VERDICT_STYLE.get(found.verdict, "")
     parts += [Padding(clean(s, f"bold {style}" if k == 0 else ""), (0, 1)) for k, s in enumerate(said)]
     return Group(*parts)
 
 
-def _steps(found: Discovery) -> Table:
+def _errors(found: Discovery) -> Table:
+    """Return the error by joint: before, after, on data that was not fitted, and that of noise alone."""
+    table = _error_table(found, "mean")
+    last = found.trace[-1]
+    rows = [("model as given", found.trace[0].rms)]
+    if found.steps:
+        rows += [("with what was found", last.rms), ("on data not fitted", last.heldout_rms)]
+    for name, error in (*rows, ("noise floor", found.noise_floor)):
+        shares = error / np.maximum(found.torque_rms, 1e-12)
+        table.add_row(clean(name), *map(_figure, shares), _figure(mean_share(error, found)))
+    return table
+
+
+def _error_table(found: Discovery, *more: str) -> Table:
+    """Return a table without rows, with a column for each joint."""
     joints = found.model.robot.joints
     names = short_names(joints)
     heads = [names[j].replace("_", "\n", 1) for j in joints]
-    table = new_table("error, % of torque RMS", *heads, "mean", "held\nout", left=(0,))
+    return new_table("error, % of torque RMS", *heads, *more, left=(0,))
+
+
+def _steps(found: Discovery) -> Table:
+    names = short_names(found.model.robot.joints)
+    table = _error_table(found, "mean", "held\nout")
     torque = np.maximum(found.torque_rms, 1e-12)
     for k, step in enumerate(found.trace):
         share = step.rms / torque

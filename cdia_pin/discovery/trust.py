@@ -8,24 +8,24 @@ the other links too, because the mass of a link is hard to tell from that of the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.common_structure import column_group, common_effects
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, LinkInertia, RotorInertia, Term, TorqueOffset
 from cdia_pin.effects.body import Body
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.motion import Motion
-from cdia_pin.regression.block_evidence import BlockEvidence
+from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
 from cdia_pin.regression.design_matrix import DesignMatrix
-from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from cdia_pin.selection.discovery_settings import ConfidenceSettings
@@ -33,14 +33,6 @@ from cdia_pin.selection.problem import Problem
 
 Array = NDArray[np.float64]
 Blocks = list[tuple[int, int]]
-
-
-class Confidence(StrEnum):
-    """How far the name of an effect can be trusted."""
-
-    ESTABLISHED = "established"  # it survives every repeat
-    LIKELY = "likely"  # it survives most
-    DESCRIPTIVE = "descriptive"  # it lowers the error, and may be something else
 
 
 @dataclass(frozen=True)
@@ -75,11 +67,14 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     halves = [whole.half(0), whole.half(1)]
     out = {}
     for term in found:
-        needed, survived = whole.survives(term), [r.survives(term) for r in (*halves, *others)]
+        can = logs.settings.changes.can_be_named
+        needed, survived = whole.is_visible(term, can), [r.survives(term) for r in (*halves, *others)]
         if isinstance(term.effect, Body):  # the next link may have the same mass
             survived.append(crowded.survives(term))
         elif not is_everyday(term.effect):
-            needed = needed and crowded.survives(term)
+            needed = needed and crowded.is_visible(term, can)
+            expected = term.effect.name in logs.settings.expected or not term.effect.plausibility.unusual
+            needed = needed and (expected or crowded.certainty(term) >= settings.unusual_certainty)
         moved = [np.abs(r.theta(term) - whole.theta(term)) for r in (*halves, *others)]
         systematic = np.max([np.zeros(term.effect.size), *moved], axis=0)
         out[term.label] = Trust(_confidence(needed, survived, settings), systematic)
@@ -159,8 +154,37 @@ class Repeat:
             term: A term of the model.
         """
         one = self._at[term.label]
-        fits = self._evidence.fits([c for c in range(len(self._evidence.effects)) if c != one])
+        fits = self._beside(one)
         return bool(fits.certainty[one] >= self.settings.least_certainty and fits.gain[one] > 0)
+
+    def certainty(self, term: Term) -> float:
+        """Return the estimate of an effect over its standard deviation [1], root mean square over the parameters.
+
+        Args:
+            term: A term of the model.
+        """
+        one = self._at[term.label]
+        return float(self._beside(one).certainty[one])
+
+    def is_visible(self, term: Term, can_be_named: Callable[..., bool]) -> bool:
+        """Tell whether an effect is sure, of some size, and explains a visible share of what is left.
+
+        Args:
+            term: A term of the model.
+            can_be_named: The rule, see `ChangeSettings`.
+        """
+        x, one = self.experiment, self._at[term.label]
+        fits, f, use = self._beside(one), np.zeros_like(x.measured), x.informative
+        for j, columns in self._columns[term.label].items():
+            f[:, j] = columns @ fits.theta[one]
+        measured = np.maximum(rms(x.measured, use), 1e-12)
+        return can_be_named(
+            fits.certainty[one], fits.gain[one], rms(f, use), self._size, measured, use.sum(axis=0)
+        )
+
+    def _beside(self, one: int) -> BlockFits:
+        """Return the fits beside all terms but one."""
+        return self._evidence.fits([c for c in range(len(self._evidence.effects)) if c != one])
 
     def theta(self, term: Term) -> Array:
         """Return the parameters of an effect, fitted together with all others, shape (p,).
@@ -189,24 +213,41 @@ class Repeat:
         return self._evidence.estimate(range(len(self._evidence.effects)))
 
     @cached_property
+    def _prediction(self) -> Prediction:
+        return self.experiment.predict(self.model)
+
+    @cached_property
+    def _size(self) -> Array:
+        """RMS torque of each joint that the model leaves [N·m or N], shape (n,)."""
+        return np.maximum(rms(self._prediction.residual, self.experiment.informative), 1e-12)
+
+    @cached_property
+    def _columns(self) -> dict[str, dict[int, Array]]:
+        """Columns of each term by joint."""
+        columns, out = DesignMatrix(self.experiment), {}
+        for t in self.model.terms:
+            x = columns.of(t.effect, self._prediction, np.array(t.theta))
+            unknown = np.full(t.effect.size, np.inf)
+            out[t.label] = column_group(t.effect, x, unknown, self.experiment.robot).columns
+        return out
+
+    @cached_property
     def _evidence(self) -> BlockEvidence[Effect]:
-        x, robot = self.experiment, self.experiment.robot
-        prediction, columns = x.predict(self.model), DesignMatrix(x)
+        x, robot, prediction = self.experiment, self.experiment.robot, self._prediction
         effects = [t.effect for t in self.model.terms]
         groups, response = [], prediction.residual.copy()
         for term in self.model.terms:
-            own = columns.of(term.effect, prediction, np.array(term.theta))
-            groups.append(column_group(term.effect, own, np.full(term.effect.size, np.inf), robot))
+            groups.append(ColumnGroup(self._columns[term.label], np.full(term.effect.size, np.inf)))
             for j, part in groups[-1].columns.items():
                 response[:, j] += part @ np.array(term.theta)
         common: list[ColumnGroup] = []
         if self.everyday:
-            common = common_effects(x, prediction, columns, lambda e: is_everyday(e) and e not in effects)
-        size = np.maximum(rms(prediction.residual, x.informative), 1e-12)
+            known = DesignMatrix(x)
+            common = common_effects(x, prediction, known, lambda e: is_everyday(e) and e not in effects)
         regression = SharedRegression.of(
             [*common, *groups],
             response,
-            lambda j, part: np.where(x.informative[:, [j]], part / size[j], 0.0),
+            lambda j, part: np.where(x.informative[:, [j]], part / self._size[j], 0.0),
         )
         return BlockEvidence.of(effects, regression, self._blocks(), robot)
 

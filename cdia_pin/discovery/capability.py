@@ -1,0 +1,100 @@
+"""Capability: what a model is good for, as the smallest change of the arm that it lets a user notice."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.discovery.discovery_documents import ByJoint
+from cdia_pin.effects import Payload
+from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.robot.model import RobotModel
+from cdia_pin.selection.discovery_settings import ChangeSettings
+
+Array = NDArray[np.float64]
+
+
+class CapabilityJson(TypedDict):
+    """A capability in JSON.
+
+    Attributes:
+        payload: Smallest payload [kg]; None if the motion shows none.
+        push: Smallest steady push at the tool in any direction [N]; None if the motion shows none.
+        friction: Smallest growth of friction by joint [N·m or N].
+        feedforward_error: Error of the torque on data that was not fitted, by joint, over the torque [1].
+    """
+
+    payload: float | None
+    push: float | None
+    friction: ByJoint
+    feedforward_error: ByJoint
+
+
+@dataclass(frozen=True, repr=False)
+class Capability:
+    """What a model lets a user notice on motions such as the log's.
+
+    A change is noticed where its RMS torque stands out from what the model leaves: with the shares of `ChangeSettings`,
+    a third of the error, and three percent of the torque.
+
+    Attributes:
+        payload: Smallest payload at the tool [kg]; infinite if the motion shows none.
+        push: Smallest steady push at the tool, whatever its direction [N]; infinite if the motion shows none.
+        friction: Smallest growth of friction of each joint [N·m or N], shape (n,).
+        feedforward_error: Error of the torque on data that was not fitted, over the torque [1], shape (n,).
+    """
+
+    payload: float
+    push: float
+    friction: Array
+    feedforward_error: Array
+
+    def __repr__(self) -> str:
+        return f"Capability(payload {self.payload:.2g} kg, push {self.push:.2g} N)"
+
+    def to_dict(self, robot: RobotModel) -> CapabilityJson:
+        """Return the capability for JSON.
+
+        Args:
+            robot: The arm, for the names of its joints.
+        """
+        return {
+            "payload": self.payload if np.isfinite(self.payload) else None,
+            "push": self.push if np.isfinite(self.push) else None,
+            "friction": robot.by_joint(self.friction),
+            "feedforward_error": robot.by_joint(self.feedforward_error),
+        }
+
+
+def capability_of(
+    experiment: Experiment, error: Array, torque: Array, settings: ChangeSettings
+) -> Capability:
+    """Return what a model lets a user notice.
+
+    Args:
+        experiment: The logs.
+        error: RMS error of the model on data that was not fitted [N·m or N], shape (n,).
+        torque: RMS of the measured torque [N·m or N], shape (n,).
+        settings: What a change must explain.
+    """
+    ratio = np.sqrt(settings.least_share / (1 - settings.least_share))
+    noticed = np.maximum(ratio * error, settings.least_torque * torque)
+    states = [s.state for s in experiment.segments]
+    body = np.vstack([Payload().basis(x)[:, :, 0] for x in states])
+    jacobian = np.vstack([np.asarray(experiment.robot.tool_jacobian(x.q))[:, :3, :] for x in states])
+    pushes = [_smallest(noticed, jacobian[:, k, :]) for k in range(3)]
+    return Capability(
+        payload=_smallest(noticed, body),
+        push=max(pushes),
+        friction=noticed,
+        feedforward_error=error / np.maximum(torque, 1e-12),
+    )
+
+
+def _smallest(noticed: Array, of_unit: Array) -> float:
+    """Return the smallest size that some joint notices, of a cause with a torque per unit, shape (K, n)."""
+    size = rms(of_unit, np.ones_like(of_unit, bool))
+    return float(np.min(np.where(size > 1e-9, noticed / np.maximum(size, 1e-9), np.inf)))
