@@ -276,7 +276,7 @@ class RigidBodyTerms:
         rows[0] = self.configurations(rows[0])
         out = np.empty((len(rows[0]), *shape))
         for k, row in enumerate(zip(*rows, strict=True)):
-            out[k] = term(*row)
+            out[k] = np.reshape(term(*row), shape)  # Pinocchio drops the axis of an arm of one joint
         return out[0] if signals[0].ndim == 1 else out
 
 

@@ -5,12 +5,15 @@ import pytest
 
 from cdia_pin.errors import RobotError
 from cdia_pin.robot import RobotModel, catalogue, load_robot
+from tests import one_joint
 
 N = 5
 
 
-@pytest.fixture(scope="module", params=list(catalogue()))
-def arm(request) -> RobotModel:
+@pytest.fixture(scope="module", params=[*catalogue(), *one_joint.KINDS])
+def arm(request, tmp_path_factory) -> RobotModel:
+    if request.param in one_joint.KINDS:
+        return load_robot(one_joint.write_urdf(request.param, tmp_path_factory.mktemp("arm")))
     return load_robot(request.param)
 
 
