@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +12,6 @@ from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.scaled_gram import ScaledGram
 from cdia_pin.robot.inertia import pseudo_inertia
 from cdia_pin.robot.model import RobotModel
-
-if TYPE_CHECKING:
-    from clarabel import DefaultSolver
 
 Array = NDArray[np.float64]
 
@@ -66,31 +62,40 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
             rows.append(-block)
             offsets.append(start - INSIDE * _triangle(np.eye(4)) * max(abs(start).max(), 1e-6))
             cones.append(clarabel.PSDTriangleConeT(4))
+    if not cones:
+        return scaled.solve(right)
     settings = clarabel.DefaultSettings()
     settings.verbose = False
-    problem = sparse.csc_matrix(np.triu(scaled.matrix))
-    constraints = sparse.csc_matrix(np.vstack(rows) * unit)
-    solver = clarabel.DefaultSolver(
-        problem, -unit * right / size, constraints, np.concatenate(offsets) / size, cones, settings
+    solution = _solution(
+        sparse.csc_matrix(np.triu(scaled.matrix)),
+        -unit * right / size,
+        sparse.csc_matrix(np.vstack(rows) * unit),
+        np.concatenate(offsets) / size,
+        cones,
+        settings,
     )
-    solution = _solution(solver)
     if solution is None:
         parts = ParameterBlocks.of(effects).split(scaled.solve(right))
         return np.concatenate([e.nearest_physical(p, robot) for e, p in zip(effects, parts, strict=True)])
     return np.asarray(np.clip(unit * size * solution, lower, upper))
 
 
-def _solution(solver: DefaultSolver) -> Array | None:
-    """Return the solver's numbers, None if it found none or panicked."""
+def _solution(*problem: object) -> Array | None:
+    """Return the solver's numbers; None if it refused the problem, found none, or panicked."""
+    import clarabel
+
     try:
-        solution = solver.solve()
+        solution = clarabel.DefaultSolver(*problem).solve()
     except Exception:
         return None
     except BaseException as panic:  # what Rust calls a panic is no Exception
         if type(panic).__name__ != "PanicException":
             raise
         return None
-    return np.array(solution.x) if str(solution.status) in {"Solved", "AlmostSolved"} else None
+    if str(solution.status) not in {"Solved", "AlmostSolved"}:
+        return None
+    numbers = np.array(solution.x)
+    return numbers if np.isfinite(numbers).all() else None
 
 
 def _triangle(matrix: Array) -> Array:

@@ -51,10 +51,13 @@ class ScaledGram:
             right: b, shape (P,) or (P, m).
 
         Returns:
-            x, shape as b.
+            x, shape as b; the smallest one, in units of the diagonal, where A is singular.
         """
         unit = self.unit if right.ndim == 1 else self.unit[:, None]
-        return np.asarray(unit * np.linalg.solve(self.matrix, unit * right))
+        try:
+            return np.asarray(unit * np.linalg.solve(self.matrix, unit * right))
+        except np.linalg.LinAlgError:
+            return np.asarray(unit * (np.linalg.pinv(self.matrix, hermitian=True) @ (unit * right)))
 
     def inverse(self) -> Array:
         """Return the inverse of A, shape (P, P)."""
@@ -74,7 +77,10 @@ class ScaledGram:
     @property
     def inflation(self) -> Array:
         """Variance of each parameter over that without the other parameters [1], shape (P,)."""
-        return np.diag(self._scaled_inverse)
+        try:
+            return np.diag(self._scaled_inverse)
+        except np.linalg.LinAlgError:  # a parameter that exactly repeats others has no finite variance
+            return np.full(len(self.unit), np.inf)
 
     @cached_property
     def _scaled_inverse(self) -> Array:

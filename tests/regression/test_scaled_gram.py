@@ -52,3 +52,9 @@ def test_a_ridge_is_a_share_of_the_diagonal(gram):
     b = np.array([1e-6, 2.0, 3e5])
     expected = np.linalg.solve(matrix + 0.1 * np.diag(np.diag(matrix)), b)
     np.testing.assert_allclose(ScaledGram.of(matrix, ridge=0.1).solve(b), expected, rtol=1e-6)
+
+
+def test_a_singular_matrix_is_solved_by_the_smallest_parameters():
+    same = ScaledGram.of(np.ones((2, 2)))
+    np.testing.assert_allclose(same.solve(np.array([2.0, 2.0])), [1.0, 1.0])
+    assert np.isinf(same.inflation).all()
