@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from benchmarks.hidden_effects.cases import ARMS, SAMPLE, SUITES, planned
+from benchmarks.hidden_effects.cases import EVERY_ARM, SAMPLE, SUITES, planned
 from benchmarks.hidden_effects.claims import fell_short
 from benchmarks.hidden_effects.contest import Score, entries, run_entry
 from benchmarks.hidden_effects.outcome import Outcome
@@ -34,7 +34,7 @@ def main() -> None:
     given = argparse.ArgumentParser(
         prog="python -m benchmarks.hidden_effects", description="Measure the discovery."
     )
-    given.add_argument("--arms", nargs="+", choices=ARMS, default=list(ARMS))
+    given.add_argument("--arms", nargs="+", choices=EVERY_ARM, default=list(EVERY_ARM))
     given.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
     given.add_argument("--jobs", type=int, default=2, help="processes")
     given.add_argument("--limit", type=int, help="most cases to run")

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from zlib import crc32
 
+import numpy as np
+
 from benchmarks.plant.noise import Noise
 
 NOISES = {
@@ -12,6 +14,12 @@ NOISES = {
     "coloured": Noise(colour="ar1", effort_fraction=0.02),
     "quantised": Noise(position_resolution=2e-4, effort_fraction=0.005, effort_resolution=0.02),
 }
+COUNTS = (12, 13, 14, 16, 17, 19)  # bits of an encoder: counts of a turn are a power of two
+ENCODERS = {
+    f"2^{bits} counts": Noise(position_resolution=2 * np.pi / 2**bits, effort_fraction=0.005)
+    for bits in COUNTS
+}
+SENSORS = NOISES | ENCODERS
 GOOD = "good"
 POOR = ("one joint", "slow", "one posture", "single speed", "one way", "planar")
 BETWEEN_POINTS = "point to point"
@@ -27,7 +35,7 @@ class Case:
         arm: Name of the arm in the catalogue.
         effects: Names of the hidden effects.
         shares: Size of each, RMS torque over that of its joint [1].
-        noise: One of `NOISES`.
+        noise: One of `SENSORS`.
         excitation: ``good``, ``point to point`` or one of `POOR`.
         number: Tells apart cases that are otherwise alike.
         model_error: Largest relative error of masses, centres and inertias of all links [1].

@@ -8,10 +8,12 @@ from zlib import crc32
 
 import numpy as np
 
-from benchmarks.hidden_effects.case import BETWEEN_POINTS, GOOD, NOISES, POOR, Case
+from benchmarks.hidden_effects.case import BETWEEN_POINTS, ENCODERS, GOOD, NOISES, POOR, Case
 from benchmarks.plant.scenarios import OUTSIDE_PARAMETERS, PARAMETERS
 
 ARMS = ("ur5", "panda", "kinova", "z1")
+LIGHT_WRISTS = ("z1", "xarm7")  # steps of the encoder make torque of the size of a wrist's own
+EVERY_ARM = tuple(dict.fromkeys((*ARMS, *LIGHT_WRISTS)))
 SMALL, LARGE = (0.05, 0.1), (0.3, 0.5)  # shares of a joint's torque
 SIZES = (SMALL[0], LARGE[0], SMALL[1], LARGE[1])
 VOCABULARY, OUTSIDE = tuple(PARAMETERS), tuple(OUTSIDE_PARAMETERS)
@@ -107,6 +109,13 @@ def clean() -> Iterator[Case]:
         yield from (Case("clean", arm, (), (), noise, kind, k) for k, kind in enumerate(kinds[:CLEAN]))
 
 
+def light_wrists() -> Iterator[Case]:
+    """Yield arms with light wrists that lack nothing and whose positions are read in steps of an encoder."""
+    kinds = [GOOD, GOOD, GOOD, BETWEEN_POINTS, "slow"]
+    for arm, noise, (k, kind) in product(LIGHT_WRISTS, ENCODERS, enumerate(kinds)):
+        yield Case("light wrist", arm, (), (), noise, kind, k)
+
+
 def outside() -> Iterator[Case]:
     """Yield every effect that the vocabulary lacks on every arm, small and large, noise in turn."""
     for (e, effect), (a, arm), (s, size) in product(*map(enumerate, (OUTSIDE, ARMS, (SMALL, LARGE)))):
@@ -122,11 +131,12 @@ SUITES = {
     "alike": alike,
     "model error": model_error,
     "clean": clean,
+    "light wrist": light_wrists,
     "outside": outside,
 }
 
 
-def planned(arms: Iterable[str] = ARMS, suites: Iterable[str] = SUITES, every: int = 1) -> list[Case]:
+def planned(arms: Iterable[str] = EVERY_ARM, suites: Iterable[str] = SUITES, every: int = 1) -> list[Case]:
     """Return the cases of some arms and suites, of each suite one in so many, in an order that mixes them all."""
     out = []
     for suite in suites:

@@ -126,6 +126,16 @@ PARTS = (
         ),
     ),
     Part(
+        "Light wrists",
+        "Nothing is hidden. Encoders of 2¹² to 2¹⁹ counts a turn; their steps make torque, through the accelerations, "
+        "of the size of a wrist's own.",
+        of_suite("light wrist"),
+        (
+            Claim("an effect is added", "none", of_cases(lambda o: bool(o.found)), at_most(0.0)),
+            Claim("verdict `nothing-missing`", "", of_cases(lambda o: o.verdict == "nothing-missing")),
+        ),
+    ),
+    Part(
         "Poor excitation",
         "Every effect on every arm on motions that show it poorly, and effects on motions on which others are the same "
         "torque. *Confusable*: it can be seen (λ ≥ 10²), but another effect with no more parameters is within λ < 4² "
@@ -194,7 +204,7 @@ def fell_short(o: Outcome) -> list[str]:
     """Return in what a case fell short, in words."""
     if o.suite == "outside":
         return ["not called unexplained"] * (o.told and not _seen_through(o))
-    if o.suite == "clean":
+    if o.suite in {"clean", "light wrist"}:
         return ["named something"] * bool(o.found) + ["called unexplained"] * (o.verdict == "unexplained")
     if o.confused:
         return ["the truth is not in the set"] * (not o.holds_truth)

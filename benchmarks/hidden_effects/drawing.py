@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from benchmarks.hidden_effects.case import BETWEEN_POINTS, DURATION, GOOD, NOISES, Case
+from benchmarks.hidden_effects.case import BETWEEN_POINTS, DURATION, GOOD, SENSORS, Case
 from benchmarks.plant.faults import MECHANISMS, Fault, scaled
 from benchmarks.plant.model_error import erroneous
 from benchmarks.plant.motion import Fourier, Motion, PointToPoint, slow, small
@@ -50,7 +50,7 @@ def drawn(case: Case) -> tuple[MujocoPlant, Scenario]:
     faults = _faults(case, look, rng)
     moved = faults[0].joint if faults and faults[0].joint else str(rng.choice(_loaded(look)))
     scenario = Scenario(
-        case.id, faults, case.seed, _motion(case.excitation, plant, moved), NOISES[case.noise], case.duration
+        case.id, faults, case.seed, _motion(case.excitation, plant, moved), SENSORS[case.noise], case.duration
     )
     if case.model_error:
         wrong = erroneous(plant.nominal.file.inertias, case.model_error, case.seed)

@@ -102,10 +102,10 @@ class FindPage:
         self._arm.draw(scene, timeline["stages"])
         self._show_motion(timeline)
         self._show()
-        self._runner.say(
-            f"Loaded {session.inputs.robot.name}: the error is {percent(session.present.error)} of the torque."
-        )
-        if not any(f.severity == "error" for f in session.inputs.check.findings):
+        said = f"Loaded {session.inputs.robot.name}: the error is {percent(session.present.error)} of the torque."
+        mend = session.inputs.check.mend
+        self._runner.say(f"{said} There is no search yet. {mend}." if mend else said)
+        if not mend:
             await self.search()
 
     async def convert(self, option: str) -> None:
@@ -128,7 +128,8 @@ class FindPage:
         self._searching = self._runner.job is not None
         if done is not None and self.session is asked:
             self.session = done
-            self._runner.say("The search has ended.")
+            mend = asked.inputs.check.mend
+            self._runner.say("The search has ended." + (f" Its result is doubtful. {mend}." if mend else ""))
         self._show("missing")
 
     async def preview(self, text: str) -> None:

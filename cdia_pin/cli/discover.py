@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -10,7 +11,7 @@ from cdia_pin.cli.conditions import Conditions, PerLog, parse_conditions, parse_
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
-from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, require_unseen, show_inputs
+from cdia_pin.cli.inputs import Reading, doubts, load_inputs, read_logs, require_unseen, show_inputs
 from cdia_pin.cli.options import (
     OUTPUT,
     Check,
@@ -79,12 +80,21 @@ def discover(
     convert: Convert = None,
     topic: Topic = None,
     check: Check = True,
+    anyway: Annotated[
+        bool,
+        typer.Option(
+            "--anyway",
+            help="Search also where the check finds wrong signs, units or joints, which would mislead the search.",
+            rich_help_panel=SEARCH,
+        ),
+    ] = False,
     report: Report = None,
     json: Json = None,
 ) -> None:
     """Find the physical effects that a model lacks, with their numbers, and add them.
 
-    The error is shown step by step, also on data that was not fitted, beside the noise floor.
+    The error is shown step by step, also on data that was not fitted, beside the noise floor. A log whose signs, units
+    or order of joints are wrong is refused, with what mends it.
     """
     unseen = holdout or []
     files = DiscoveryFiles(save, json, report)
@@ -106,8 +116,11 @@ def discover(
             per_log=parse_per_log(per_log, logs, conditions, known.robot),
         )
         reading = Reading(gains, joint_map, convert, topic, conditions)
-        given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
-        held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
+        read = partial(
+            read_logs, robot=known.robot, reading=reading, check=check, tell=tell, refuse=not anyway
+        )
+        given, checks = read(logs)
+        held_out, later = read(unseen)
         found = discovery.discover(known, given, holdout=held_out or None, settings=settings, progress=tell)
     from cdia_pin.viewers import discovery_table
     from cdia_pin.viewers.short_answer import next_step
@@ -119,6 +132,8 @@ def discover(
     console.print(discovery_table(found, everything))
     console.print(next_step(found, save is not None, everything), style="dim")
     files.write(console, found, known, given, conditioning=conditioning, checks=checks, command=ctx.obj)
+    for doubt in doubts([*checks, *later]):
+        console.print(f"This result is doubtful. {doubt}.", style="yellow", markup=False)
 
 
 def named_effects(text: str | None) -> tuple[str, ...] | None:

@@ -68,7 +68,13 @@ def load_inputs(robot: str, model: Path | None) -> Dynamics:
 
 
 def read_logs(
-    paths: Sequence[Path], robot: RobotModel, reading: Reading, *, check: bool, tell: Tell
+    paths: Sequence[Path],
+    robot: RobotModel,
+    reading: Reading,
+    *,
+    check: bool,
+    tell: Tell,
+    refuse: bool = False,
 ) -> tuple[list[Log], list[LogCheck]]:
     """Read logs and check them, with a warning on stderr where a check finds a problem.
 
@@ -78,9 +84,13 @@ def read_logs(
         reading: How to read them.
         check: Whether to check them.
         tell: Reports progress.
+        refuse: Whether a log that would mislead a search is refused.
 
     Returns:
         The logs, and their checks if they were made.
+
+    Raises:
+        CommandError: If a log is refused; the message says what mends it.
     """
     from cdia_pin.logs import check_log
 
@@ -92,6 +102,8 @@ def read_logs(
         if check:
             tell(f"checking {path.name}", 0.01)
             checks.append(check_log(log, robot))
+            if refuse and checks[-1].obstacles:
+                raise CommandError(f"{checks[-1].mend}; or go on with --anyway")
             _warn_of(checks[-1], path)
     return logs, checks
 
@@ -120,6 +132,16 @@ def _warn_of(check: LogCheck, path: Path) -> None:
     more = f" (and {len(others)} more)" if others else ""
     advice = f"cdia check {path}, with the same options, says what to do"
     warn(f"{check.source}: {where}{first.message}{more}; {advice}")
+
+
+def doubts(checks: Sequence[LogCheck]) -> list[str]:
+    """Return what makes a result doubtful, a sentence for each log that contradicts its robot.
+
+    Args:
+        checks: Checks of the logs.
+    """
+    found = [c.mend for c in checks if c.obstacles]
+    return found + [f"{c.source}: {f.message}; {f.advice}" for c in checks for f in c.about("robot")]
 
 
 def show_inputs(

@@ -6,9 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cdia_pin import Dynamics, load_robot
+from cdia_pin.effects import parse_term
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, check_log, read_log, write_log
 from cdia_pin.logs.checks.sampling import quantum
+from cdia_pin.logs.derivatives import differentiate
 
 
 def problems(log, robot):
@@ -287,3 +290,45 @@ def test_logs_full_of_gaps_are_checked(ur5, ur5_log, step):
     steps = np.where(np.random.default_rng(0).random(5000) < 0.2, step, 0.001)
     check = check_log(replace(ur5_log, time=np.cumsum(steps)), ur5)
     assert check.about("gaps")[0].severity == "warning"
+
+
+# ---------------------------------------------------------------- what stands in the way of a search
+
+
+def test_errors_stand_in_the_way_of_a_search_and_warnings_do_not(ur5, ur5_log):
+    assert check_log(ur5_log, ur5).mend == ""
+    wrong = check_log(turned(ur5_log, "elbow_joint", "effort"), ur5)
+    assert [f.topic for f in wrong.obstacles] == ["sign"]
+    assert wrong.mend.endswith("add --convert flip_effort=elbow_joint")
+
+
+def test_a_wrong_velocity_does_not_mislead_a_search_but_wrong_times_do(ur5, ur5_log):
+    flipped = check_log(turned(ur5_log, "elbow_joint", "velocity"), ur5)
+    assert flipped.problems
+    assert not flipped.obstacles
+    late = check_log(replace(ur5_log, velocity=ur5_log.velocity * 1e3), ur5)
+    assert late.mend.endswith("--convert time=ms")
+
+
+# ---------------------------------------------------------------- another arm
+
+
+def small_arm_log(robot, arm, log):
+    """What a log of an arm would be if it were driven along the motion of another."""
+    made = log.position, log.velocity, differentiate(log.velocity, log.rate)
+    effort = arm.inverse_dynamics(*made) + 0.02 * np.tanh(log.velocity / 0.01) * log.effort.std(axis=0)
+    return replace(log, effort=effort, joints=robot.joints)
+
+
+@pytest.mark.parametrize("name", ["ur3", "ur10"])
+def test_a_log_of_another_bundled_arm_is_named(ur5, ur5_log, name):
+    (found,) = check_log(small_arm_log(ur5, load_robot(name), ur5_log), ur5).about("robot")
+    assert (found.severity, found.value["best"]) == ("warning", name)
+    assert found.advice.startswith(f"--robot {name}")
+
+
+def test_a_heavy_payload_is_not_another_arm(ur5, ur5_log):
+    loaded = Dynamics(ur5, (parse_term("payload: mass=8, first_moment_z=0.8"),))
+    made = ur5_log.position, ur5_log.velocity, differentiate(ur5_log.velocity, ur5_log.rate)
+    check = check_log(replace(ur5_log, effort=loaded.inverse_dynamics(*made)), ur5)
+    assert not check.about("robot")

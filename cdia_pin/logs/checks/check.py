@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from cdia_pin.errors import LogError
+from cdia_pin.logs.checks.another_arm import check_arm
 from cdia_pin.logs.checks.conventions import SEARCH_SAMPLES, search_conventions
-from cdia_pin.logs.checks.effort_kind import check_effort_kind
+from cdia_pin.logs.checks.effort_kind import check_effort_kind, gravity_gains
 from cdia_pin.logs.checks.excitation import check_excitation
 from cdia_pin.logs.checks.finding import Finding, LogCheck, Severity, Topic
 from cdia_pin.logs.checks.lag import check_lag
@@ -27,8 +28,9 @@ def check_log(log: Log, robot: RobotModel) -> LogCheck:
 
     Sampling, resolution, limits, saturation and excitation are checked. Efforts are compared with the URDF's
     rigid-body torque and friction of unknown size. This checks units, signs, the order of joints, the kind of
-    effort and its lag. A finding states where the evidence is weak. It is *not* checked whether the zero of each
-    position is the URDF's, or whether drive gains are right.
+    effort and its lag. A bundled arm that explains the efforts clearly better is named. A finding states where the
+    evidence is weak. It is *not* checked whether the zero of each position is the URDF's, or whether drive gains are
+    right.
 
     Args:
         log: The log, joints in the robot's order.
@@ -70,5 +72,7 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     yield from check_conventions(log, robot, search)
     motion = search.conventions.apply(motion, robot)
     yield from check_excitation(log, robot, motion)
-    yield from check_effort_kind(log, robot, motion)
+    gains = gravity_gains(motion, robot)
+    yield from check_arm(robot, motion, gains)
+    yield from check_effort_kind(log, gains)
     yield from check_lag(log, robot, search.conventions)

@@ -167,18 +167,16 @@ def gravity_gains(motion: SmoothedMotion, robot: RobotModel) -> dict[int, Gravit
     return out
 
 
-def check_effort_kind(log: Log, robot: RobotModel, motion: SmoothedMotion) -> Iterator[Finding]:
+def check_effort_kind(log: Log, gains: Mapping[int, GravityGain]) -> Iterator[Finding]:
     """Compare the gravity in the efforts with the URDF's: its size shows the unit, its absence compensation.
 
     Args:
         log: The log, for names.
-        robot: The robot of the log.
-        motion: Signals under the right conventions.
+        gains: Gravity in the efforts as a multiple of the URDF's, by index of the joint.
 
     Yields:
         One finding on the kind of effort.
     """
-    gains = gravity_gains(motion, robot)
     known = {k: g for k, g in gains.items() if g.known and not g.absent}
     value = {
         log.joints[k]: {"gravity_gain": g.gain, "standard_error": g.error, "known": g.known}

@@ -37,6 +37,7 @@ class Topic(StrEnum):
     UNITS = "units"
     SIGN = "sign"
     JOINT_ORDER = "joint_order"
+    ROBOT = "robot"
     EFFORT_KIND = "effort_kind"
     LAG = "lag"
 
@@ -74,6 +75,8 @@ class Finding:
         joint: The joint concerned; None for the whole log.
         advice: What to do, with the keyword or flag; empty if there is nothing to do.
         value: The numbers of the message, ready for JSON; their keys depend on the topic.
+        misleads: Whether a search would be misled by what an error states. False for an error in a signal that a
+            search does not use.
     """
 
     topic: Topic
@@ -82,6 +85,7 @@ class Finding:
     joint: str | None = None
     advice: str = ""
     value: Mapping[str, object] = field(default_factory=dict)
+    misleads: bool = True
 
     def __repr__(self) -> str:
         about = self.topic if self.joint is None else f"{self.topic} of {shortened(self.joint, 30)}"
@@ -129,6 +133,25 @@ class LogCheck:
         """Warnings and errors, errors first."""
         found = [f for f in self.findings if f.severity in {Severity.WARNING, Severity.ERROR}]
         return tuple(sorted(found, key=lambda f: f.severity is not Severity.ERROR))
+
+    @property
+    def obstacles(self) -> tuple[Finding, ...]:
+        """Errors that would make a search describe the log and not the robot."""
+        return tuple(f for f in self.findings if f.severity is Severity.ERROR and f.misleads)
+
+    @property
+    def mend(self) -> str:
+        """One sentence: what stands in the way of a search, and what mends it; empty if nothing does."""
+        if not self.obstacles:
+            return ""
+        said = "; ".join(
+            f"{f.joint}: {f.message}" if f.joint and f.joint not in f.message else f.message
+            for f in self.obstacles
+        )
+        advice = list(dict.fromkeys(f.advice for f in self.obstacles if f.advice))
+        options = " ".join(a for a in advice if a.startswith("--"))
+        steps = ([f"add {options}"] if options else []) + [a for a in advice if not a.startswith("--")]
+        return f"{self.source}: {said}" + (f". To mend it, {'; '.join(steps)}" if steps else "")
 
     def about(self, topic: str) -> tuple[Finding, ...]:
         """Return the findings of one topic.

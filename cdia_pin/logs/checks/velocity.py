@@ -43,11 +43,13 @@ class Mismatch:
         severity: Severity of the finding.
         meaning: Predicate of the message, after "the recorded velocity".
         advice: Advice, with the field {joints}.
+        misleads: Whether times or positions are at fault too, not the recorded velocity alone.
     """
 
     severity: Severity
     meaning: str
     advice: str
+    misleads: bool = False
 
 
 _KNOWN = {
@@ -59,15 +61,25 @@ _KNOWN = {
         Severity.ERROR,
         "is in rad/s while the position is in degrees",
         "--convert angle=deg --convert use_velocity=false",
+        misleads=True,
     ),
     1e3: Mismatch(
-        Severity.ERROR, "is 1000 times the derivative: times are in ms, not s", "--convert time=ms"
+        Severity.ERROR,
+        "is 1000 times the derivative: times are in ms, not s",
+        "--convert time=ms",
+        misleads=True,
     ),
     1e6: Mismatch(
-        Severity.ERROR, "is a million times the derivative: times are in µs, not s", "--convert time=us"
+        Severity.ERROR,
+        "is a million times the derivative: times are in µs, not s",
+        "--convert time=us",
+        misleads=True,
     ),
     1e-3: Mismatch(
-        Severity.ERROR, "is a 1000th of the derivative: times are in s, not ms", "--convert time=s"
+        Severity.ERROR,
+        "is a 1000th of the derivative: times are in s, not ms",
+        "--convert time=s",
+        misleads=True,
     ),
 }
 """Known reasons, by the ratio of recorded to derived velocity."""
@@ -100,6 +112,7 @@ def check_velocity(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]
             f"recorded as zero although the joint moves: {', '.join(zero)}",
             advice=_LEAVE_OUT,
             value={"joints": zero},
+            misleads=False,
         )
     matches = _matches(log, [k for k in moving if log.velocity[:, k].any()])
     odd = {k: m for k, m in matches.items() if abs(m.scale - 1.0) > 0.03 or m.unexplained > 0.02}
@@ -115,6 +128,7 @@ def check_velocity(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]
             joint=names[0] if len(names) == 1 else None,
             advice=cause.advice.format(joints=",".join(names)),
             value={log.joints[k]: asdict(matches[k]) for k in where},
+            misleads=cause.misleads,
         )
     fine = [m for k, m in matches.items() if k not in odd]
     if fine:

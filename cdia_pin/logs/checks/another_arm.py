@@ -1,0 +1,153 @@
+r"""Whether a log is one of another arm: a bundled arm explains its efforts better than the arm that was named.
+
+.. math:: \tau_j \approx (M \ddot q + \mathrm{nle})_j + \beta_v \dot q_j + \beta_c\,\mathrm{sgn}\,\dot q_j
+          + I_j \ddot q_j + c
+
+The rigid-body torque has no gain here: an arm of twice the size has the same shape of torque. The arm that was named is
+also fitted with any body on its tool, and with one gain for all joints. Another arm must explain the efforts about as
+well without them, so that neither a payload nor another unit is taken for another arm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.errors import RobotError
+from cdia_pin.logs.checks.effort_kind import GravityGain
+from cdia_pin.logs.checks.finding import Finding, Severity, Topic
+from cdia_pin.logs.checks.fit import misfit
+from cdia_pin.logs.checks.motion import SmoothedMotion, sign_of
+from cdia_pin.robot.catalogue import catalogue, load_robot
+
+if TYPE_CHECKING:
+    from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+SAMPLES = 300  # [samples], many for the ten parameters of a body
+OTHER_MASS = 1.5  # [1], gravity over the URDF's, or its inverse, above which other arms are tried at all
+CLEARLY = 1.5  # [1], fall of the misfit that another arm must bring: a factor of e^1.5 in unexplained shares
+# [1], misfit by which it may be behind the arm that was named with ten parameters more, or with one more
+BEHIND_BODY, BEHIND_GAIN = 3.0, 1.5
+BODY = 10  # inertial parameters of a body on the tool
+
+
+@dataclass(frozen=True)
+class ArmFit:
+    """How an arm explains the efforts of a log.
+
+    Attributes:
+        name: Name of the arm.
+        share: Unexplained share of the variance of each effort [1], shape (n,); NaN for joints that do not move.
+    """
+
+    name: str
+    share: Array
+
+    @property
+    def misfit(self) -> float:
+        """Sum of the logarithms of the shares [1]."""
+        return misfit(self.share)
+
+    @property
+    def mean(self) -> float:
+        """Mean of the shares [1]."""
+        return float(np.nanmean(self.share))
+
+
+def check_arm(
+    robot: RobotModel, motion: SmoothedMotion, gains: Mapping[int, GravityGain]
+) -> Iterator[Finding]:
+    """Report a bundled arm with as many joints that explains the efforts clearly better.
+
+    Args:
+        robot: The arm that was named.
+        motion: Signals under the right conventions.
+        gains: Gravity in the efforts as a multiple of the URDF's, by index of the joint.
+
+    Yields:
+        A warning if there is such an arm.
+    """
+    known = [g.gain for g in gains.values() if g.known and g.gain > 0]
+    if not known or 1 / OTHER_MASS <= float(np.median(known)) <= OTHER_MASS:
+        return
+    motion = motion.thin(SAMPLES)
+    alone = arm_fit(robot, motion)
+    made = motion.q, motion.v, motion.a
+    loaded = arm_fit(robot, motion, robot.torque_regressor(*made)[:, :, -BODY:])
+    scaled = arm_fit(robot, motion, robot.inverse_dynamics(*made)[:, :, None])
+    others = [arm_fit(arm, motion) for arm in _others(robot)]
+    best = min(others, key=lambda fit: fit.misfit, default=alone)
+    if best.misfit > min(alone.misfit - CLEARLY, loaded.misfit + BEHIND_BODY, scaled.misfit + BEHIND_GAIN):
+        return
+    low, high = min(known), max(known)
+    times = f"{low:.2g}" if high < 1.05 * low else f"{low:.2g} to {high:.2g}"
+    yield Finding(
+        Topic.ROBOT,
+        Severity.WARNING,
+        f"the efforts need masses {times} times those of '{robot.name}': this looks like a log of '{best.name}', "
+        f"which leaves {best.mean:.0%} of the efforts unexplained where '{robot.name}' leaves {alone.mean:.0%}",
+        advice=f"--robot {best.name} if it is that arm; otherwise check the unit of the efforts",
+        value={
+            "gravity_gains": known,
+            "best": best.name,
+            "unexplained": {fit.name: fit.mean for fit in (alone, *others)},
+            "unexplained_with_a_body_on_the_tool": loaded.mean,
+            "unexplained_with_a_gain": scaled.mean,
+        },
+    )
+
+
+def arm_fit(robot: RobotModel, motion: SmoothedMotion, shared: Array | None = None) -> ArmFit:
+    """Explain efforts by the rigid-body torque of an arm, and friction, rotor inertia and offset of each joint.
+
+    Args:
+        robot: The arm; the joints of the motion are taken in its order.
+        motion: Signals in SI units.
+        shared: Columns whose coefficients all joints share [N·m or N per unit], shape (N, n, k).
+
+    Returns:
+        The unexplained shares.
+    """
+    missing = motion.effort - robot.inverse_dynamics(motion.q, motion.v, motion.a)
+    size = np.maximum(motion.effort.std(axis=0), 1e-12)
+    moving = np.flatnonzero(motion.moves).tolist()
+    left, columns = {}, []
+    for j in moving:
+        own = np.column_stack(
+            [np.ones(len(motion.time)), motion.v[:, j], sign_of(motion.v[:, j]), motion.a[:, j]]
+        )
+        basis, _ = np.linalg.qr(own / np.maximum(np.linalg.norm(own, axis=0), 1e-12))
+        left[j] = _outside(basis, missing[:, j]) / size[j]
+        if shared is not None:
+            columns.append(_outside(basis, shared[:, j]) / size[j])
+    if columns:
+        x, y = np.vstack(columns), np.concatenate([left[j] for j in moving])
+        rest = np.split(y - x @ np.linalg.lstsq(x, y, rcond=1e-6)[0], len(moving))
+        left = dict(zip(moving, rest, strict=True))
+    share = np.full(robot.n, np.nan)
+    for j, e in left.items():
+        share[j] = np.mean(e**2)
+    return ArmFit(robot.name, share)
+
+
+def _outside(basis: Array, signal: Array) -> Array:
+    return np.asarray(signal - basis @ (basis.T @ signal))
+
+
+def _others(robot: RobotModel) -> Iterator[RobotModel]:
+    """Yield the bundled arms with as many joints of the same kinds."""
+    for name in catalogue():
+        if name == robot.name:
+            continue
+        try:
+            arm = load_robot(name)
+        except RobotError:  # its description is not installed
+            continue
+        if arm.n == robot.n and (arm.is_prismatic == robot.is_prismatic).all():
+            yield arm
