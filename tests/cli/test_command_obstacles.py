@@ -8,7 +8,7 @@ import pytest
 from cdia_pin import load_robot, read_log, write_log
 from cdia_pin.resources import logs_dir
 
-SEARCH = ("--robot", "ur5", "--effects", "coulomb_friction")
+SEARCH = ("--robot", "ur5", "--effects", "joint_spring")
 LIFT, ELBOW = "shoulder_lift_joint", "elbow_joint"
 EXCHANGED = [0, 2, 1, 3, 4, 5]
 MENDS = {
