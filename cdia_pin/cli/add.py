@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -30,8 +31,7 @@ from cdia_pin.cli.options import (
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Discovery
-
-NOTICEABLE = 0.99  # of the error, above which it has not fallen
+    from cdia_pin.dynamics import Dynamics
 
 
 def add(
@@ -63,7 +63,7 @@ def add(
 ) -> None:
     """Add one effect to a model, fitted to the logs, and show the error before and after.
 
-    The terms of the model are fitted again together with it.
+    The terms of the model are fitted again together with it. A term that the effect contains gives way to it.
     """
     unseen = holdout or []
     files = DiscoveryFiles(save, json, report)
@@ -92,19 +92,24 @@ def add(
             known, added, given, holdout=held_out or None, settings=settings, progress=tell
         )
     from cdia_pin.viewers import discovery_table
+    from cdia_pin.viewers.verdict import error_falls
 
-    show_inputs(console, known, given, held_out)
+    base = _without_replaced(known, added.label, found)
+    show_inputs(console, base, given, held_out)
+    for term in known.terms:
+        if term.label == added.label:
+            console.print(f"The model has {term.label} already: it is left out, and fitted again.\n")
+        elif term not in base.terms:
+            console.print(f"{term.label} is left out of the model: {added.label} contains it.\n")
     console.print(discovery_table(found))
-    if not _lowers_the_error(found):
+    if not error_falls(found):
         console.print(f"{added.label} does not lower the error on data that was not fitted.", style="yellow")
     files.write(
-        console, found, known, given, conditioning=settings.conditioning, checks=checks, command=ctx.obj
+        console, found, base, given, conditioning=settings.conditioning, checks=checks, command=ctx.obj
     )
 
 
-def _lowers_the_error(found: Discovery) -> bool:
-    """Tell whether the effect explains anything that it was not fitted to."""
-    import numpy as np
-
-    before, after = (float(np.mean(s.heldout_rms / np.maximum(found.torque_rms, 1e-12))) for s in found.trace)
-    return after < NOTICEABLE * before
+def _without_replaced(known: Dynamics, label: str, found: Discovery) -> Dynamics:
+    """Return the model before the addition, without the terms that the effect replaces."""
+    kept = {t.label for t in found.model.terms} - {label}
+    return replace(known, terms=tuple(t for t in known.terms if t.label in kept))

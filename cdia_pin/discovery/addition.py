@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
+from cdia_pin.discovery.repetition import contained_terms
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Expression, Term, Unknown
 from cdia_pin.errors import EffectError
@@ -32,7 +33,8 @@ def add_effect(
     """Add one effect to a model and fit the whole model to logs, without a test of the evidence for the effect.
 
     Args:
-        model: The model; a term of the same effect and scope is replaced.
+        model: The model; a term of the same effect and scope is replaced, and so is one whose torque in these logs is
+            part of the effect's, such as Coulomb friction where Stribeck friction is added.
         effect: The effect to add; its shape is fitted too.
         logs: One log or several.
         holdout: Logs that are only predicted.
@@ -44,7 +46,7 @@ def add_effect(
 
     Raises:
         LogError: If a log is too short or of other joints.
-        EffectError: If the effect cannot be seen in these logs.
+        EffectError: If the effect cannot be seen in these logs, or if its torque in them is that of terms of the model.
     """
     report = progress or silent
     report("conditioning", 0.0)
@@ -64,7 +66,7 @@ def add_effect_in(
         progress: Called with a sentence and the share done, from 0 to 1.
 
     Raises:
-        EffectError: If the effect cannot be seen in these logs.
+        EffectError: If the effect cannot be seen in these logs, or if its torque in them is that of terms of the model.
     """
     report = progress or silent
     report("estimating the noise", 0.1)
@@ -80,6 +82,11 @@ def add_effect_in(
     if isinstance(effect, Unknown) or not effect.shape:
         trials = trials[:1]
     best = min((_fitted(whitened.regression, base, e) for e in trials), key=lambda f: f[1])[0]
+    contained = contained_terms(whitened.regression, best, effect.label)
+    for term in contained:
+        base, best = base.remove(term.label), best.remove(term.label)
+    if contained:
+        best, _ = refit(whitened.regression, best)
     best = refine_shapes(whitened.regression, best, [t.label for t in base.terms])
     whitened = problem.with_noise_of(problem.lack_of_fit(best))
     return concluded(whitened, base, best, report, forced=(effect.label,))

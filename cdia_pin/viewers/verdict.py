@@ -12,6 +12,7 @@ from cdia_pin.viewers.words import advice_words, confusion_words, effect_words, 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison, Discovery, Step
 
+NOTICEABLE = 0.99  # [1], of the error, above which it has not fallen
 NAMED = 3  # effects that a sentence names before it counts the others
 
 
@@ -28,6 +29,8 @@ def verdict_sentences(found: Discovery) -> list[str]:
     log = "the logs" if len(found.record.get("logs", ())) > 1 else "the log"
     if found.verdict == "nothing-missing":
         said = [f"Nothing is missing: the model of {robot} explains {log} down to the noise."]
+    elif found.verdict == "explained" and not error_falls(found):
+        said = [f"The model of {robot} explains {log} down to the noise without {_what(found.steps)} too."]
     elif found.verdict == "explained":
         added = "is added" if len(found.steps) == 1 else "are added"
         said = [f"The model of {robot} explains {log} down to the noise once {_what(found.steps)} {added}."]
@@ -59,6 +62,16 @@ def mean_share(errors: Sequence[float] | np.ndarray, found: Discovery) -> float:
         found: The outcome of ``discover``.
     """
     return float(np.mean(np.asarray(errors) / np.maximum(found.torque_rms, 1e-12)))
+
+
+def error_falls(found: Discovery) -> bool:
+    """Tell whether what was added lowers the error on data that was not fitted.
+
+    Args:
+        found: The outcome of ``discover`` or ``add_effect``.
+    """
+    first, last = found.trace[0], found.trace[-1]
+    return mean_share(last.heldout_rms, found) < NOTICEABLE * mean_share(first.heldout_rms, found)
 
 
 def _what(steps: Sequence[Step]) -> str:
@@ -96,6 +109,11 @@ def _error_sentence(found: Discovery) -> str:
     if len(found.trace) == 1:
         return f"The error is {before} of the measured torque (mean over the joints), {floor}."
     after, unseen = percent(mean_share(last.rms, found)), percent(mean_share(last.heldout_rms, found))
+    if not error_falls(found):
+        return (
+            f"The error stays at {after} of the measured torque (mean over the joints); "
+            f"on data that was not fitted it is {unseen}, {floor}."
+        )
     return (
         f"The error falls from {before} to {after} of the measured torque (mean over the joints); "
         f"on data that was not fitted it is {unseen}, {floor}."

@@ -133,7 +133,11 @@ def test_add_says_where_an_effect_explains_nothing(cdia, log):
 
 def test_an_effect_that_is_there_already_is_replaced(cdia, log, out):
     model, again = out / "added.json", out / "again.json"
-    assert cdia("add", "coulomb_friction@joint2", log, *ROBOT, "--model", model, "--save", again).code == 0
+    outcome = cdia("add", "coulomb_friction@joint2", log, *ROBOT, "--model", model, "--save", again)
+    assert outcome.code == 0
+    assert "has coulomb_friction@joint2 already: it is left out, and fitted again" in " ".join(
+        outcome.out.split()
+    )
     assert [t.label for t in load_model(again, load_robot("double_pendulum")).terms] == [
         "coulomb_friction@joint2"
     ]
