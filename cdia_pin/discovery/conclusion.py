@@ -8,6 +8,7 @@ from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.capability import capability_of
 from cdia_pin.discovery.discovery_documents import DiscoveryRecord
 from cdia_pin.discovery.discovery_result import Discovery, Ranked, Step
+from cdia_pin.discovery.ranking import taken_first
 from cdia_pin.discovery.recognition import recognised
 from cdia_pin.discovery.trace import trace
 from cdia_pin.discovery.trust import trust_in, with_total_intervals
@@ -48,7 +49,9 @@ def concluded(
         replace(s, term=final.find(s.term.label), confidence=trust[s.term.label].confidence) if s.term else s
         for s in steps
     )
-    return conclusion(problem.problem, final, steps, report, ranking=ranking, findings=findings)
+    return conclusion(
+        problem.problem, final, steps, report, ranking=taken_first(ranking, steps), findings=findings
+    )
 
 
 def conclusion(

@@ -34,8 +34,6 @@ def ranking_table(found: Discovery, everything: bool = False) -> Table:
     for r in found.ranking[: None if everything else SHOWN]:
         before, after = (percent(float(np.mean(e / torque))) for e in (r.heldout_before, r.heldout_after))
         said = Text(effect_words(r.term.effect))
-        if not r.plausible:
-            said.append("\nheld at a bound: not plausible", style="yellow")
         cells = (
             "\n".join(_parameters(r, found)),
             ", ".join(few((confusion_words(c) for c in r.confusions), NAMED)),

@@ -213,3 +213,18 @@ def test_progress_goes_from_none_to_all(pendulum, made):
     assert all(0.0 <= s <= 1.0 for s in shares)
     assert shares == sorted(shares)
     assert all(isinstance(s, str) and s for s, _ in told)
+
+
+def test_the_ranking_starts_with_the_step_taken_and_goes_on_by_error(found):
+    first, *others = found.ranking
+    assert first.term.label == found.steps[0].term.label
+    left = [float(np.mean(r.heldout_after / found.torque_rms)) for r in others]
+    assert left == sorted(left)
+
+
+def test_no_candidate_of_the_ranking_sits_at_a_bound(found):
+    robot = found.model.robot
+    for r in found.ranking:
+        lower, upper = r.term.effect.bounds(robot)
+        assert (np.array(r.term.theta) > lower).all(), r.term
+        assert (np.array(r.term.theta) < upper).all(), r.term
