@@ -31,6 +31,9 @@ HIGHEST_SHARE_GIVEN = (
     0.4  # [1], largest cut-off that a user may give, over the log's rate: below Nyquist's 0.5
 )
 DROWNED = 3.0  # [1], power of an acceleration over that of its noise below which it is set to zero
+# [Hz], cut-off of a motion that holds no steps of the encoder any more. A motion that is filtered no more than the one
+# that is compared holds them: rounded again, it shows half or a third of the error.
+STEPLESS = LOWEST_CUTOFF / 4
 STRETCH = 1.0  # [s], length of the parts of a log of which the one with the largest acceleration counts
 
 
@@ -142,12 +145,12 @@ def _rounding(position: Array, rate: float, cutoff: float) -> Array:
     """Estimate the RMS acceleration that rounding of the positions leaves in the band [rad/s²], shape (n,).
 
     It is 0 for positions that are not rounded. Rounding noise is not white where a joint moves evenly, and it beats
-    where the steps of the encoder meet the samples. So a smoother motion is rounded once more.
+    where the steps of the encoder meet the samples. So a much smoother motion is rounded once more.
     """
     step = np.array([quantum(of_joint) for of_joint in position.T])
     if not step.any():
         return step
-    safe, smooth = np.where(step > 0, step, 1.0), zero_phase(position, min(LOWEST_CUTOFF, cutoff), rate)
+    safe, smooth = np.where(step > 0, step, 1.0), zero_phase(position, min(STEPLESS, cutoff), rate)
     error = np.where(step > 0, np.round(smooth / safe) * safe - smooth, 0.0)
     again = differentiate(differentiate(zero_phase(error, cutoff, rate), rate), rate)
     return np.asarray(np.sqrt(np.mean(again**2, axis=0)))

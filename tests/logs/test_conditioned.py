@@ -7,6 +7,7 @@ from cdia_pin import load_robot
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import Conditioning, condition
+from cdia_pin.logs.derivatives import differentiate, zero_phase
 
 NOISE = 2e-5  # [rad]
 
@@ -36,3 +37,20 @@ def test_a_cutoff_of_zero_is_refused(log):
     arm, run = log
     with pytest.raises(LogError, match="cut-off of 0 Hz"):
         condition(run, arm, Conditioning(cutoff=0.0))
+
+
+@pytest.mark.parametrize("amplitude", [0.003, 0.01, 0.05, 0.4])
+def test_the_acceleration_that_the_steps_of_an_encoder_make_is_known(amplitude):
+    """From three steps a second to hundreds: the estimate needs no true motion."""
+    arm, counts, rate = load_robot("z1"), 2**13, 250.0
+    t = np.arange(0, 30, 1 / rate)
+    speed = 2 * np.pi * np.linspace(0.11, 0.23, arm.n)
+    true = amplitude * np.sin(speed * t[:, None] + np.arange(arm.n))
+    step = 2 * np.pi / counts
+    log = Log(arm.joints, t, np.round(true / step) * step, effort=arm.gravity(true))
+    motion = condition(log, arm, Conditioning(cutoff=5.0))
+    a = differentiate(differentiate(zero_phase(log.position - true, 5.0, rate), rate), rate)
+    made = np.sqrt(np.mean(a[200:-200] ** 2, axis=0))
+    ratio = motion.acceleration_noise / made
+    assert ((ratio > 0.5) & (ratio < 2.0)).all()  # one joint's steps may beat with the samples
+    assert np.median(ratio) == pytest.approx(1.0, abs=0.25)
