@@ -52,5 +52,4 @@ def test_the_acceleration_that_the_steps_of_an_encoder_make_is_known(amplitude):
     a = differentiate(differentiate(zero_phase(log.position - true, 5.0, rate), rate), rate)
     made = np.sqrt(np.mean(a[200:-200] ** 2, axis=0))
     ratio = motion.acceleration_noise / made
-    assert ((ratio > 0.5) & (ratio < 2.0)).all()  # one joint's steps may beat with the samples
-    assert np.median(ratio) == pytest.approx(1.0, abs=0.25)
+    assert ((ratio > 0.75) & (ratio < 1.75)).all()  # rather too large: steps may beat with the samples
