@@ -112,7 +112,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         decimation=again,
         speed_noise=speed_noise,
         acceleration_noise=acceleration_noise,
-        effort_step=np.array([quantum(of_joint) for of_joint in log.effort.T]),
+        effort_step=np.array([_effort_step(of_joint) for of_joint in log.effort.T]),
         record=MotionRecord(
             cutoff=cutoff,
             trim=settings.trim,
@@ -127,6 +127,14 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             notes=list(even.notes),
         ),
     )
+
+
+def _effort_step(effort: Array) -> float:
+    """Return the step of an effort [N·m or N].
+
+    An effort that never changes shows no step. The step may then be as large as the effort itself.
+    """
+    return quantum(effort) if np.ptp(effort) else float(abs(effort[0]))
 
 
 def _busiest(a: Array, rate: float) -> Array:

@@ -1,5 +1,7 @@
 """Conditioning: accelerations that are noise, cut-offs that are none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -53,3 +55,12 @@ def test_the_acceleration_that_the_steps_of_an_encoder_make_is_known(amplitude):
     made = np.sqrt(np.mean(a[200:-200] ** 2, axis=0))
     ratio = motion.acceleration_noise / made
     assert ((ratio > 0.75) & (ratio < 1.75)).all()  # rather too large: steps may beat with the samples
+
+
+def test_an_effort_that_never_changes_is_known_to_its_own_size_only(log):
+    arm, run = log
+    effort = run.effort.copy()
+    effort[:, 3] = 2.0
+    motion = condition(replace(run, effort=effort), arm, Conditioning(cutoff=20.0))
+    assert motion.effort_step[3] == 2.0
+    assert motion.effort_step[0] == 0.0
