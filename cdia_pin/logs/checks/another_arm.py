@@ -22,7 +22,6 @@ from cdia_pin.logs.checks.effort_kind import GravityGain
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.fit import misfit
 from cdia_pin.logs.checks.motion import SmoothedMotion, sign_of
-from cdia_pin.robot.catalogue import catalogue, load_robot
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
@@ -142,6 +141,8 @@ def _outside(basis: Array, signal: Array) -> Array:
 
 def _others(robot: RobotModel) -> Iterator[RobotModel]:
     """Yield the bundled arms with as many joints of the same kinds."""
+    from cdia_pin.robot.catalogue import catalogue, load_robot
+
     for name in catalogue():
         if name == robot.name:
             continue
