@@ -59,28 +59,33 @@ class Alternatives:
         not impossible. An alternative that contains the effect on every motion is only another name for it if the
         log determines its other parameters.
 
-        At most two are named: those of the same joint first, and those that some motion rules out before all others.
+        At most two are named: those of the same joint first, and of these the ones that some motion rules out.
 
         Args:
             one: Index of one of the model's effects.
         """
         robot, mine = self.evidence.robot, self.evidence.effects[one]
-        separable: list[Effect] = []
-        alike: list[Effect] = []
-        for other in self._possible(one):
-            (alike if are_alike(robot, mine, other) else separable).append(other)
-            if len(separable) == MOST:
+        named: list[Effect] = []
+        for same in (True, False):
+            separable: list[Effect] = []
+            alike: list[Effect] = []
+            for other in self._possible(one, same, named):
+                (alike if are_alike(robot, mine, other) else separable).append(other)
+                if len(separable) == MOST:
+                    break
+            named += [*separable, *alike]
+            if len(named) >= MOST:
                 break
-        named = [*separable, *alike][:MOST]
-        return tuple(Confusion((e,), motion_between(mine, e, robot)) for e in named)
+        return tuple(Confusion((e,), motion_between(mine, e, robot)) for e in named[:MOST])
 
-    def _possible(self, one: int) -> Iterator[Effect]:
-        """Yield the effects that explain as much, each in one shape."""
+    def _possible(self, one: int, same: bool, named: Sequence[Effect]) -> Iterator[Effect]:
+        """Yield the effects of the same joint, or all others, that explain as much, each in one shape."""
         evidence = self.evidence
         found = evidence.fit(self.chosen, bodies=True)
-        known = [evidence.effects[one]]
+        known = [evidence.effects[one], *named]
+        candidates = [c for c in self._candidates(one, found) if self._is_same_joint(one, c.index) is same]
         refits = 0
-        for candidate in sorted(self._candidates(one, found), key=lambda c: self._rank(one, c)):
+        for candidate in sorted(candidates, key=lambda c: self._rank(one, c)):
             effect = evidence.effects[candidate.index]
             repeated = isinstance(effect, Varying) and effect.effect in known
             if repeated or effect.label in [e.label for e in known[1:]] or self._is_other_name(found, candidate):
@@ -108,13 +113,15 @@ class Alternatives:
                 if self.evidence.effects[other].label not in names:
                     yield _Candidate(other, replaced, left - gain)
 
-    def _rank(self, one: int, candidate: _Candidate) -> tuple[bool, bool, float]:
-        """Return the sort key: first alternatives of the same joint, then simple ones, then close ones."""
-        evidence = self.evidence
-        mine, effect = evidence.effects[one], evidence.effects[candidate.index]
-        same = effect.scope == mine.scope or effect.acts_on(evidence.robot) == mine.acts_on(evidence.robot)
-        count = evidence.effective_parameters
-        return not same, bool(count[candidate.index] > count[one]), candidate.left
+    def _is_same_joint(self, one: int, other: int) -> bool:
+        """Return True if two effects name the same joints, or act on the same."""
+        robot, mine, effect = self.evidence.robot, self.evidence.effects[one], self.evidence.effects[other]
+        return effect.scope == mine.scope or effect.acts_on(robot) == mine.acts_on(robot)
+
+    def _rank(self, one: int, candidate: _Candidate) -> tuple[bool, float]:
+        """Return the sort key: first simple alternatives, then close ones."""
+        count = self.evidence.effective_parameters
+        return bool(count[candidate.index] > count[one]), candidate.left
 
     def _limit(self, found: SetFit, replaced: Sequence[int]) -> float:
         """Return the largest cost of an alternative. One effect for two must be simpler, so its penalty counts."""
