@@ -100,7 +100,7 @@ class Alternatives:
 
     def _candidates(self, one: int, found: SetFit) -> Iterator[_Candidate]:
         """Yield candidates that, added to the rest, explain nearly as much as what they replace."""
-        names = {self.evidence.effects[c].label for c in found.chosen}
+        names = {self.evidence.labels[c] for c in found.chosen}
         for replaced in ((one,), *((one, c) for c in self._neighbours(one))):
             rest = [c for c in self.chosen if c not in replaced]
             left = self.evidence.free_chi2(rest)
@@ -110,7 +110,7 @@ class Alternatives:
                 return share * lost - self._doubt(found)
 
             for other, gain in promising(self.evidence, rest, enough):
-                if self.evidence.effects[other].label not in names:
+                if self.evidence.labels[other] not in names:
                     yield _Candidate(other, replaced, left - gain)
 
     def _is_same_joint(self, one: int, other: int) -> bool:

@@ -2,7 +2,7 @@ r"""The regression of measured torques on effects, :math:`y = X \theta + e`."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -87,20 +87,20 @@ class Regression:
             others: Positions of all other columns, and the columns, shape (K, p) each.
         """
         white = self.whitening.joint(j, np.column_stack([x for _, x in others]))
-        at = np.concatenate([np.arange(s.start, s.stop) for s, _ in others])
-        for b, samples in enumerate(self.whitening.blocks):
-            rows = white[samples]
-            blocks[b][np.ix_(at, at)] += rows.T @ rows
-        if not reused:
-            return
-        fixed, gram = self._fixed(j, reused)
-        where = np.concatenate([np.arange(r.own.start, r.own.stop) for r in reused])
-        scale = np.concatenate([np.full(r.columns.shape[1], r.factor) for r in reused])
-        for b, samples in enumerate(self.whitening.blocks):
-            blocks[b][np.ix_(where, where)] += gram[b] * np.outer(scale, scale)
-            across = scale[:, None] * (fixed[samples].T @ white[samples])
-            blocks[b][np.ix_(where, at)] += across
-            blocks[b][np.ix_(at, where)] += across.T
+        at = _positions(s for s, _ in others)
+        blocks[:, at[:, None], at] += self._products(white, white)
+        if reused:
+            fixed, gram = self._fixed(j, reused)
+            where = _positions(r.own for r in reused)
+            scale = np.concatenate([np.full(r.columns.shape[1], r.factor) for r in reused])
+            across = scale[:, None] * self._products(fixed, white)
+            blocks[:, where[:, None], where] += gram * np.outer(scale, scale)
+            blocks[:, where[:, None], at] += across
+            blocks[:, at[:, None], where] += across.transpose(0, 2, 1)
+
+    def _products(self, left: Array, right: Array) -> Array:
+        """Return LᵀR of each block of time, shape (B, columns of L, columns of R)."""
+        return np.stack([left[s].T @ right[s] for s in self.whitening.blocks])
 
     def _fixed(self, j: int, reused: list[_Reused]) -> tuple[Array, Array]:
         """Return whitened columns that depend on the motion alone, and their normal equations in each block.
@@ -116,7 +116,7 @@ class Regression:
         known = self._known.pop(key, None)
         if known is None or any(a is not b.columns.base for a, b in zip(known[0], reused, strict=True)):
             white = np.column_stack([self._white(j, r) for r in reused])
-            gram = np.stack([white[s].T @ white[s] for s in self.whitening.blocks])
+            gram = self._products(white, white)
             known = ([r.columns.base for r in reused], white, gram)
         self._known[key] = known
         while len(self._known) > MOST_KEPT * self.experiment.robot.n:
@@ -138,6 +138,10 @@ class Regression:
     @cached_property
     def _whitened(self) -> dict[tuple[int, Effect], tuple[Array | None, Array]]:
         return {}
+
+
+def _positions(parts: Iterable[slice]) -> NDArray[np.intp]:
+    return np.concatenate([np.arange(s.start, s.stop) for s in parts])
 
 
 @dataclass(frozen=True, eq=False)
