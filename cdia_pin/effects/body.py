@@ -53,7 +53,7 @@ class Body(RigidBody, Effect):
             x: Motion and torques, N samples.
             theta: π in the body's frame [kg, kg·m, kg·m²], shape (10,).
         """
-        return -self._regressor(x) @ self.in_joint_frame(theta, x.robot)
+        return -x.body_torque(self.carrier(x.robot), self.in_joint_frame(theta, x.robot))
 
     def is_physical(self, theta: Array, robot: RobotModel) -> bool:
         """Tell whether link and body together are a possible body.

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cdia_pin.effects.rigid_motion import RigidMotion
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -142,11 +143,6 @@ class State:
         """
         return self._twin(effort=effort)
 
-    def for_bodies(self) -> State:
-        """Return the state with what bodies need computed, for its twins under another gravity to share."""
-        _ = self._regressor, self.body_weights
-        return self
-
     def with_gravity_change(self, change: Array) -> State:
         """Return the same motion under another gravity for what is no part of the robot [m/s²], shape (N, 3).
 
@@ -156,6 +152,7 @@ class State:
         return self._twin(gravity_change=change)
 
     def _twin(self, **changes: Array) -> State:
+        _ = self.rigid  # computed once for both
         twin = replace(self, **changes)  # type: ignore[arg-type]
         twin.__dict__.update({k: v for k, v in self.__dict__.items() if k not in self.__dataclass_fields__})
         return twin
@@ -166,17 +163,24 @@ class State:
         Args:
             q: Positions [rad or m], shape (N, n).
         """
-        return replace(self, q=q)
+        shifted = replace(self, q=q)
+        shifted.__dict__["rigid"] = self.rigid.at(q)
+        return shifted
+
+    @cached_property
+    def rigid(self) -> RigidMotion:
+        """What the rigid bodies need along this motion; states of the same motion share it."""
+        return RigidMotion(self.robot, self.q, self.v, self.a)
 
     @cached_property
     def sign(self) -> Array:
         """Smoothed sgn(v) [1], shape (N, n)."""
         return np.tanh(self.v / self.sign_width)
 
-    @cached_property
+    @property
     def rigid_torque(self) -> Array:
         """M q̈ + nle of the robot as described [N·m or N], shape (N, n)."""
-        return self.robot.inverse_dynamics(self.q, self.v, self.a)
+        return self.rigid.torque
 
     def body_regressor(self, joint: int) -> Array:
         """Y with M q̈ + nle = Y π for a body on a joint's link, under the gravity that it feels, shape (N, n, 10).
@@ -184,28 +188,35 @@ class State:
         Args:
             joint: Index of the joint that moves the link.
         """
-        first = 10 * joint
-        found = self._regressor[:, :, first : first + 10]
+        found = self.rigid.body_regressors[joint]
         if self.gravity_change is None:
             return found
         found = found.copy()
         found[:, :, :4] += (self.body_weights[joint] @ self.gravity_change[:, None, :, None])[..., 0]
         return found
 
-    @cached_property
-    def _regressor(self) -> Array:
-        return self.robot.torque_regressor(self.q, self.v, self.a)
+    def body_torque(self, joint: int, parameters: Array) -> Array:
+        """Y π of a body on a joint's link, without forming Y [N·m or N], shape (N, n).
 
-    @cached_property
+        Args:
+            joint: Index of the joint that moves the link.
+            parameters: π about the joint's frame [kg, kg·m, kg·m²], shape (10,).
+        """
+        found = self.rigid.body_regressors[joint] @ parameters
+        if self.gravity_change is not None:
+            by_gravity = parameters[:4] @ self.body_weights[joint]  # (N, n, 3)
+            found += np.einsum("kng,kg->kn", by_gravity, self.gravity_change)
+        return found
+
+    @property
     def body_weights(self) -> list[Array]:
         """∂Y/∂g of each link's mass and first moments, which alone have a weight, shapes (N, n, 4, 3)."""
-        by_gravity = self.robot.weight_regressor(self.q)
-        return [by_gravity[:, :, 10 * j : 10 * j + 4].copy() for j in range(self.robot.n)]
+        return self.rigid.body_weights
 
-    @cached_property
+    @property
     def gravity_regressor(self) -> Array:
         """K with G = K g, shape (N, n, 3)."""
-        return self.robot.gravity_regressor(self.q)
+        return self.rigid.gravity_regressor
 
     @property
     def gravity(self) -> Array:
@@ -213,12 +224,12 @@ class State:
         change = np.zeros((len(self), 3)) if self.gravity_change is None else self.gravity_change
         return self.robot.gravity_vector + change
 
-    @cached_property
+    @property
     def tool_jacobian(self) -> Array:
         """Jacobian of the tool in base axes, shape (N, 6, n)."""
-        return self.robot.tool_jacobian(self.q)
+        return self.rigid.tool_jacobian
 
-    @cached_property
+    @property
     def drag_matrix(self) -> Array:
         """Mass-weighted mean of JₗᵀJₗ at the links' centres of mass, shape (N, n, n)."""
-        return self.robot.point_mass_matrix(self.q) / self.robot.total_mass
+        return self.rigid.drag_matrix

@@ -16,13 +16,23 @@ from cdia_pin.selection.discovery_settings import AlternativeSettings
 from cdia_pin.selection.evidence import Evidence, SetFit
 from cdia_pin.selection.replacement import Refit, promising
 
+MOST = 2  # alternatives [1] that are named per effect: a person can drive a motion for each of so few
+MOST_REFITS = 3  # candidates per effect [1] that are fitted at their own optimum, the most promising ones
+
 
 @dataclass(frozen=True)
-class _Alternative:
-    """A candidate, and by how much its cost exceeds the limit; negative for a possible alternative."""
+class _Candidate:
+    """An effect that may explain as much in the place of others.
 
-    worse: float
+    Attributes:
+        index: Index of the effect.
+        replaced: Indices of what it replaces: one effect, or that and another on its joint.
+        left: Residual sum of squares to first order, in variances of the noise [1].
+    """
+
     index: int
+    replaced: tuple[int, ...]
+    left: float
 
 
 @dataclass(frozen=True)
@@ -49,34 +59,73 @@ class Alternatives:
         not impossible. An alternative that contains the effect on every motion is only another name for it if the
         log determines its other parameters.
 
+        At most two are named: those of the same joint first, and of these the ones that some motion rules out.
+
         Args:
             one: Index of one of the model's effects.
         """
+        robot, mine = self.evidence.robot, self.evidence.effects[one]
+        named: list[Effect] = []
+        for same in (True, False):
+            separable: list[Effect] = []
+            alike: list[Effect] = []
+            for other in self._possible(one, same, named):
+                (alike if are_alike(robot, mine, other) else separable).append(other)
+                if len(separable) == MOST:
+                    break
+            named += [*separable, *alike]
+            if len(named) >= MOST:
+                break
+        return tuple(Confusion((e,), motion_between(mine, e, robot)) for e in named[:MOST])
+
+    def _possible(self, one: int, same: bool, named: Sequence[Effect]) -> Iterator[Effect]:
+        """Yield the effects of the same joint, or all others, that explain as much, each in one shape."""
         evidence = self.evidence
         found = evidence.fit(self.chosen, bodies=True)
-        alternatives: dict[str, _Alternative] = {}
-        for replaced in ([one], *([one, c] for c in self._neighbours(one))):
+        known = [evidence.effects[one], *named]
+        candidates = [c for c in self._candidates(one, found) if self._is_same_joint(one, c.index) is same]
+        refits = 0
+        for candidate in sorted(candidates, key=lambda c: self._rank(one, c)):
+            effect = evidence.effects[candidate.index]
+            repeated = isinstance(effect, Varying) and effect.effect in known
+            if (
+                repeated
+                or effect.label in [e.label for e in known[1:]]
+                or self._is_other_name(found, candidate)
+            ):
+                continue
+            needs_refit = self.refit is not None and not is_exact(effect)
+            refits += needs_refit
+            if needs_refit and refits > MOST_REFITS:
+                continue
+            if self._cost(candidate) < self._limit(found, candidate.replaced):
+                known.append(effect)
+                yield effect
+
+    def _candidates(self, one: int, found: SetFit) -> Iterator[_Candidate]:
+        """Yield candidates that, added to the rest, explain nearly as much as what they replace."""
+        names = {self.evidence.labels[c] for c in found.chosen}
+        for replaced in ((one,), *((one, c) for c in self._neighbours(one))):
             rest = [c for c in self.chosen if c not in replaced]
-            for other in self._promising(rest, found):
-                label = evidence.effects[other].label
-                worse = self._cost(rest, other, found, replaced) - self._limit(found, replaced)
-                if worse < min(0.0, alternatives[label].worse if label in alternatives else 0.0):
-                    alternatives[label] = _Alternative(worse, other)
-        best = sorted(alternatives.values(), key=lambda a: self._rank(one, a))
-        effects = [evidence.effects[a.index] for a in best]
-        known = [evidence.effects[one], *effects]
-        plain = [e for e in effects if not (isinstance(e, Varying) and e.effect in known)]
-        return tuple(Confusion((e,), motion_between(evidence.effects[one], e, evidence.robot)) for e in plain)
+            left = self.evidence.free_chi2(rest)
 
-    def _rank(self, one: int, alternative: _Alternative) -> tuple[bool, bool, float]:
-        """Return the sort key: first alternatives that some motion rules out, then simple ones, then close ones."""
-        evidence, other = self.evidence, alternative.index
-        same = are_alike(evidence.robot, evidence.effects[one], evidence.effects[other])
-        return same, self._is_richer(one, other), alternative.worse
+            def enough(effect: Effect, lost: float = left - found.chi2) -> float:
+                share = 1.0 if self.refit is None or is_exact(effect) else self.settings.first_order_share
+                return share * lost - self._doubt(found)
 
-    def _is_richer(self, one: int, other: int) -> bool:
+            for other, gain in promising(self.evidence, rest, enough):
+                if self.evidence.labels[other] not in names:
+                    yield _Candidate(other, replaced, left - gain)
+
+    def _is_same_joint(self, one: int, other: int) -> bool:
+        """Return True if two effects name the same joints, or act on the same."""
+        robot, mine, effect = self.evidence.robot, self.evidence.effects[one], self.evidence.effects[other]
+        return effect.scope == mine.scope or effect.acts_on(robot) == mine.acts_on(robot)
+
+    def _rank(self, one: int, candidate: _Candidate) -> tuple[bool, float]:
+        """Return the sort key: first simple alternatives, then close ones."""
         count = self.evidence.effective_parameters
-        return bool(count[other] > count[one])
+        return bool(count[candidate.index] > count[one]), candidate.left
 
     def _limit(self, found: SetFit, replaced: Sequence[int]) -> float:
         """Return the largest cost of an alternative. One effect for two must be simpler, so its penalty counts."""
@@ -86,28 +135,15 @@ class Alternatives:
         """Return the difference up to which explanations are hard to distinguish; structure that is left raises it."""
         return self.settings.doubt * max(1.0, found.chi2 / max(self.evidence.samples, 1))
 
-    def _promising(self, rest: Sequence[int], found: SetFit) -> Iterator[int]:
-        """Yield candidates that, added to the rest, explain nearly as much as what they replace."""
-        lost = self.evidence.free_chi2(rest) - found.chi2
-        names = {self.evidence.effects[c].label for c in found.chosen}
-
-        def enough(effect: Effect) -> float:
-            share = 1.0 if self.refit is None or is_exact(effect) else self.settings.first_order_share
-            return share * lost - self._doubt(found)
-
-        found_again = promising(self.evidence, rest, enough)
-        yield from (c for c, _ in found_again if self.evidence.effects[c].label not in names)
-
-    def _cost(self, rest: Sequence[int], other: int, found: SetFit, replaced: Sequence[int]) -> float:
+    def _cost(self, candidate: _Candidate) -> float:
         """Return what an alternative leaves; one effect for two also pays for the parameters that it needs."""
-        evidence, effect = self.evidence, self.evidence.effects[other]
-        if len(replaced) == 1 and self._is_other_name(found, replaced[0], rest, other):
-            return float("inf")
-        if self.refit is not None and not is_exact(effect):
+        evidence, other = self.evidence, candidate.index
+        rest = [c for c in self.chosen if c not in candidate.replaced]
+        if self.refit is not None and not is_exact(evidence.effects[other]):
             fit = self.refit(rest, other)
         else:
             fit = evidence.fit([*rest, other], bodies=True)
-        if len(replaced) == 1:  # what the log does not determine may be anything
+        if len(candidate.replaced) == 1:  # what the log does not determine may be anything
             return fit.chi2 if fit.possible else float("inf")
         if not fit.physical:
             return float("inf")
@@ -115,13 +151,17 @@ class Alternatives:
         unneeded = max(float(evidence.effective_parameters[other]) - needed, 0.0)
         return fit.cost - evidence.penalty_per_parameter * unneeded
 
-    def _is_other_name(self, found: SetFit, one: int, rest: Sequence[int], other: int) -> bool:
+    def _is_other_name(self, found: SetFit, candidate: _Candidate) -> bool:
         """Return True if an alternative contains the effect and its other parameters matter little elsewhere."""
+        if len(candidate.replaced) > 1:
+            return False
+        (one,), other = candidate.replaced, candidate.index
         robot, mine, effect = self.evidence.robot, self.evidence.effects[one], self.evidence.effects[other]
         if generic_rank(robot, effect) <= generic_rank(robot, mine) or not contains(robot, effect, mine):
             return False
         theta = found.theta[self.evidence.equations.own(found.chosen, one)]
         explained = torque_elsewhere(robot, mine, np.outer(theta, theta))
+        rest = [c for c in self.chosen if c != one]
         undetermined = torque_elsewhere(
             robot, effect, self.evidence.equations.covariance([*rest, other], other)
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,25 @@ Array = NDArray[np.float64]
 
 # Change of gravity [m/s²] up to which the columns of bodies are reused, because they change by 0.3 %.
 SAME_GRAVITY = 0.03
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Columns:
+    """Columns of one effect.
+
+    Attributes:
+        values: Torque per unit of each parameter [N·m or N per unit], shape (K, joints, p).
+        fixed: Columns that depend on the motion alone, always the same array; None if there are none.
+        factors: For each joint the factor of the fixed columns in the values [1], NaN where the values are not
+            proportional to them, shape (joints,).
+    """
+
+    values: Array
+    fixed: Array | None
+    factors: Array
+
+    def __repr__(self) -> str:
+        return f"Columns({self.values.shape[2]} parameters, {self.values.shape[1]} joints)"
 
 
 class DesignMatrix:
@@ -46,21 +65,36 @@ class DesignMatrix:
         Returns:
             Torque per unit of each parameter [N·m or N per unit], shape (K, len(acts_on), p).
         """
+        return self.columns(effect, prediction, theta).values
+
+    def columns(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Columns:
+        """Return the columns of an effect as `of` does, and where they can be reused.
+
+        Args:
+            effect: The effect.
+            prediction: Prediction of the model that has the effect, or for which it is a candidate.
+            theta: Parameters of the effect if the model has it, shape (p,).
+        """
         exact = theta is not None
         joints = list(effect.acts_on(self.experiment.robot))
-        gain = np.concatenate([t.gain[:, joints] for t in prediction.torques])
         traits = effect.traits
-        of_reading = traits.channel is Channel.TORQUE_READING
-        constant = of_reading or not np.ptp(gain, axis=0).any()
         # slopes are right for the present parameters alone and cannot be reused
-        if (
-            isinstance(effect, Slope)
-            or Signal.TORQUE in traits.depends_on
-            or (exact and not (constant and traits.linear))
-        ):
-            return self.experiment.columns(effect, prediction, theta)
+        if isinstance(effect, Slope) or Signal.TORQUE in traits.depends_on or (exact and not traits.linear):
+            values = self.experiment.columns(effect, prediction, theta)
+            return Columns(values, None, np.full(len(joints), np.nan))
         fixed = self.fixed(effect, prediction)
-        return fixed if of_reading or (gain == 1.0).all() else fixed / gain.mean(axis=0)[None, :, None]
+        mean, varies = prediction.gains
+        if traits.channel is Channel.TORQUE_READING or not (
+            varies[joints].any() or (mean[joints] != 1.0).any()
+        ):
+            return Columns(fixed, fixed, np.ones(len(joints)))
+        values = fixed / mean[joints][:, None]
+        factors = 1.0 / mean[joints]
+        if exact and varies[joints].any():
+            along = np.flatnonzero(varies[joints])
+            values[:, along] = self.experiment.columns(effect, prediction, theta, at=along)
+            factors[along] = np.nan
+        return Columns(values, fixed, factors)
 
     def fixed(self, effect: Effect, prediction: Prediction) -> Array:
         """Return the columns of an effect that depends on the motion alone, as in a model without gains.

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 # Postures per log [1] at which the mass matrix is computed, because all of them would take long.
 POSTURES = 200
+SAME_GAIN = 1e-9  # difference of a gain [1] that is rounding
+MOST_PREDICTIONS = 4  # predictions [1] that are kept, of some MB each
 FEWEST_SAMPLES = 40  # compared samples of a log [1]; fewer do not determine the noise of a joint
 
 
@@ -59,6 +61,13 @@ class Prediction:
 
     def __repr__(self) -> str:
         return f"Prediction({self.model!r}, {len(self.residual)} compared samples)"
+
+    @cached_property
+    def gains(self) -> tuple[Array, NDArray[np.bool_]]:
+        """Mean gain of each joint's torque [1], exactly one without gains, and True where it varies, shapes (n,)."""
+        gain = np.concatenate([t.gain for t in self.torques])
+        mean = gain.mean(axis=0)
+        return np.where(np.abs(mean - 1.0) <= SAME_GAIN, 1.0, mean), np.ptp(gain, axis=0) > SAME_GAIN
 
 
 @dataclass(frozen=True, repr=False)
@@ -192,6 +201,19 @@ class Experiment:
         Args:
             model: The model.
         """
+        known = self._predictions
+        if model not in known:
+            while len(known) >= MOST_PREDICTIONS:
+                known.pop(next(iter(known)))
+            known[model] = self._predicted(model)
+        return known[model]
+
+    @cached_property
+    def _predictions(self) -> dict[Dynamics, Prediction]:
+        """The last predictions, because one model is asked for several times."""
+        return {}
+
+    def _predicted(self, model: Dynamics) -> Prediction:
         torques = tuple(model.torques(s.state) for s in self.segments)
         rows = [
             s.motion.compared(t.reading - s.motion.effort)
@@ -199,23 +221,35 @@ class Experiment:
         ]
         return Prediction(model, torques, np.vstack(rows))
 
-    def columns(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
+    def columns(
+        self,
+        effect: Effect,
+        prediction: Prediction,
+        theta: Array | None = None,
+        *,
+        at: NDArray[np.intp] | None = None,
+    ) -> Array:
         """Return the derivative of the residual by each parameter of an effect, filtered like the torques.
 
         Args:
             effect: The effect, in the model or not.
             prediction: Prediction of the model that has the effect, or for which it is a candidate.
             theta: Parameters at which a nonlinear effect is differentiated, shape (p,); zero if omitted.
+            at: Which of the joints that the effect acts on are wanted; all if omitted.
 
         Returns:
             Columns of the joints that the effect acts on [N·m or N per unit], shape (K, len(acts_on), p).
         """
-        joints = list(effect.acts_on(self.robot))
+        joints = (
+            [effect.acts_on(self.robot)[i] for i in at]
+            if at is not None
+            else list(effect.acts_on(self.robot))
+        )
         rows = []
         for segment, torques in zip(self.segments, prediction.torques, strict=True):
             x = segment.state
             if Signal.GRAVITY in effect.traits.depends_on and prediction.model.turns_gravity:
-                x = prediction.model.under_gravity(x.for_bodies())
+                x = prediction.model.under_gravity(x)
             if Signal.TORQUE in effect.traits.depends_on:
                 x = x.with_effort(torques.actuator)
             phi = effect.basis(x) if theta is None or effect.traits.linear else effect.jacobian(x, theta)

@@ -16,7 +16,8 @@ from cdia_pin.regression.shape_slopes import slopes
 Array = NDArray[np.float64]
 
 MOST_ITERATIONS = 20  # iterations [1]; a guard against slow convergence
-# Standard deviations of a lone parameter [1]; when every parameter moves by less, the fit has converged.
+# Standard deviations [1]. A step of d of them lowers the sum of squares by d² variances of the residual; when a step
+# lowers it by less, the fit has converged. Parameters that the log hardly distinguishes may still move.
 CONVERGED = 0.1
 
 
@@ -47,10 +48,13 @@ def refit(
     for _ in range(1 if exact else iterations):
         equations = regression.normal_equations(model, effects)
         before = np.concatenate([t.theta for t in model.terms]) if model.terms else np.zeros(0)
-        theta = bounded_fit(equations, range(len(effects)), bodies=True).theta
-        model = with_parameters(model, theta)
-        moved = np.abs(theta - before) * equations.scale  # in standard deviations of a lone parameter
-        if not len(moved) or moved.max() < CONVERGED:
+        fit = bounded_fit(equations, range(len(effects)), bodies=True)
+        model = with_parameters(model, fit.theta)
+        fall = equations.chi2(equations.columns(range(len(effects))), before) - fit.chi2
+        variance = max(
+            1.0, fit.chi2 / max(equations.samples, 1)
+        )  # of the residual, in variances of the noise
+        if abs(fall) < CONVERGED**2 * variance:
             break
     of_shapes = list(slopes(model))
     if of_shapes or (effects and not exact):

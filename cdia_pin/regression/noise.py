@@ -115,6 +115,10 @@ def fit_noise(
     covariance *= 1.0 - np.arange(order + 1) / (order + 1) * TAPER
     covariance[0] = covariance[0] * (1 + settings.white_share) + 1e-18
     toeplitz = covariance[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
+    # A valid covariance has no eigenvalue below its white part. That of samples with gaps may have, and its innovations
+    # would be far larger than the residual.
+    lacking = settings.white_share * covariance[0] - float(np.linalg.eigvalsh(toeplitz)[0])
+    toeplitz += max(lacking, 0.0) * np.eye(order)
     coefficients = np.linalg.solve(toeplitz + 1e-9 * covariance[0] * np.eye(order), covariance[1:])
     noise = NoiseModel(coefficients, np.ones(len(residual)), tuple(lengths))
     usable = informative & noise.kept

@@ -247,29 +247,34 @@ class NormalEquations:
         Returns:
             In variances of the noise [1], zero for effects of the set, shape (number of effects,).
         """
-        rest = self.total
-        at = self.columns(chosen)
-        if len(at):
-            rest = rest - rest[:, at] @ ScaledGram.of(self.with_prior(chosen)).solve(rest[at, :])
+        at, across = self.columns(chosen), self.total[self.columns(chosen)]
+        # what is left of XᵀX is XᵀX − acrossᵀ explained; only the block of each effect is needed
+        explained = ScaledGram.of(self.with_prior(chosen)).solve(across) if len(at) else across
+        right = self.total[:, -1] - across.T @ explained[:, -1]
         out = np.zeros(len(self.effects))
-        for size, members in self._by_size.items():
-            spans = np.array([self.columns([c]) for c in members])
-            gram = rest[spans[:, :, None], spans[:, None, :]]
-            own = self.total[spans[:, :, None], spans[:, None, :]]
-            right = rest[spans, -1]
-            diagonal = self.prior[spans] + REPEATED * np.einsum("cii->ci", own)
-            theta = np.linalg.solve(gram + np.eye(size) * diagonal[:, None, :], right[:, :, None])[:, :, 0]
-            out[members] = 2 * np.einsum("cp,cp->c", theta, right) - np.einsum(
-                "cp,cpq,cq->c", theta, gram, theta
-            )
+        for members, spans, own, diagonal in self._by_size:
+            of_effects = np.moveaxis(across[:, spans], 0, 2)  # (C, p, number of the set's parameters)
+            gram = own - of_effects @ np.moveaxis(explained[:, spans], 0, 1)
+            r = right[spans]
+            theta = np.linalg.solve(gram + np.eye(spans.shape[1]) * diagonal[:, None, :], r[:, :, None])[
+                :, :, 0
+            ]
+            out[members] = 2 * np.einsum("cp,cp->c", theta, r) - np.einsum("cp,cpq,cq->c", theta, gram, theta)
         out[list(chosen)] = 0.0
         return out
 
     @cached_property
-    def _by_size(self) -> dict[int, list[int]]:
-        out: dict[int, list[int]] = {}
+    def _by_size(self) -> list[tuple[Indices, Indices, Array, Array]]:
+        """Effects of equal size: indices, positions of their parameters, own blocks of XᵀX, and what is added."""
+        members: dict[int, list[int]] = {}
         for c, effect in enumerate(self.effects):
-            out.setdefault(effect.size, []).append(c)
+            members.setdefault(effect.size, []).append(c)
+        out = []
+        for of_size in members.values():
+            spans = np.array([self.columns([c]) for c in of_size])
+            own = self.total[spans[:, :, None], spans[:, None, :]]
+            diagonal = self.prior[spans] + REPEATED * np.einsum("cii->ci", own)
+            out.append((np.array(of_size), spans, own, diagonal))
         return out
 
     @cached_property

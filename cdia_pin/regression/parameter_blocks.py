@@ -64,7 +64,7 @@ class ParameterBlocks:
         Returns:
             Indices into θ, block by block in the order given, shape (sum of their sizes,).
         """
-        parts = [np.arange(self[k].start, self[k].stop) for k in chosen]
+        parts = [self._positions[k] for k in chosen]
         return np.concatenate(parts) if parts else np.zeros(0, int)
 
     def split(self, theta: Array) -> list[Array]:
@@ -77,6 +77,10 @@ class ParameterBlocks:
             Views of the parts, shape (size of the block,) each.
         """
         return [theta[part] for part in self]
+
+    @cached_property
+    def _positions(self) -> list[Indices]:
+        return [np.arange(s.start, s.stop) for s in self]
 
     @cached_property
     def _ends(self) -> Indices:

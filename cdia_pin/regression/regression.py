@@ -2,8 +2,9 @@ r"""The regression of measured torques on effects, :math:`y = X \theta + e`."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,10 @@ from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.whitening import Whitening
 
 Array = NDArray[np.float64]
+
+MOST_KEPT = (
+    3  # sets of effects [1] whose normal equations are kept, for the iterations and exchanges of one model
+)
 
 
 @dataclass(frozen=True, repr=False)
@@ -53,21 +58,108 @@ class Regression:
         robot = self.experiment.robot
         present = {t.effect: np.array(t.theta) for t in prediction.model.terms}
         parameters = ParameterBlocks.of(effects)
-        per_joint: list[list[tuple[slice, Array]]] = [[] for _ in range(robot.n)]
+        reused: list[list[_Reused]] = [[] for _ in range(robot.n)]
+        others: list[list[tuple[slice, Array]]] = [[] for _ in range(robot.n)]
         response = prediction.residual.copy()
         for effect, own in zip(effects, parameters, strict=True):
             theta = present.get(effect)
-            x = self.design.of(effect, prediction, theta)
+            x = self.design.columns(effect, prediction, theta)
             for i, j in enumerate(effect.acts_on(robot)):
-                per_joint[j].append((own, x[:, i, :]))
+                if x.fixed is not None and np.isfinite(x.factors[i]):
+                    reused[j].append(_Reused(own, effect, x.fixed[:, i, :], float(x.factors[i])))
+                else:
+                    others[j].append((own, x.values[:, i, :]))
                 if theta is not None:
-                    response[:, j] += x[:, i, :] @ theta
+                    response[:, j] += x.values[:, i, :] @ theta
         total = parameters.total
         blocks = np.zeros((len(self.whitening.edges) - 1, total + 1, total + 1))
-        for j, parts in enumerate(per_joint):
-            at = np.concatenate([*(np.arange(s.start, s.stop) for s, _ in parts), [total]]).astype(int)
-            stacked = self.whitening.joint(j, np.column_stack([*(x for _, x in parts), response[:, j]]))
-            for b, samples in enumerate(self.whitening.blocks):
-                rows = stacked[samples]
-                blocks[b][np.ix_(at, at)] += rows.T @ rows
+        for j in range(robot.n):
+            self._add_joint(
+                blocks, j, reused[j], [*others[j], (slice(total, total + 1), response[:, j, None])]
+            )
         return NormalEquations(robot, list(effects), blocks, self.whitening.samples)
+
+    def _add_joint(
+        self, blocks: Array, j: int, reused: list[_Reused], others: list[tuple[slice, Array]]
+    ) -> None:
+        """Add one joint's samples to the normal equations.
+
+        Args:
+            blocks: Normal equations of each block of time, shape (B, P + 1, P + 1).
+            j: Index of the joint.
+            reused: Columns that depend on the motion alone; what follows from them is kept.
+            others: Positions of all other columns, and the columns, shape (K, p) each.
+        """
+        white = self.whitening.joint(j, np.column_stack([x for _, x in others]))
+        at = _positions(s for s, _ in others)
+        blocks[:, at[:, None], at] += self._products(white, white)
+        if reused:
+            fixed, gram = self._fixed(j, reused)
+            where = _positions(r.own for r in reused)
+            scale = np.concatenate([np.full(r.columns.shape[1], r.factor) for r in reused])
+            across = scale[:, None] * self._products(fixed, white)
+            blocks[:, where[:, None], where] += gram * np.outer(scale, scale)
+            blocks[:, where[:, None], at] += across
+            blocks[:, at[:, None], where] += across.transpose(0, 2, 1)
+
+    def _products(self, left: Array, right: Array) -> Array:
+        """Return LᵀR of each block of time, shape (B, columns of L, columns of R)."""
+        return np.stack([left[s].T @ right[s] for s in self.whitening.blocks])
+
+    def _fixed(self, j: int, reused: list[_Reused]) -> tuple[Array, Array]:
+        """Return whitened columns that depend on the motion alone, and their normal equations in each block.
+
+        Args:
+            j: Index of the joint.
+            reused: The columns.
+
+        Returns:
+            Shapes (K, p) and (B, p, p).
+        """
+        key = (j, tuple(r.effect for r in reused))
+        known = self._known.pop(key, None)
+        if known is None or any(a is not b.columns.base for a, b in zip(known[0], reused, strict=True)):
+            white = np.column_stack([self._white(j, r) for r in reused])
+            gram = self._products(white, white)
+            known = ([r.columns.base for r in reused], white, gram)
+        self._known[key] = known
+        while len(self._known) > MOST_KEPT * self.experiment.robot.n:
+            self._known.pop(next(iter(self._known)))
+        return known[1:]
+
+    def _white(self, j: int, one: _Reused) -> Array:
+        """Return the whitened columns of one effect, shape (K, p)."""
+        known = self._whitened.get((j, one.effect))
+        if known is None or known[0] is not one.columns.base:
+            known = (one.columns.base, self.whitening.joint(j, one.columns))
+            self._whitened[j, one.effect] = known
+        return known[1]
+
+    @cached_property
+    def _known(self) -> dict[tuple[int, tuple[Effect, ...]], tuple[list[Array | None], Array, Array]]:
+        return {}
+
+    @cached_property
+    def _whitened(self) -> dict[tuple[int, Effect], tuple[Array | None, Array]]:
+        return {}
+
+
+def _positions(parts: Iterable[slice]) -> NDArray[np.intp]:
+    return np.concatenate([np.arange(s.start, s.stop) for s in parts])
+
+
+@dataclass(frozen=True, eq=False)
+class _Reused:
+    """Columns of one effect on one joint that depend on the motion alone, up to a factor.
+
+    Attributes:
+        own: Positions of the parameters.
+        effect: The effect.
+        columns: The columns, a view of an array that is always the same, shape (K, p).
+        factor: Factor [1].
+    """
+
+    own: slice
+    effect: Effect
+    columns: Array
+    factor: float

@@ -74,6 +74,11 @@ class Evidence:
         """The candidates."""
         return self.equations.effects
 
+    @cached_property
+    def labels(self) -> tuple[str, ...]:
+        """Labels of the candidates."""
+        return tuple(e.label for e in self.effects)
+
     @property
     def robot(self) -> RobotModel:
         """The robot."""
@@ -104,10 +109,10 @@ class Evidence:
     @cached_property
     def penalty(self) -> Array:
         """Penalty that each candidate adds to the cost of a set [1], shape (number of candidates,); see `criterion`."""
-        names = max(len({e.label for e in self.effects}), 1)
+        names = max(len(set(self.labels)), 1)
         nominal = np.array([e.size for e in self.effects])
-        shapes = Counter(e.label for e in self.effects) if self.searched is None else self.searched
-        looked_for = np.array([2 * np.log(shapes[e.label]) for e in self.effects])
+        shapes = Counter(self.labels) if self.searched is None else self.searched
+        looked_for = np.array([2 * np.log(shapes[label]) for label in self.labels])
         rarity = np.array([e.plausibility.penalty for e in self.effects])
         of_parameters = self.effective_parameters * self.penalty_per_parameter
         return np.asarray(of_parameters + 2 * np.log(names) + looked_for + rarity + 0.5 * nominal)
@@ -181,7 +186,14 @@ class Evidence:
         Returns:
             Shape (number of candidates,).
         """
-        return self.equations.gains(chosen)
+        key = tuple(sorted(chosen))
+        if key not in self._gains:
+            self._gains[key] = self.equations.gains(key)
+        return self._gains[key]
+
+    @cached_property
+    def _gains(self) -> dict[tuple[int, ...], Array]:
+        return {}
 
     @cached_property
     def _fits(self) -> dict[tuple[tuple[int, ...], bool], SetFit]:

@@ -119,7 +119,7 @@ def names(evidence: Evidence, chosen: Sequence[int]) -> Names:
         evidence: Evidence for the candidates.
         chosen: Indices of the set.
     """
-    return frozenset(evidence.effects[c].label for c in chosen)
+    return frozenset(evidence.labels[c] for c in chosen)
 
 
 def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float = 0.0) -> list[int]:
@@ -133,12 +133,12 @@ def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float =
     """
     gains = evidence.gains(chosen)
     profit = np.where(gains > evidence.least_gain - spare, gains - evidence.penalty, -np.inf)
-    taken = {evidence.effects[c].label for c in chosen}
+    taken = {evidence.labels[c] for c in chosen}
     out: list[int] = []
     for c in np.argsort(profit)[::-1]:
         if not profit[c] > -spare or len(out) == count:
             break
-        label = evidence.effects[c].label
+        label = evidence.labels[c]
         if label not in taken:  # only the best shape of each effect
             taken.add(label)
             out.append(int(c))

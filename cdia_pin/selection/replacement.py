@@ -9,9 +9,12 @@ import numpy as np
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
 from cdia_pin.regression.bounded_fit import bounded_fit
-from cdia_pin.regression.gauss_newton import MOST_ITERATIONS, refit
+from cdia_pin.regression.gauss_newton import refit
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.evidence import Evidence, SetFit
 from cdia_pin.selection.problem import WhitenedProblem
+
+NEARBY = 3  # iterations of Gauss-Newton [1] after the one that the evidence holds; they settle which set costs less
 
 Refit = Callable[
     [Sequence[int], int], SetFit
@@ -19,7 +22,7 @@ Refit = Callable[
 
 
 def refitting(
-    problem: WhitenedProblem, model: Dynamics, evidence: Evidence, iterations: int = MOST_ITERATIONS
+    problem: WhitenedProblem, model: Dynamics, evidence: Evidence, iterations: int = NEARBY
 ) -> Refit:
     """Return a function that fits a candidate at its own optimum together with some of a model's effects.
 
@@ -36,7 +39,11 @@ def refitting(
         chosen = tuple(sorted((*rest, other)))
         present = {t.effect: t for t in model.terms}
         effects = [evidence.effects[c] for c in chosen]
-        terms = tuple(present[e] if e in present else Term(e, (0.0,) * e.size) for e in effects)
+        first = ParameterBlocks.of(effects).split(evidence.fit(chosen, bodies=True).theta)
+        terms = tuple(
+            present[e].with_theta(part) if e in present else Term(e, tuple(part))
+            for e, part in zip(effects, first, strict=True)
+        )
         _, equations = refit(problem.regression, Dynamics(model.robot, terms), iterations)
         fit = bounded_fit(equations, range(len(effects)), bodies=True)
         cost = fit.chi2 + evidence.penalty_of(chosen)
@@ -58,9 +65,8 @@ def promising(
         enough: Returns the least gain of an effect [1].
     """
     gains = evidence.gains(rest)
-    taken = {evidence.effects[c].label for c in rest}
+    taken = {evidence.labels[c] for c in rest}
     for c in np.argsort(gains)[::-1]:
-        effect = evidence.effects[c]
-        if effect.label not in taken and gains[c] >= enough(effect):
-            taken.add(effect.label)
+        if evidence.labels[c] not in taken and gains[c] >= enough(evidence.effects[c]):
+            taken.add(evidence.labels[c])
             yield int(c), float(gains[c])

@@ -23,11 +23,13 @@ from cdia_pin.selection.shapes import refine_shapes
 Array = NDArray[np.float64]
 Swaps = set[tuple[str, str]]
 Allowed = Callable[[tuple[int, ...]], bool]
+Errors = dict[
+    tuple[str, str], float
+]  # cost of an exchange at its optimum less that to first order [1], by labels
 
 ROUGHLY = 2  # iterations of Gauss-Newton [1] after each move; the result has as many as it needs
 LIKELY = 0.5  # share of what an effect explains [1] that another one must explain to first order to be tried
 MOST_REFITS = 8  # exchanges [1] that are fitted at their own optimum from one model, the best to first order
-NEARBY = 5  # iterations of Gauss-Newton [1] of such an exchange
 MOST_MOVES = 120  # moves [1]; a guard, because the cost falls at every move
 MOST_REJECTED = 6  # moves in a row [1] that the refit rejects, after which the search ends
 
@@ -53,6 +55,7 @@ def search(problem: WhitenedProblem, model: Dynamics, futile: Swaps, report: Pro
     # a shape depends on the other terms and on the noise
     now = fitted(problem, refine_shapes(regression, model))
     failed: set[Names] = set()
+    worse: Errors = {}
     rejected = 0
 
     def beyond(now: Found) -> tuple[Allowed, Iterator[SetFit]]:
@@ -66,7 +69,7 @@ def search(problem: WhitenedProblem, model: Dynamics, futile: Swaps, report: Pro
                 return False
             return tried not in failed and not _swaps(present, tried) & futile
 
-        return allowed, _exchanges(problem, now, allowed)
+        return allowed, _exchanges(problem, now, allowed, worse)
 
     allowed, exchanges = beyond(now)
     for moves in range(MOST_MOVES):
@@ -135,10 +138,13 @@ def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:
     return Found(model, evidence, fit, problem.problem.rms(model))
 
 
-def _exchanges(problem: WhitenedProblem, now: Found, allowed: Allowed) -> Iterator[SetFit]:
-    """Yield better sets in which a nonlinear effect, fitted at its own optimum, replaces another effect."""
+def _exchanges(problem: WhitenedProblem, now: Found, allowed: Allowed, worse: Errors) -> Iterator[SetFit]:
+    """Yield better sets in which a nonlinear effect, fitted at its own optimum, replaces another effect.
+
+    An exchange that failed is tried again only if it promises more than it did before by as much as it then lacked.
+    """
     evidence = now.evidence
-    pairs: list[tuple[float, tuple[int, ...], int]] = []
+    pairs: list[tuple[float, tuple[int, ...], int, tuple[str, str]]] = []
     for one in now.fit.chosen:
         rest = tuple(c for c in now.fit.chosen if c != one)
         left = evidence.free_chi2(rest)
@@ -149,14 +155,20 @@ def _exchanges(problem: WhitenedProblem, now: Found, allowed: Allowed) -> Iterat
 
         for other, gain in promising(evidence, rest, if_not_linear):
             if other != one:
-                cost = left - gain + evidence.penalty[other] - evidence.penalty[one]
-                pairs.append((float(cost), rest, other))
-    at_optimum = refitting(problem, now.model, evidence, NEARBY)
-    tried = ((rest, other) for _, rest, other in sorted(pairs) if allowed((*rest, other)))
-    for rest, other in islice(tried, MOST_REFITS):
+                change = left - gain - now.fit.chi2 + evidence.penalty[other] - evidence.penalty[one]
+                pairs.append((float(change), rest, other, (evidence.labels[other], evidence.labels[one])))
+    at_optimum = refitting(problem, now.model, evidence)
+    tried = (
+        (change, rest, other, swap)
+        for change, rest, other, swap in sorted(pairs)
+        if allowed((*rest, other)) and change + worse.get(swap, -np.inf) < -evidence.criterion.margin
+    )
+    for change, rest, other, swap in islice(tried, MOST_REFITS):
         fit = at_optimum(rest, other)
         if fit.physical and fit.cost < now.fit.cost - evidence.criterion.margin:
             yield fit
+        else:
+            worse[swap] = fit.cost - now.fit.cost - change if fit.physical else np.inf
 
 
 def _slimmed(problem: WhitenedProblem, now: Found) -> Found | None:
