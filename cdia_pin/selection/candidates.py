@@ -122,7 +122,9 @@ def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool
     joints = [experiment.robot.joint_index(j) for j in effect.scope]
     if Signal.TORQUE in effect.traits.depends_on and joints and not loaded[joints].all():
         return False
-    moves = effect.traits.dissipative or isinstance(effect, RotorInertia | PositionRipple)
+    moves = (
+        effect.traits.dissipative or bool(effect.memories) or isinstance(effect, RotorInertia | PositionRipple)
+    )
     return not (moves and experiment.resting[joints].any())
 
 

@@ -298,6 +298,7 @@ CHANGED: dict[Signal, Callable[[State], State]] = {  # in one signal alone, all 
     Signal.ACCELERATION: lambda x: replace(x, a=louder(x.a, x.time)),
     Signal.TORQUE: lambda x: x.with_effort(louder(x.effort, x.time)),
     Signal.TIME: lambda x: replace(x, time=1.2 * x.time + 0.3),
+    Signal.TEMPERATURE: lambda x: replace(x, temperature=louder(np.full_like(x.q, 25.0), x.time)),
     Signal.GRAVITY: lambda x: x.with_gravity_change(np.tile([1.0, -2.0, 0.5], (len(x), 1))),
 }
 
@@ -573,7 +574,8 @@ def reference():
 @cache
 def asked() -> State:
     time = np.linspace(0.0, LOG["duration"], 400)
-    return State.of(robot_of("ur5"), *reference()(time), time=time, sign_width=0.01)
+    x = State.of(robot_of("ur5"), *reference()(time), time=time, sign_width=0.01)
+    return replace(x, temperature=25.0 + time[:, None] * np.ones(x.robot.n))
 
 
 def visible(kind: type[Effect]) -> Effect:
