@@ -19,3 +19,8 @@ class Plausibility:
     penalty: float = 0.0
     collective: bool = False
     unusual: bool = False
+
+    @property
+    def is_common(self) -> bool:
+        """True for what most arms have; such effects are searched without a penalty, and tell the noise before a search."""
+        return self.penalty == 0.0

@@ -123,6 +123,10 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             acceleration_drowned=[j for j, lost in zip(log.joints, drowned, strict=True) if lost],
             notes=list(even.notes),
         ),
+        # drives report it in whole degrees
+        temperature=None if even.temperature is None else zero_phase(even.temperature, cutoff, rate)[kept],
+        sensor_side=log.sensor_side,
+        effort_tolerance=log.effort_tolerance,
     )
 
 

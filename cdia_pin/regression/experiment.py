@@ -107,7 +107,9 @@ class Experiment:
         segments, moving, nearness = [], [], []
         for motion, name in zip(motions, _names(motions), strict=True):
             zero = np.zeros_like(motion.q)
-            state = State(robot, motion.q, motion.v, motion.a, zero, motion.time, width, name)
+            state = State(
+                robot, motion.q, motion.v, motion.a, zero, motion.time, width, name, temperature=motion.temperature
+            )
             measured = motion.compared(motion.effort)
             if len(measured) < FEWEST_SAMPLES:
                 raise LogError(
@@ -256,10 +258,11 @@ class Experiment:
         effort = np.vstack([t.actuator for t in prediction.torques])
         if not others:
             return replace(first, effort=effort)
-        q, v, a, time = (
-            np.concatenate([getattr(x, name) for x in (first, *others)]) for name in ("q", "v", "a", "time")
-        )
-        return replace(first, q=q, v=v, a=a, effort=effort, time=time)
+        every = (first, *others)
+        q, v, a, time = (np.concatenate([getattr(x, name) for x in every]) for name in ("q", "v", "a", "time"))
+        warmth = [x.temperature for x in every if x.temperature is not None]
+        temperature = np.concatenate(warmth) if len(warmth) == len(every) else None
+        return replace(first, q=q, v=v, a=a, effort=effort, time=time, temperature=temperature)
 
 
 def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:
