@@ -26,6 +26,7 @@ from cdia_pin.cli.options import (
     Robot,
     Save,
     Topic,
+    TorqueSide,
 )
 
 if TYPE_CHECKING:
@@ -78,6 +79,7 @@ def discover(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    torque_side: TorqueSide = None,
     check: Check = True,
     report: Report = None,
     json: Json = None,
@@ -105,7 +107,7 @@ def discover(
             extra=own_effects(extra or [], known.robot),
             per_log=parse_per_log(per_log, logs, conditions, known.robot),
         )
-        reading = Reading(gains, joint_map, convert, topic, conditions)
+        reading = Reading(gains, joint_map, convert, topic, conditions, torque_side)
         given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
         found = discovery.discover(known, given, holdout=held_out or None, settings=settings, progress=tell)

@@ -109,6 +109,16 @@ Topic = Annotated[
         rich_help_panel=READING,
     ),
 ]
+TorqueSide = Annotated[
+    str | None,
+    typer.Option(
+        "--torque-side",
+        metavar="motor|link",
+        show_default=False,
+        help="Side of the gear on which the torque was measured; found from the log where it is clear.",
+        rich_help_panel=READING,
+    ),
+]
 Check = Annotated[
     bool,
     typer.Option(

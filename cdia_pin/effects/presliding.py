@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 # Reaches that are tried, over the joint's travel [1]. Below the first, what differs from Coulomb friction lies within
 # the samples near a reversal, which the filter blurs; above the last, the friction would never slide freely.
 SHORTEST, LONGEST = 0.01, 0.3
+# Longest reach by itself [rad], [m]: belts, cables and soft gears; what builds up over more is a spring or a cable.
+LONGEST_TURNING, LONGEST_SLIDING = 0.15, 0.02
 TRIED = 13  # reaches [1]: neighbours differ by a third, and a parabola finds the rest
 SHORTEST_TRAVEL = 1e-3  # [rad or m], a joint that moves less has no reversals that count
 
@@ -93,15 +95,18 @@ class PreslidingFriction(StatefulEffect):
         return [-x.memory[:, 0]]
 
     def shape_grid(self, x: State) -> Sequence[Self]:
-        """Return reaches between a hundredth of the joint's travel and a third of it; none if it does not move.
+        """Return reaches between a hundredth of the joint's travel and a third of it, none if it does not move.
 
         Args:
             x: Motion and torques, N samples.
         """
-        travel = float(np.ptp(x.q[:, x.robot.joint_index(self.joint)]))
+        j = x.robot.joint_index(self.joint)
+        travel = float(np.ptp(x.q[:, j]))
         if travel < SHORTEST_TRAVEL:
             return []
-        return [self.with_shape(reach=float(r)) for r in travel * np.geomspace(SHORTEST, LONGEST, TRIED)]
+        longest = min(LONGEST * travel, LONGEST_SLIDING if x.robot.is_prismatic[j] else LONGEST_TURNING)
+        shortest = min(SHORTEST * travel, longest / 3)
+        return [self.with_shape(reach=float(r)) for r in np.geomspace(shortest, longest, TRIED)]
 
 
 def deflection(travel: Array, reach: float, start: float = 0.0) -> Array:

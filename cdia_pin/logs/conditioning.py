@@ -125,7 +125,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         ),
         # drives report it in whole degrees
         temperature=None if even.temperature is None else zero_phase(even.temperature, cutoff, rate)[kept],
-        sensor_side=log.sensor_side,
+        torque_side=log.torque_side,
         effort_tolerance=log.effort_tolerance,
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.sensor_side import SensorSide
+from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import shortened
 
 Array = NDArray[np.float64]
@@ -30,7 +30,7 @@ class Log:
         notes: Inferences and conversions of the reader, one sentence each.
         condition: Condition that this log shares with others, such as ``warm``; empty if it shares none.
         temperature: Temperature of each joint [°C], shape (N, n); None if it was not recorded.
-        sensor_side: Side of the gear on which the torque was measured, as far as it is known.
+        torque_side: Side of the gear on which the torque was measured, as far as it is known.
         effort_tolerance: Tolerance of the scale of each joint's torque, 95 % [1], shape (n,); None if nobody states it.
     """
 
@@ -44,7 +44,7 @@ class Log:
     notes: tuple[str, ...] = ()
     condition: str = ""
     temperature: Array | None = None
-    sensor_side: SensorSide = SensorSide.UNKNOWN
+    torque_side: TorqueSide = TorqueSide.UNKNOWN
     effort_tolerance: Array | None = None
 
     def __post_init__(self) -> None:

@@ -16,7 +16,7 @@ from cdia_pin.logs.gains import Gains, read_gains
 from cdia_pin.logs.joint_names import check_joint_map, joint_map_of
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.readers.dispatch import read_table
-from cdia_pin.logs.sensor_side import SensorSide, sensor_side_of
+from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide, torque_side_of
 from cdia_pin.logs.signal_picker import SignalPicker
 from cdia_pin.logs.timestamps import in_seconds
 
@@ -34,7 +34,7 @@ def read_log(
     joint_map: Mapping[str, str] | Sequence[str] | None = None,
     convert: Conversion | Mapping[str, Any] | Sequence[str] | None = None,
     topic: str | None = None,
-    sensor_side: str | None = None,
+    torque_side: str | None = None,
 ) -> Log:
     """Read a log of a robot; the suffix of the file gives its format.
 
@@ -50,7 +50,7 @@ def read_log(
         joint_map: {name in the log: joint of the robot} for names that differ, or texts ``name=joint``.
         convert: Units and signs that are not SI or not those of the URDF, see ``Conversion``.
         topic: JointState topic of a bag, if several topics have the robot's joints.
-        sensor_side: Side of the gear on which the torque was measured, ``motor`` or ``link``. Currents are of the
+        torque_side: Side of the gear on which the torque was measured, ``motor`` or ``link``. Currents are of the
             motor's side; of other torques it is not known.
 
     Returns:
@@ -72,11 +72,13 @@ def read_log(
     velocity = pick.optional("velocity") if conversion.use_velocity else None
     if velocity is not None:
         velocity = velocity * conversion.velocity_scale(robot)
-    side = sensor_side_of(sensor_side)
+    side = torque_side_of(torque_side)
     effort, tolerance = _effort(pick, gains, conversion)
     if tolerance is not None:
-        side = side if side is not SensorSide.UNKNOWN else SensorSide.MOTOR
+        side = side if side is not TorqueSide.UNKNOWN else TorqueSide.MOTOR
     effort = effort * conversion.effort_scale(robot)
+    if side is TorqueSide.LINK:
+        pick.notes.append(f"{BEHIND_THE_GEAR}, as asked")
     temperature = _temperature(pick)
     if conversion.gravity == GravityInEffort.COMPENSATED:
         effort = effort + robot.gravity(position)
@@ -95,7 +97,7 @@ def read_log(
         sha256=sha256,
         notes=(*pick.notes, *conversion.notes(), *time_notes, *repeat_notes),
         temperature=None if temperature is None else temperature[keep],
-        sensor_side=side,
+        torque_side=side,
         effort_tolerance=tolerance,
     )
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.logs.derivatives import zero_phase
-from cdia_pin.logs.sensor_side import SensorSide
+from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import shortened
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ class Motion:
         effort_step: Step between the levels of rounded torques [N·m or N], shape (n,); 0 where they are not rounded.
         record: Record of the conditioning, for files and reports.
         temperature: Temperatures of the joints [°C], shape (N, n); None if they were not recorded.
-        sensor_side: Side of the gear on which the torque was measured, as far as it is known.
+        torque_side: Side of the gear on which the torque was measured, as far as it is known.
         effort_tolerance: Tolerance of the scale of each joint's torque, 95 % [1], shape (n,); None if nobody states it.
     """
 
@@ -85,7 +85,7 @@ class Motion:
     effort_step: Array
     record: MotionRecord
     temperature: Array | None = None
-    sensor_side: SensorSide = SensorSide.UNKNOWN
+    torque_side: TorqueSide = TorqueSide.UNKNOWN
     effort_tolerance: Array | None = None
 
     def __repr__(self) -> str:

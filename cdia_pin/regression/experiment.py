@@ -14,6 +14,8 @@ from cdia_pin.dynamics.torques import Torques
 from cdia_pin.effects import Channel, Effect, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
+from cdia_pin.logs.side_evidence import side_evidence
+from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import clipped, some
 from cdia_pin.regression.rest import RestSettings
 from cdia_pin.robot.model import RobotModel
@@ -22,6 +24,7 @@ Array = NDArray[np.float64]
 
 # Postures per log [1] at which the mass matrix is computed, because all of them would take long.
 POSTURES = 200
+JUDGED = 800  # samples of a log [1] by which the side of its torque is judged
 FEWEST_SAMPLES = 40  # compared samples of a log [1]; fewer do not determine the noise of a joint
 
 
@@ -151,6 +154,15 @@ class Experiment:
             nearness[:, joints] = np.minimum(nearness[:, joints], self.rest.nearness(distance))
         return replace(self, moving=moving, nearness=nearness) if shared else self
 
+    @cached_property
+    def torque_side(self) -> TorqueSide:
+        """Side of the gear on which the torque was measured: as the logs say, else as far as they clearly show it."""
+        sides = {s.motion.torque_side for s in self.segments}
+        if sides == {TorqueSide.UNKNOWN}:
+            sides = {_measured_side(self.robot, s.motion) for s in self.segments}
+        behind = TorqueSide.LINK in sides and TorqueSide.MOTOR not in sides
+        return TorqueSide.LINK if behind else sides.pop() if len(sides) == 1 else TorqueSide.UNKNOWN
+
     @property
     def informative(self) -> NDArray[np.bool_]:
         """True for the samples that count: all of a resting joint, otherwise those in motion, shape (K, n)."""
@@ -277,6 +289,11 @@ def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:
     """
     count = np.maximum(informative.sum(axis=0), 1)
     return np.asarray(np.sqrt(np.sum(np.where(informative, signal, 0.0) ** 2, axis=0) / count))
+
+
+def _measured_side(robot: RobotModel, motion: Motion) -> TorqueSide:
+    thin = np.s_[:: max(1, len(motion.time) // JUDGED)]
+    return side_evidence(robot, motion.q[thin], motion.v[thin], motion.a[thin], motion.effort[thin]).side
 
 
 def _names(motions: Sequence[Motion]) -> list[str]:

@@ -15,6 +15,7 @@ from cdia_pin.logs.checks.limits import check_limits, check_saturation
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import check_gaps, check_rate, check_repeats, check_resolution
 from cdia_pin.logs.checks.sign_and_order import check_conventions
+from cdia_pin.logs.checks.torque_side import check_torque_side
 from cdia_pin.logs.checks.velocity import check_velocity
 from cdia_pin.logs.log import Log
 
@@ -71,4 +72,5 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     motion = search.conventions.apply(motion, robot)
     yield from check_excitation(log, robot, motion)
     yield from check_effort_kind(log, robot, motion)
+    yield from check_torque_side(log, robot, motion)
     yield from check_lag(log, robot, search.conventions)

@@ -38,6 +38,7 @@ class Topic(StrEnum):
     SIGN = "sign"
     JOINT_ORDER = "joint_order"
     EFFORT_KIND = "effort_kind"
+    TORQUE_SIDE = "torque_side"
     LAG = "lag"
 
 

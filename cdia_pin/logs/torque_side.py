@@ -7,7 +7,7 @@ from enum import StrEnum
 from cdia_pin.errors import LogError, unknown_name
 
 
-class SensorSide(StrEnum):
+class TorqueSide(StrEnum):
     """Side of the gear on which a torque was measured."""
 
     UNKNOWN = "unknown"
@@ -15,7 +15,12 @@ class SensorSide(StrEnum):
     LINK = "link"  # a sensor behind the gear: it sees neither, and has a zero of its own
 
 
-def sensor_side_of(given: str | None) -> SensorSide:
+BEHIND_THE_GEAR = (
+    "the torque is taken as measured behind the gear: friction of the motor and its rotor are not searched for"
+)
+
+
+def torque_side_of(given: str | None) -> TorqueSide:
     """Return the side that a user names.
 
     Args:
@@ -25,7 +30,7 @@ def sensor_side_of(given: str | None) -> SensorSide:
         LogError: If it is something else.
     """
     if given is None:
-        return SensorSide.UNKNOWN
-    if given not in tuple(SensorSide):
-        raise LogError(unknown_name("side of the torque sensor", given, [SensorSide.MOTOR, SensorSide.LINK]))
-    return SensorSide(given)
+        return TorqueSide.UNKNOWN
+    if given not in tuple(TorqueSide):
+        raise LogError(unknown_name("side of the torque sensor", given, [TorqueSide.MOTOR, TorqueSide.LINK]))
+    return TorqueSide(given)
