@@ -74,7 +74,7 @@ Gains = Annotated[
         "--gains",
         metavar="FILE",
         show_default=False,
-        help="Drive gains, JSON {joint: N·m/A}, where the log has motor currents.",
+        help="Drive gains, JSON {joint: N·m/A} or {joint: {value, tolerance}}, where the log has motor currents.",
         rich_help_panel=READING,
     ),
 ]
