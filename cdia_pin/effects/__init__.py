@@ -53,11 +53,12 @@ from cdia_pin.effects.wrapped import WrappedEffect
 
 __all__ = [
     "ALWAYS", "EFFECTS", "ActuatorGain", "Always", "AsymmetricFriction", "BaseTilt", "Between", "Channel",
-    "CoulombFriction", "Counterbalance", "CoupledFriction", "Drift", "Effect", "EffortDelay", "EncoderOffset", "Expression",
-    "Incipient", "Intermittent", "JointEffect", "JointElasticity", "JointSpring", "JointState", "LinkInertia", "LinkInertias",
-    "LoadFriction", "LoadStribeckFriction", "NonlinearEffect", "Parameter", "Payload", "PerLog", "Plausibility", "PositionRipple",
-    "PreslidingFriction", "Profile", "QuadraticFriction", "Region", "RotorInertia", "Signal", "State", "StatefulEffect",
-    "StribeckFriction", "Term", "ThermalFriction", "ToolWrench", "TorqueOffset", "Traits", "Unknown", "Varying", "ViscousFriction",
-    "ViscousMedium", "WrappedEffect", "after", "effect_from_dict", "from_expression", "parse_effect", "parse_term",
-    "profile_from_dict", "register", "varied",
+    "CoulombFriction", "Counterbalance", "CoupledFriction", "Drift", "Effect", "EffortDelay", "EncoderOffset",
+    "Expression", "Incipient", "Intermittent", "JointEffect", "JointElasticity", "JointSpring", "JointState",
+    "LinkInertia", "LinkInertias", "LoadFriction", "LoadStribeckFriction", "NonlinearEffect", "Parameter",
+    "Payload", "PerLog", "Plausibility", "PositionRipple", "PreslidingFriction", "Profile", "QuadraticFriction",
+    "Region", "RotorInertia", "Signal", "State", "StatefulEffect", "StribeckFriction", "Term",
+    "ThermalFriction", "ToolWrench", "TorqueOffset", "Traits", "Unknown", "Varying", "ViscousFriction",
+    "ViscousMedium", "WrappedEffect", "after", "effect_from_dict", "from_expression", "parse_effect",
+    "parse_term", "profile_from_dict", "register", "varied",
 ]  # fmt: skip

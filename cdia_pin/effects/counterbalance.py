@@ -1,4 +1,4 @@
-"""A spring on a lever arm that carries a part of the arm's weight: a coil spring that pulls, a gas spring that pushes."""
+"""A spring on a lever arm that carries a part of the arm's weight: a coil that pulls, or gas that pushes."""
 
 from __future__ import annotations
 
@@ -48,7 +48,9 @@ class Counterbalance(JointEffect):
     name: ClassVar[str] = "counterbalance"
     equation: ClassVar[str] = "−F(λ) sin(q − q₀) / λ,  λ² = 1 + r² − 2 r cos(q − q₀)"
     traits: ClassVar[Traits] = Traits({Signal.POSITION})
-    plausibility: ClassVar[Plausibility] = Plausibility(penalty=6.0)  # few arms have one, and then it is known
+    plausibility: ClassVar[Plausibility] = Plausibility(
+        penalty=6.0
+    )  # few arms have one, and then it is known
     parameters = (
         Parameter("torque_at_centre", "{effort}", lower=0.0),
         Parameter("torque_opposite", "{effort}", lower=0.0),

@@ -25,7 +25,7 @@ TRIED = 4  # decays [1]: a column of the load cannot be kept between fits, and a
 class LoadStribeckFriction(JointEffect):
     """Dry friction in proportion to the load that falls with speed, f = −(α₀ + α₁ exp(−β|q̇|)) |τ| sgn q̇.
 
-    Gears under load have it [Duclusaud2025] [Linderoth2013]. With `stribeck_friction` and `viscous_friction` beside it
+    Gears under load have it [Duclusaud2025]. With `stribeck_friction` and `viscous_friction` beside it
     it is the extended law of servo actuators. At α₁ = 0 it is `load_friction`.
 
     Attributes:

@@ -22,5 +22,5 @@ class Plausibility:
 
     @property
     def is_common(self) -> bool:
-        """True for what most arms have; such effects are searched without a penalty, and tell the noise before a search."""
+        """True for what most arms have: it has no penalty, and tells the noise before a search."""
         return self.penalty == 0.0

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.effects.friction import CoulombFriction
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.plausibility import Plausibility
 from cdia_pin.effects.state import JointState, State
@@ -42,10 +44,17 @@ class PreslidingFriction(StatefulEffect):
 
     name: ClassVar[str] = "presliding_friction"
     equation: ClassVar[str] = "−α z,  dz = (sgn(q̇) − z) |dq| / r"
-    traits: ClassVar[Traits] = Traits({Signal.POSITION}, motor_side=True)  # bristles give back what they store
+    traits: ClassVar[Traits] = Traits(
+        {Signal.POSITION}, motor_side=True
+    )  # bristles give back what they store
     plausibility: ClassVar[Plausibility] = Plausibility(penalty=3.0)  # Coulomb friction is more common
     parameters = (Parameter("level", "{effort}", lower=0.0),)
     shape = (Parameter("reach", "{position}", lower=1e-6, upper=10.0),)
+
+    @property
+    def steady(self) -> CoulombFriction:
+        """Coulomb friction, which it is far from a reversal."""
+        return CoulombFriction(self.joint)
 
     def initial_state(self, robot: RobotModel) -> Array:
         """Return z of bristles that are straight, shape (1,).
@@ -81,7 +90,7 @@ class PreslidingFriction(StatefulEffect):
         anew = np.flatnonzero(duration < 0) + 1
         out = np.empty(len(x))
         bounds = [0, *anew.tolist(), len(x)]
-        for a, b in zip(bounds[:-1], bounds[1:], strict=True):
+        for a, b in pairwise(bounds):
             travel = np.where(duration[a : b - 1] > 0, np.diff(position[a:b]), 0.0)
             out[a:b] = deflection(travel, self.reach, float(first[0] if a == 0 else start[0]))
         return out[:, None]
@@ -124,7 +133,7 @@ def deflection(travel: Array, reach: float, start: float = 0.0) -> Array:
     bounds = [0, *turns.tolist(), len(travel)]
     path = np.concatenate([[0.0], np.cumsum(np.abs(travel))])
     out, z = np.full(len(travel) + 1, start), start
-    for a, b in zip(bounds[:-1], bounds[1:], strict=True):  # a stroke is monotone, so the solution is exact
+    for a, b in pairwise(bounds):  # a stroke is monotone, so the solution is exact
         if a == b:
             continue
         end = float(direction[a])

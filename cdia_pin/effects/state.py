@@ -139,9 +139,7 @@ class State:
         change = None if self.gravity_change is None else self.gravity_change[at]
         q, v, a, effort, time = (s[at] for s in (self.q, self.v, self.a, self.effort, self.time))
         warmth = None if self.temperature is None else self.temperature[at]
-        return State(
-            self.robot, q, v, a, effort, time, self.sign_width, self.log, change, temperature=warmth
-        )
+        return State(self.robot, q, v, a, effort, time, self.sign_width, self.log, change, temperature=warmth)
 
     def with_effort(self, effort: Array) -> State:
         """Return the same motion under other actuator torques, keeping what was computed for it.

@@ -13,7 +13,9 @@ Array = NDArray[np.float64]
 
 POSTURES = 100  # postures [1] over the range of the joints; their largest torque is near the largest of all
 WIDEST = np.pi  # [rad or m], range of a joint without limits, to both sides
-LOADED = 0.1  # gravity torque over that of the most loaded joint [1]; below it tools and cables outweigh the links
+LOADED = (
+    0.1  # gravity torque over that of the most loaded joint [1]; below it tools and cables outweigh the links
+)
 
 
 @lru_cache(maxsize=32)

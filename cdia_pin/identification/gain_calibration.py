@@ -42,7 +42,9 @@ FARTHEST = 0.3  # [m], prior standard deviation of the centre of mass from the t
 WIDEST = 0.05  # [m²], prior standard deviation of the inertia over the mass
 REPEATED = 1e-6  # ridge of the common columns in units of their RMS [1]: some repeat each other
 NORMAL_95 = 1.96  # half width of a 95 % interval in standard deviations [1]
-DETERMINED = 0.5  # tolerance over the one before [1] from which the weight itself has told the scale of a joint
+DETERMINED = (
+    0.5  # tolerance over the one before [1] from which the weight itself has told the scale of a joint
+)
 
 
 class CalibrationRecord(TypedDict):

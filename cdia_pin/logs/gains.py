@@ -73,10 +73,10 @@ def read_gains(gains: Gains, joints: Sequence[str]) -> DriveGains:
 
 
 def _value_and_tolerance(given: Any, joint: str, where: str) -> tuple[float, float]:
-    value = given.get("value") if isinstance(given, Mapping) else given
+    value: Any = given.get("value") if isinstance(given, Mapping) else given
     if not _is_number(value) or value <= 0:
         raise LogError(f"{where}: the gain of {joint} must be a number above 0 [N·m/A], given {given!r}")
-    tolerance = given.get("tolerance") if isinstance(given, Mapping) else None
+    tolerance: Any = given.get("tolerance") if isinstance(given, Mapping) else None
     if tolerance is None:
         return float(value), NOMINAL_TOLERANCE * float(value)
     if not _is_number(tolerance) or tolerance < 0:

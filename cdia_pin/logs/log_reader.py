@@ -16,9 +16,9 @@ from cdia_pin.logs.gains import Gains, read_gains
 from cdia_pin.logs.joint_names import check_joint_map, joint_map_of
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.readers.dispatch import read_table
-from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide, torque_side_of
 from cdia_pin.logs.signal_picker import SignalPicker
 from cdia_pin.logs.timestamps import in_seconds
+from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide, torque_side_of
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
@@ -102,9 +102,7 @@ def read_log(
     )
 
 
-def _effort(
-    pick: SignalPicker, gains: Gains | None, conversion: Conversion
-) -> tuple[Array, Array | None]:
+def _effort(pick: SignalPicker, gains: Gains | None, conversion: Conversion) -> tuple[Array, Array | None]:
     """Return the efforts as logged, or the motor currents times the drive gains, shape (N, n).
 
     With currents, return the relative tolerance of the gains [1] as well, shape (n,).

@@ -124,8 +124,8 @@ def side_evidence(robot: RobotModel, q: Array, v: Array, a: Array, effort: Array
             continue
         own = np.column_stack([np.sign(v[moving, j]), v[moving, j], np.ones(moving.sum())])
         value, error = _fitted(own, regressor[moving, j], effort[moving, j])
-        pairs = [float(x) for both in zip(value, error, strict=True) for x in both]
-        found[joint] = JointFriction(*pairs, float(limits[j]))
+        dry, viscous, offset = zip(value.tolist(), error.tolist(), strict=True)
+        found[joint] = JointFriction(*dry, *viscous, *offset, float(limits[j]))
     return SideEvidence(found)
 
 

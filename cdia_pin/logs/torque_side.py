@@ -16,7 +16,7 @@ class TorqueSide(StrEnum):
 
 
 BEHIND_THE_GEAR = (
-    "the torque is taken as measured behind the gear: friction of the motor and its rotor are not searched for"
+    "the torque is taken as measured behind the gear: friction of the motor and its rotor are not looked for"
 )
 
 

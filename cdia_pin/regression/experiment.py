@@ -111,7 +111,15 @@ class Experiment:
         for motion, name in zip(motions, _names(motions), strict=True):
             zero = np.zeros_like(motion.q)
             state = State(
-                robot, motion.q, motion.v, motion.a, zero, motion.time, width, name, temperature=motion.temperature
+                robot,
+                motion.q,
+                motion.v,
+                motion.a,
+                zero,
+                motion.time,
+                width,
+                name,
+                temperature=motion.temperature,
             )
             measured = motion.compared(motion.effort)
             if len(measured) < FEWEST_SAMPLES:
@@ -271,7 +279,9 @@ class Experiment:
         if not others:
             return replace(first, effort=effort)
         every = (first, *others)
-        q, v, a, time = (np.concatenate([getattr(x, name) for x in every]) for name in ("q", "v", "a", "time"))
+        q, v, a, time = (
+            np.concatenate([getattr(x, name) for x in every]) for name in ("q", "v", "a", "time")
+        )
         warmth = [x.temperature for x in every if x.temperature is not None]
         temperature = np.concatenate(warmth) if len(warmth) == len(every) else None
         return replace(first, q=q, v=v, a=a, effort=effort, time=time, temperature=temperature)

@@ -132,7 +132,9 @@ def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool
     if Signal.TORQUE in effect.traits.depends_on and joints and not loaded[joints].all():
         return False
     moves = (
-        effect.traits.dissipative or bool(effect.memories) or isinstance(effect, RotorInertia | PositionRipple)
+        effect.traits.dissipative
+        or bool(effect.memories)
+        or isinstance(effect, RotorInertia | PositionRipple)
     )
     return not (moves and experiment.resting[joints].any())
 

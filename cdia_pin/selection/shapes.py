@@ -12,7 +12,9 @@ from cdia_pin.regression.bounded_fit import bounded_fit
 from cdia_pin.regression.regression import Regression
 
 ROUNDS = 7  # parabolas [1] through three shapes; the last step is about a thousandth of the first
-SWEEPS = 3  # times [1] that several shapes of one effect are refined by turns, because each depends on the others
+SWEEPS = (
+    3  # times [1] that several shapes of one effect are refined by turns, because each depends on the others
+)
 NARROWER = 0.35  # step of a round over that of the round before [1]
 FARTHEST = 1.5  # largest move of one round over its step [1], because a parabola is only local
 

@@ -11,8 +11,7 @@ import pytest
 from scipy import special
 
 from cdia_pin.diagnosis import MonitorSettings
-from cdia_pin.diagnosis.bank import prototype
-from cdia_pin.diagnosis.bank import is_followed
+from cdia_pin.diagnosis.bank import is_followed, prototype
 from cdia_pin.diagnosis.compiled_bank import compile_bank, python_columns
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.nominal import Nominal

@@ -1,4 +1,4 @@
-"""Effects of real joints are found in logs whose plants are written here, from geometry and formulas, not from effects."""
+"""Effects of real joints are found in logs whose plants are written here, from geometry and formulas."""
 
 from dataclasses import replace
 
@@ -18,7 +18,9 @@ def arm():
 
 
 def noisy(log: Log) -> Log:
-    return replace(log, effort=log.effort + NOISE * np.random.default_rng(5).standard_normal(log.effort.shape))
+    return replace(
+        log, effort=log.effort + NOISE * np.random.default_rng(5).standard_normal(log.effort.shape)
+    )
 
 
 def only_step(robot, log):
@@ -58,7 +60,11 @@ def spring(anchor, lever, energy):
 @pytest.mark.parametrize(
     ("side", "energy", "forces"),
     [
-        (1, lambda length: 0.5 * 1500 * (length - 0.1) ** 2, (120, 480)),  # a coil that pulls, 0.18 to 0.42 m long
+        (
+            1,
+            lambda length: 0.5 * 1500 * (length - 0.1) ** 2,
+            (120, 480),
+        ),  # a coil that pulls, 0.18 to 0.42 m long
         (-1, lambda length: -150 * length, (150, 150)),  # gas that pushes from the other side
     ],
 )

@@ -552,12 +552,23 @@ def test_a_memory_in_a_simulation_is_that_of_the_motion(kind):
 
 
 @pytest.mark.parametrize("kind", [k for k in KINDS if issubclass(k, Memory)], ids=lambda k: k.name)
-def test_a_monitor_refuses_a_memory(kind):
+def test_a_monitor_refuses_a_memory_or_takes_what_it_is_where_the_past_has_no_weight(kind):
     robot, effect = robot_of("ur5"), kind("elbow_joint")
     with pytest.raises(EffectError, match="has memory"):
         Bank.of(robot, [effect])
-    with pytest.raises(ModelError, match="memory"):
-        Nominal.of(Dynamics(robot, (Term(effect, (1.0,) * effect.size),)))
+    model = Dynamics(robot, (Term(effect, (1.0,) * effect.size),))
+    if effect.steady is None:
+        with pytest.raises(ModelError, match="memory"):
+            Nominal.of(model)
+    else:
+        assert [t.effect for t in Nominal.of(model).of_joints] == [effect.steady]
+
+
+@each()
+def test_where_the_past_has_no_weight_is_no_memory(name, effect):
+    if effect.steady is not None:
+        assert effect.steady.memories == ()
+        assert effect.steady.size == effect.size
 
 
 # ------------------------------------------------------------------ a fault in a plant, found in its log

@@ -68,8 +68,18 @@ def test_what_the_user_says_counts_more_than_what_the_log_shows(panda, tmp_path)
         ("kuka_lwr4/exciting.csv", "kuka_lwr4/kuka_lwr4.urdf", None, "link"),
         ("ur10/exciting.csv", "ur10", None, "motor"),
         ("ur10e/fourier_40s.csv", "ur10e/ur10e.urdf", "ur10e/drive_gains.json", "motor"),
-        ("panda/exciting.csv", "panda", None, "unknown"),  # sensors behind gears, on bearings with much friction
-        ("double_pendulum/swing_1.csv", "double_pendulum/double_pendulum.urdf", None, "unknown"),  # two joints
+        (
+            "panda/exciting.csv",
+            "panda",
+            None,
+            "unknown",
+        ),  # sensors behind gears, on bearings with much friction
+        (
+            "double_pendulum/swing_1.csv",
+            "double_pendulum/double_pendulum.urdf",
+            None,
+            "unknown",
+        ),  # two joints
     ],
 )
 def test_measured_arms(log, robot, gains, side):

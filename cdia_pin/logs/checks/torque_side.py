@@ -48,9 +48,7 @@ def check_torque_side(log: Log, robot: RobotModel, motion: SmoothedMotion) -> It
         source = "the log holds currents, or it was said so"
         doubt = f", but it looks like the {evidence.side} side: {said}" if odd else ""
         severity = Severity.WARNING if odd else Severity.OK
-        yield Finding(
-            Topic.TORQUE_SIDE, severity, f"{MEANS[log.torque_side]} ({source}){doubt}", value=value
-        )
+        yield Finding(Topic.TORQUE_SIDE, severity, f"{MEANS[log.torque_side]} ({source}){doubt}", value=value)
     elif evidence.side is not TorqueSide.UNKNOWN:
         value["side"] = str(evidence.side)
         yield Finding(
@@ -66,7 +64,7 @@ def check_torque_side(log: Log, robot: RobotModel, motion: SmoothedMotion) -> It
             Topic.TORQUE_SIDE,
             Severity.INFO,
             f"cannot tell on which side of the gear the torque was measured{': ' if said else ''}{said}",
-            advice="if it is a sensor behind the gear, --torque-side link keeps friction of the motor out of the search",
+            advice="if it is a sensor behind the gear, --torque-side link keeps friction of the motor out",
             value=value,
         )
 
