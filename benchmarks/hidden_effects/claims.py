@@ -174,8 +174,9 @@ PARTS = (
     Part(
         "Outside the vocabulary",
         "Effects that no effect of the vocabulary describes. Friction that falls as it warms, and friction that builds "
-        "up after a reversal, may be called what they are, Coulomb friction that drifts and presliding friction. *Can be told*: on this log the best single effect of "
-        "the vocabulary misses them by λ ≥ 10²; a dead zone that the torque never crosses is an offset.",
+        "up after a reversal, may be called what they are, Coulomb friction that drifts and presliding friction. "
+        "*Can be told*: on this log the best single effect of the vocabulary misses them by λ ≥ 10²; a dead zone that "
+        "the torque never crosses is an offset.",
         of_suite("outside"),
         (
             Claim(
