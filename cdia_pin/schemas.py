@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+CALIBRATION: Final = "cdia-calibration/1"
 CHANGES: Final = "cdia-changes/1"
 CHECK: Final = "cdia-check/1"
 COMPARISON: Final = "cdia-comparison/1"

@@ -99,7 +99,8 @@ def _unexplained(o: Outcome) -> bool:
 def _seen_through(o: Outcome) -> bool:
     effect, _, joint = o.hidden[0].partition("@")
     drifts = effect == "warming_friction" and o.found == (f"coulomb_friction@{joint}[time]",)
-    return _unexplained(o) or drifts
+    has_memory = effect == "presliding" and o.found == (f"presliding_friction@{joint}",)
+    return _unexplained(o) or drifts or has_memory
 
 
 def of_suite(suite: str) -> Callable[[Outcome], bool]:
@@ -182,13 +183,14 @@ PARTS = (
     ),
     Part(
         "Outside the vocabulary",
-        "Effects that no effect of the vocabulary describes; friction that falls as it warms is one by its shape, and "
-        "may be called what it is, Coulomb friction that drifts. *Can be told*: on this log the best single effect of "
-        "the vocabulary misses them by λ ≥ 10²; a dead zone that the torque never crosses is an offset.",
+        "Effects that no effect of the vocabulary describes. Friction that falls as it warms, and friction that builds "
+        "up after a reversal, may be called what they are, Coulomb friction that drifts and presliding friction. "
+        "*Can be told*: on this log the best single effect of the vocabulary misses them by λ ≥ 10²; a dead zone that "
+        "the torque never crosses is an offset.",
         of_suite("outside"),
         (
             Claim(
-                "verdict `unexplained`, or friction that drifts, where they can be told",
+                "verdict `unexplained`, or friction that drifts or has memory, where they can be told",
                 "≥ 95 %",
                 of_cases(_seen_through, _told),
                 at_least(0.95),

@@ -10,21 +10,25 @@ from numpy.typing import NDArray
 from cdia_pin.changes.common_structure import PLAIN, column_group
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
-from cdia_pin.effects import Effect, LinkInertia, Term, TorqueOffset
+from cdia_pin.effects import Channel, Effect, LinkInertia, Signal, Term, TorqueOffset
 from cdia_pin.regression.block_evidence import BlockEvidence
 from cdia_pin.regression.design_matrix import DesignMatrix
+from cdia_pin.regression.experiment import Experiment
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 
 Array = NDArray[np.float64]
 
 
-def sized(evidence: BlockEvidence[Difference], chosen: tuple[int, ...]) -> list[Term]:
+def sized(evidence: BlockEvidence[Difference], chosen: tuple[int, ...], experiment: Experiment) -> list[Term]:
     """Return the differences of some effects, fitted together, with 95 % intervals.
+
+    The statistical part comes from blocks of time, the systematic one from the tolerance of the torque's scale.
 
     Args:
         evidence: Evidence for all changes.
         chosen: Indices of the changes; the terms come in this order.
+        experiment: The logs, which may state a tolerance.
     """
     if not chosen:
         return []
@@ -35,7 +39,27 @@ def sized(evidence: BlockEvidence[Difference], chosen: tuple[int, ...]) -> list[
     half = student.ppf(0.975, len(evidence.training) - 1) * np.sqrt(np.diag(covariance))
     blocks = ParameterBlocks.of(effects)
     pairs = zip(effects, blocks.split(theta), blocks.split(half), strict=True)
-    return [Term(e.effect, tuple(p), ci95=_intervals(p, h)) for e, p, h in pairs]
+    out = []
+    for e, value, statistical in pairs:
+        tolerance = effort_tolerance(experiment, e.effect)
+        total = np.hypot(statistical, tolerance * np.abs(value))
+        alone = _intervals(value, statistical) if tolerance else None
+        out.append(Term(e.effect, tuple(value), ci95=_intervals(value, total), ci95_statistical=alone))
+    return out
+
+
+def effort_tolerance(experiment: Experiment, effect: Effect) -> float:
+    """Return the tolerance of the scale of the torques that an effect is measured by, 95 % [1].
+
+    Args:
+        experiment: The logs.
+        effect: The effect. What has no torque as unit, such as a gain or a delay, does not depend on the scale.
+    """
+    if effect.traits.channel is not Channel.JOINT_TORQUE or Signal.TORQUE in effect.traits.depends_on:
+        return 0.0
+    stated = [s.motion.effort_tolerance for s in experiment.segments if s.motion.effort_tolerance is not None]
+    joints = list(effect.acts_on(experiment.robot))
+    return float(np.max([t[joints] for t in stated])) if stated else 0.0
 
 
 def _intervals(theta: Array, half: Array) -> tuple[tuple[float, float], ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Robot, Topic
+from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Robot, Topic, TorqueSide
 from cdia_pin.cli.outputs import require_writable, write_json
 
 
@@ -16,6 +16,7 @@ def check(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    torque_side: TorqueSide = None,
     json: Json = None,
 ) -> None:
     """Check a log against a robot: rate, gaps, units, sign, joint order, effort kind, saturation, excitation.
@@ -28,9 +29,8 @@ def check(
     with progress() as tell:
         from cdia_pin.logs import check_log
 
-        logs, _ = read_logs(
-            [log], model.robot, Reading(gains, joint_map, convert, topic), check=False, tell=tell
-        )
+        reading = Reading(gains, joint_map, convert, topic, torque_side=torque_side)
+        logs, _ = read_logs([log], model.robot, reading, check=False, tell=tell)
         tell(f"checking {log.name}", 0.3)
         found = check_log(logs[0], model.robot)
     from cdia_pin.viewers import check_table

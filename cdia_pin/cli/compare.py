@@ -22,6 +22,7 @@ from cdia_pin.cli.options import (
     Report,
     Robot,
     Topic,
+    TorqueSide,
 )
 from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
 
@@ -51,6 +52,7 @@ def compare(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    torque_side: TorqueSide = None,
     check: Check = True,
     report: Report = None,
     json: Json = None,
@@ -70,7 +72,7 @@ def compare(
         from cdia_pin.logs.conditioning import Conditioning
         from cdia_pin.selection import DiscoverySettings
 
-        reading = Reading(gains, joint_map, convert, topic, conditions)
+        reading = Reading(gains, joint_map, convert, topic, conditions, torque_side)
         given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         tell("comparing", 0.1)
         settings = DiscoverySettings(conditioning=Conditioning(cutoff=cutoff))

@@ -27,6 +27,7 @@ from cdia_pin.cli.options import (
     Robot,
     Save,
     Topic,
+    TorqueSide,
 )
 
 if TYPE_CHECKING:
@@ -79,6 +80,7 @@ def discover(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    torque_side: TorqueSide = None,
     check: Check = True,
     anyway: Annotated[
         bool,
@@ -115,7 +117,7 @@ def discover(
             extra=own_effects(extra or [], known.robot),
             per_log=parse_per_log(per_log, logs, conditions, known.robot),
         )
-        reading = Reading(gains, joint_map, convert, topic, conditions)
+        reading = Reading(gains, joint_map, convert, topic, conditions, torque_side)
         read = partial(
             read_logs, robot=known.robot, reading=reading, check=check, tell=tell, refuse=not anyway
         )

@@ -28,6 +28,7 @@ class Reading:
         convert: Texts ``key=value``.
         topic: Topic of a bag.
         conditions: Under which condition logs were recorded, by path.
+        torque_side: Side of the gear on which the torque was measured, ``motor`` or ``link``.
     """
 
     gains: Path | None = None
@@ -35,6 +36,7 @@ class Reading:
     convert: Sequence[str] | None = None
     topic: str | None = None
     conditions: Mapping[Path, str] = field(default_factory=dict)
+    torque_side: str | None = None
 
     def read(self, path: Path, robot: RobotModel) -> Log:
         """Read one log.
@@ -46,7 +48,13 @@ class Reading:
         from cdia_pin.logs import read_log
 
         log = read_log(
-            path, robot, gains=self.gains, joint_map=self.joint_map, convert=self.convert, topic=self.topic
+            path,
+            robot,
+            gains=self.gains,
+            joint_map=self.joint_map,
+            convert=self.convert,
+            topic=self.topic,
+            torque_side=self.torque_side,
         )
         return replace(log, condition=self.conditions.get(path, ""))
 
@@ -98,14 +106,27 @@ def read_logs(
     for path in paths:
         tell(f"reading {path.name}", 0.0)
         log = reading.read(path, robot)
-        logs.append(log)
         if check:
             tell(f"checking {path.name}", 0.01)
             checks.append(check_log(log, robot))
             if refuse and checks[-1].obstacles:
                 raise CommandError(f"{checks[-1].mend}; or go on with --anyway")
             _warn_of(checks[-1], path)
+            log = _with_side(log, checks[-1])
+        logs.append(log)
     return logs, checks
+
+
+def _with_side(log: Log, check: LogCheck) -> Log:
+    """Return the log with a note where its torque clearly is that of a sensor behind the gear."""
+    from cdia_pin.logs.checks import Topic
+    from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide
+
+    measured = [f.value.get("measured") for f in check.about(Topic.TORQUE_SIDE)]
+    if log.torque_side is not TorqueSide.UNKNOWN or measured != [TorqueSide.LINK]:
+        return log
+    note = f"{BEHIND_THE_GEAR}, because it shows none of a gear (if that is wrong, --torque-side motor)"
+    return replace(log, torque_side=TorqueSide.LINK).noted(note)
 
 
 def require_unseen(held_out: Sequence[Path], logs: Sequence[Path]) -> None:

@@ -74,7 +74,7 @@ Gains = Annotated[
         "--gains",
         metavar="FILE",
         show_default=False,
-        help="Drive gains, JSON {joint: N·m/A}, where the log has motor currents.",
+        help="Drive gains, JSON {joint: N·m/A} or {joint: {value, tolerance}}, where the log has motor currents.",
         rich_help_panel=READING,
     ),
 ]
@@ -106,6 +106,16 @@ Topic = Annotated[
         metavar="NAME",
         show_default=False,
         help="Topic of a bag, where several have the robot's joints.",
+        rich_help_panel=READING,
+    ),
+]
+TorqueSide = Annotated[
+    str | None,
+    typer.Option(
+        "--torque-side",
+        metavar="motor|link",
+        show_default=False,
+        help="Side of the gear on which the torque was measured; found from the log where it is clear.",
         rich_help_panel=READING,
     ),
 ]

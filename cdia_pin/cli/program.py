@@ -15,6 +15,7 @@ from typer.core import TyperGroup
 
 from cdia_pin.cli.add import add
 from cdia_pin.cli.app import app as app_command
+from cdia_pin.cli.calibrate import calibrate
 from cdia_pin.cli.check import check
 from cdia_pin.cli.compare import compare
 from cdia_pin.cli.console import close_stdout
@@ -134,6 +135,14 @@ for command, panel, example in (
         identify,
         JOB,
         ["cdia identify run.csv --robot ur5 --holdout other.csv --save model.json --urdf corrected.urdf"],
+    ),
+    (
+        calibrate,
+        JOB,
+        [
+            "cdia calibrate loaded.csv unloaded.csv --known-payload 2.6 --robot ur5 --gains nominal.json "
+            "--save gains.json"
+        ],
     ),
     (export, MODELS, ["cdia export --robot ur5 --model model.json --urdf corrected.urdf"]),
     (

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects import ALWAYS, EFFECTS, Effect, JointEffect, Profile, Region, parse_term
+from cdia_pin.effects import ALWAYS, EFFECTS, Effect, JointEffect, Profile, Region, Signal, parse_term
 from cdia_pin.errors import EffectError
 from cdia_pin.robot.model import RobotModel
 
@@ -146,6 +146,15 @@ def prototype(effect: JointEffect, robot: RobotModel) -> JointEffect:
     return replace(effect, joint=robot.joints[0])
 
 
+def is_followed(effect: Effect) -> bool:
+    """Tell whether the tick of a monitor has all that an effect depends on: no memory, no temperature.
+
+    Args:
+        effect: The effect.
+    """
+    return not effect.memories and Signal.TEMPERATURE not in effect.traits.depends_on
+
+
 def bare(effect: JointEffect) -> str:
     """Return the label of an effect without its joint.
 
@@ -176,8 +185,9 @@ def _entry(given: str | JointEffect, robot: RobotModel) -> tuple[JointEffect, Pr
         raise EffectError(
             "an unknown fault is learned when no effect of the bank explains it; leave 'unknown' out"
         )
-    if effect.memories:
-        raise EffectError(f"{effect.name} has memory; a bank cannot hold it yet")
+    if not is_followed(effect):
+        why = "has memory" if effect.memories else "depends on temperature"
+        raise EffectError(f"{effect.name} {why}; a bank cannot hold it yet")
     return prototype(effect, robot), profile
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from cdia_pin.effects import (
     EffortDelay,
     EncoderOffset,
     JointEffect,
+    Signal,
     State,
     Term,
     Varying,
@@ -50,13 +51,13 @@ class Nominal:
             model: The healthy arm.
 
         Raises:
-            ModelError: If a body of the model is not physical, a delay is of one joint only, or an effect has memory.
+            ModelError: If a body of the model is not physical, a delay is of one joint only, or an effect has
+                memory that it cannot do without, or depends on temperature.
         """
-        _require_no_memory(model)
         robot, of_joints, others = model.robot, [], []
         offset, delay = np.zeros(robot.n), 0.0
         pi, g = robot.inertial_parameters.copy(), robot.gravity_vector
-        for term in model.terms:
+        for term in map(_steady, model.terms):
             effect, theta = term.effect, np.array(term.theta)
             always = term.profile.kind == "always"
             if always and effect.bodies and not isinstance(effect, Varying):
@@ -100,7 +101,15 @@ class Nominal:
         return torque
 
 
-def _require_no_memory(model: Dynamics) -> None:
-    labels = [t.label for t in model.terms if t.effect.memories]
-    if labels:
-        raise ModelError(f"a monitor cannot hold effects with memory yet: {', '.join(labels)}")
+def _steady(term: Term) -> Term:
+    """Return a term as a monitor can hold it: without memory, as it is where the past has no weight.
+
+    Raises:
+        ModelError: If the effect has memory and is nothing else, or depends on temperature.
+    """
+    effect = term.effect.steady
+    if effect is None:
+        raise ModelError(f"a monitor cannot hold effects with memory yet: {term.label}")
+    if Signal.TEMPERATURE in effect.traits.depends_on:
+        raise ModelError(f"a monitor is not given temperatures, which {term.label} depends on")
+    return replace(term, effect=effect)

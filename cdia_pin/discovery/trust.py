@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.changes.common_structure import column_group, common_effects
 from cdia_pin.changes.confidence import Confidence
+from cdia_pin.changes.sizes import effort_tolerance
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, LinkInertia, RotorInertia, Term, TorqueOffset
 from cdia_pin.effects.body import Body
@@ -76,7 +77,8 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
             expected = term.effect.name in logs.settings.expected or not term.effect.plausibility.unusual
             needed = needed and (expected or crowded.certainty(term) >= settings.unusual_certainty)
         moved = [np.abs(r.theta(term) - whole.theta(term)) for r in (*halves, *others)]
-        systematic = np.max([np.zeros(term.effect.size), *moved], axis=0)
+        scale = effort_tolerance(logs.experiment, term.effect) * np.abs(term.theta)
+        systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
         out[term.label] = Trust(_confidence(needed, survived, settings), systematic)
     return out
 

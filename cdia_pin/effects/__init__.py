@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from cdia_pin.effects.actuation import ActuatorGain, JointSpring, PositionRipple, RotorInertia, TorqueOffset
+from cdia_pin.effects.counterbalance import Counterbalance
 from cdia_pin.effects.drift import Drift
 from cdia_pin.effects.effect import Effect
+from cdia_pin.effects.elasticity import JointElasticity
 from cdia_pin.effects.environment import BaseTilt, ToolWrench, ViscousMedium
 from cdia_pin.effects.expression import Expression, from_expression
 from cdia_pin.effects.friction import (
@@ -19,10 +21,12 @@ from cdia_pin.effects.friction import (
 from cdia_pin.effects.inertia import LinkInertia, Payload
 from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.link_inertias import LinkInertias
+from cdia_pin.effects.load_stribeck import LoadStribeckFriction
 from cdia_pin.effects.nonlinear_effect import NonlinearEffect
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.per_log import PerLog
 from cdia_pin.effects.plausibility import Plausibility
+from cdia_pin.effects.presliding import PreslidingFriction
 from cdia_pin.effects.profile import (
     ALWAYS,
     Always,
@@ -39,6 +43,7 @@ from cdia_pin.effects.specification import parse_term
 from cdia_pin.effects.state import JointState, State
 from cdia_pin.effects.stateful_effect import StatefulEffect
 from cdia_pin.effects.term import Term
+from cdia_pin.effects.thermal import ThermalFriction
 from cdia_pin.effects.traits import Channel, Signal, Traits
 from cdia_pin.effects.unknown import Unknown
 from cdia_pin.effects.variations import varied
@@ -48,11 +53,12 @@ from cdia_pin.effects.wrapped import WrappedEffect
 
 __all__ = [
     "ALWAYS", "EFFECTS", "ActuatorGain", "Always", "AsymmetricFriction", "BaseTilt", "Between", "Channel",
-    "CoulombFriction", "CoupledFriction", "Drift", "Effect", "EffortDelay", "EncoderOffset", "Expression",
-    "Incipient", "Intermittent", "JointEffect", "JointSpring", "JointState", "LinkInertia", "LinkInertias",
-    "LoadFriction", "NonlinearEffect", "Parameter", "Payload", "PerLog", "Plausibility", "PositionRipple",
-    "Profile", "QuadraticFriction", "Region", "RotorInertia", "Signal", "State", "StatefulEffect",
-    "StribeckFriction", "Term", "ToolWrench", "TorqueOffset", "Traits", "Unknown", "Varying", "ViscousFriction",
-    "ViscousMedium", "WrappedEffect", "after", "effect_from_dict", "from_expression", "parse_effect", "parse_term",
-    "profile_from_dict", "register", "varied",
+    "CoulombFriction", "Counterbalance", "CoupledFriction", "Drift", "Effect", "EffortDelay", "EncoderOffset",
+    "Expression", "Incipient", "Intermittent", "JointEffect", "JointElasticity", "JointSpring", "JointState",
+    "LinkInertia", "LinkInertias", "LoadFriction", "LoadStribeckFriction", "NonlinearEffect", "Parameter",
+    "Payload", "PerLog", "Plausibility", "PositionRipple", "PreslidingFriction", "Profile", "QuadraticFriction",
+    "Region", "RotorInertia", "Signal", "State", "StatefulEffect", "StribeckFriction", "Term",
+    "ThermalFriction", "ToolWrench", "TorqueOffset", "Traits", "Unknown", "Varying", "ViscousFriction",
+    "ViscousMedium", "WrappedEffect", "after", "effect_from_dict", "from_expression", "parse_effect",
+    "parse_term", "profile_from_dict", "register", "varied",
 ]  # fmt: skip

@@ -65,7 +65,7 @@ class RotorInertia(JointEffect):
 
     name: ClassVar[str] = "rotor_inertia"
     equation: ClassVar[str] = "−I q̈"
-    traits: ClassVar[Traits] = Traits({Signal.ACCELERATION})
+    traits: ClassVar[Traits] = Traits({Signal.ACCELERATION}, motor_side=True)
     parameters = (Parameter("inertia", "{inertia}", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:

@@ -109,6 +109,11 @@ class Effect(Scoped, ABC):
         return ()
 
     @property
+    def steady(self) -> Effect | None:
+        """The effect of the same parameters that it is where the past has no weight; None if there is none."""
+        return None if self.memories else self
+
+    @property
     def bodies(self) -> tuple[RigidBody, ...]:
         """Rigid bodies whose parameters, one after another, are those of the effect; none for most."""
         return ()

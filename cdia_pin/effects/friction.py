@@ -20,6 +20,31 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 
 VISCOUS = "{effort}·s/{position}"
+LARGEST_DECAY = 1e4  # [s/rad or s/m], a Stribeck speed below any that an encoder shows
+
+
+# Least breakaway over the level [1]; what filters do to Coulomb friction looks like a smaller one.
+LEAST_BREAKAWAY = 0.2
+
+
+def stribeck_decays(x: State, joint: str, count: int) -> list[float]:
+    """Return decays β [s/rad or s/m] of friction that falls with speed, which a motion can show.
+
+    The Stribeck speed 1 / β is wide beside the smoothing of sgn, which could imitate it, and narrow beside the speeds
+    driven. There are none if the joint is never fast enough.
+
+    Args:
+        x: Motion and torques, N samples.
+        joint: Name of the joint.
+        count: Number of decays [1].
+    """
+    j = x.robot.joint_index(joint)
+    fast = np.percentile(np.abs(x.v[:, j]), 95)
+    width = float(np.broadcast_to(x.sign_width, (x.robot.n,))[j])
+    narrowest = max(8.0 * width, 0.04 * fast, 1.0 / LARGEST_DECAY)
+    if fast <= 3 * narrowest:
+        return []
+    return [float(1.0 / s) for s in np.geomspace(narrowest, fast / 3, count)]
 
 
 @dataclass(frozen=True)
@@ -28,7 +53,7 @@ class CoulombFriction(JointEffect):
 
     name: ClassVar[str] = "coulomb_friction"
     equation: ClassVar[str] = "−α sgn(q̇)"
-    traits: ClassVar[Traits] = Traits({Signal.DIRECTION}, dissipative=True)
+    traits: ClassVar[Traits] = Traits({Signal.DIRECTION}, dissipative=True, motor_side=True)
     parameters = (Parameter("level", "{effort}", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -46,7 +71,7 @@ class ViscousFriction(JointEffect):
 
     name: ClassVar[str] = "viscous_friction"
     equation: ClassVar[str] = "−α q̇"
-    traits: ClassVar[Traits] = Traits({Signal.VELOCITY}, dissipative=True)
+    traits: ClassVar[Traits] = Traits({Signal.VELOCITY}, dissipative=True, motor_side=True)
     parameters = (Parameter("coefficient", VISCOUS, lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -70,12 +95,12 @@ class StribeckFriction(JointEffect):
 
     name: ClassVar[str] = "stribeck_friction"
     equation: ClassVar[str] = "−(α₀ + α₁ exp(−β|q̇|)) sgn(q̇)"
-    traits: ClassVar[Traits] = Traits({Signal.VELOCITY, Signal.DIRECTION}, dissipative=True)
+    traits: ClassVar[Traits] = Traits({Signal.VELOCITY, Signal.DIRECTION}, dissipative=True, motor_side=True)
     parameters = (
         Parameter("level", "{effort}", lower=0.0),
         Parameter("breakaway", "{effort}", lower=0.0),
     )
-    shape = (Parameter("decay", "s/{position}", lower=1e-3, upper=1e4),)
+    shape = (Parameter("decay", "s/{position}", lower=1e-3, upper=LARGEST_DECAY),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
         """Return the columns of the level and of the breakaway part.
@@ -92,7 +117,7 @@ class StribeckFriction(JointEffect):
             theta: (level, breakaway) [N·m or N].
         """
         level, breakaway = theta
-        return bool(breakaway >= 0.2 * level)
+        return bool(breakaway >= LEAST_BREAKAWAY * level)
 
     def shape_grid(self, x: State) -> Sequence[Self]:
         """Return decays wide beside the smoothing of sgn and narrow beside the speeds driven.
@@ -100,14 +125,7 @@ class StribeckFriction(JointEffect):
         Args:
             x: Motion and torques, N samples.
         """
-        j = x.robot.joint_index(self.joint)
-        fast = np.percentile(np.abs(x.v[:, j]), 95)
-        width = float(np.broadcast_to(x.sign_width, (x.robot.n,))[j])
-        # A Stribeck speed that the smoothing cannot imitate, and that is within the shape's bounds.
-        narrowest = max(8.0 * width, 0.04 * fast, 1.0 / self.shape[0].upper)
-        if fast <= 3 * narrowest:
-            return []
-        return [self.with_shape(decay=float(1.0 / s)) for s in np.geomspace(narrowest, fast / 3, 6)]
+        return [self.with_shape(decay=d) for d in stribeck_decays(x, self.joint, 6)]
 
 
 @dataclass(frozen=True)
@@ -116,7 +134,7 @@ class AsymmetricFriction(JointEffect):
 
     name: ClassVar[str] = "asymmetric_friction"
     equation: ClassVar[str] = "−(α± sgn(q̇) + β± q̇)"
-    traits: ClassVar[Traits] = Traits({Signal.VELOCITY, Signal.DIRECTION}, dissipative=True)
+    traits: ClassVar[Traits] = Traits({Signal.VELOCITY, Signal.DIRECTION}, dissipative=True, motor_side=True)
     parameters = (
         Parameter("level_positive", "{effort}", lower=0.0),
         Parameter("level_negative", "{effort}", lower=0.0),
@@ -140,7 +158,7 @@ class QuadraticFriction(JointEffect):
 
     name: ClassVar[str] = "quadratic_friction"
     equation: ClassVar[str] = "−α |q̇| q̇"
-    traits: ClassVar[Traits] = Traits({Signal.VELOCITY}, dissipative=True)
+    traits: ClassVar[Traits] = Traits({Signal.VELOCITY}, dissipative=True, motor_side=True)
     parameters = (Parameter("coefficient", "{effort}·s²/{position}²", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -158,7 +176,7 @@ class LoadFriction(JointEffect):
 
     name: ClassVar[str] = "load_friction"
     equation: ClassVar[str] = "−α |τ| sgn(q̇)"
-    traits: ClassVar[Traits] = Traits({Signal.TORQUE, Signal.DIRECTION}, dissipative=True)
+    traits: ClassVar[Traits] = Traits({Signal.TORQUE, Signal.DIRECTION}, dissipative=True, motor_side=True)
     parameters = (Parameter("coefficient", "1", lower=0.0, upper=1.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -184,7 +202,7 @@ class CoupledFriction(Effect):
 
     name: ClassVar[str] = "coupled_friction"
     equation: ClassVar[str] = "−c (q̇ᵢ + q̇ⱼ) − l sgn(q̇ᵢ + q̇ⱼ) on both joints"
-    traits: ClassVar[Traits] = Traits({Signal.VELOCITY, Signal.DIRECTION}, dissipative=True)
+    traits: ClassVar[Traits] = Traits({Signal.VELOCITY, Signal.DIRECTION}, dissipative=True, motor_side=True)
     scope_fields: ClassVar[tuple[str, ...]] = ("joint", "other")
     parameters = (Parameter("coefficient", VISCOUS, lower=0.0), Parameter("level", "{effort}", lower=0.0))
 

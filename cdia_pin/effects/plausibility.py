@@ -19,3 +19,8 @@ class Plausibility:
     penalty: float = 0.0
     collective: bool = False
     unusual: bool = False
+
+    @property
+    def is_common(self) -> bool:
+        """True for what most arms have: it has no penalty, and tells the noise before a search."""
+        return self.penalty == 0.0

@@ -16,6 +16,7 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 
 DEFAULT_SIGN_WIDTH = 1e-3  # [rad/s or m/s], sgn(v) is tanh(v / width)
+ROOM_TEMPERATURE = 20.0  # [°C], of a joint whose temperature nobody measured
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,7 @@ class JointState:
         sign: sgn(v), smoothed to be continuous through rest [1].
         time: Time [s].
         memory: z of an effect with memory, shape (N, m); of no width for all others.
+        temperature: Temperature [°C]; that of a room where nobody measured it.
     """
 
     q: Array
@@ -39,6 +41,7 @@ class JointState:
     sign: Array
     time: Array
     memory: Array = field(default_factory=lambda: np.empty((0, 0)))
+    temperature: Array = field(default_factory=lambda: np.array(ROOM_TEMPERATURE))
 
     def __repr__(self) -> str:
         return f"JointState({len(self.q)} samples)"
@@ -61,6 +64,7 @@ class State:
         gravity_change: By how much gravity differs from the robot's, for bodies that are no part of it [m/s²], shape
             (N, 3); None where it does not.
         memory: z of effects with memory at the first sample, shape (m,) by effect; the initial one where it is missing.
+        temperature: Temperatures of the joints [°C], shape (N, n); None where nobody measured them.
     """
 
     robot: RobotModel
@@ -73,6 +77,7 @@ class State:
     log: str = ""
     gravity_change: Array | None = None
     memory: Mapping[Any, Array] = field(default_factory=dict)
+    temperature: Array | None = None
 
     @classmethod
     def of(
@@ -120,9 +125,10 @@ class State:
             name: Name of the joint.
         """
         j = self.robot.joint_index(name)
-        return JointState(
+        x = JointState(
             self.q[:, j], self.v[:, j], self.a[:, j], self.effort[:, j], self.sign[:, j], self.time
         )
+        return x if self.temperature is None else replace(x, temperature=self.temperature[:, j])
 
     def sample(self, k: int) -> State:
         """Return one sample as a state of its own; effects with memory are at their initial state.
@@ -133,7 +139,8 @@ class State:
         at = np.s_[k : k + 1]
         change = None if self.gravity_change is None else self.gravity_change[at]
         q, v, a, effort, time = (s[at] for s in (self.q, self.v, self.a, self.effort, self.time))
-        return State(self.robot, q, v, a, effort, time, self.sign_width, self.log, change)
+        warmth = None if self.temperature is None else self.temperature[at]
+        return State(self.robot, q, v, a, effort, time, self.sign_width, self.log, change, temperature=warmth)
 
     def with_effort(self, effort: Array) -> State:
         """Return the same motion under other actuator torques, keeping what was computed for it.
@@ -217,6 +224,11 @@ class State:
     def gravity_regressor(self) -> Array:
         """K with G = K g, shape (N, n, 3)."""
         return self.rigid.gravity_regressor
+
+    @cached_property
+    def gravity_stiffness(self) -> Array:
+        """∂G/∂q of the robot as described [N·m/rad and alike], shape (N, n, n)."""
+        return self.robot.gravity_stiffness(self.q)
 
     @property
     def gravity(self) -> Array:

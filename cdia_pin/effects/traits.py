@@ -24,6 +24,7 @@ class Signal(StrEnum):
     ACCELERATION = "acceleration"  # Φ is affine in it
     TORQUE = "torque"  # of the actuator; what acts on the arm is in proportion to it, for either sign
     TIME = "time"
+    TEMPERATURE = "temperature"  # of the joint, where a log has it
     GRAVITY = "gravity"  # that bodies on the arm feel, `State.gravity`
 
 
@@ -37,6 +38,8 @@ class Traits:
         linear: Whether f is linear in θ; `NonlinearEffect` is the base of those that are not.
         dissipative: Whether f · q̇ ≤ 0 for all parameters within their bounds, as in friction.
         turns_gravity: Whether bodies on the arm feel another gravity, by `Effect.gravity_change`.
+        motor_side: Whether the effect acts between the motor and the output of its gear, as friction of a drive and
+            a rotor do. A torque sensor behind the gear does not see it.
     """
 
     depends_on: Set[Signal] = frozenset()
@@ -44,6 +47,7 @@ class Traits:
     linear: bool = True
     dissipative: bool = False
     turns_gravity: bool = False
+    motor_side: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "depends_on", frozenset(self.depends_on))  # hashable

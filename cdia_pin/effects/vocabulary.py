@@ -7,7 +7,9 @@ from typing import Any
 
 from cdia_pin.effects import arithmetic
 from cdia_pin.effects.actuation import ActuatorGain, JointSpring, PositionRipple, RotorInertia, TorqueOffset
+from cdia_pin.effects.counterbalance import Counterbalance
 from cdia_pin.effects.effect import Effect
+from cdia_pin.effects.elasticity import JointElasticity
 from cdia_pin.effects.environment import BaseTilt, ToolWrench, ViscousMedium
 from cdia_pin.effects.expression import Expression
 from cdia_pin.effects.friction import (
@@ -21,7 +23,10 @@ from cdia_pin.effects.friction import (
 )
 from cdia_pin.effects.inertia import LinkInertia, Payload
 from cdia_pin.effects.link_inertias import LinkInertias
+from cdia_pin.effects.load_stribeck import LoadStribeckFriction
+from cdia_pin.effects.presliding import PreslidingFriction
 from cdia_pin.effects.sensing import EffortDelay, EncoderOffset
+from cdia_pin.effects.thermal import ThermalFriction
 from cdia_pin.effects.unknown import Unknown
 from cdia_pin.effects.variations import varied
 from cdia_pin.errors import EffectError, unknown_name
@@ -36,11 +41,16 @@ EFFECTS: dict[str, type[Effect]] = {
         AsymmetricFriction,
         QuadraticFriction,
         LoadFriction,
+        LoadStribeckFriction,
+        PreslidingFriction,
+        ThermalFriction,
         PositionRipple,
         ActuatorGain,
         TorqueOffset,
         RotorInertia,
         JointSpring,
+        Counterbalance,
+        JointElasticity,
         CoupledFriction,
         LinkInertia,
         Payload,

@@ -72,6 +72,12 @@ class WrappedEffect(Effect):
         return self.effect.memories
 
     @property
+    def steady(self) -> Effect | None:
+        """What the inner effect is where the past has no weight, in the same wrapper."""
+        inner = self.effect.steady
+        return None if inner is None else replace(self, effect=inner)  # type: ignore[type-var]
+
+    @property
     def bodies(self) -> tuple[RigidBody, ...]:
         """Rigid bodies of the inner effect."""
         return self.effect.bodies

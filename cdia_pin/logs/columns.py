@@ -15,6 +15,14 @@ ALIASES: dict[str, tuple[str, ...]] = {
     "velocity": ("velocity", "velocities", "vel", "dq", "qd", "qdot", "q_dot", "joint_velocity", "actual_qd"),
     "effort": ("effort", "efforts", "eff", "tau", "torque", "torques", "joint_effort", "joint_torque"),
     "current": ("current", "currents", "motor_current", "joint_current", "actual_current"),
+    "temperature": (
+        "temperature",
+        "temperatures",
+        "temp",
+        "joint_temperature",
+        "joint_temperatures",
+        "motor_temperature",
+    ),
 }
 """Names of each signal; the first one is that of the dialect."""
 
@@ -56,7 +64,7 @@ class ColumnNames:
         """Find the columns of a signal.
 
         Args:
-            signal: ``position``, ``velocity``, ``effort`` or ``current``.
+            signal: one of ``ALIASES``.
 
         Returns:
             The column of each joint label; empty if the log lacks the signal.

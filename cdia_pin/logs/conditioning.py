@@ -126,6 +126,10 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             acceleration_drowned=[j for j, lost in zip(log.joints, drowned, strict=True) if lost],
             notes=list(even.notes),
         ),
+        # drives report it in whole degrees
+        temperature=None if even.temperature is None else zero_phase(even.temperature, cutoff, rate)[kept],
+        torque_side=log.torque_side,
+        effort_tolerance=log.effort_tolerance,
     )
 
 

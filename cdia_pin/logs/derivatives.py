@@ -45,13 +45,16 @@ def uniform(log: Log) -> Log:
     if np.abs(log.time - even).max() <= UNIFORM_TOLERANCE * mean_period:
         return log
     time = log.time[0] + period * np.arange(count)
-    velocity = None if log.velocity is None else _linear(time, log.time, log.velocity)
+    velocity, temperature = (
+        None if s is None else _linear(time, log.time, s) for s in (log.velocity, log.temperature)
+    )
     return replace(
         log,
         time=time,
         position=_akima(time, log.time, log.position),
         velocity=velocity,
         effort=_linear(time, log.time, log.effort),
+        temperature=temperature,
     ).noted(f"resampled from {len(log.time)} samples to a uniform grid of {count} at {log.rate:.4g} Hz")
 
 

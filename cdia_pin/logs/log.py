@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
+from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import shortened
 
 Array = NDArray[np.float64]
@@ -28,6 +29,9 @@ class Log:
         sha256: Hash of the file's bytes; empty for a log made in memory.
         notes: Inferences and conversions of the reader, one sentence each.
         condition: Condition that this log shares with others, such as ``warm``; empty if it shares none.
+        temperature: Temperature of each joint [°C], shape (N, n); None if it was not recorded.
+        torque_side: Side of the gear on which the torque was measured, as far as it is known.
+        effort_tolerance: Tolerance of the scale of each joint's torque, 95 % [1], shape (n,); None if nobody states it.
     """
 
     joints: tuple[str, ...]
@@ -39,6 +43,9 @@ class Log:
     sha256: str = ""
     notes: tuple[str, ...] = ()
     condition: str = ""
+    temperature: Array | None = None
+    torque_side: TorqueSide = TorqueSide.UNKNOWN
+    effort_tolerance: Array | None = None
 
     def __post_init__(self) -> None:
         n, count = len(self.joints), len(self.time)
@@ -47,6 +54,8 @@ class Log:
         signals = {"position": self.position, "effort": self.effort}
         if self.velocity is not None:
             signals["velocity"] = self.velocity
+        if self.temperature is not None:
+            signals["temperature"] = self.temperature
         for name, signal in signals.items():
             if signal.shape != (count, n):
                 raise LogError(
@@ -101,6 +110,7 @@ class Log:
             position=self.position[part],
             effort=self.effort[part],
             velocity=None if self.velocity is None else self.velocity[part],
+            temperature=None if self.temperature is None else self.temperature[part],
         )
 
     def noted(self, *notes: str) -> Log:

@@ -57,7 +57,12 @@ def columns_of(log: Log) -> dict[str, Array]:
         ``time``, then ``<signal>.<joint>``, each of shape (N,).
     """
     columns = {"time": log.time}
-    signals = {"position": log.position, "velocity": log.velocity, "effort": log.effort}
+    signals = {
+        "position": log.position,
+        "velocity": log.velocity,
+        "effort": log.effort,
+        "temperature": log.temperature,
+    }
     for signal, values in signals.items():
         if values is not None:
             columns.update({f"{signal}.{joint}": values[:, k] for k, joint in enumerate(log.joints)})
@@ -84,5 +89,7 @@ def _write_npz(log: Log, path: Path) -> None:
     signals = {"position": log.position, "effort": log.effort}
     if log.velocity is not None:
         signals["velocity"] = log.velocity
+    if log.temperature is not None:
+        signals["temperature"] = log.temperature
     with path.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, time=log.time, joints=np.array(log.joints), **signals)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.logs.derivatives import zero_phase
+from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import shortened
 
 Array = NDArray[np.float64]
@@ -65,6 +66,9 @@ class Motion:
         acceleration_noise: Standard deviation of the error of a [rad/s² or m/s²], shape (n,).
         effort_step: Step between the levels of rounded torques [N·m or N], shape (n,); 0 where they are not rounded.
         record: Record of the conditioning, for files and reports.
+        temperature: Temperatures of the joints [°C], shape (N, n); None if they were not recorded.
+        torque_side: Side of the gear on which the torque was measured, as far as it is known.
+        effort_tolerance: Tolerance of the scale of each joint's torque, 95 % [1], shape (n,); None if nobody states it.
     """
 
     joints: tuple[str, ...]
@@ -80,6 +84,9 @@ class Motion:
     acceleration_noise: Array
     effort_step: Array
     record: MotionRecord
+    temperature: Array | None = None
+    torque_side: TorqueSide = TorqueSide.UNKNOWN
+    effort_tolerance: Array | None = None
 
     def __repr__(self) -> str:
         size = f"{len(self.joints)} joints, {len(self.time)} samples at {self.rate:.4g} Hz"

@@ -11,11 +11,13 @@ import numpy as np
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.motion import Motion, MotionRecord
+from cdia_pin.logs.torque_side import TorqueSide
 
 MOST_SAMPLES = 60_000  # samples of a motion that are kept [1], ten minutes at 100 Hz: about 4 MB
 LARGEST = 64 * 2**20  # bytes of one array after decompression [B]; a larger one is refused
 SIGNALS = ("q", "v", "a", "effort")
 OF_JOINTS = ("speed_noise", "acceleration_noise", "effort_step")
+MAY_LACK = ("temperature", "effort_tolerance")
 
 
 class MotionDocument(TypedDict):
@@ -28,6 +30,7 @@ class MotionDocument(TypedDict):
         rate: Samples per second [Hz].
         cutoff: Cut-off of the filter [Hz].
         decimation: Samples per compared torque [1].
+        torque_side: Side of the gear on which the torque was measured.
         arrays: Signals in SI units, 32-bit floats: a compressed npz file in base64.
     """
 
@@ -37,6 +40,7 @@ class MotionDocument(TypedDict):
     rate: float
     cutoff: float
     decimation: int
+    torque_side: str
     arrays: str
 
 
@@ -48,6 +52,8 @@ def motion_document(motion: Motion) -> MotionDocument:
     """
     kept = {name: getattr(motion, name)[:MOST_SAMPLES] for name in SIGNALS}
     kept |= {name: getattr(motion, name) for name in OF_JOINTS}
+    known = {name: getattr(motion, name) for name in MAY_LACK}
+    kept |= {name: x[:MOST_SAMPLES] for name, x in known.items() if x is not None}
     file = BytesIO()
     arrays: dict[str, Any] = {name: np.asarray(x, np.float32) for name, x in kept.items()}
     np.savez_compressed(file, **arrays)
@@ -58,6 +64,7 @@ def motion_document(motion: Motion) -> MotionDocument:
         "rate": float(motion.rate),
         "cutoff": float(motion.cutoff),
         "decimation": int(motion.decimation),
+        "torque_side": str(motion.torque_side),
         "arrays": base64.b64encode(file.getvalue()).decode("ascii"),
     }
 
@@ -79,7 +86,8 @@ def motion_from(document: Any) -> Motion:
             sizes = [i.file_size for i in file.zip.infolist()]
             if max(sizes) > LARGEST:
                 raise LogError(f"a motion of {max(sizes)} bytes is too large")
-            arrays = {name: np.asarray(file[name], float) for name in (*SIGNALS, *OF_JOINTS)}
+            needed = (*SIGNALS, *OF_JOINTS, *(name for name in MAY_LACK if name in file))
+            arrays: dict[str, Any] = {name: np.asarray(file[name], float) for name in needed}
         count = len(arrays["q"])
         shapes = {arrays[name].shape for name in SIGNALS} | {(count, *arrays[n].shape) for n in OF_JOINTS}
         if shapes != {(count, len(joints))} or not all(np.isfinite(x).all() for x in arrays.values()):
@@ -93,6 +101,7 @@ def motion_from(document: Any) -> Motion:
             cutoff=float(document["cutoff"]),
             decimation=int(document["decimation"]),
             record=document["record"],
+            torque_side=TorqueSide(document.get("torque_side", TorqueSide.UNKNOWN)),
             **arrays,
         )
     except LogError:

@@ -14,6 +14,8 @@ from cdia_pin.dynamics.torques import Torques
 from cdia_pin.effects import Channel, Effect, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
+from cdia_pin.logs.side_evidence import side_evidence
+from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import clipped, some
 from cdia_pin.regression.rest import RestSettings
 from cdia_pin.robot.model import RobotModel
@@ -24,6 +26,7 @@ Array = NDArray[np.float64]
 POSTURES = 200
 SAME_GAIN = 1e-9  # difference of a gain [1] that is rounding
 MOST_PREDICTIONS = 4  # predictions [1] that are kept, of some MB each
+JUDGED = 800  # samples of a log [1] by which the side of its torque is judged
 FEWEST_SAMPLES = 40  # compared samples of a log [1]; fewer do not determine the noise of a joint
 
 
@@ -116,7 +119,17 @@ class Experiment:
         segments, moving, nearness = [], [], []
         for motion, name in zip(motions, _names(motions), strict=True):
             zero = np.zeros_like(motion.q)
-            state = State(robot, motion.q, motion.v, motion.a, zero, motion.time, width, name)
+            state = State(
+                robot,
+                motion.q,
+                motion.v,
+                motion.a,
+                zero,
+                motion.time,
+                width,
+                name,
+                temperature=motion.temperature,
+            )
             measured = motion.compared(motion.effort)
             if len(measured) < FEWEST_SAMPLES:
                 raise LogError(
@@ -157,6 +170,15 @@ class Experiment:
             moving[:, joints] &= self.rest.is_clear(distance)
             nearness[:, joints] = np.minimum(nearness[:, joints], self.rest.nearness(distance))
         return replace(self, moving=moving, nearness=nearness) if shared else self
+
+    @cached_property
+    def torque_side(self) -> TorqueSide:
+        """Side of the gear on which the torque was measured: as the logs say, else as far as they clearly show it."""
+        sides = {s.motion.torque_side for s in self.segments}
+        if sides == {TorqueSide.UNKNOWN}:
+            sides = {_measured_side(self.robot, s.motion) for s in self.segments}
+        behind = TorqueSide.LINK in sides and TorqueSide.MOTOR not in sides
+        return TorqueSide.LINK if behind else sides.pop() if len(sides) == 1 else TorqueSide.UNKNOWN
 
     @property
     def informative(self) -> NDArray[np.bool_]:
@@ -290,10 +312,13 @@ class Experiment:
         effort = np.vstack([t.actuator for t in prediction.torques])
         if not others:
             return replace(first, effort=effort)
+        every = (first, *others)
         q, v, a, time = (
-            np.concatenate([getattr(x, name) for x in (first, *others)]) for name in ("q", "v", "a", "time")
+            np.concatenate([getattr(x, name) for x in every]) for name in ("q", "v", "a", "time")
         )
-        return replace(first, q=q, v=v, a=a, effort=effort, time=time)
+        warmth = [x.temperature for x in every if x.temperature is not None]
+        temperature = np.concatenate(warmth) if len(warmth) == len(every) else None
+        return replace(first, q=q, v=v, a=a, effort=effort, time=time, temperature=temperature)
 
 
 def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:
@@ -308,6 +333,11 @@ def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:
     """
     count = np.maximum(informative.sum(axis=0), 1)
     return np.asarray(np.sqrt(np.sum(np.where(informative, signal, 0.0) ** 2, axis=0) / count))
+
+
+def _measured_side(robot: RobotModel, motion: Motion) -> TorqueSide:
+    thin = np.s_[:: max(1, len(motion.time) // JUDGED)]
+    return side_evidence(robot, motion.q[thin], motion.v[thin], motion.a[thin], motion.effort[thin]).side
 
 
 def _names(motions: Sequence[Motion]) -> list[str]:

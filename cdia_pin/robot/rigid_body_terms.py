@@ -199,6 +199,20 @@ class RigidBodyTerms:
         columns = [self._each((self.n,), _gravity_of(self._with_gravity(axis)), q) for axis in np.eye(3)]
         return np.stack(columns, axis=-1)
 
+    def gravity_stiffness(self, q: ArrayLike) -> Array:
+        """Compute ∂G/∂q, by which the gravity torque changes with the posture.
+
+        Args:
+            q: Positions [rad or m], shape (n,) or (N, n).
+
+        Returns:
+            Stiffness [N·m/rad, N/rad, N·m/m or N/m], shape (n, n) or (N, n, n).
+        """
+        data = self._model.createData()
+        return self._each(
+            (self.n, self.n), partial(pin.computeGeneralizedGravityDerivatives, self._model, data), q
+        )
+
     def weight_regressor(self, q: ArrayLike) -> Array:
         """Compute ∂Y/∂g of the torque regressor, for the gravity vector g in the base frame.
 

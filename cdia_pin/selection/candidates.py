@@ -22,6 +22,7 @@ from cdia_pin.effects import (
     ViscousFriction,
 )
 from cdia_pin.errors import EffectError, unknown_name
+from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.noise import NoiseModel
@@ -65,6 +66,8 @@ def enumerate_candidates(
             continue
         for scope in EFFECTS[name].scopes(robot):
             effect = EFFECTS[name].from_scope(scope, {})
+            if settings.effects is None and not _is_measured(effect, experiment):
+                break
             if _can_be_seen(effect, experiment, rigid_share >= settings.criterion.least_rigid_share):
                 families.append(list(effect.shape_grid(x)))
     for effect in settings.extra:
@@ -102,7 +105,8 @@ def drifting(effects: Iterable[Effect], experiment: Experiment) -> list[list[Eff
     joints = dict.fromkeys(
         j for e in effects if e.traits.dissipative or isinstance(e, TorqueOffset) for j in e.scope
     )
-    slow = [Drift(kind(j), start, end, end - start) for j in joints for kind in SLOW]
+    kinds = [kind(j) for j in joints for kind in SLOW]
+    slow = [Drift(e, start, end, end - start) for e in kinds if _is_measured(e, experiment)]
     return [list(e.shape_grid(experiment.segments[0].state)) for e in slow]
 
 
@@ -111,6 +115,11 @@ def _expanded(effect: Effect, experiment: Experiment) -> Iterator[Effect]:
         yield from effect.expand(experiment.robot)
     else:
         yield effect
+
+
+def _is_measured(effect: Effect, experiment: Experiment) -> bool:
+    """Return False for friction of a motor and its rotor where the torque was measured behind the gear."""
+    return not (effect.traits.motor_side and experiment.torque_side is TorqueSide.LINK)
 
 
 def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool_]) -> bool:
@@ -122,7 +131,11 @@ def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool
     joints = [experiment.robot.joint_index(j) for j in effect.scope]
     if Signal.TORQUE in effect.traits.depends_on and joints and not loaded[joints].all():
         return False
-    moves = effect.traits.dissipative or isinstance(effect, RotorInertia | PositionRipple)
+    moves = (
+        effect.traits.dissipative
+        or bool(effect.memories)
+        or isinstance(effect, RotorInertia | PositionRipple)
+    )
     return not (moves and experiment.resting[joints].any())
 
 

@@ -137,12 +137,13 @@ class Problem:
     # ------------------------------------------------------------- noise
 
     def with_first_noise(self, model: Dynamics) -> WhitenedProblem:
-        """Return the problem with the noise before a search: the residual that all simple effects together leave.
+        """Return the problem with the noise before a search: the residual that all simple, common effects leave.
 
         Args:
             model: The model as it is known.
         """
-        generic = [f[0] for f in self.families if f[0].size < GENERIC_SIZE and len(f) < GENERIC_SHAPES]
+        common = [f for f in self.families if f[0].plausibility.is_common]
+        generic = [f[0] for f in common if f[0].size < GENERIC_SIZE and len(f) < GENERIC_SHAPES]
         effects = list(dict.fromkeys([*(t.effect for t in model.terms), *generic]))
         left = self._lack_of_fit(self.experiment.predict(model), effects)
         return WhitenedProblem(self, Whitening.of(self.experiment, left.innermost, self.edges))

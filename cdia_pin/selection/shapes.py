@@ -12,6 +12,9 @@ from cdia_pin.regression.bounded_fit import bounded_fit
 from cdia_pin.regression.regression import Regression
 
 ROUNDS = 7  # parabolas [1] through three shapes; the last step is about a thousandth of the first
+SWEEPS = (
+    3  # times [1] that several shapes of one effect are refined by turns, because each depends on the others
+)
 NARROWER = 0.35  # step of a round over that of the round before [1]
 FARTHEST = 1.5  # largest move of one round over its step [1], because a parabola is only local
 
@@ -25,7 +28,8 @@ def refine_shapes(regression: Regression, model: Dynamics, known: Collection[str
         known: Labels of terms whose shape stays as it is.
     """
     for term in [t for t in model.terms if t.effect.shape and t.label not in known]:
-        for name in term.effect.shape_values:
+        names = list(term.effect.shape_values)
+        for name in names * (SWEEPS if len(names) > 1 else 1):
             model = _refined(regression, model, term.label, name)
     return model
 
@@ -37,13 +41,18 @@ def _refined(regression: Regression, model: Dynamics, label: str, name: str) -> 
     rest = [t.effect for t in model.terms if t.label != label]
     grid = [e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))]
     start = term.effect.shape_values[name]
-    best, spread = term, min(_cell(start, grid), start) / 2
+    bounds = next(p for p in term.effect.shape if p.name == name)
+    cell = _cell(start, grid)
+    best, spread = term, (min(cell, start) if bounds.lower > 0 else cell) / 2
     for _ in range(ROUNDS):
         value = best.effect.shape_values[name]
-        tries = [best.effect.with_shape(**{name: value + d}) for d in (-spread, 0.0, spread)]
+        room = min(spread, value - bounds.lower, bounds.upper - value)
+        if room <= 0:
+            break
+        tries = [best.effect.with_shape(**{name: value + d}) for d in (-room, 0.0, room)]
         equations = regression.normal_equations(model.remove(label).add(best), [*rest, *tries])
         fits = [bounded_fit(equations, [*range(len(rest)), len(rest) + i]) for i in range(len(tries))]
-        step = float(np.clip(_bottom(*(f.chi2 for f in fits)), -FARTHEST, FARTHEST)) * spread
+        step = float(np.clip(_bottom(*(f.chi2 for f in fits)), -FARTHEST, FARTHEST)) * room
         moved = float(np.clip(value + step, min(grid, default=value), max(grid, default=value)))
         theta = tuple(float(v) for v in fits[1].theta[-best.effect.size :])
         best = replace(best, effect=best.effect.with_shape(**{name: moved}), theta=theta)

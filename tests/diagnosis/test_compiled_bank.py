@@ -11,7 +11,7 @@ import pytest
 from scipy import special
 
 from cdia_pin.diagnosis import MonitorSettings
-from cdia_pin.diagnosis.bank import prototype
+from cdia_pin.diagnosis.bank import is_followed, prototype
 from cdia_pin.diagnosis.compiled_bank import compile_bank, python_columns
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.nominal import Nominal
@@ -79,7 +79,9 @@ class Drift(JointEffect):
 
 def effects() -> list[JointEffect]:
     of_joint = [
-        e for n, e in EFFECTS.items() if issubclass(e, JointEffect) and n not in ("unknown", "expression")
+        e
+        for n, e in EFFECTS.items()
+        if issubclass(e, JointEffect) and n not in ("unknown", "expression") and is_followed(e(JOINT))
     ]
     slower = EFFECTS["position_ripple"](joint=JOINT, frequency=3.0)
     own = [HardeningSpring(JOINT), Drift(JOINT), Rounded(JOINT)]

@@ -1,9 +1,9 @@
-"""Drift within a log is found and fitted, memory at reversals recognised, and neither where there is none."""
+"""Drift within a log and memory at reversals are found and fitted, and neither where there is none."""
 
 import numpy as np
 import pytest
 
-from cdia_pin.regression.friction_memory import bristle
+from cdia_pin.effects.presliding import deflection
 from tests.hidden_plants import hidden, plant_of
 
 ARMS = ("ur5", "panda")
@@ -33,15 +33,15 @@ def test_friction_that_falls_as_a_drive_warms_up_is_found_with_its_time_constant
 
 
 @pytest.mark.parametrize("arm", ARMS)
-def test_presliding_is_recognised_with_its_level_and_reach(arm, discovered):
+def test_presliding_is_found_with_its_level_and_reach(arm, discovered):
     scenario = outside(arm, "presliding")
     (fault,) = scenario.faults
     found = discovered(arm, scenario.run(plant_of(arm)).log)
-    assert found.verdict == "unexplained"
-    (finding,) = [f for f in found.findings if f.kind == "memory"]
-    assert finding.joints == (fault.joint,)
-    assert finding.values["level"] == pytest.approx(fault.parameters["level"], rel=0.15)
-    assert finding.values["reach"] == pytest.approx(fault.parameters["reach"], rel=0.4)  # the grid's step
+    assert (found.verdict, found.findings) == ("explained", ())
+    (step,) = found.steps
+    assert step.term.label == f"presliding_friction@{fault.joint}"
+    assert step.term.theta[0] == pytest.approx(fault.parameters["level"], rel=0.01)
+    assert step.term.effect.reach == pytest.approx(fault.parameters["reach"], rel=0.02)
 
 
 @pytest.mark.parametrize("name", ["coulomb_friction", "stribeck_friction"])
@@ -52,8 +52,8 @@ def test_friction_without_memory_or_drift_has_none(name, discovered):
 
 def test_bristles_follow_distance_and_not_speed():
     reach, q = 0.1, np.concatenate([np.linspace(0, 1, 401), np.linspace(1, 0, 401)[1:]])
-    z = bristle(q, reach)
+    z = deflection(np.diff(q), reach)
     assert z[400] == pytest.approx(1.0, abs=1e-4)
     after = z[400:] - (-1 + 2 * np.exp(-(1 - q[400:]) / reach))  # from +1 to −1 over the reach
     np.testing.assert_allclose(after, 0.0, atol=1e-4)
-    np.testing.assert_allclose(bristle(q[::10], reach), z[::10], atol=1e-9)  # however fast it was
+    np.testing.assert_allclose(deflection(np.diff(q[::10]), reach), z[::10], atol=1e-9)  # however fast it was

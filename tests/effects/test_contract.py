@@ -11,8 +11,8 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-
 from cdia_pin.changes.evidence import Difference
+
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.dynamics import Dynamics, exciting_trajectory, simulate
@@ -298,6 +298,7 @@ CHANGED: dict[Signal, Callable[[State], State]] = {  # in one signal alone, all 
     Signal.ACCELERATION: lambda x: replace(x, a=louder(x.a, x.time)),
     Signal.TORQUE: lambda x: x.with_effort(louder(x.effort, x.time)),
     Signal.TIME: lambda x: replace(x, time=1.2 * x.time + 0.3),
+    Signal.TEMPERATURE: lambda x: replace(x, temperature=louder(np.full_like(x.q, 25.0), x.time)),
     Signal.GRAVITY: lambda x: x.with_gravity_change(np.tile([1.0, -2.0, 0.5], (len(x), 1))),
 }
 
@@ -551,12 +552,23 @@ def test_a_memory_in_a_simulation_is_that_of_the_motion(kind):
 
 
 @pytest.mark.parametrize("kind", [k for k in KINDS if issubclass(k, Memory)], ids=lambda k: k.name)
-def test_a_monitor_refuses_a_memory(kind):
+def test_a_monitor_refuses_a_memory_or_takes_what_it_is_where_the_past_has_no_weight(kind):
     robot, effect = robot_of("ur5"), kind("elbow_joint")
     with pytest.raises(EffectError, match="has memory"):
         Bank.of(robot, [effect])
-    with pytest.raises(ModelError, match="memory"):
-        Nominal.of(Dynamics(robot, (Term(effect, (1.0,) * effect.size),)))
+    model = Dynamics(robot, (Term(effect, (1.0,) * effect.size),))
+    if effect.steady is None:
+        with pytest.raises(ModelError, match="memory"):
+            Nominal.of(model)
+    else:
+        assert [t.effect for t in Nominal.of(model).of_joints] == [effect.steady]
+
+
+@each()
+def test_where_the_past_has_no_weight_is_no_memory(name, effect):
+    if effect.steady is not None:
+        assert effect.steady.memories == ()
+        assert effect.steady.size == effect.size
 
 
 # ------------------------------------------------------------------ a fault in a plant, found in its log
@@ -573,7 +585,8 @@ def reference():
 @cache
 def asked() -> State:
     time = np.linspace(0.0, LOG["duration"], 400)
-    return State.of(robot_of("ur5"), *reference()(time), time=time, sign_width=0.01)
+    x = State.of(robot_of("ur5"), *reference()(time), time=time, sign_width=0.01)
+    return replace(x, temperature=25.0 + time[:, None] * np.ones(x.robot.n))
 
 
 def visible(kind: type[Effect]) -> Effect:

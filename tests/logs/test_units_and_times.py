@@ -5,7 +5,7 @@ import pytest
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Conversion
-from cdia_pin.logs.gains import read_gains
+from cdia_pin.logs.gains import NOMINAL_TOLERANCE, read_gains
 from cdia_pin.logs.timestamps import in_seconds
 
 STEPS = np.arange(100)
@@ -105,6 +105,8 @@ def test_a_conversion_of_an_unknown_joint_is_refused_with_the_nearest_ones(ur5):
         ({"a": 1.0, "b": 0.0}, "above 0"),
         ({"a": 1.0, "b": "ten"}, "above 0"),
         ({"a": 1.0, "b": float("nan")}, "above 0"),
+        ({"a": 1.0, "b": {"tolerance": 1.0}}, "above 0"),
+        ({"a": 1.0, "b": {"value": 1.0, "tolerance": -1.0}}, "tolerance of b"),
         ("missing.json", "not readable as JSON"),
     ],
 )
@@ -116,4 +118,12 @@ def test_invalid_gains_are_refused_with_the_reason(gains, said):
 def test_gains_may_be_in_a_file(tmp_path):
     file = tmp_path / "gains.json"
     file.write_text('{"b": 2, "a": 1.5, "gripper": 9}')
-    np.testing.assert_allclose(read_gains(file, ("a", "b")), [1.5, 2.0])
+    read = read_gains(file, ("a", "b"))
+    np.testing.assert_allclose(read.value, [1.5, 2.0])
+    np.testing.assert_allclose(read.relative_tolerance, NOMINAL_TOLERANCE)
+
+
+def test_gains_may_have_a_tolerance():
+    read = read_gains({"a": {"value": 2.0, "tolerance": 0.1}, "b": 4.0}, ("a", "b"))
+    np.testing.assert_allclose(read.value, [2.0, 4.0])
+    np.testing.assert_allclose(read.tolerance, [0.1, NOMINAL_TOLERANCE * 4.0])

@@ -16,6 +16,7 @@ from cdia_pin.logs.checks.limits import check_limits, check_saturation
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import check_gaps, check_rate, check_repeats, check_resolution
 from cdia_pin.logs.checks.sign_and_order import check_conventions
+from cdia_pin.logs.checks.torque_side import check_torque_side
 from cdia_pin.logs.checks.velocity import check_velocity
 from cdia_pin.logs.log import Log
 
@@ -75,4 +76,5 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     gains = gravity_gains(motion, robot)
     yield from check_arm(robot, motion, gains)
     yield from check_effort_kind(log, gains)
+    yield from check_torque_side(log, robot, motion)
     yield from check_lag(log, robot, search.conventions)

@@ -39,6 +39,7 @@ class Topic(StrEnum):
     JOINT_ORDER = "joint_order"
     ROBOT = "robot"
     EFFORT_KIND = "effort_kind"
+    TORQUE_SIDE = "torque_side"
     LAG = "lag"
 
 

@@ -1,0 +1,80 @@
+"""The check of the side of the gear on which a log's torque was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cdia_pin.logs.checks.finding import Finding, Severity, Topic
+from cdia_pin.logs.checks.motion import SmoothedMotion
+from cdia_pin.logs.log import Log
+from cdia_pin.logs.side_evidence import SideEvidence, side_evidence
+from cdia_pin.logs.torque_side import TorqueSide
+
+if TYPE_CHECKING:
+    from cdia_pin.robot.model import RobotModel
+
+MEANS = {
+    TorqueSide.MOTOR: "the torque is that of the motor: it drives the friction of the gear and the rotor",
+    TorqueSide.LINK: "the torque is measured behind the gear: it has a zero of its own, and shows neither friction of "
+    "the motor nor its rotor",
+}
+OTHER = {TorqueSide.MOTOR: TorqueSide.LINK, TorqueSide.LINK: TorqueSide.MOTOR}
+
+
+def check_torque_side(log: Log, robot: RobotModel, motion: SmoothedMotion) -> Iterator[Finding]:
+    """Tell on which side of the gear the torque was measured, and by what.
+
+    Args:
+        log: The log, for names and what is known of it.
+        robot: The robot of the log.
+        motion: Signals under the right conventions.
+
+    Yields:
+        One finding.
+    """
+    evidence = side_evidence(robot, motion.q, motion.v, motion.a, motion.effort)
+    value: dict[str, object] = {
+        "measured": str(evidence.side),
+        **{joint: asdict(friction) for joint, friction in evidence.joints.items()},
+    }
+    said = _said(evidence)
+    if log.torque_side is not TorqueSide.UNKNOWN:
+        value["side"] = str(log.torque_side)
+        odd = evidence.side is OTHER[log.torque_side]
+        source = "the log holds currents, or it was said so"
+        doubt = f", but it looks like the {evidence.side} side: {said}" if odd else ""
+        severity = Severity.WARNING if odd else Severity.OK
+        yield Finding(Topic.TORQUE_SIDE, severity, f"{MEANS[log.torque_side]} ({source}){doubt}", value=value)
+    elif evidence.side is not TorqueSide.UNKNOWN:
+        value["side"] = str(evidence.side)
+        yield Finding(
+            Topic.TORQUE_SIDE,
+            Severity.OK,
+            f"{MEANS[evidence.side]}: {said}",
+            advice=f"if that is wrong, --torque-side {OTHER[evidence.side]}",
+            value=value,
+        )
+    else:
+        value["side"] = str(TorqueSide.UNKNOWN)
+        yield Finding(
+            Topic.TORQUE_SIDE,
+            Severity.INFO,
+            f"cannot tell on which side of the gear the torque was measured{': ' if said else ''}{said}",
+            advice="if it is a sensor behind the gear, --torque-side link keeps friction of the motor out",
+            value=value,
+        )
+
+
+def _said(evidence: SideEvidence) -> str:
+    """Return the range of dry friction over the torque limits, in words; empty if no joint can be judged."""
+    shares = [100 * f.dry / f.limit for f in evidence.joints.values() if np.isfinite(f.limit)]
+    if not shares:
+        return ""
+    return (
+        f"the jump at reversals shows dry friction of {min(shares):.2g} to {max(shares):.2g} % of the torque limits "
+        "(gears take 4 to 7 %)"
+    )

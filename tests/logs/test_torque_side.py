@@ -1,0 +1,99 @@
+"""The jump at reversals tells on which side of the gear a torque was measured, and what is searched for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cdia_pin import Dynamics, load_robot, read_log
+from cdia_pin.errors import LogError
+from cdia_pin.logs import check_log, write_log
+from cdia_pin.logs.conditioning import condition
+from cdia_pin.logs.torque_side import TorqueSide
+from cdia_pin.regression.experiment import Experiment
+from cdia_pin.selection import DiscoverySettings
+from cdia_pin.selection.candidates import enumerate_candidates
+from tests.hidden_plants import MEASURED
+from tests.made_logs import make
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return load_robot("panda")
+
+
+def logged(robot, share):
+    """A log whose joints have dry friction of a share of their torque limit."""
+    friction = share * robot.limits.effort
+    return make(robot, lambda q, v, a: -friction * np.tanh(v / 0.01), seed=2, noise=0.02).log
+
+
+def told(robot, log):
+    (finding,) = check_log(log, robot).about("torque_side")
+    return finding.value["side"]
+
+
+@pytest.mark.parametrize(("share", "side"), [(0.05, "motor"), (0.004, "link"), (0.0, "unknown")])
+def test_friction_beside_the_torque_limit_tells_the_side(panda, share, side):
+    assert told(panda, logged(panda, share)) == side
+
+
+def offered(robot, log):
+    experiment = Experiment.of(robot, [condition(log, robot)])
+    families = enumerate_candidates(experiment, experiment.predict(Dynamics(robot)), DiscoverySettings())
+    return {f[0].name for f in families}
+
+
+def test_behind_the_gear_no_friction_of_the_motor_and_no_rotor_is_offered(panda):
+    behind, before = (offered(panda, logged(panda, share)) for share in (0.004, 0.05))
+    assert {"coulomb_friction", "coupled_friction", "presliding_friction", "rotor_inertia"} <= before - behind
+    assert {"torque_offset", "payload", "joint_spring"} <= behind
+
+
+def test_what_the_user_says_counts_more_than_what_the_log_shows(panda, tmp_path):
+    file = write_log(logged(panda, 0.05), tmp_path / "run.csv")
+    log = read_log(file, panda, torque_side="link")
+    assert log.torque_side is TorqueSide.LINK
+    assert any("behind the gear" in note for note in log.notes)
+    assert "coulomb_friction" not in offered(panda, log)
+    (finding,) = check_log(log, panda).about("torque_side")
+    assert finding.severity == "warning" and "looks like the motor side" in finding.message
+    with pytest.raises(LogError, match="side of the torque sensor"):
+        read_log(file, panda, torque_side="left")
+
+
+@pytest.mark.parametrize(
+    ("log", "robot", "gains", "side"),
+    [
+        ("kuka_lwr4/exciting.csv", "kuka_lwr4/kuka_lwr4.urdf", None, "link"),
+        ("ur10/exciting.csv", "ur10", None, "motor"),
+        ("ur10e/fourier_40s.csv", "ur10e/ur10e.urdf", "ur10e/drive_gains.json", "motor"),
+        (
+            "panda/exciting.csv",
+            "panda",
+            None,
+            "unknown",
+        ),  # sensors behind gears, on bearings with much friction
+        (
+            "double_pendulum/swing_1.csv",
+            "double_pendulum/double_pendulum.urdf",
+            None,
+            "unknown",
+        ),  # two joints
+    ],
+)
+def test_measured_arms(log, robot, gains, side):
+    if not MEASURED.is_dir():
+        pytest.skip("measured logs are not at ../shared/data; they have other licences and do not ship")
+    arm = load_robot(str(MEASURED / robot) if robot.endswith(".urdf") else robot)
+    read = read_log(MEASURED / log, arm, gains=gains and MEASURED / gains)
+    assert told(arm, read) == side
+
+
+def test_temperatures_are_read_and_written(panda, tmp_path):
+    log = logged(panda, 0.0)
+    warm = 20 + np.outer(np.linspace(0, 10, len(log.time)), np.ones(panda.n))
+    for suffix in ("csv", "npz"):
+        again = read_log(write_log(replace(log, temperature=warm), tmp_path / f"warm.{suffix}"), panda)
+        np.testing.assert_allclose(again.temperature, warm)
+    assert read_log(write_log(log, tmp_path / "plain.csv"), panda).temperature is None
