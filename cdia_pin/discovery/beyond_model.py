@@ -22,7 +22,7 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.logs.motion import Motion
 from cdia_pin.progress import Progress, part
-from cdia_pin.regression.experiment import rms
+from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.selection.problem import Problem
 
 Array = NDArray[np.float64]
@@ -53,6 +53,21 @@ def discover_beyond(model: Dynamics, logs: Problem, report: Progress) -> Discove
         steps.append(_step(logs, change, model, later, search, order[: k + 1]))
     findings = findings_of(changes, model.robot)
     return conclusion(logs, models[-1], tuple(steps), part(report, 0.8, 1.0), findings=findings)
+
+
+def is_known(experiment: Experiment, model: Dynamics) -> bool:
+    """Tell whether a model was learned from the same logs, so that there is nothing to compare them with.
+
+    Args:
+        experiment: The logs.
+        model: The model.
+    """
+    return all(any(_same(s.motion, m) for m in model.learned_from) for s in experiment.segments)
+
+
+def _same(one: Motion, other: Motion) -> bool:
+    """Tell whether two motions are one log, filtered alike; a file keeps seven digits of it."""
+    return one.q.shape == other.q.shape and np.allclose(one.q, other.q, rtol=1e-5, atol=1e-5)
 
 
 def updated(model: Dynamics, difference: Term) -> Dynamics:

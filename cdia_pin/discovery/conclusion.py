@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.capability import capability_of
 from cdia_pin.discovery.discovery_documents import DiscoveryRecord
@@ -83,7 +85,11 @@ def conclusion(
     return Discovery(
         model=replace(final, learned_from=tuple(s.motion for s in experiment.segments)),
         verdict=verdict_on(
-            misfit.left.tolist(), able.feedforward_error, len(steps) - 1, settings.tolerable_error
+            misfit.left.tolist(),
+            able.feedforward_error,
+            misfit.floor / np.maximum(torque, 1e-12),
+            len(steps) - 1,
+            settings.practice,
         ),
         trace=steps,
         noise_floor=misfit.floor,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from cdia_pin.changes.conditions import changes_between, effects_that_differ, with_parameters_per_log
 from cdia_pin.changes.phenomenon import Phenomenon
-from cdia_pin.discovery.beyond_model import discover_beyond
+from cdia_pin.discovery.beyond_model import discover_beyond, is_known
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
 from cdia_pin.discovery.ranking import rank
@@ -56,9 +56,9 @@ def discover(
     report("conditioning", 0.0)
     settings, given = settings or DiscoverySettings(), listed(logs)
     if model.learned_from and not settings.per_log:
-        return discover_beyond(
-            model, Problem.conditioned(model.robot, given, listed(holdout), settings), report
-        )
+        beside = Problem.conditioned(model.robot, given, listed(holdout), settings)
+        if not is_known(beside.experiment, model):
+            return discover_beyond(model, beside, report)
     # differences between the logs are found first, after all that the logs may have in common
     changes = changes_between(model, given, settings, part(report, 0.0, 0.05))
     problem = Problem.of(model, given, listed(holdout), settings).with_parts(effects_that_differ(changes))

@@ -8,6 +8,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.selection.discovery_settings import PracticeSettings
+
 Array = NDArray[np.float64]
 
 
@@ -21,18 +23,20 @@ class DiscoveryVerdict(StrEnum):
 
 
 def verdict_on(
-    structure_left: Sequence[bool], error: Array, added: int, tolerable_error: float
+    structure_left: Sequence[bool], error: Array, floor: Array, added: int, practice: PracticeSettings
 ) -> DiscoveryVerdict:
     """Return the verdict: structure that is left outweighs all that was found, but only where it matters.
 
     Args:
         structure_left: Whether the residual of each joint is more than noise, shape (n,).
         error: Error on data that was not fitted, over the torque [1], shape (n,).
+        floor: Error that no smooth function of the motion explains, over the torque [1], shape (n,).
         added: Number of effects that were added.
-        tolerable_error: Error below which structure does not matter [1].
+        practice: When structure does not matter.
     """
     left = np.asarray(structure_left, bool)
-    if (left & (error > tolerable_error)).any():
+    matters = (error > practice.tolerable_error) | (error > practice.tolerable_structure * floor)
+    if (left & matters).any():
         return DiscoveryVerdict.UNEXPLAINED
     if left.any():
         return DiscoveryVerdict.EXPLAINED_IN_PRACTICE

@@ -155,6 +155,23 @@ class ConfidenceSettings:
 
 
 @dataclass(frozen=True, repr=False)
+class PracticeSettings:
+    """When structure that is left does not matter in practice: it is small, and no single cause stands out.
+
+    Attributes:
+        tolerable_error: Largest error of a joint on data that was not fitted, over its torque [1]. Good identified
+            models of industrial arms leave five to ten percent.
+        tolerable_structure: Largest error of a joint over its noise floor [1]. Measured arms whose residual follows
+            everything a little leave 1.3 to 2.4, a single effect that has no name leaves 2.7 and more.
+    """
+
+    tolerable_error: float = 0.1
+    tolerable_structure: float = 2.5
+
+    __repr__ = settings_repr
+
+
+@dataclass(frozen=True, repr=False)
 class DiscoverySettings:
     """What a discovery searches for, and how.
 
@@ -171,8 +188,7 @@ class DiscoverySettings:
         alternatives: When another explanation counts as possible.
         lack_of_fit: When the residual of a model counts as structure.
         memory: When friction after a reversal counts as having memory.
-        tolerable_error: Error of a joint on data that was not fitted, over its torque, below which structure that is
-            left does not matter [1]. Good identified models of industrial arms leave five to ten percent.
+        practice: When structure that is left does not matter.
         changes: When a difference between logs counts as a change of the arm.
         confidence: How the decision about an effect is repeated.
         noise: How the noise of a joint is estimated.
@@ -191,7 +207,7 @@ class DiscoverySettings:
     alternatives: AlternativeSettings = field(default_factory=AlternativeSettings)
     lack_of_fit: LackOfFitSettings = field(default_factory=LackOfFitSettings)
     memory: MemorySettings = field(default_factory=MemorySettings)
-    tolerable_error: float = 0.1
+    practice: PracticeSettings = field(default_factory=PracticeSettings)
     changes: ChangeSettings = field(default_factory=ChangeSettings)
     confidence: ConfidenceSettings = field(default_factory=ConfidenceSettings)
     noise: NoiseSettings = field(default_factory=NoiseSettings)

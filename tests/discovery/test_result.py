@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, compare, discover, load_robot
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.discovery import DiscoveryVerdict
 from cdia_pin.effects import CoulombFriction, Payload, Term, TorqueOffset
 from cdia_pin.identifiability import Confusion
@@ -15,6 +16,7 @@ from cdia_pin.selection import DiscoverySettings
 from tests.made_logs import make
 
 KEYS = {
+    "capability",
     *("schema", "robot", "joints", "verdict", "effects", "trace", "noise_floor", "torque_rms"),
     *("structure_left", "ranking", "findings", "record"),
 }
@@ -61,11 +63,16 @@ def test_the_json_has_the_keys_of_its_schema(pendulum, found):
     assert list(out["noise_floor"]) == list(pendulum.joints)
     assert [e["effect"] for e in out["effects"]] == [s.term.effect.name for s in found.steps]
     for entry in out["effects"]:
-        assert set(entry) - {"shape"} == {"effect", "joints", "parameters", "confusable_with"}
+        assert set(entry) - {"shape"} == {
+            *("effect", "joints", "parameters", "confusable_with"),
+            *("confidence", "group", "change_of_model"),
+        }
+        assert entry["confidence"] in set(Confidence)
         for parameter in entry["parameters"].values():
-            assert set(parameter) == {"value", "unit", "ci95"}
+            assert set(parameter) == {"value", "unit", "ci95", "ci95_statistical"}
             low, high = parameter["ci95"]
-            assert low <= parameter["value"] <= high
+            inner = parameter["ci95_statistical"]
+            assert low <= inner[0] <= parameter["value"] <= inner[1] <= high
         for other in entry["confusable_with"]:
             assert set(other) == {"effect", "joints", "motion"}
 
@@ -151,8 +158,8 @@ def test_nothing_hidden_is_a_verdict_of_its_own(pendulum):
     assert [t["added"] for t in out["trace"]] == [None]
 
 
-def test_verdicts_are_three():
-    assert set(DiscoveryVerdict) == {"nothing-missing", "explained", "unexplained"}
+def test_verdicts_are_four():
+    assert set(DiscoveryVerdict) == {"nothing-missing", "explained", "explained-in-practice", "unexplained"}
 
 
 def test_the_same_log_gives_the_same_json(pendulum, made, found):
