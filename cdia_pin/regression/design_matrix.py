@@ -49,6 +49,7 @@ class DesignMatrix:
         self.experiment = experiment
         self._fixed: dict[Effect, Array] = {}
         self._weighed: tuple[Array, dict[Effect, Array]] = (np.zeros(3), {})
+        self._gravity: tuple[Prediction, Array] | None = None
         self._families: dict[Effect, tuple[NoiseModel, list[Effect], Array, Array]] = {}
 
     def of(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
@@ -108,7 +109,7 @@ class DesignMatrix:
         """
         known = self._fixed
         if Signal.GRAVITY in effect.traits.depends_on:
-            change = np.vstack([prediction.model.gravity_change(s.state) for s in self.experiment.segments])
+            change = self._gravity_change(prediction)
             if np.linalg.norm(change - self._weighed[0], axis=1).max() > SAME_GRAVITY:
                 self._weighed = (change, {})
             known = self._weighed[1]
@@ -118,6 +119,13 @@ class DesignMatrix:
             )
             known[effect] = self.experiment.columns(effect, bare)
         return known[effect]
+
+    def _gravity_change(self, prediction: Prediction) -> Array:
+        """Return the change of gravity along all segments [m/s²], shape (number of samples, 3)."""
+        if self._gravity is None or self._gravity[0] is not prediction:
+            model = prediction.model
+            self._gravity = prediction, np.vstack([model.gravity_change(s.state) for s in self.experiment.segments])
+        return self._gravity[1]
 
     def family(self, family: list[Effect], prediction: Prediction, noise: NoiseModel) -> tuple[Array, Array]:
         """Return the whitened columns of a family of C shapes of one effect, and their inverse Gram matrices.

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cdia_pin.effects import Effect
 from cdia_pin.regression.bounded_fit import bounded_fit
 from cdia_pin.regression.normal_equations import NormalEquations
+from cdia_pin.regression.scaled_gram import ScaledGram
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.criterion import SelectionCriterion
 
@@ -166,6 +167,36 @@ class Evidence:
             chosen: Indices of the candidates.
         """
         return self.equations.optimum(tuple(sorted(chosen)))[1]
+
+    def bounded_chi2(self, chosen: Sequence[int], near: SetFit) -> float:
+        r"""Return a lower bound of chi2 of a physical fit [1], from that of a similar set and without a new program.
+
+        At the optimum :math:`\theta^*` of the similar set its gradient g points into what is physical,
+        :math:`g^T (\theta - \theta^*) \ge 0` for the possible parameters of each effect, because these are convex. What a physical fit
+        leaves is therefore no less than the minimum of :math:`\chi^2(\theta) - 2 g^T (\theta - \theta^*)`.
+
+        Args:
+            chosen: Indices of the candidates.
+            near: Physical fit of a set that has some effects in common.
+        """
+        equations = self.equations
+        columns = equations.columns(chosen)
+        held = [c for c in near.chosen if c in set(chosen) and self.effects[c].bodies]
+        if not held:
+            return self.free_chi2(chosen)
+        pull, start = np.zeros(len(columns)), np.zeros(len(columns))
+        gradient = self._gradient(near)
+        for c in held:
+            own, of_near = equations.own(chosen, c), equations.own(near.chosen, c)
+            pull[own], start[own] = gradient[of_near], near.theta[of_near]
+        right = equations.total[columns, -1] + pull
+        theta = ScaledGram.of(equations.with_prior(chosen)).solve(right)
+        return equations.chi2(columns, theta) - 2.0 * float(pull @ (theta - start))
+
+    def _gradient(self, fit: SetFit) -> Array:
+        """Return the gradient of half of chi2 and prior at a fit, shape (p,)."""
+        columns = self.equations.columns(fit.chosen)
+        return self.equations.with_prior(fit.chosen) @ fit.theta - self.equations.total[columns, -1]
 
     def identifiable_parameters(self, fit: SetFit, one: int) -> int:
         """Return how many parameters of one effect of a fit are identifiable: they differ significantly from zero.

@@ -38,9 +38,8 @@ def improve(
     if needless:
         return min(needless, key=lambda f: f.cost)
     if len(now.chosen) < most:
-        better = _cheapest(
-            evidence, filter(allowed, _additions(evidence, now.chosen)), now.cost - criterion.margin
-        )
+        additions = filter(allowed, _additions(evidence, now.chosen))
+        better = _cheapest(evidence, now, additions, now.cost - criterion.margin)
         if better is not None and (not now.physical or holds(evidence, now, better)):
             return better
     exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
@@ -51,21 +50,25 @@ def improve(
         return float(evidence.effective_parameters[list(chosen)].sum())
 
     simpler = [m for m in exchanges if len(m) <= len(now.chosen) or count(m) < count(now.chosen)]
-    better = _cheapest(evidence, simpler, now.cost - margin)
+    better = _cheapest(evidence, now, simpler, now.cost - margin)
     if better is not None:
         return better
     # two effects for one, with more parameters, must explain enough for the additional name
     least = float(np.max(evidence.least_gain[list(now.chosen)], initial=0.0))
-    return _cheapest(evidence, exchanges, now.cost - margin - least)
+    return _cheapest(evidence, now, exchanges, now.cost - margin - least)
 
 
-def _cheapest(evidence: Evidence, sets: Iterable[tuple[int, ...]], limit: float) -> SetFit | None:
+def _cheapest(
+    evidence: Evidence, now: SetFit, sets: Iterable[tuple[int, ...]], limit: float
+) -> SetFit | None:
     """Return the physical fit of least cost below a limit; sets whose bound is above the best are not fitted."""
     best = None
     for bound, chosen in sorted((evidence.bound(c), c) for c in {tuple(sorted(c)) for c in sets}):
         if bound >= (best.cost if best else limit):
             break
         below = best.cost if best else limit
+        if evidence.bounded_chi2(chosen, now) + evidence.penalty_of(chosen) >= below:
+            continue
         rough = evidence.fit(chosen)
         if rough.physical and rough.cost < below:
             fit = evidence.fit(chosen, bodies=True)
@@ -78,6 +81,8 @@ def _without(evidence: Evidence, whole: SetFit, lacking: int) -> SetFit | None:
     rest = tuple(c for c in whole.chosen if c != lacking)
     needed = missed(evidence, lacking)
     if whole.physical and evidence.free_chi2(rest) - whole.chi2 >= needed:
+        return None
+    if whole.physical and evidence.bounded_chi2(rest, whole) - whole.chi2 >= needed:
         return None
     part = evidence.fit(rest, bodies=True)
     return None if whole.physical and part.physical and part.chi2 - whole.chi2 >= needed else part
