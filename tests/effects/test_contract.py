@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from cdia_pin.changes.evidence import Difference
+from cdia_pin.changes.difference import Difference
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.dynamics import Dynamics, exciting_trajectory, simulate
