@@ -48,9 +48,8 @@ class Counterbalance(JointEffect):
     name: ClassVar[str] = "counterbalance"
     equation: ClassVar[str] = "−F(λ) sin(q − q₀) / λ,  λ² = 1 + r² − 2 r cos(q − q₀)"
     traits: ClassVar[Traits] = Traits({Signal.POSITION})
-    plausibility: ClassVar[Plausibility] = Plausibility(
-        penalty=6.0
-    )  # few arms have one, and then it is known
+    # few arms have one, and then it is known
+    plausibility: ClassVar[Plausibility] = Plausibility(penalty=6.0, unusual=True)
     parameters = (
         Parameter("torque_at_centre", "{effort}", lower=0.0),
         Parameter("torque_opposite", "{effort}", lower=0.0),

@@ -41,7 +41,8 @@ class JointElasticity(Effect):
     name: ClassVar[str] = "joint_elasticity"
     equation: ClassVar[str] = "c τ ∂G/∂q"
     traits: ClassVar[Traits] = Traits({Signal.POSITION, Signal.VELOCITY, Signal.ACCELERATION})
-    plausibility: ClassVar[Plausibility] = Plausibility(penalty=6.0)  # it is small beside an encoder's zero
+    # it is small beside an encoder's zero
+    plausibility: ClassVar[Plausibility] = Plausibility(penalty=6.0, unusual=True)
     scope_fields: ClassVar[tuple[str, ...]] = ("joint",)
     parameters = (Parameter("compliance", "{position}/({effort})", lower=0.0),)
 

@@ -73,7 +73,8 @@ def test_nothing_is_missing_from_a_clean_log(k, discovered):
     [
         case
         for case in in_turn(scenarios.OUTSIDE_RECIPES)
-        if "warming_friction" not in case.id  # a drift, which is found: see test_recognition.py
+        # a drift and a memory, which are found: see test_recognition.py
+        if "warming_friction" not in case.id and "presliding" not in case.id
     ],
 )
 def test_what_is_outside_the_vocabulary_is_called_unexplained(arm, k, discovered):
