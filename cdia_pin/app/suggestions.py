@@ -9,7 +9,7 @@ import numpy as np
 from cdia_pin.discovery import Discovery
 from cdia_pin.effects import Term
 from cdia_pin.identifiability import Confusion
-from cdia_pin.viewers.report_discovery import parameters, shape_parameters
+from cdia_pin.viewers.parameter_rows import parameters, shape_parameters
 from cdia_pin.viewers.verdict import mean_share
 from cdia_pin.viewers.words import confusion_words, effect_name, where_words
 

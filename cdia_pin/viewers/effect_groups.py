@@ -12,8 +12,10 @@ from cdia_pin.viewers.words import effect_name, listed, short_names
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Discovery, Step
-    from cdia_pin.effects import Term
+    from cdia_pin.effects import Effect, Term
+    from cdia_pin.identifiability import Confusion
 
+MOST_RIVALS = 2  # other explanations of an effect that are named before they are counted
 MOST_JOINTS = 3  # joints that a line names before it counts the others
 
 
@@ -94,3 +96,13 @@ def _name(group: str, steps: Sequence[Step]) -> str:
     """Return the name of the effects where all are of one kind, and else that of their group."""
     kinds = {effect_name(term_of(s).effect) for s in steps}
     return kinds.pop() if len(kinds) == 1 else group
+
+
+def rivals(effect: Effect, confusions: Sequence[Confusion]) -> list[Confusion]:
+    """Return other explanations of an effect, those on the same joint first.
+
+    Args:
+        effect: The effect.
+        confusions: Its other explanations.
+    """
+    return sorted(confusions, key=lambda c: not all(set(e.scope) <= set(effect.scope) for e in c.effects))

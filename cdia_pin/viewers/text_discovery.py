@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from cdia_pin.viewers.cells import clean, new_table
-from cdia_pin.viewers.report_discovery import ShapeRow, parameters, shape_parameters
+from cdia_pin.viewers.parameter_rows import ShapeRow, parameters, shape_parameters
 from cdia_pin.viewers.short_answer import short_answer
 from cdia_pin.viewers.verdict import mean_share, verdict_sentences
 from cdia_pin.viewers.words import (

@@ -74,6 +74,29 @@ def with_interval(value: float, interval: tuple[float, float] | None, unit: str)
     return with_unit(f"{fixed(value)} ± {fixed(half)}", unit)
 
 
+def with_sign(text: str, value: float) -> str:
+    """Return a difference with its sign, also where it is positive.
+
+    Args:
+        text: The difference in words.
+        value: The difference.
+    """
+    return f"+{text}" if value > 0 else text
+
+
+def half_widths(*widths: float) -> tuple[str, ...]:
+    """Return half widths of intervals with the same decimals, two digits of the widest.
+
+    Args:
+        *widths: Positive numbers of one unit.
+    """
+    widest = max(widths)
+    if not (math.isfinite(widest) and widest > 0):
+        return tuple(number(w, 2) for w in widths)
+    places = _places(widest)
+    return tuple(f"{w:.{places}f}" if places <= 6 else f"{w:.1e}".replace("-", "−") for w in widths)
+
+
 def _places(width: float) -> int:
     """Return the decimals that leave two digits of a width."""
     return max(1 - math.floor(math.log10(float(f"{width:.1e}"))), 0)
