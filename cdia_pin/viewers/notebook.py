@@ -14,7 +14,7 @@ from cdia_pin.discovery import Comparison, Discovery, Step
 from cdia_pin.viewers import sparks
 from cdia_pin.viewers.event_words import event_rows, fault_words
 from cdia_pin.viewers.effect_groups import MOST_RIVALS, effect_groups, rivals, term_of
-from cdia_pin.viewers.parameter_rows import group_numbers, shape_parameters, step_parameters
+from cdia_pin.viewers.parameter_rows import group_numbers, parts_words, shape_parameters, step_parameters
 from cdia_pin.viewers.report_isolation import stage_spans
 from cdia_pin.viewers.short_answer import short_answer
 from cdia_pin.viewers.sparks import BEFORE
@@ -160,7 +160,7 @@ def _effects(steps: Iterable[Step], result: Discovery) -> Markup:
     robot, rows = result.model.robot, []
     for step in steps:
         term = term_of(step)
-        sizes = [Markup(f"{_text(p['name'])} {_text(p['text'])}{_soft(p['parts'])}")
+        sizes = [Markup(f"{_text(p['name'])} {_text(p['text'])}{_soft(parts_words(p))}")
                  for p in step_parameters(step, robot)]  # fmt: skip
         sizes += [Markup(_text(f"{p['name']} {p['text']}")) for p in shape_parameters(term, robot)]
         doubts = few((confusion_words(c) for c in rivals(term.effect, step.confusions)), MOST_RIVALS)

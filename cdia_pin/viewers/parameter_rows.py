@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 FEW = 2  # parameters of an effect that fit in one line
+PARTS = ("statistical", "systematic")
 SINCE = "since the model"  # said of a difference from the model as given
 
 
@@ -33,14 +34,15 @@ class ParameterRow(TypedDict):
     Attributes:
         name: In words.
         text: Its value with its 95 % interval and unit.
-        parts: The statistical and the systematic part of the interval; empty where they are not known.
+        parts: Half widths of the statistical and the systematic part of the interval, in its unit; empty where they
+            are not known.
         interval: Lower end, value and upper end; None without an interval.
         telling: Whether the interval leaves out zero.
     """
 
     name: str
     text: str
-    parts: str
+    parts: list[str]
     interval: Numbers | None
     telling: bool
 
@@ -71,7 +73,7 @@ def parameters(term: Term, robot: RobotModel, *, differences: bool = False) -> l
         out.append({
             "name": parameter_name(p.name),
             "text": f"{with_sign(text, value)} {SINCE}" if differences else text,
-            "parts": _parts(total, narrow, unit),
+            "parts": _parts(total, narrow),
             "interval": None if total is None else compact([total[0], value, total[1]]),
             "telling": total is None or not bool(total[0] <= 0.0 <= total[1]),
         })  # fmt: skip
@@ -107,16 +109,23 @@ def shape_parameters(term: Term, robot: RobotModel) -> list[ShapeRow]:
     return out
 
 
-def _parts(total: tuple[float, float] | None, statistical: tuple[float, float] | None, unit: str) -> str:
-    """Return ``± 0.04 N·m statistical, ± 0.10 N·m systematic``."""
+def _parts(total: tuple[float, float] | None, statistical: tuple[float, float] | None) -> list[str]:
+    """Return the half widths of the statistical and the systematic part of an interval."""
     if total is None or statistical is None:
-        return ""
+        return []
     wide, narrow = (float(high - low) / 2 for low, high in (total, statistical))
     if not np.isfinite(wide):
-        return ""
-    systematic = float(np.sqrt(max(wide**2 - narrow**2, 0.0)))
-    first, second = (with_unit(w, unit) for w in half_widths(narrow, systematic))
-    return f"± {first} statistical, ± {second} systematic"
+        return []
+    return list(half_widths(narrow, float(np.sqrt(max(wide**2 - narrow**2, 0.0)))))
+
+
+def parts_words(row: ParameterRow) -> str:
+    """Return ``± 0.04 statistical, ± 0.10 systematic``; empty where the parts are not known.
+
+    Args:
+        row: A parameter in words.
+    """
+    return ", ".join(f"± {w} {sort}" for w, sort in zip(row["parts"], PARTS, strict=False))
 
 
 def group_numbers(group: EffectGroup, robot: RobotModel) -> str:

@@ -67,7 +67,7 @@ def with_interval(value: float, interval: tuple[float, float] | None, unit: str)
     places = _places(half)
 
     def fixed(x: float) -> str:
-        return (f"{x:.{places}f}" if places <= 6 else f"{x:.2e}").replace("-", "−")
+        return (f"{round(x, places) + 0.0:.{places}f}" if places <= 6 else f"{x:.2e}").replace("-", "−")
 
     if abs((lower + upper) / 2 - value) > 0.1 * half:
         return with_unit(f"{fixed(value)} [{fixed(lower)}, {fixed(upper)}]", unit)

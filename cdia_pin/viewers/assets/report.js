@@ -71,13 +71,16 @@ const ROOM = 4; // parameters of one effect below which both parts of each inter
 const MARKS = { established: ["good", "established"], likely: ["warn", "likely"], descriptive: ["soft", "only descriptive"] };
 const markOf = (confidence) => h("span", { class: "chip " + MARKS[confidence][0] }, MARKS[confidence][1]);
 
+// Both parts of an interval; a shape parameter has none.
+const partsOf = (p) => (p.parts && p.parts.length ? `± ${p.parts[0]} statistical, ± ${p.parts[1]} systematic` : null);
+
 function parameters(e) {
   const spoken = e.parameters.length <= ROOM;
   const listed = (rows) => h("div", { class: "parameters" }, rows.map((p) => [
     h("span", { class: "soft" }, p.name),
-    h("span", { class: p.telling === false ? "faint" : "", title: p.parts || null }, p.text),
+    h("span", { class: p.telling === false ? "faint" : "", title: partsOf(p) }, p.text),
     h("span", {}, Charts.interval(p.interval, p.name + " " + p.text)),
-    spoken && p.parts ? h("span", { class: "parts soft" }, p.parts) : null]));
+    spoken && partsOf(p) ? h("span", { class: "parts soft" }, partsOf(p)) : null]));
   const all = [...e.parameters, ...e.shape], silent = all.length > MANY ? all.filter((p) => p.telling === false) : [];
   return [listed(all.filter((p) => !silent.includes(p))),
     silent.length ? h("details", { class: "plain" }, h("summary", {}, silent.length + " more whose interval holds 0"), listed(silent)) : null];
