@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -27,11 +27,6 @@ from cdia_pin.cli.options import (
     Save,
     Topic,
 )
-
-if TYPE_CHECKING:
-    from cdia_pin.discovery import Discovery
-
-NOTICEABLE = 0.99  # of the error, above which it has not fallen
 
 
 def add(
@@ -91,20 +86,10 @@ def add(
         found = discovery.add_effect(
             known, added, given, holdout=held_out or None, settings=settings, progress=tell
         )
-    from cdia_pin.viewers import discovery_table
+    from cdia_pin.viewers import addition_table
 
     show_inputs(console, known, given, held_out)
-    console.print(discovery_table(found))
-    if not _lowers_the_error(found):
-        console.print(f"{added.label} does not lower the error on data that was not fitted.", style="yellow")
+    console.print(addition_table(found))
     files.write(
         console, found, known, given, conditioning=settings.conditioning, checks=checks, command=ctx.obj
     )
-
-
-def _lowers_the_error(found: Discovery) -> bool:
-    """Tell whether the effect explains anything that it was not fitted to."""
-    import numpy as np
-
-    before, after = (float(np.mean(s.heldout_rms / np.maximum(found.torque_rms, 1e-12))) for s in found.trace)
-    return after < NOTICEABLE * before

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from cdia_pin.diagnosis import MonitorRun, Stage
 from cdia_pin.changes.confidence import Confidence
+from cdia_pin.diagnosis import MonitorRun, Stage
 from cdia_pin.discovery import Comparison, Discovery, Step
 from cdia_pin.viewers import sparks
-from cdia_pin.viewers.event_words import event_rows, fault_words
 from cdia_pin.viewers.effect_groups import MOST_RIVALS, effect_groups, rivals, term_of
+from cdia_pin.viewers.event_words import event_rows, fault_words
 from cdia_pin.viewers.parameter_rows import group_numbers, parts_words, shape_parameters, step_parameters
 from cdia_pin.viewers.report_isolation import stage_spans
 from cdia_pin.viewers.short_answer import short_answer

@@ -15,7 +15,7 @@ from cdia_pin.viewers.cells import clean, new_table
 from cdia_pin.viewers.effect_groups import effect_groups, rivals, term_of
 from cdia_pin.viewers.parameter_rows import shape_parameters, step_parameters
 from cdia_pin.viewers.short_answer import short_answer
-from cdia_pin.viewers.verdict import mean_share, verdict_sentences
+from cdia_pin.viewers.verdict import addition_sentences, mean_share, verdict_sentences
 from cdia_pin.viewers.words import (
     advice_words,
     confusion_words,
@@ -68,6 +68,16 @@ def discovery_table(found: Discovery, everything: bool = True) -> RenderableType
     said = verdict_sentences(found)
     parts += [Padding(clean(s, f"bold {style}" if k == 0 else ""), (0, 1)) for k, s in enumerate(said)]
     return Group(*parts)
+
+
+def addition_table(found: Discovery) -> RenderableType:
+    """Return the error before and after one effect was added, its numbers, and how sure its name is.
+
+    Args:
+        found: The outcome of ``add_effect``.
+    """
+    said = [Padding(clean(s, "" if k else "bold"), (0, 1)) for k, s in enumerate(addition_sentences(found))]
+    return Group(_steps(found), _effects(found), *said)
 
 
 def _errors(found: Discovery) -> Table:

@@ -8,12 +8,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cdia_pin.changes.confidence import Confidence
-from cdia_pin.viewers.effect_groups import effect_groups, on_joints
-from cdia_pin.viewers.words import advice_words, confusion_words, effect_words, few, listed, percent
+from cdia_pin.viewers.effect_groups import MOST_RIVALS, effect_groups, on_joints, rivals, term_of
+from cdia_pin.viewers.words import (
+    advice_words,
+    confusion_words,
+    effect_words,
+    few,
+    listed,
+    percent,
+    sentence_case,
+)
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison, Discovery, Step
 
+NOTICEABLE = 0.99  # of the error, above which it has not fallen
+NAMES = {
+    Confidence.ESTABLISHED: "established",
+    Confidence.LIKELY: "likely",
+    Confidence.DESCRIPTIVE: "only descriptive: it may be something else",
+}
 NAMED = 3  # groups of effects that a sentence names before it counts the others
 
 
@@ -44,6 +58,26 @@ def verdict_sentences(found: Discovery) -> list[str]:
         *recognised,
         _error_sentence(found),
         *_confusion_sentences([s for s in found.steps if s.confidence is not Confidence.DESCRIPTIVE]),
+    ]
+
+
+def addition_sentences(found: Discovery) -> list[str]:
+    """Return what adding one effect has done: the error before and after, how sure its name is, and its rivals.
+
+    Args:
+        found: The outcome of ``add_effect``.
+    """
+    (step,) = found.steps
+    before, after = (mean_share(s.heldout_rms, found) for s in found.trace)
+    name = sentence_case(effect_words(term_of(step).effect))
+    if after >= NOTICEABLE * before:
+        return [
+            f"{name} does not lower the error on data that was not fitted: {percent(before)} of the torque."
+        ]
+    return [
+        f"{name} lowers the error on data that was not fitted from {percent(before)} to {percent(after)} of the "
+        f"measured torque (mean over the joints); its name is {NAMES[step.confidence]}.",
+        *_confusion_sentences(found.steps),
     ]
 
 
@@ -118,7 +152,11 @@ def _practice_sentence(found: Discovery, log: str) -> str:
 def _structure_sentences(found: Discovery) -> list[str]:
     left, joints = found.structure_left, found.model.robot.joints
     few, every = len(left) < NAMED, len(left) == len(joints)
-    counted = on_joints(joints, joints).removeprefix(" on ") if every else f"{len(left)} of the {len(joints)} joints"
+    counted = (
+        on_joints(joints, joints).removeprefix(" on ")
+        if every
+        else f"{len(left)} of the {len(joints)} joints"
+    )
     where = listed(left) if few else counted
     rest = f"the residual on {where} has structure that no effect explains."
     if found.steps:
@@ -152,9 +190,8 @@ def _confusion_sentences(steps: Sequence[Step]) -> list[str]:
             "the motions that would distinguish them are listed."
         ]
     step = doubtful[0]
-    assert step.term is not None
-    others = listed(few(confusion_words(c) for c in step.confusions))
-    return [
-        f"With this motion, {effect_words(step.term.effect)} is hard to distinguish from {others}; "
-        f"{advice_words(step.confusions[0].motion)}."
-    ]
+    effect = term_of(step).effect
+    others = rivals(effect, step.confusions)
+    said = listed(few((confusion_words(c) for c in others), MOST_RIVALS))
+    advice = advice_words(others[0].motion)
+    return [f"With this motion, {effect_words(effect)} is hard to distinguish from {said}; {advice}."]
