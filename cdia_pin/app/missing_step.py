@@ -13,11 +13,10 @@ from cdia_pin.app.suggestions import Suggestion, suggestions
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.discovery import Discovery
 from cdia_pin.effects import EFFECTS
-from cdia_pin.viewers import verdict_sentences
 from cdia_pin.viewers.effect_groups import EffectGroup, effect_groups, term_of
 from cdia_pin.viewers.parameter_rows import group_numbers
 from cdia_pin.viewers.short_answer import short_answer
-from cdia_pin.viewers.words import percent
+from cdia_pin.viewers.words import percent, sentence_case
 
 ANSWERED = ("where it fails", "good for")  # lines of the short answer; the cards say the others
 CHIPS = {Confidence.ESTABLISHED: "good", Confidence.LIKELY: "warn", Confidence.DESCRIPTIVE: "plain"}
@@ -135,9 +134,11 @@ def _preview(session: Session, do: MissingActions) -> None:
 
 def _answer(found: Discovery) -> None:
     """Show the verdict, where the model would still fail, and what it would be good for."""
-    node("p", verdict_sentences(found)[0], "verdict", data_mark="verdict", data_verdict=found.verdict)
+    (verdict, error), *lines = short_answer(found)
+    said = f"{sentence_case(verdict)}: {error}"
+    node("p", said, "verdict", data_mark="verdict", data_verdict=found.verdict)
     with node("dl", classes="answer"):
-        for head, text in short_answer(found):
+        for head, text in lines:
             if head in ANSWERED:
                 node("dt", head)
                 node("dd", text)
@@ -163,7 +164,7 @@ def _suggestions(session: Session, do: MissingActions) -> None:
         with folded(f"only descriptive: {names}", mark="descriptive"):
             node("p", "They lower the error, and may be something else.", "soft")
             for row in (chosen[term_of(s).label] for g in tail for s in g.steps):
-                _row(row, do)
+                _row(row, do, marked=False)
     few = others[: max(FIRST - len(chosen), 0)]
     for row in few:
         _row(row, do)
@@ -186,14 +187,15 @@ def _group(group: EffectGroup, rows: list[Suggestion], found: Discovery, do: Mis
             node("p", numbers, "numbers")
         with folded(f"the {len(rows)} effects", mark="members"):
             for row in rows:
-                _row(row, do)
+                _row(row, do, marked=False)
 
 
 def _chip(confidence: Confidence) -> None:
     node("span", str(confidence), f"chip {CHIPS[confidence]}", title=MEANING[confidence])
 
 
-def _row(row: Suggestion, do: MissingActions) -> None:
+def _row(row: Suggestion, do: MissingActions, *, marked: bool = True) -> None:
+    """Show an effect; `marked`: with its confidence, where what is around it does not say it."""
     with node("article", classes="suggestion", data_mark="suggestion", data_effect=row.text) as card:
         with node("header"):
             with node("div"):
@@ -202,7 +204,8 @@ def _row(row: Suggestion, do: MissingActions) -> None:
             fall(row.before, row.after)
         if row.confidence is not None:
             card.props["data-confidence"] = str(row.confidence)
-            _chip(row.confidence)
+            if marked:
+                _chip(row.confidence)
         if not row.plausible:
             node("span", "held at a bound: not plausible", "chip warn")
         more = f", and {row.more} more" if row.more else ""
