@@ -10,10 +10,21 @@ from cdia_pin.app.parts import button, folded, node
 from cdia_pin.app.result_steps import fall, name_of
 from cdia_pin.app.session import Session
 from cdia_pin.app.suggestions import Suggestion, suggestions
+from cdia_pin.changes.confidence import Confidence
+from cdia_pin.discovery import Discovery
 from cdia_pin.effects import EFFECTS
-from cdia_pin.viewers import verdict_sentences
-from cdia_pin.viewers.words import percent
+from cdia_pin.viewers.effect_groups import EffectGroup, effect_groups, term_of
+from cdia_pin.viewers.parameter_rows import group_numbers
+from cdia_pin.viewers.short_answer import short_answer
+from cdia_pin.viewers.words import percent, sentence_case
 
+ANSWERED = ("where it fails", "good for")  # lines of the short answer; the cards say the others
+CHIPS = {Confidence.ESTABLISHED: "good", Confidence.LIKELY: "warn", Confidence.DESCRIPTIVE: "plain"}
+MEANING = {
+    Confidence.ESTABLISHED: "found again in both halves of the log, at other cut-offs and with links that are wrong",
+    Confidence.LIKELY: "found again in most repeats of the search",
+    Confidence.DESCRIPTIVE: "lowers the error, and may be something else",
+}
 FIRST = 3  # suggestions that are not folded; those of the search never are
 
 
@@ -71,7 +82,7 @@ def missing_step(session: Session, do: MissingActions, searching: bool) -> None:
         _preview(session, do)
     found = session.found
     if found is not None:
-        node("p", verdict_sentences(found)[0], "verdict", data_mark="verdict", data_verdict=found.verdict)
+        _answer(found)
         _suggestions(session, do)
     elif searching:
         node("p", "The search is running.", "soft")
@@ -121,17 +132,39 @@ def _preview(session: Session, do: MissingActions) -> None:
             button("Discard", do.drop_preview, mark="drop-preview")
 
 
+def _answer(found: Discovery) -> None:
+    """Show the verdict, where the model would still fail, and what it would be good for."""
+    (verdict, error), *lines = short_answer(found)
+    said = f"{sentence_case(verdict)}: {error}"
+    node("p", said, "verdict", data_mark="verdict", data_verdict=found.verdict)
+    with node("dl", classes="answer"):
+        for head, text in lines:
+            if head in ANSWERED:
+                node("dt", head)
+                node("dd", text)
+
+
 def _suggestions(session: Session, do: MissingActions) -> None:
-    assert session.found is not None
-    rows = suggestions(session.found)
-    chosen = [r for r in rows if r.chosen]
+    found = session.found
+    assert found is not None
+    rows = suggestions(found)
+    chosen = {r.text: r for r in rows if r.chosen}
     others = [r for r in rows if not r.chosen]
     if len(chosen) > 1:
         button(
             f"Add all {len(chosen)} found by the search", do.add_found, mark="add-found", classes="primary"
         )
-    for row in chosen:
-        _row(row, do)
+    groups = effect_groups(found)
+    for group in groups:
+        if group.confidence is not Confidence.DESCRIPTIVE:
+            _group(group, [chosen[term_of(s).label] for s in group.steps], found, do)
+    tail = [g for g in groups if g.confidence is Confidence.DESCRIPTIVE]
+    if tail:
+        names = ", ".join(g.words(found.model.robot.joints) for g in tail)
+        with folded(f"only descriptive: {names}", mark="descriptive"):
+            node("p", "They lower the error, and may be something else.", "soft")
+            for row in (chosen[term_of(s).label] for g in tail for s in g.steps):
+                _row(row, do, marked=False)
     few = others[: max(FIRST - len(chosen), 0)]
     for row in few:
         _row(row, do)
@@ -141,19 +174,42 @@ def _suggestions(session: Session, do: MissingActions) -> None:
                 _row(row, do)
 
 
-def _row(row: Suggestion, do: MissingActions) -> None:
-    with node("article", classes="suggestion", data_mark="suggestion", data_effect=row.text):
+def _group(group: EffectGroup, rows: list[Suggestion], found: Discovery, do: MissingActions) -> None:
+    """Show effects of one kind: one as a card, several as a card that opens to them."""
+    if len(rows) == 1:
+        _row(rows[0], do)
+        return
+    with node("article", classes="suggestion", data_mark="group", data_confidence=str(group.confidence)):
+        node("b", group.words(found.model.robot.joints))
+        _chip(group.confidence)
+        numbers = group_numbers(group, found.model.robot)
+        if numbers:
+            node("p", numbers, "numbers")
+        with folded(f"the {len(rows)} effects", mark="members"):
+            for row in rows:
+                _row(row, do, marked=False)
+
+
+def _chip(confidence: Confidence) -> None:
+    node("span", str(confidence), f"chip {CHIPS[confidence]}", title=MEANING[confidence])
+
+
+def _row(row: Suggestion, do: MissingActions, *, marked: bool = True) -> None:
+    """Show an effect; `marked`: with its confidence, where what is around it does not say it."""
+    with node("article", classes="suggestion", data_mark="suggestion", data_effect=row.text) as card:
         with node("header"):
             with node("div"):
                 node("b", row.name)
                 node("span", f" {row.where}", "soft")
             fall(row.before, row.after)
-        if row.chosen:
-            node("span", "found by the search", "chip good")
+        if row.confidence is not None:
+            card.props["data-confidence"] = str(row.confidence)
+            if marked:
+                _chip(row.confidence)
         if not row.plausible:
             node("span", "held at a bound: not plausible", "chip warn")
         more = f", and {row.more} more" if row.more else ""
-        node("p", ", ".join(row.numbers) + more, "numbers")
+        node("p", ", ".join(row.numbers) + more, "numbers", title=row.parts)
         if row.confusions:
             with folded(f"could also be {_few([w for w, _ in row.confusions])}", mark="confusions"):
                 for words, motion in row.confusions:

@@ -14,7 +14,8 @@ from cdia_pin.app.python_lines import python_lines
 from cdia_pin.app.session import Session
 from cdia_pin.logs import LogCheck
 from cdia_pin.logs.checks.finding import Finding
-from cdia_pin.viewers.words import percent, region_words, short_names
+from cdia_pin.viewers.short_answer import noticed
+from cdia_pin.viewers.words import listed, percent, region_words, short_names
 
 OPTION = re.compile(r"--convert ([\w]+=[\w,.:]+)")
 REGIONS = 3  # that are shown
@@ -98,6 +99,9 @@ def compare_step(session: Session, do: ResultActions) -> None:
             with node("li"):
                 button(short[region.joint], partial(do.choose, region.joint), mark="region", classes="link")
                 node("span", f" {region_words(region)}: {region.ratio:.1f} × its mean", "soft")
+    known = session.known
+    if known is not None:
+        node("p", f"On motions such as this one it notices {listed(noticed(known))}.", data_mark="capability")
 
 
 def export_step(session: Session, do: ResultActions) -> None:

@@ -60,6 +60,12 @@ class Session:
         """The outcome of the search beside the present model; None before a search."""
         return self.present.found
 
+    @property
+    def known(self) -> Discovery | None:
+        """A result whose improved model is the present one; None where there is none yet."""
+        found = self.found
+        return found if found is not None and not found.steps else self.present.fitted
+
     def search(self, tell: Progress = silent) -> Session:
         """Find what the present model lacks: the ranking of single effects, and the effects that the search would add.
 

@@ -6,10 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.discovery import Discovery
 from cdia_pin.effects import Term
 from cdia_pin.identifiability import Confusion
-from cdia_pin.viewers.report_discovery import parameters, shape_parameters
+from cdia_pin.viewers.effect_groups import rivals, term_of
+from cdia_pin.viewers.parameter_rows import (
+    ParameterRow,
+    parameters,
+    parts_words,
+    shape_parameters,
+    step_parameters,
+)
 from cdia_pin.viewers.verdict import mean_share
 from cdia_pin.viewers.words import confusion_words, effect_name, where_words
 
@@ -25,10 +33,11 @@ class Suggestion:
         name: In words.
         where: Joints, or ``whole arm``.
         numbers: Its most significant parameters, each with unit and interval.
+        parts: Both parts of their intervals; empty where they are not known.
         more: How many parameters are not shown.
         before: Error on data that was not fitted, over torque RMS, mean over the joints [1].
         after: The same with it.
-        chosen: Whether the search would add it, together with those before it in the list.
+        confidence: How far its name can be trusted; None if the search would not add it.
         plausible: Whether its fit is physical without being held at a bound.
         confusions: Other explanations in words, each with the motion that would distinguish them.
     """
@@ -37,12 +46,18 @@ class Suggestion:
     name: str
     where: str
     numbers: tuple[str, ...]
+    parts: str
     more: int
     before: float
     after: float
-    chosen: bool
+    confidence: Confidence | None
     plausible: bool
     confusions: tuple[tuple[str, str], ...]
+
+    @property
+    def chosen(self) -> bool:
+        """Whether the search would add it, together with those before it in the list."""
+        return self.confidence is not None
 
 
 def suggestions(found: Discovery) -> list[Suggestion]:
@@ -53,36 +68,44 @@ def suggestions(found: Discovery) -> list[Suggestion]:
     """
     out = [
         _suggestion(
-            step.term,
+            step_parameters(step, found.model.robot),
+            term_of(step),
             found,
             before.heldout_rms,
             step.heldout_rms,
             step.confusions,
-            chosen=True,
-            plausible=True,
+            step.confidence,
         )
         for before, step in zip(found.trace, found.steps, strict=False)
-        if step.term is not None
     ]
     taken = {s.text for s in out}
     return out + [
-        _suggestion(r.term, found, r.heldout_before, r.heldout_after, r.confusions, False, r.plausible)
+        _suggestion(
+            parameters(r.term, found.model.robot),
+            r.term,
+            found,
+            r.heldout_before,
+            r.heldout_after,
+            r.confusions,
+            None,
+            r.plausible,
+        )
         for r in found.ranking
         if r.term.label not in taken
     ]
 
 
 def _suggestion(
+    rows: list[ParameterRow],
     term: Term,
     found: Discovery,
     before: np.ndarray,
     after: np.ndarray,
     confusions: tuple[Confusion, ...],
-    chosen: bool,
-    plausible: bool,
+    confidence: Confidence | None,
+    plausible: bool = True,
 ) -> Suggestion:
     robot = found.model.robot
-    rows = parameters(term, robot)
     telling = [r for r in rows if r["telling"]] or rows
     shown = [*shape_parameters(term, robot), *telling][:TELLING]
     return Suggestion(
@@ -90,10 +113,11 @@ def _suggestion(
         name=effect_name(term.effect),
         where=where_words(term.effect),
         numbers=tuple(f"{r['name']} {r['text']}" for r in shown),
+        parts="; ".join(f"{r['name']} {parts_words(r)}" for r in telling[:TELLING] if r["parts"]),
         more=max(len(rows) + len(term.effect.shape) - len(shown), 0),
         before=mean_share(before, found),
         after=mean_share(after, found),
-        chosen=chosen,
+        confidence=confidence,
         plausible=plausible,
-        confusions=tuple((confusion_words(c), c.motion) for c in confusions),
+        confusions=tuple((confusion_words(c), c.motion) for c in rivals(term.effect, confusions)),
     )

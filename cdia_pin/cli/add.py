@@ -91,8 +91,7 @@ def add(
         found = discovery.add_effect(
             known, added, given, holdout=held_out or None, settings=settings, progress=tell
         )
-    from cdia_pin.viewers import discovery_table
-    from cdia_pin.viewers.verdict import error_falls
+    from cdia_pin.viewers import addition_table
 
     base = _without_replaced(known, added.label, found)
     show_inputs(console, base, given, held_out)
@@ -101,9 +100,7 @@ def add(
             console.print(f"The model has {term.label} already: it is left out, and fitted again.\n")
         elif term not in base.terms:
             console.print(f"{term.label} is left out of the model: {added.label} contains it.\n")
-    console.print(discovery_table(found))
-    if not error_falls(found):
-        console.print(f"{added.label} does not lower the error on data that was not fitted.", style="yellow")
+    console.print(addition_table(found))
     files.write(
         console, found, base, given, conditioning=settings.conditioning, checks=checks, command=ctx.obj
     )

@@ -7,6 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cdia_pin.cli.circumstances import (
+    Contact,
+    Environment,
+    Mounted,
+    Mounting,
+    Surroundings,
+    expected_effects,
+)
 from cdia_pin.cli.conditions import Conditions, parse_conditions
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
@@ -46,6 +54,9 @@ def compare(
             help="With several logs, list what changed from the first to each other.",
         ),
     ] = True,
+    environment: Environment = Surroundings.AIR,
+    contact: Contact = False,
+    mounted: Mounted = Mounting.UPRIGHT,
     condition: Conditions = None,
     cutoff: Cutoff = None,
     gains: Gains = None,
@@ -75,7 +86,10 @@ def compare(
         reading = Reading(gains, joint_map, convert, topic, conditions, torque_side)
         given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         tell("comparing", 0.1)
-        settings = DiscoverySettings(conditioning=Conditioning(cutoff=cutoff))
+        settings = DiscoverySettings(
+            conditioning=Conditioning(cutoff=cutoff),
+            expected=expected_effects(environment, contact, mounted),
+        )
         found, by_log = _compared(known, given, settings.conditioning)
         changed = changes_between(known, given, settings, tell) if changes else ()
     from cdia_pin.viewers import changes_table, comparison_table, errors_by_log, where_it_fails, write_report

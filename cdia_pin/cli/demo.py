@@ -18,6 +18,7 @@ from cdia_pin.extras import missing_modules
 if TYPE_CHECKING:
     from rich.console import Console
 
+FEW = 3  # effects of which the numbers are shown at once
 ROBOT, LOG = "ur5", "demo_ur5.csv"
 
 
@@ -76,7 +77,7 @@ def _tell_the_story(console: Console, log: Path, files: DiscoveryFiles) -> None:
     _step(console, 3, "Which physical effects does it lack?", found_by)
     with progress() as tell:
         found = discover(known, logs, progress=tell)
-    console.print(discovery_table(found))
+    console.print(discovery_table(found, everything=len(found.steps) <= FEW))
 
     again = f"cdia compare {name} --robot {ROBOT} --model {files.save}"
     _step(console, 4, "With the effects added, what is left?", again)

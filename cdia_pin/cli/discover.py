@@ -7,6 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cdia_pin.cli.circumstances import (
+    Contact,
+    Environment,
+    Mounted,
+    Mounting,
+    Surroundings,
+    expected_effects,
+)
 from cdia_pin.cli.conditions import Conditions, PerLog, parse_conditions, parse_per_log
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.discovery_files import DiscoveryFiles
@@ -73,6 +81,9 @@ def discover(
             rich_help_panel=OUTPUT,
         ),
     ] = False,
+    environment: Environment = Surroundings.AIR,
+    contact: Contact = False,
+    mounted: Mounted = Mounting.UPRIGHT,
     condition: Conditions = None,
     per_log: PerLog = None,
     cutoff: Cutoff = None,
@@ -116,6 +127,7 @@ def discover(
             effects=named_effects(effects),
             extra=own_effects(extra or [], known.robot),
             per_log=parse_per_log(per_log, logs, conditions, known.robot),
+            expected=expected_effects(environment, contact, mounted),
         )
         reading = Reading(gains, joint_map, convert, topic, conditions, torque_side)
         read = partial(

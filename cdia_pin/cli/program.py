@@ -102,9 +102,17 @@ for command, panel, example in (
         [
             "cdia compare run.csv --robot ur5 --model model.json --report before.html",
             "cdia compare monday.csv friday.csv --robot ur5",
+            "cdia compare free.csv pressing.csv --robot ur5 --contact",
         ],
     ),
-    (discover, JOB, ["cdia discover run.csv --robot ur5 --save model.json --report found.html"]),
+    (
+        discover,
+        JOB,
+        [
+            "cdia discover run.csv --robot ur5 --save model.json --report found.html",
+            "cdia discover pool.csv --robot my_arm.urdf --environment water --mounted tilted",
+        ],
+    ),
     (add, JOB, ["cdia add coulomb_friction@elbow_joint run.csv --robot ur5 --save model.json"]),
     (
         excite,

@@ -124,7 +124,10 @@ class DesignMatrix:
         """Return the change of gravity along all segments [m/s²], shape (number of samples, 3)."""
         if self._gravity is None or self._gravity[0] is not prediction:
             model = prediction.model
-            self._gravity = prediction, np.vstack([model.gravity_change(s.state) for s in self.experiment.segments])
+            self._gravity = (
+                prediction,
+                np.vstack([model.gravity_change(s.state) for s in self.experiment.segments]),
+            )
         return self._gravity[1]
 
     def family(self, family: list[Effect], prediction: Prediction, noise: NoiseModel) -> tuple[Array, Array]:

@@ -171,9 +171,10 @@ class Evidence:
     def bounded_chi2(self, chosen: Sequence[int], near: SetFit) -> float:
         r"""Return a lower bound of chi2 of a physical fit [1], from that of a similar set and without a new program.
 
-        At the optimum :math:`\theta^*` of the similar set its gradient g points into what is physical,
-        :math:`g^T (\theta - \theta^*) \ge 0` for the possible parameters of each effect, because these are convex. What a physical fit
-        leaves is therefore no less than the minimum of :math:`\chi^2(\theta) - 2 g^T (\theta - \theta^*)`.
+        At the optimum :math:`\theta^*` of the similar set its gradient g points into what is physical:
+        :math:`g^T (\theta - \theta^*) \ge 0` for the possible parameters of each effect, because these are convex. What
+        a physical fit leaves is therefore no less than the minimum of
+        :math:`\chi^2(\theta) - 2 g^T (\theta - \theta^*)`.
 
         Args:
             chosen: Indices of the candidates.
@@ -196,7 +197,9 @@ class Evidence:
     def _gradient(self, fit: SetFit) -> Array:
         """Return the gradient of half of chi2 and prior at a fit, shape (p,)."""
         columns = self.equations.columns(fit.chosen)
-        return self.equations.with_prior(fit.chosen) @ fit.theta - self.equations.total[columns, -1]
+        return np.asarray(
+            self.equations.with_prior(fit.chosen) @ fit.theta - self.equations.total[columns, -1]
+        )
 
     def identifiable_parameters(self, fit: SetFit, one: int) -> int:
         """Return how many parameters of one effect of a fit are identifiable: they differ significantly from zero.

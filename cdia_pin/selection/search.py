@@ -29,8 +29,8 @@ Errors = dict[
 
 ROUGHLY = 2  # iterations of Gauss-Newton [1] after each move; the result has as many as it needs
 LIKELY = 0.5  # share of what an effect explains [1] that another one must explain to first order to be tried
-# Exchanges [1] that are fitted at their own optimum from one model, the best to first order: on measured logs, those that
-# lowered the cost were among the first two.
+# Exchanges [1] that are fitted at their own optimum from one model, the best to first order. On measured logs, those
+# that lowered the cost were among the first two.
 MOST_REFITS = 3
 MOST_MOVES = 120  # moves [1]; a guard, because the cost falls at every move
 MOST_REJECTED = 6  # moves in a row [1] that the refit rejects, after which the search ends

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from cdia_pin.viewers.report_discovery import parameters, shape_parameters
+from cdia_pin.viewers.parameter_rows import parameters, shape_parameters
 from cdia_pin.viewers.words import effect_name, listed, profile_words, short_names
 
 if TYPE_CHECKING:

@@ -8,12 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.diagnosis import MonitorRun, Stage
-from cdia_pin.discovery import Comparison, Discovery
+from cdia_pin.discovery import Comparison, Discovery, Step
 from cdia_pin.viewers import sparks
+from cdia_pin.viewers.effect_groups import MOST_RIVALS, effect_groups, rivals, term_of
 from cdia_pin.viewers.event_words import event_rows, fault_words
-from cdia_pin.viewers.report_discovery import parameters, shape_parameters
+from cdia_pin.viewers.parameter_rows import group_numbers, parts_words, shape_parameters, step_parameters
 from cdia_pin.viewers.report_isolation import stage_spans
+from cdia_pin.viewers.short_answer import short_answer
 from cdia_pin.viewers.sparks import BEFORE
 from cdia_pin.viewers.stage_colours import STAGE_COLOURS
 from cdia_pin.viewers.text_monitor import run_summary
@@ -22,11 +25,13 @@ from cdia_pin.viewers.words import (
     NO_BREAK,
     confusion_words,
     effect_name,
+    few,
     joint_units,
     listed,
     number,
     percent,
     region_words,
+    sentence_case,
     where_words,
     with_unit,
 )
@@ -34,10 +39,12 @@ from cdia_pin.viewers.words import (
 STYLE = """<style>
 .cdia-pin { font-variant-numeric: tabular-nums; max-width: 62em; line-height: 1.5; }
 .cdia-pin p { margin: 0 0 .6em; }
-.cdia-pin p:first-of-type { font-weight: 600; }
+.cdia-pin details { margin: 0 0 .4em; }
+.cdia-pin > p:first-of-type { font-weight: 600; }
 .cdia-pin table { border-collapse: collapse; margin: .4em 0 1em; font-size: 13px; }
 .cdia-pin th, .cdia-pin td { padding: 3px 14px 3px 0; text-align: left; vertical-align: top;
   border: 0; border-bottom: 1px solid rgba(128, 140, 152, .3); background: transparent; color: inherit; }
+.cdia-pin thead th:empty { border: 0; padding: 0; }
 .cdia-pin th { opacity: .75; font-weight: 600; vertical-align: bottom; }
 .cdia-pin .n { text-align: right; white-space: nowrap; }
 .cdia-pin .soft { opacity: .72; font-weight: 400; }
@@ -95,6 +102,16 @@ def _lines(lines: Iterable[object]) -> Markup:
     return Markup("<br>".join(_text(x) for x in lines))
 
 
+def _soft(text: str) -> str:
+    return f" <span class=soft>({_text(text)})</span>" if text else ""
+
+
+def _folded(summary: str, numbers: str, inside: Markup) -> str:
+    """Return a part that opens with a press; where pages have no such parts, it is open."""
+    soft = f" <span class=soft>{_text(numbers)}</span>" if numbers else ""
+    return f"<details><summary>{_text(summary)}{soft}</summary>{inside}</details>"
+
+
 # ------------------------------------------------------------------ results
 
 
@@ -122,21 +139,35 @@ def _comparison(result: Comparison) -> Iterable[str]:
 
 def _discovery(result: Discovery) -> Iterable[str]:
     robot = result.model.robot
-    yield from (_say(sentence) for sentence in verdict_sentences(result))
-    rows = []
-    for step in result.steps:
-        term = step.term
-        assert term is not None  # only the first step of a trace is without
-        sizes = [
-            f"{p['name']} {p['text']}" for p in (*parameters(term, robot), *shape_parameters(term, robot))
-        ]
-        doubts = [confusion_words(c) for c in step.confusions]
+    (verdict, error), *answer = short_answer(result)
+    yield _say(f"{sentence_case(verdict)}: {error}.")
+    yield _table(("", ""), answer)
+    named = [g for g in effect_groups(result) if g.confidence is not Confidence.DESCRIPTIVE]
+    tail = [g for g in effect_groups(result) if g.confidence is Confidence.DESCRIPTIVE]
+    for group in named:
+        head = f"{group.confidence}: {group.words(robot.joints)}"
+        yield _folded(head, group_numbers(group, robot), _effects(group.steps, result))
+    if tail:
+        words = f"only descriptive: {', '.join(g.words(robot.joints) for g in tail)}"
+        yield _folded(words, "", _effects([s for g in tail for s in g.steps], result))
+    yield _table(("error, share of the torque RMS", ""), [(_errors(result), _falling(result))])
+    sentences = (_say(s) for s in verdict_sentences(result))
+    yield _folded("the same in sentences", "", Markup("".join(sentences)))
+
+
+def _effects(steps: Iterable[Step], result: Discovery) -> Markup:
+    """Return the table of some effects, with both parts of each interval."""
+    robot, rows = result.model.robot, []
+    for step in steps:
+        term = term_of(step)
+        sizes = [Markup(f"{_text(p['name'])} {_text(p['text'])}{_soft(parts_words(p))}")
+                 for p in step_parameters(step, robot)]  # fmt: skip
+        sizes += [Markup(_text(f"{p['name']} {p['text']}")) for p in shape_parameters(term, robot)]
+        doubts = few((confusion_words(c) for c in rivals(term.effect, step.confusions)), MOST_RIVALS)
         where = f"on {where_words(term.effect)}"
         named = Markup(f"<b>{_text(effect_name(term.effect))}</b><br>{_text(where)}")
         rows.append((named, f"f = {term.effect.equation}", _lines(sizes), listed(doubts) or "–"))
-    if rows:
-        yield _table(("effect", "equation", "parameters ± 95 %", "could be mistaken for"), rows)
-    yield _table(("error, share of the torque RMS", ""), [(_errors(result), _falling(result))])
+    return _table(("effect", "equation", "parameters ± 95 %", "could be mistaken for"), rows)
 
 
 def _errors(result: Discovery) -> Markup:

@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
+from cdia_pin.viewers.effect_groups import effect_groups, rivals, term_of
+from cdia_pin.viewers.parameter_rows import (
+    ParameterRow,
+    ShapeRow,
+    group_numbers,
+    shape_parameters,
+    step_parameters,
+)
 from cdia_pin.viewers.report_series import Numbers, compact, compact_one
+from cdia_pin.viewers.short_answer import noticed, short_answer
 from cdia_pin.viewers.verdict import mean_share, verdict_sentences
 from cdia_pin.viewers.words import (
     advice_words,
@@ -14,34 +23,15 @@ from cdia_pin.viewers.words import (
     effect_name,
     effect_words,
     joint_units,
+    listed,
     number,
-    parameter_name,
     profile_words,
     where_words,
-    with_interval,
     with_unit,
 )
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Discovery, Step
-    from cdia_pin.effects import Term
-    from cdia_pin.robot.model import RobotModel
-
-
-class ParameterRow(TypedDict):
-    """A parameter in words; ``telling``: its interval leaves out zero."""
-
-    name: str
-    text: str
-    interval: Numbers | None
-    telling: bool
-
-
-class ShapeRow(TypedDict):
-    """A shape parameter in words."""
-
-    name: str
-    text: str
 
 
 class LargestFall(TypedDict):
@@ -60,9 +50,11 @@ class ConfusionRow(TypedDict):
 
 
 class EffectDocument(TypedDict):
-    """An effect that was found."""
+    """An effect that was found; ``changed``: the model as given has it too, the numbers are differences."""
 
     number: int
+    confidence: str
+    changed: bool
     name: str
     joints: list[str]
     where: str
@@ -72,6 +64,30 @@ class EffectDocument(TypedDict):
     profile: str
     error: LargestFall
     confusions: list[ConfusionRow]
+
+
+class GroupDocument(TypedDict):
+    """Effects of one kind that are trusted alike; ``members`` are their numbers."""
+
+    confidence: str
+    words: str
+    numbers: str
+    members: list[int]
+
+
+class CapabilityDocument(TypedDict):
+    """What the improved model lets a user notice, in words; ``friction`` by joint, ``error`` as shares [1]."""
+
+    noticed: str
+    friction: list[str]
+    error: Numbers
+
+
+class AnswerLine(TypedDict):
+    """A line of the short answer."""
+
+    head: str
+    text: str
 
 
 class TraceRow(TypedDict):
@@ -88,9 +104,12 @@ class DiscoveryDocument(TypedDict):
     """What a report shows of a discovery."""
 
     verdict: str
+    answer: list[AnswerLine]
     sentences: list[str]
     structure_left: list[str]
+    groups: list[GroupDocument]
     effects: list[EffectDocument]
+    capability: CapabilityDocument
     trace: list[TraceRow]
     floor: Numbers
     floor_mean: float | None
@@ -106,9 +125,12 @@ def discovery_data(found: Discovery) -> DiscoveryDocument:
     torque = np.maximum(found.torque_rms, 1e-12)
     return {
         "verdict": found.verdict,
+        "answer": [{"head": head, "text": text} for head, text in short_answer(found)],
         "sentences": verdict_sentences(found),
         "structure_left": list(found.structure_left),
+        "groups": _groups(found),
         "effects": [_effect(k, found) for k in range(1, len(found.trace))],
+        "capability": _capability(found),
         "trace": [
             {
                 "added": effect_words(s.term.effect) if s.term else "model as given",
@@ -125,63 +147,49 @@ def discovery_data(found: Discovery) -> DiscoveryDocument:
     }
 
 
+def _groups(found: Discovery) -> list[GroupDocument]:
+    robot, at = found.model.robot, {id(s): k for k, s in enumerate(found.trace)}
+    return [
+        {
+            "confidence": str(g.confidence),
+            "words": g.words(robot.joints),
+            "numbers": group_numbers(g, robot),
+            "members": [at[id(s)] for s in g.steps],
+        }
+        for g in effect_groups(found)
+    ]
+
+
+def _capability(found: Discovery) -> CapabilityDocument:
+    able, robot = found.capability, found.model.robot
+    units = [joint_units(robot, j)["load"] for j in robot.joints]
+    return {
+        "noticed": listed(noticed(found)),
+        "friction": [with_unit(number(f, 2), u) for f, u in zip(able.friction, units, strict=True)],
+        "error": compact(able.feedforward_error),
+    }
+
+
 def _effect(k: int, found: Discovery) -> EffectDocument:
     step, robot = found.trace[k], found.model.robot
-    term = step.term
-    assert term is not None  # only the first step of a trace is without
+    term = term_of(step)
     return {
         "number": k,
+        "confidence": str(step.confidence),
+        "changed": step.change_of_model,
         "name": effect_name(term.effect),
         "joints": list(term.effect.scope),
         "where": where_words(term.effect),
         "equation": term.effect.equation,
-        "parameters": parameters(term, robot),
+        "parameters": step_parameters(step, robot),
         "shape": shape_parameters(term, robot),
         "profile": profile_words(term),
         "error": _largest_fall(found.trace[k - 1], step, found),
         "confusions": [
-            {"words": confusion_words(c), "motion": advice_words(c.motion)} for c in step.confusions
+            {"words": confusion_words(c), "motion": advice_words(c.motion)}
+            for c in rivals(term.effect, step.confusions)
         ],
     }
-
-
-def parameters(term: Term, robot: RobotModel) -> list[ParameterRow]:
-    """Return the parameters of a term in words, with their intervals.
-
-    Args:
-        term: An effect with numbers.
-        robot: The arm, for the units.
-    """
-    intervals = term.ci95 or (None,) * len(term.theta)
-    rows = zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True)
-    return [
-        {
-            "name": parameter_name(p.name),
-            "text": with_interval(value, interval, unit),
-            "interval": None if interval is None else compact([interval[0], value, interval[1]]),
-            "telling": interval is None or not bool(interval[0] <= 0.0 <= interval[1]),
-        }
-        for p, value, unit, interval in rows
-    ]
-
-
-def shape_parameters(term: Term, robot: RobotModel) -> list[ShapeRow]:
-    """Return the shape parameters of a term in words.
-
-    Args:
-        term: An effect with numbers.
-        robot: The arm, for the units.
-    """
-    effect = term.effect
-    units = joint_units(robot, effect.scope[0] if effect.scope else robot.joints[0])
-    words = {"{position}": units["position"], "{effort}": units["load"]}
-    out: list[ShapeRow] = []
-    for p in effect.shape:
-        unit = p.unit
-        for word, meant in words.items():
-            unit = unit.replace(word, meant)
-        out.append({"name": p.name, "text": with_unit(number(effect.shape_values[p.name]), unit)})
-    return out
 
 
 def _largest_fall(before: Step, after: Step, found: Discovery) -> LargestFall:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cdia_pin.changes.confidence import Confidence
-from cdia_pin.discovery.groups import group_of
-from cdia_pin.viewers.verdict import mean_share
-from cdia_pin.viewers.words import effect_name, joint_units, listed, number, percent, short_names
+from cdia_pin.changes.phenomenon import PhenomenonKind
+from cdia_pin.viewers.effect_groups import MOST_JOINTS, effect_groups, on_joints
+from cdia_pin.viewers.verdict import error_left, mean_share
+from cdia_pin.viewers.words import joint_units, listed, number, percent, short_names, with_unit
 
 if TYPE_CHECKING:
-    from cdia_pin.discovery import Discovery, Step
+    from cdia_pin.discovery import Discovery
 
-MOST_JOINTS = 3  # joints that a line names before it counts the others
 VERDICTS = {
     "nothing-missing": "nothing is missing",
     "explained": "explained down to the noise",
@@ -34,79 +34,55 @@ def short_answer(found: Discovery) -> list[tuple[str, str]]:
     before, after = (percent(mean_share(s.heldout_rms, found)) for s in (first, last))
     fell = f"error {before} of the torque" + ("" if first is last else f", now {after}")
     lines = [(VERDICTS[found.verdict], fell), ("where it fails", _where(found))]
+    groups, joints = effect_groups(found), found.model.robot.joints
     for confidence in (Confidence.ESTABLISHED, Confidence.LIKELY):
-        named = [s for s in found.steps if s.confidence is confidence]
+        named = [g.words(joints) for g in groups if g.confidence is confidence]
         if named or confidence is Confidence.ESTABLISHED:
-            lines.append((str(confidence), "; ".join(group_lines(named, found)) or "nothing"))
-    lines.append(("good for", _capability(found)))
-    tail = [s for s in found.steps if s.confidence is Confidence.DESCRIPTIVE]
+            lines.append((str(confidence), "; ".join(named) or "nothing"))
+    lines.append(("good for", f"notices {listed(noticed(found))}"))
+    tail = listed(dict.fromkeys(g.name for g in groups if g.confidence is Confidence.DESCRIPTIVE))
     if tail:
-        names = listed(dict.fromkeys(group_of(s.term.effect) for s in tail if s.term))
-        lines.append(("only descriptive", f"{names}: lowers the error, and may be something else"))
+        lines.append(("only descriptive", f"{tail}: lowers the error, and may be something else"))
     return lines
 
 
-def group_lines(steps: Iterable[Step], found: Discovery) -> list[str]:
-    """Return one text per group of effects, such as ``friction on all 6 joints``.
-
-    Args:
-        steps: The effects.
-        found: The discovery, for the joints.
-    """
-    groups: dict[str, list[Step]] = {}
-    for step in steps:
-        assert step.term is not None  # only the first step of a trace is without
-        groups.setdefault(group_of(step.term.effect), []).append(step)
-    return [_group(name, members, found) for name, members in groups.items()]
-
-
-def _group(name: str, members: Sequence[Step], found: Discovery) -> str:
-    effects = [s.term.effect for s in members if s.term]
-    kinds = list(dict.fromkeys(effect_name(e) for e in effects))
-    name = kinds[0] if len(kinds) == 1 else name
-    joints = list(dict.fromkeys(j for e in effects for j in e.scope))
-    changed = " changed" if any(s.change_of_model for s in members) else ""
-    return f"{name}{changed}{_on(joints, found)}"
-
-
-def _on(joints: Sequence[str], found: Discovery) -> str:
-    names, every = short_names(found.model.robot.joints), found.model.robot.joints
-    if not joints:
-        return ""
-    if len(joints) == len(every) > 1:
-        return f" on all {len(every)} joints"
-    if len(joints) > MOST_JOINTS:
-        return f" on {len(joints)} joints"
-    return f" on {listed(names[j] for j in joints)}"
-
-
 def _where(found: Discovery) -> str:
-    """Return the joints on which structure is left, the worst first, with their error."""
+    """Return the joints on which structure is left, the worst first, with their error, and what shape it has."""
     robot = found.model.robot
     if not found.structure_left:
         return "nowhere: what is left is noise"
-    error = found.trace[-1].heldout_rms / np.maximum(found.torque_rms, 1e-12)
-    names = short_names(robot.joints)
-    worst = sorted(found.structure_left, key=lambda j: -error[robot.joint_index(j)])
-    shown = [f"{names[j]} {percent(float(error[robot.joint_index(j)]))}" for j in worst[:MOST_JOINTS]]
+    error, names = error_left(found), short_names(robot.joints)
+    worst = sorted(error, key=lambda j: -error[j])
+    shown = [f"{names[j]} {percent(error[j])}" for j in worst[:MOST_JOINTS]]
     more = f" and {len(worst) - MOST_JOINTS} more" if len(worst) > MOST_JOINTS else ""
-    return f"{', '.join(shown)}{more}: structure that no effect explains"
+    return f"{', '.join(shown)}{more}: {_shape_left(found)}"
 
 
-def _capability(found: Discovery) -> str:
-    """Return the smallest change that the model lets a user notice."""
+def _shape_left(found: Discovery) -> str:
+    """Return what the structure that is left looks like, where that was recognised."""
+    memory = [j for f in found.findings if f.kind == PhenomenonKind.MEMORY for j in f.joints]
+    seen = [j for j in found.structure_left if j in memory]
+    if not seen:
+        return "structure that no effect explains"
+    return f"friction{on_joints(seen, found.model.robot.joints)} builds up after a reversal"
+
+
+def noticed(found: Discovery) -> Iterator[str]:
+    """Yield the smallest changes that the model lets a user notice: payload, push, growth of friction.
+
+    Args:
+        found: The outcome of ``discover``.
+    """
     able, robot = found.capability, found.model.robot
-    unit = joint_units(robot, robot.joints[0])["load"]
-    return f"notices {listed(_noticed(able.payload, able.push, able.friction, unit))}"
-
-
-def _noticed(payload: float, push: float, friction: np.ndarray, unit: str) -> Iterator[str]:
-    if np.isfinite(payload):
-        yield f"a payload of {number(payload, 2)} kg"
-    if np.isfinite(push):
-        yield f"a push of {number(push, 2)} N"
-    least, most = (number(float(f), 2) for f in (np.min(friction), np.max(friction)))
-    yield f"friction that grows by {least}" + ("" if least == most else f" to {most}") + f" {unit}"
+    if np.isfinite(able.payload):
+        yield f"a payload of {with_unit(number(able.payload, 2), 'kg')}"
+    if np.isfinite(able.push):
+        yield f"a push of {with_unit(number(able.push, 2), 'N')}"
+    units = [joint_units(robot, j)["load"] for j in robot.joints]
+    for unit in dict.fromkeys(units):
+        of_unit = [float(f) for f, u in zip(able.friction, units, strict=True) if u == unit]
+        least, most = number(min(of_unit), 2), number(max(of_unit), 2)
+        yield f"friction that grows by {with_unit(least if least == most else f'{least} to {most}', unit)}"
 
 
 def next_step(found: Discovery, saved: bool, everything: bool) -> str:

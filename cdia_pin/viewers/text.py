@@ -9,14 +9,14 @@ from rich.table import Table
 from rich.text import Text
 
 from cdia_pin.viewers.cells import add_row, clean, new_table
-from cdia_pin.viewers.text_discovery import discovery_table
+from cdia_pin.viewers.text_discovery import addition_table, discovery_table
 from cdia_pin.viewers.words import joint_units, number, percent, region_words, short_names, with_unit
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison
     from cdia_pin.logs import LogCheck
 
-__all__ = ["check_table", "comparison_table", "discovery_table", "where_it_fails"]
+__all__ = ["addition_table", "check_table", "comparison_table", "discovery_table", "where_it_fails"]
 
 MARKS = {"ok": ("✓", "green"), "info": ("·", "blue"), "warning": ("!", "yellow"), "error": ("✗", "red")}
 

@@ -11,6 +11,7 @@ from rich.padding import Padding
 from rich.table import Table
 
 from cdia_pin.viewers.cells import add_row, clean, new_table
+from cdia_pin.viewers.effect_groups import MOST_RIVALS, on_joints, rivals
 from cdia_pin.viewers.words import (
     advice_words,
     confusion_words,
@@ -24,6 +25,7 @@ from cdia_pin.viewers.words import (
     sentence_case,
     short_names,
     with_interval,
+    with_sign,
     with_unit,
 )
 
@@ -107,7 +109,13 @@ def change_words(change: Change, found: Changes) -> str:
 def _changes(found: Changes) -> Table:
     robot, names = found.model.robot, short_names(found.model.robot.joints)
     table = new_table(
-        "changed", "joint", "difference ± 95 %", "of before", "largest torque", "evidence", left=(0, 1, 2)
+        "changed",
+        "joint",
+        "difference ± 95 %",
+        "of before",
+        "largest torque",
+        "confidence",
+        left=(0, 1, 2, 5),
     )
     for c in found.changes:
         j = int(np.argmax(c.torque_rms))
@@ -119,9 +127,9 @@ def _changes(found: Changes) -> Table:
             "\n".join(f"{name} {text}" for name, text in _differences(c, found)),
             "" if c.growth is None else _signed(percent(abs(c.growth)), c.growth),
             f"{with_unit(number(c.torque_rms[j], 2), unit)} ({names[robot.joints[j]]})",
-            number(c.evidence, 2),
+            str(c.confidence),
         )
-    table.caption = "torque: RMS in the later logs; evidence: log-likelihood lost without the change"
+    table.caption = "torque: RMS in the later logs"
     return table
 
 
@@ -132,11 +140,7 @@ def _differences(change: Change, found: Changes) -> list[tuple[str, str]]:
     rows = list(zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True))
     if len(rows) > MANY:
         rows = [r for r in rows if not r[3][0] <= 0 <= r[3][1]]
-    return [(parameter_name(p.name), _plus(with_interval(v, ci, unit), v)) for p, v, unit, ci in rows]
-
-
-def _plus(text: str, value: float) -> str:
-    return f"+{text}" if value > 0 else text
+    return [(parameter_name(p.name), with_sign(with_interval(v, ci, unit), v)) for p, v, unit, ci in rows]
 
 
 def _signed(text: str, value: float) -> str:
@@ -144,11 +148,12 @@ def _signed(text: str, value: float) -> str:
 
 
 def _doubts(found: Changes) -> list[str]:
-    """Return which changes could be others, by the motion that would distinguish them."""
+    """Return which changes could be others, by the motion that would distinguish them; the nearest few of each."""
     by_motion: dict[str, list[str]] = {}
     for c in found.changes:
-        for x in c.confusions:
-            by_motion.setdefault(x.motion, []).append(f"{effect_words(c.term.effect)} ↔ {confusion_words(x)}")
+        effect = c.term.effect
+        for x in rivals(effect, c.confusions)[:MOST_RIVALS]:
+            by_motion.setdefault(x.motion, []).append(f"{effect_words(effect)} ↔ {confusion_words(x)}")
     return [
         f"Hard to distinguish: {', '.join(pairs)}. {sentence_case(advice_words(motion))}."
         for motion, pairs in by_motion.items()
@@ -156,16 +161,21 @@ def _doubts(found: Changes) -> list[str]:
 
 
 def _bounds(found: Changes) -> RenderableType:
-    """Return the largest change of each joint that could stay hidden."""
+    """Return the largest change of each joint that could stay hidden, and the joints of which nothing is known."""
     robot, names = found.model.robot, short_names(found.model.robot.joints)
-    said = []
+    said, sentences = [], []
     for joint, bound in found.bounds.items():
         unit = joint_units(robot, joint)["load"]
         said.append(
             f"{names[joint]} {with_unit(number(bound.torque, 2), unit)} ({effect_name(bound.term.effect)})"
         )
-    other = "The largest other change" if found.changes else "The largest change"
-    return Padding(
-        clean(f"{other} of one effect that these logs would not show (RMS): {', '.join(said)}."),
-        (0, 1),
-    )
+    if said:
+        other = "The largest other change" if found.changes else "The largest change"
+        sentences.append(f"{other} of one effect that these logs would not show (RMS): {', '.join(said)}.")
+    unknown = [j for j in robot.joints if j not in found.bounds]
+    if unknown:
+        where = on_joints(unknown, robot.joints).removeprefix(" on ")
+        sentences.append(
+            f"No bound for {where}: a joint that rests in one of the logs, or hardly moves, does not show its changes."
+        )
+    return Group(*(Padding(clean(s), (0, 1)) for s in sentences))

@@ -10,10 +10,12 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.viewers.cells import clean, new_table
-from cdia_pin.viewers.report_discovery import ShapeRow, parameters, shape_parameters
+from cdia_pin.viewers.effect_groups import effect_groups, rivals, term_of
+from cdia_pin.viewers.parameter_rows import shape_parameters, step_parameters
 from cdia_pin.viewers.short_answer import short_answer
-from cdia_pin.viewers.verdict import mean_share, verdict_sentences
+from cdia_pin.viewers.verdict import addition_sentences, mean_share, verdict_sentences
 from cdia_pin.viewers.words import (
     advice_words,
     confusion_words,
@@ -38,6 +40,11 @@ VERDICT_STYLE = {
     "explained-in-practice": "green",
     "unexplained": "yellow",
 }
+CONFIDENCE_STYLE = {
+    Confidence.ESTABLISHED: "green",
+    Confidence.LIKELY: "yellow",
+    Confidence.DESCRIPTIVE: "dim",
+}
 
 
 def discovery_table(found: Discovery, everything: bool = True) -> RenderableType:
@@ -61,6 +68,16 @@ def discovery_table(found: Discovery, everything: bool = True) -> RenderableType
     said = verdict_sentences(found)
     parts += [Padding(clean(s, f"bold {style}" if k == 0 else ""), (0, 1)) for k, s in enumerate(said)]
     return Group(*parts)
+
+
+def addition_table(found: Discovery) -> RenderableType:
+    """Return the error before and after one effect was added, its numbers, and how sure its name is.
+
+    Args:
+        found: The outcome of ``add_effect``.
+    """
+    said = [Padding(clean(s, "" if k else "bold"), (0, 1)) for k, s in enumerate(addition_sentences(found))]
+    return Group(_steps(found), _effects(found), *said)
 
 
 def _errors(found: Discovery) -> Table:
@@ -113,37 +130,37 @@ def _added(step: Step, names: dict[str, str]) -> str:
 
 
 def _effects(found: Discovery) -> Table:
-    table = new_table("found", "f, and its parameters ± 95 %", left=(0, 1))
-    for step in found.steps:
-        term = step.term
-        assert term is not None  # only the first step of a trace is without
-        numbers = (*_shown(step, found), *shape_parameters(term, found.model.robot))
+    table = new_table("found", "f, and its parameters ± 95 % (statistical, systematic)", left=(0, 1))
+    for step in (s for group in effect_groups(found) for s in group.steps):
+        term = term_of(step)
         name = clean(effect_name(term.effect), "bold")
         name.append_text(clean(f"\n{joints_words(term.effect.scope) or 'whole arm'}", "not bold"))
-        rows = [f"{p['name']} {p['text']}" for p in numbers]
+        style = CONFIDENCE_STYLE[step.confidence]
+        name.append_text(clean(f"\n{step.confidence}", f"not bold {style}"))
+        rows = [*_shown(step, found)]
+        rows += [f"{p['name']} {p['text']}" for p in shape_parameters(term, found.model.robot)]
         if profile_words(term):
             rows.append(f"present: {profile_words(term)}")
         table.add_row(name, clean("\n".join([f"f = {term.effect.equation}", *rows])))
     return table
 
 
-def _shown(step: Step, found: Discovery) -> list[ShapeRow]:
-    assert step.term is not None
-    every = parameters(step.term, found.model.robot)
+def _shown(step: Step, found: Discovery) -> list[str]:
+    every = step_parameters(step, found.model.robot)
     shown = [p for p in every if p["telling"] or len(every) <= MANY]
-    rows: list[ShapeRow] = [{"name": p["name"], "text": p["text"]} for p in shown]
+    rows = [f"{p['name']} {p['text']}" + (f" ({', '.join(p['parts'])})" if p["parts"] else "") for p in shown]
     left = len(every) - len(shown)
-    return [*rows, {"name": f"({left} more whose interval holds 0)", "text": ""}] if left else rows
+    return [*rows, f"({left} more whose interval holds 0)"] if left else rows
 
 
 def _confusions(found: Discovery) -> RenderableType:
     """Return what could be mistaken for what, by the motion that would distinguish it."""
     by_motion: dict[str, dict[str, list[str]]] = {}
     for step in found.steps:
-        for c in step.confusions:
-            assert step.term is not None  # only the first step of a trace is without
+        effect = term_of(step).effect
+        for c in rivals(effect, step.confusions):
             pairs = by_motion.setdefault(c.motion, {})
-            pairs.setdefault(effect_words(step.term.effect), []).append(confusion_words(c))
+            pairs.setdefault(effect_words(effect), []).append(confusion_words(c))
     parts: list[RenderableType] = []
     for motion, pairs in by_motion.items():
         parts.append(clean(f"{sentence_case(advice_words(motion))}:", "italic"))

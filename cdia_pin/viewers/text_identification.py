@@ -11,7 +11,7 @@ from rich.table import Table
 
 from cdia_pin.effects.body import Body
 from cdia_pin.viewers.cells import add_row, clean, new_table
-from cdia_pin.viewers.report_discovery import parameters, shape_parameters
+from cdia_pin.viewers.parameter_rows import parameters, shape_parameters
 from cdia_pin.viewers.words import (
     effect_name,
     joint_units,

@@ -7,13 +7,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cdia_pin.viewers.words import advice_words, confusion_words, effect_words, few, listed, percent
+from cdia_pin.changes.confidence import Confidence
+from cdia_pin.viewers.effect_groups import MOST_RIVALS, effect_groups, on_joints, rivals, term_of
+from cdia_pin.viewers.words import (
+    advice_words,
+    confusion_words,
+    effect_words,
+    few,
+    listed,
+    percent,
+    sentence_case,
+)
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison, Discovery, Step
 
 NOTICEABLE = 0.99  # [1], of the error, above which it has not fallen
-NAMED = 3  # effects that a sentence names before it counts the others
+NAMES = {
+    Confidence.ESTABLISHED: "established",
+    Confidence.LIKELY: "likely",
+    Confidence.DESCRIPTIVE: "only descriptive: it may be something else",
+}
+NAMED = 3  # groups of effects that a sentence names before it counts the others
 
 
 def verdict_sentences(found: Discovery) -> list[str]:
@@ -30,14 +45,42 @@ def verdict_sentences(found: Discovery) -> list[str]:
     if found.verdict == "nothing-missing":
         said = [f"Nothing is missing: the model of {robot} explains {log} down to the noise."]
     elif found.verdict == "explained" and not error_falls(found):
-        said = [f"The model of {robot} explains {log} down to the noise without {_what(found.steps)} too."]
+        said = [f"The model of {robot} explains {log} down to the noise without {_what(found)} too."]
     elif found.verdict == "explained":
-        added = "is added" if len(found.steps) == 1 else "are added"
-        said = [f"The model of {robot} explains {log} down to the noise once {_what(found.steps)} {added}."]
+        what, added = _what(found), "is added" if len(found.steps) == 1 else "are added"
+        said = [f"The model of {robot} explains {log} down to the noise once {what} {added}."]
+    elif found.verdict == "explained-in-practice":
+        said = [_practice_sentence(found, log)]
     else:
         said = _structure_sentences(found)
     recognised = [f"{f.sentence[:1].upper()}{f.sentence[1:]}." for f in found.findings]
-    return [*said, *recognised, _error_sentence(found), *_confusion_sentences(found.steps)]
+    return [
+        *said,
+        *_less_sure_sentences(found),
+        *recognised,
+        _error_sentence(found),
+        *_confusion_sentences([s for s in found.steps if s.confidence is not Confidence.DESCRIPTIVE]),
+    ]
+
+
+def addition_sentences(found: Discovery) -> list[str]:
+    """Return what adding one effect has done: the error before and after, how sure its name is, and its rivals.
+
+    Args:
+        found: The outcome of ``add_effect``.
+    """
+    (step,) = found.steps
+    before, after = (mean_share(s.heldout_rms, found) for s in found.trace)
+    name = sentence_case(effect_words(term_of(step).effect))
+    if not error_falls(found):
+        return [
+            f"{name} does not lower the error on data that was not fitted: {percent(before)} of the torque."
+        ]
+    return [
+        f"{name} lowers the error on data that was not fitted from {percent(before)} to {percent(after)} of the "
+        f"measured torque (mean over the joints); its name is {NAMES[step.confidence]}.",
+        *_confusion_sentences(found.steps),
+    ]
 
 
 def comparison_sentence(found: Comparison) -> str:
@@ -74,31 +117,64 @@ def error_falls(found: Discovery) -> bool:
     return mean_share(last.heldout_rms, found) < NOTICEABLE * mean_share(first.heldout_rms, found)
 
 
-def _what(steps: Sequence[Step]) -> str:
-    if len(steps) <= NAMED:
-        return _named(steps)
-    return f"{len(steps)} effects (the strongest: {_named(steps[:NAMED])})"
+def error_left(found: Discovery) -> dict[str, float]:
+    """Return the error on data that was not fitted over the torque [1], of each joint on which structure is left.
+
+    Args:
+        found: The outcome of ``discover``.
+    """
+    robot, share = found.model.robot, found.trace[-1].heldout_rms / np.maximum(found.torque_rms, 1e-12)
+    return {j: float(share[robot.joint_index(j)]) for j in found.structure_left}
 
 
-def _named(steps: Sequence[Step]) -> str:
-    return listed(effect_words(s.term.effect) for s in steps if s.term)
+def _what(found: Discovery) -> str:
+    """Return the effects that a sentence names: the established ones, and else the next best."""
+    groups, joints = effect_groups(found), found.model.robot.joints
+    best = [g.words(joints) for g in groups if g.confidence is groups[0].confidence]
+    said = listed(best if len(best) <= NAMED + 1 else [*best[:NAMED], f"{len(best) - NAMED} more"])
+    if groups[0].confidence is Confidence.DESCRIPTIVE:
+        few = len(found.steps) == 1
+        said += f", {'a name' if few else 'names'} that may be something else,"
+    return said
+
+
+def _less_sure_sentences(found: Discovery) -> list[str]:
+    """Return what is likely and what only describes, beside something that is surer."""
+    groups, joints = effect_groups(found), found.model.robot.joints
+    out = []
+    for confidence, said in (
+        (Confidence.LIKELY, "Likely, but not certain: {}."),
+        (Confidence.DESCRIPTIVE, "Added to describe the rest, and perhaps something else: {}."),
+    ):
+        these = [g.words(joints) for g in groups if g.confidence is confidence]
+        if these and groups[0].confidence is not confidence:
+            out.append(said.format(listed(these)))
+    return out
+
+
+def _practice_sentence(found: Discovery, log: str) -> str:
+    robot, left = found.model.robot, error_left(found)
+    said = f"The model of {robot.name} explains {log} in practice"
+    said += f" once {_what(found)} {'is' if len(found.steps) == 1 else 'are'} added" if found.steps else ""
+    most = percent(max(left.values(), default=0.0))
+    where = on_joints(found.structure_left, robot.joints)
+    return f"{said}: what is left{where} has structure, but is small, at most {most} of a joint's torque."
 
 
 def _structure_sentences(found: Discovery) -> list[str]:
     left, joints = found.structure_left, found.model.robot.joints
     few, every = len(left) < NAMED, len(left) == len(joints)
-    counted = f"all {len(joints)} joints" if every else f"{len(left)} of the {len(joints)} joints"
+    counted = (
+        on_joints(joints, joints).removeprefix(" on ")
+        if every
+        else f"{len(left)} of the {len(joints)} joints"
+    )
     where = listed(left) if few else counted
     rest = f"the residual on {where} has structure that no effect explains."
-    if not found.steps:
-        said = [f"{rest[0].upper()}{rest[1:]}"]
-    elif len(found.steps) <= NAMED:
-        said = [f"The model of {found.model.robot.name} lacks {_named(found.steps)}; {rest}"]
+    if found.steps:
+        said = [f"The model of {found.model.robot.name} lacks {_what(found)}; {rest}"]
     else:
-        said = [
-            f"The model of {found.model.robot.name} lacks {len(found.steps)} effects; {rest}",
-            f"The strongest are {_named(found.steps[:NAMED])}.",
-        ]
+        said = [f"{rest[0].upper()}{rest[1:]}"]
     return said if few or every else [*said, f"The residual still follows the motion on {listed(left)}."]
 
 
@@ -131,9 +207,8 @@ def _confusion_sentences(steps: Sequence[Step]) -> list[str]:
             "the motions that would distinguish them are listed."
         ]
     step = doubtful[0]
-    assert step.term is not None
-    others = listed(few(confusion_words(c) for c in step.confusions))
-    return [
-        f"With this motion, {effect_words(step.term.effect)} is hard to distinguish from {others}; "
-        f"{advice_words(step.confusions[0].motion)}."
-    ]
+    effect = term_of(step).effect
+    others = rivals(effect, step.confusions)
+    said = listed(few((confusion_words(c) for c in others), MOST_RIVALS))
+    advice = advice_words(others[0].motion)
+    return [f"With this motion, {effect_words(effect)} is hard to distinguish from {said}; {advice}."]

@@ -67,11 +67,34 @@ def with_interval(value: float, interval: tuple[float, float] | None, unit: str)
     places = _places(half)
 
     def fixed(x: float) -> str:
-        return (f"{x:.{places}f}" if places <= 6 else f"{x:.2e}").replace("-", "−")
+        return (f"{round(x, places) + 0.0:.{places}f}" if places <= 6 else f"{x:.2e}").replace("-", "−")
 
     if abs((lower + upper) / 2 - value) > 0.1 * half:
         return with_unit(f"{fixed(value)} [{fixed(lower)}, {fixed(upper)}]", unit)
     return with_unit(f"{fixed(value)} ± {fixed(half)}", unit)
+
+
+def with_sign(text: str, value: float) -> str:
+    """Return a difference with its sign, also where it is positive.
+
+    Args:
+        text: The difference in words.
+        value: The difference.
+    """
+    return f"+{text}" if value > 0 else text
+
+
+def half_widths(*widths: float) -> tuple[str, ...]:
+    """Return half widths of intervals with the same decimals, two digits of the widest.
+
+    Args:
+        *widths: Positive numbers of one unit.
+    """
+    widest = max(widths)
+    if not (math.isfinite(widest) and widest > 0):
+        return tuple(number(w, 2) for w in widths)
+    places = _places(widest)
+    return tuple(f"{w:.{places}f}" if places <= 6 else f"{w:.1e}".replace("-", "−") for w in widths)
 
 
 def _places(width: float) -> int:

@@ -10,6 +10,7 @@ from rich.console import Console
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.robot import load_robot
 from cdia_pin.viewers import check_table, comparison_table, discovery_table, where_it_fails
+from cdia_pin.viewers.short_answer import short_answer
 
 WIDTHS = (80, 100)
 
@@ -48,6 +49,14 @@ def test_a_discovery_shows_steps_numbers_doubts_and_verdict(doubtful, width):
     assert "hard to distinguish from coulomb friction on joint3" in text
 
 
+@pytest.mark.parametrize("width", WIDTHS)
+def test_no_line_of_the_short_answer_loses_a_word(doubtful, width):
+    text = " ".join(printed(discovery_table(doubtful, everything=False), width).split())
+    for head, said in short_answer(doubtful):
+        assert head in text
+        assert all(word in text for word in said.split())
+
+
 def test_effects_of_a_real_discovery_are_listed(results):
     text = printed(discovery_table(results.discovery))
     for step in results.discovery.steps:
@@ -58,7 +67,8 @@ def test_effects_of_a_real_discovery_are_listed(results):
 def test_seven_joints_fit_in_the_width(results, width):
     panda = load_robot("panda")
     pad = lambda x: [*x, *x][: panda.n]  # noqa: E731
-    first = results.discovery.trace[0]
+    first, able = results.discovery.trace[0], results.discovery.capability
+    able = replace(able, friction=np.array(pad(able.friction)))
     wide = replace(
         results.discovery,
         model=Dynamics(panda),
@@ -66,11 +76,13 @@ def test_seven_joints_fit_in_the_width(results, width):
         noise_floor=np.array(pad(results.discovery.noise_floor)),
         torque_rms=np.array(pad(results.discovery.torque_rms)),
         structure_left=panda.joints,
+        capability=able,
         verdict="unexplained",
     )
-    text = printed(discovery_table(wide), width)
-    assert all(f"joint{k}" in text for k in range(1, 8))
-    assert "…" not in text
+    for everything in (False, True):
+        text = printed(discovery_table(wide, everything), width)
+        assert all(f"joint{k}" in text for k in range(1, 8))
+        assert "…" not in text
 
 
 @pytest.mark.parametrize("width", WIDTHS)

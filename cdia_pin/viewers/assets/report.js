@@ -34,7 +34,8 @@ function head() {
 const CHIPS = {
   "nothing-missing": ["good", "nothing is missing"],
   explained: ["good", "explained down to the noise"],
-  unexplained: ["warn", "structure is left"],
+  "explained-in-practice": ["good", "explained in practice"],
+  unexplained: ["warn", "not explained yet"],
 };
 
 function verdict() {
@@ -55,8 +56,9 @@ function verdict() {
     : h("div", { class: "numbers" }, h("span", { class: "soft" }, percent(FOUND.trace[0].mean)));
   return h("section", { class: "card verdict" },
     h("div", {},
-      h("span", { class: "chip " + style }, label),
-      FOUND.sentences.map((s, k) => h("p", { class: k ? "" : "first" }, s))),
+      h("span", { class: "chip verdict-chip " + style }, label),
+      h("dl", { class: "answer" }, FOUND.answer.slice(1).map((l) => [h("dt", {}, l.head), h("dd", {}, l.text)])),
+      h("details", { class: "plain" }, h("summary", {}, "The same in sentences"), h("div", {}, FOUND.sentences.map((s) => h("p", {}, s))))),
     h("div", { class: "fall" }, numbers,
       h("small", {}, "error, share of the torque RMS,"), h("small", {}, "mean over the joints"),
       h("small", {}, (FOUND.trace.length > 1 ? "held out " + percent(last.heldout_mean) + " · " : "") + "noise floor " + percent(FOUND.floor_mean))));
@@ -65,33 +67,79 @@ function verdict() {
 // ---------------------------------------------------------------- effects
 
 const MANY = 12; // parameters of one effect; of more, those whose interval holds zero are folded away
+const ROOM = 4; // parameters of one effect below which both parts of each interval are written out
+const MARKS = { established: ["good", "established"], likely: ["warn", "likely"], descriptive: ["soft", "only descriptive"] };
+const markOf = (confidence) => h("span", { class: "chip " + MARKS[confidence][0] }, MARKS[confidence][1]);
+
+// Both parts of an interval; a shape parameter has none.
+const partsOf = (p) => (p.parts && p.parts.length ? `± ${p.parts[0]} statistical, ± ${p.parts[1]} systematic` : null);
 
 function parameters(e) {
+  const spoken = e.parameters.length <= ROOM;
   const listed = (rows) => h("div", { class: "parameters" }, rows.map((p) => [
-    h("span", { class: "soft" }, p.name), h("span", { class: p.telling === false ? "faint" : "" }, p.text), h("span", {}, Charts.interval(p.interval, p.name + " " + p.text))]));
+    h("span", { class: "soft" }, p.name),
+    h("span", { class: p.telling === false ? "faint" : "", title: partsOf(p) }, p.text),
+    h("span", {}, Charts.interval(p.interval, p.name + " " + p.text)),
+    spoken && partsOf(p) ? h("span", { class: "parts soft" }, partsOf(p)) : null]));
   const all = [...e.parameters, ...e.shape], silent = all.length > MANY ? all.filter((p) => p.telling === false) : [];
   return [listed(all.filter((p) => !silent.includes(p))),
-    silent.length ? h("details", {}, h("summary", {}, silent.length + " more whose interval holds 0"), listed(silent)) : null];
+    silent.length ? h("details", { class: "plain" }, h("summary", {}, silent.length + " more whose interval holds 0"), listed(silent)) : null];
+}
+
+function effectTable(numbers) {
+  const rows = numbers.map((n) => FOUND.effects.find((e) => e.number === n)).map((e) => [
+    right("td", String(e.number), "soft"),
+    h("td", {}, h("b", {}, e.name), h("div", { class: "soft" }, "on " + e.where),
+      e.changed ? h("div", { class: "changed" }, "the model has it; the numbers are its change") : null,
+      h("div", { class: "equation" }, "f = " + e.equation)),
+    h("td", {}, parameters(e),
+      e.profile ? h("div", { class: "soft" }, "present: " + e.profile) : null),
+    h("td", {}, h("span", { class: "narrow-only" }, "helps most on "), e.error.joint, h("div", {}, h("span", { class: "b" }, percent(e.error.before)), " → ", h("span", { class: "a" }, percent(e.error.after)))),
+    h("td", {}, e.confusions.length ? others(e.confusions) : h("span", { class: "soft" }, "nothing else tried comes near")),
+  ]);
+  return table([right("th", ""), wide("22%", "effect"), wide("34%", "parameters ± 95 %"),
+    wide("13%", "error where it helps most"), "could be mistaken for"], rows);
+}
+
+function group(g, open) {
+  return h("details", { class: "group", open: open ? "" : null },
+    h("summary", {}, h("span", { class: "line" }, markOf(g.confidence), h("span", {}, g.words), g.numbers ? h("span", { class: "soft numbers" }, g.numbers) : null)),
+    h("div", {}, effectTable(g.members)));
 }
 
 function effects() {
   if (!FOUND || !FOUND.effects.length) return null;
-  const rows = FOUND.effects.map((e) => [
-    right("td", String(e.number), "soft"),
-    h("td", {}, h("b", {}, e.name), h("div", { class: "soft" }, "on " + e.where),
-      h("div", { class: "equation" }, "f = " + e.equation)),
-    h("td", {}, parameters(e),
-      e.profile ? h("div", { class: "soft" }, "present: " + e.profile) : null),
-    h("td", {}, e.error.joint, h("div", {}, h("span", { class: "b" }, percent(e.error.before)), " → ", h("span", { class: "a" }, percent(e.error.after)))),
-    h("td", {}, e.confusions.length ? byMotion(e.confusions) : h("span", { class: "soft" }, "nothing else tried comes near")),
-  ]);
-  return h("section", {}, h("h2", {}, "What the model lacks"),
-    h("p", { class: "lead" }, "Each effect adds a torque f on the right of M q̈ + nle = τ + f. Parameters with their 95 % interval, drawn beside zero (the grey line); the interval of a faint one holds zero. Order: the strongest evidence first."),
-    h("div", { class: "card" }, table([right("th", ""), wide("24%", "effect"), wide("29%", "parameters ± 95 %"),
-      wide("13%", "error where it helps most"), "could be mistaken for"], rows)));
+  const named = FOUND.groups.filter((g) => g.confidence !== "descriptive"), tail = FOUND.groups.filter((g) => g.confidence === "descriptive");
+  const members = tail.flatMap((g) => g.members);
+  const folded = tail.length ? h("details", { class: "group" },
+    h("summary", {}, h("span", { class: "line" }, markOf("descriptive"), h("span", {}, tail.map((g) => g.words).join(", ")),
+      h("span", { class: "soft numbers" }, "lowers the error, and may be something else"))),
+    h("div", {}, effectTable(members))) : null;
+  addEventListener("beforeprint", () => document.querySelectorAll("details.group").forEach((d) => { d.open = true; }));
+  return h("section", { class: "effects" }, h("h2", {}, "What the model lacks"),
+    h("p", { class: "lead" }, "Established: found again in both halves of the log, at other cut-offs and with links that are slightly wrong. Likely: found again in most of them. "
+      + "Open a line for its equations and numbers: each effect adds a torque f on the right of M q̈ + nle = τ + f. A 95 % interval has a statistical and a systematic part; the interval of a faint parameter holds zero."),
+    named.map((g) => group(g, named.length === 1)), folded);
+}
+
+function capability() {
+  if (!FOUND) return null;
+  const able = FOUND.capability;
+  const rows = DATA.joints.map((j, k) => [j.name, right("td", able.friction[k]), right("td", percent(able.error[k]))]);
+  return h("section", {}, h("h2", {}, "What the model is good for"),
+    h("p", { class: "lead" }, "On motions such as this one it notices " + able.noticed + "."),
+    h("div", { class: "card narrow" }, table(["joint", right("th", "friction that grows by"), right("th", "error as feedforward")], rows)));
 }
 
 const wide = (width, text) => h("th", { style: "width:" + width }, text);
+
+const RIVALS = 2; // other explanations that are shown before the rest is folded away
+
+function others(confusions) {
+  const more = confusions.slice(RIVALS);
+  return [h("span", { class: "narrow-only" }, "could be mistaken for "), byMotion(confusions.slice(0, RIVALS)),
+    more.length ? h("details", { class: "plain" }, h("summary", {}, more.length + " more"), byMotion(more)) : null];
+}
 
 function byMotion(confusions) {
   const groups = new Map();
@@ -245,6 +293,6 @@ const LEAD = "Replays the log. A link takes the colour of its joint's error besi
   + (FOUND && FOUND.trace.length > 1 ? "; add effect after effect and see it clear" : "")
   + ". Hover a chart to move the arm, click a link to choose its joint.";
 
-show([head(), verdict(), motion(LEAD, buttons(), (j) => [overTime(j)]), effects(), errors(), falling(), joints(), regions(), records(),
+show([head(), verdict(), motion(LEAD, buttons(), (j) => [overTime(j)]), effects(), capability(), errors(), falling(), joints(), regions(), records(),
   h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")]);
 chosen.choose(mostTelling());
