@@ -25,8 +25,11 @@ def calibration_table(found: GainCalibration, nominal: Array | None) -> Renderab
         found: The calibration.
         nominal: Gains with which the logs were read [N·m/A], shape (n,); None where they hold torques.
     """
-    head = ("gain, N·m/A", "calibrated") if nominal is not None else ()
-    table = new_table("joint", *head, "true over stated torque", "own weight by URDF", "known by", left=(0,))
+    head = ("nominal", "calibrated, N·m/A") if nominal is not None else ()
+    table = new_table("joint", *head, "scale", "by URDF", "known by", left=(0,))
+    table.caption = (
+        "scale: true over stated torque, ± 95 %; by URDF: what the arm's own weight asks for, a first check"
+    )
     names = short_names(found.joints)
     for j, joint in enumerate(found.joints):
         scale, half = float(found.scale[j]), float(found.tolerance[j])
@@ -42,7 +45,7 @@ def calibration_table(found: GainCalibration, nominal: Array | None) -> Renderab
             *cells,
             with_interval(scale, (scale - half, scale + half), ""),
             number(weight) if weight else "",
-            "the payload" if found.determined[j] else "the other joints",
+            "payload" if found.determined[j] else "other joints",
         )
     centre = ", ".join(number(float(c)) for c in found.centre)
     said = [f"The payload of {number(found.mass)} kg has its centre of mass at {centre} m in the tool frame."]
