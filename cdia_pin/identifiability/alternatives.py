@@ -17,7 +17,7 @@ from cdia_pin.selection.evidence import Evidence, SetFit
 from cdia_pin.selection.replacement import Refit, promising
 
 MOST = 2  # alternatives [1] that are named per effect: a person can drive a motion for each of so few
-# Candidates per effect [1], on its joint and elsewhere, that are fitted at their own optimum: the most promising ones.
+# Candidates per effect [1] on its joint, and as many elsewhere, that are fitted at their own optimum, the best first.
 MOST_REFITS = 2
 
 

@@ -10,21 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.dynamics.torques import Torques
 from cdia_pin.effects import Channel, Effect, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
 from cdia_pin.logs.side_evidence import side_evidence
 from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import clipped, some
+from cdia_pin.regression.prediction import Prediction
 from cdia_pin.regression.rest import RestSettings
 from cdia_pin.robot.model import RobotModel
+
+__all__ = ["Experiment", "Prediction", "Segment", "rms"]
 
 Array = NDArray[np.float64]
 
 # Postures per log [1] at which the mass matrix is computed, because all of them would take long.
 POSTURES = 200
-SAME_GAIN = 1e-9  # difference of a gain [1] that is rounding
 MOST_PREDICTIONS = 4  # predictions [1] that are kept, of some MB each
 JUDGED = 800  # samples of a log [1] by which the side of its torque is judged
 FEWEST_SAMPLES = 40  # compared samples of a log [1]; fewer do not determine the noise of a joint
@@ -46,31 +47,6 @@ class Segment:
 
     def __repr__(self) -> str:
         return f"Segment({clipped(self.state.log)}, {len(self.measured)} compared samples)"
-
-
-@dataclass(frozen=True, repr=False)
-class Prediction:
-    """The torque that a model predicts for an experiment.
-
-    Attributes:
-        model: The model.
-        torques: Torques along each segment.
-        residual: Predicted minus measured torque at the compared samples of all segments [N·m or N], shape (K, n).
-    """
-
-    model: Dynamics
-    torques: tuple[Torques, ...]
-    residual: Array
-
-    def __repr__(self) -> str:
-        return f"Prediction({self.model!r}, {len(self.residual)} compared samples)"
-
-    @cached_property
-    def gains(self) -> tuple[Array, NDArray[np.bool_]]:
-        """Mean gain of each joint's torque [1], exactly one without gains, and True where it varies, shapes (n,)."""
-        gain = np.concatenate([t.gain for t in self.torques])
-        mean = gain.mean(axis=0)
-        return np.where(np.abs(mean - 1.0) <= SAME_GAIN, 1.0, mean), np.ptp(gain, axis=0) > SAME_GAIN
 
 
 @dataclass(frozen=True, repr=False)

@@ -265,7 +265,7 @@ class NormalEquations:
 
     @cached_property
     def _by_size(self) -> list[tuple[Indices, Indices, Array, Array]]:
-        """Effects of equal size: indices, positions of their parameters, own blocks of XᵀX, and what is added."""
+        """Effects of equal size: indices, positions of their parameters, blocks of XᵀX, and what is added to them."""
         members: dict[int, list[int]] = {}
         for c, effect in enumerate(self.effects):
             members.setdefault(effect.size, []).append(c)

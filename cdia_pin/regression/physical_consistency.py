@@ -42,6 +42,9 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
         Parameters, shape (P,). Where the program cannot be solved, the physical ones next to the best of all, which
         is a worse fit.
     """
+    free = ParameterBlocks.of(effects).split(ScaledGram.of(gram).solve(right))
+    if all(e.is_physical(part, robot) for e, part in zip(effects, free, strict=True)):
+        return np.concatenate(free)
     lower, upper = (np.concatenate(b) for b in zip(*(e.bounds(robot) for e in effects), strict=True))
     to_theta, offset, bodies = np.eye(len(right)), np.zeros(len(right)), []
     for effect, own in zip(effects, ParameterBlocks.of(effects), strict=True):
@@ -80,8 +83,7 @@ def consistent_parameters(gram: Array, right: Array, effects: Sequence[Effect], 
         to_bodies,
     )  # fmt: skip
     if y is None:
-        parts = ParameterBlocks.of(effects).split(ScaledGram.of(gram).solve(right))
-        return np.concatenate([e.nearest_physical(p, robot) for e, p in zip(effects, parts, strict=True)])
+        return np.concatenate([e.nearest_physical(p, robot) for e, p in zip(effects, free, strict=True)])
     whole = np.empty(len(right))
     whole[limited] = reduced.unit * y
     whole[~limited] = best - slope @ whole[limited]

@@ -19,9 +19,7 @@ from cdia_pin.regression.whitening import Whitening
 
 Array = NDArray[np.float64]
 
-MOST_KEPT = (
-    3  # sets of effects [1] whose normal equations are kept, for the iterations and exchanges of one model
-)
+MOST_KEPT = 3  # sets of effects [1] whose normal equations are kept for the next iterations
 
 
 @dataclass(frozen=True, repr=False)

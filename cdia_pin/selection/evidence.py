@@ -171,10 +171,9 @@ class Evidence:
     def bounded_chi2(self, chosen: Sequence[int], near: SetFit) -> float:
         r"""Return a lower bound of chi2 of a physical fit [1], from that of a similar set and without a new program.
 
-        At the optimum :math:`\theta^*` of the similar set its gradient g points into what is physical:
-        :math:`g^T (\theta - \theta^*) \ge 0` for the possible parameters of each effect, because these are convex. What
-        a physical fit leaves is therefore no less than the minimum of
-        :math:`\chi^2(\theta) - 2 g^T (\theta - \theta^*)`.
+        At the optimum :math:`\theta^*` of the similar set, the gradient g of half of chi2 points into what is possible:
+        :math:`g^T (\theta - \theta^*) \ge 0` for all possible parameters, which are a convex set for each effect. So
+        a physical fit leaves no less than the minimum of :math:`\chi^2(\theta) - 2 g^T (\theta - \theta^*)`.
 
         Args:
             chosen: Indices of the candidates.

@@ -23,9 +23,8 @@ from cdia_pin.selection.shapes import refine_shapes
 Array = NDArray[np.float64]
 Swaps = set[tuple[str, str]]
 Allowed = Callable[[tuple[int, ...]], bool]
-Errors = dict[
-    tuple[str, str], float
-]  # cost of an exchange at its optimum less that to first order [1], by labels
+# Cost of an exchange at its optimum less that to first order [1], by the labels of both effects.
+Errors = dict[tuple[str, str], float]
 
 ROUGHLY = 2  # iterations of Gauss-Newton [1] after each move; the result has as many as it needs
 LIKELY = 0.5  # share of what an effect explains [1] that another one must explain to first order to be tried
