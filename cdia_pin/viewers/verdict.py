@@ -127,7 +127,7 @@ def error_left(found: Discovery) -> dict[str, float]:
 
 
 def _what(found: Discovery) -> tuple[str, str]:
-    """Return the effects that a sentence names, with their verb: established and likely ones, and else what there is."""
+    """Return the effects that a sentence names, and their verb: established and likely ones, or else all."""
     groups, joints = effect_groups(found), found.model.robot.joints
     marks = {Confidence.ESTABLISHED: "", Confidence.LIKELY: " (likely)"}
     said = [g.words(joints) + marks[g.confidence] for g in groups if g.confidence in marks]
