@@ -40,9 +40,10 @@ def short_answer(found: Discovery) -> list[tuple[str, str]]:
         if named or confidence is Confidence.ESTABLISHED:
             lines.append((str(confidence), "; ".join(named) or "nothing"))
     lines.append(("good for", f"notices {listed(noticed(found))}"))
-    tail = listed(dict.fromkeys(g.name for g in groups if g.confidence is Confidence.DESCRIPTIVE))
+    tail = list(dict.fromkeys(g.name for g in groups if g.confidence is Confidence.DESCRIPTIVE))
     if tail:
-        lines.append(("only descriptive", f"{tail}: lowers the error, and may be something else"))
+        does = "lowers" if len(tail) == 1 else "they lower"
+        lines.append(("only descriptive", f"{listed(tail)}: {does} the error, and may be something else"))
     return lines
 
 

@@ -108,24 +108,19 @@ def change_words(change: Change, found: Changes) -> str:
 
 def _changes(found: Changes) -> Table:
     robot, names = found.model.robot, short_names(found.model.robot.joints)
-    table = new_table(
-        "changed",
-        "joint",
-        "difference ± 95 %",
-        "of before",
-        "largest torque",
-        "confidence",
-        left=(0, 1, 2, 5),
-    )
+    grown = ["of before"] if any(c.growth is not None for c in found.changes) else []
+    heads = ("changed", "joint", "difference ± 95 %", *grown, "largest torque", "confidence")
+    table = new_table(*heads, left=(0, 1, 2, len(heads) - 1))
     for c in found.changes:
         j = int(np.argmax(c.torque_rms))
         unit = joint_units(robot, robot.joints[j])["load"]
+        share = "" if c.growth is None else _signed(percent(abs(c.growth)), c.growth)
         add_row(
             table,
             effect_name(c.term.effect),
             listed(names[s] for s in c.term.effect.scope) or "whole arm",
             "\n".join(f"{name} {text}" for name, text in _differences(c, found)),
-            "" if c.growth is None else _signed(percent(abs(c.growth)), c.growth),
+            *([share] if grown else []),
             f"{with_unit(number(c.torque_rms[j], 2), unit)} ({names[robot.joints[j]]})",
             str(c.confidence),
         )

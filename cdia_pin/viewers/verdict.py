@@ -45,10 +45,9 @@ def verdict_sentences(found: Discovery) -> list[str]:
     if found.verdict == "nothing-missing":
         said = [f"Nothing is missing: the model of {robot} explains {log} down to the noise."]
     elif found.verdict == "explained" and not error_falls(found):
-        said = [f"The model of {robot} explains {log} down to the noise without {_what(found)} too."]
+        said = [f"The model of {robot} explains {log} down to the noise without {_what(found)[0]} too."]
     elif found.verdict == "explained":
-        what, added = _what(found), "is added" if len(found.steps) == 1 else "are added"
-        said = [f"The model of {robot} explains {log} down to the noise once {what} {added}."]
+        said = [f"The model of {robot} explains {log} down to the noise once {' '.join(_what(found))} added."]
     elif found.verdict == "explained-in-practice":
         said = [_practice_sentence(found, log)]
     else:
@@ -56,7 +55,7 @@ def verdict_sentences(found: Discovery) -> list[str]:
     recognised = [f"{f.sentence[:1].upper()}{f.sentence[1:]}." for f in found.findings]
     return [
         *said,
-        *_less_sure_sentences(found),
+        *_tail_sentences(found),
         *recognised,
         _error_sentence(found),
         *_confusion_sentences([s for s in found.steps if s.confidence is not Confidence.DESCRIPTIVE]),
@@ -127,35 +126,30 @@ def error_left(found: Discovery) -> dict[str, float]:
     return {j: float(share[robot.joint_index(j)]) for j in found.structure_left}
 
 
-def _what(found: Discovery) -> str:
-    """Return the effects that a sentence names: the established ones, and else the next best."""
+def _what(found: Discovery) -> tuple[str, str]:
+    """Return the effects that a sentence names, and their verb: established and likely ones, or else all."""
     groups, joints = effect_groups(found), found.model.robot.joints
-    best = [g.words(joints) for g in groups if g.confidence is groups[0].confidence]
-    said = listed(best if len(best) <= NAMED + 1 else [*best[:NAMED], f"{len(best) - NAMED} more"])
-    if groups[0].confidence is Confidence.DESCRIPTIVE:
-        few = len(found.steps) == 1
-        said += f", {'a name' if few else 'names'} that may be something else,"
-    return said
+    marks = {Confidence.ESTABLISHED: "", Confidence.LIKELY: " (likely)"}
+    said = [g.words(joints) + marks[g.confidence] for g in groups if g.confidence in marks]
+    if not said:
+        said = [f"{g.words(joints)} (perhaps)" for g in groups]
+    said = said if len(said) <= NAMED + 1 else [*said[:NAMED], f"{len(said) - NAMED} more"]
+    return listed(said), "is" if len(said) == 1 else "are"
 
 
-def _less_sure_sentences(found: Discovery) -> list[str]:
-    """Return what is likely and what only describes, beside something that is surer."""
+def _tail_sentences(found: Discovery) -> list[str]:
+    """Return what only describes, beside something that is surer."""
     groups, joints = effect_groups(found), found.model.robot.joints
-    out = []
-    for confidence, said in (
-        (Confidence.LIKELY, "Likely, but not certain: {}."),
-        (Confidence.DESCRIPTIVE, "Added to describe the rest, and perhaps something else: {}."),
-    ):
-        these = [g.words(joints) for g in groups if g.confidence is confidence]
-        if these and groups[0].confidence is not confidence:
-            out.append(said.format(listed(these)))
-    return out
+    tail = [g.words(joints) for g in groups if g.confidence is Confidence.DESCRIPTIVE]
+    if not tail or len(tail) == len(groups):
+        return []
+    return [f"Added to describe the rest, and perhaps something else: {listed(tail)}."]
 
 
 def _practice_sentence(found: Discovery, log: str) -> str:
     robot, left = found.model.robot, error_left(found)
     said = f"The model of {robot.name} explains {log} in practice"
-    said += f" once {_what(found)} {'is' if len(found.steps) == 1 else 'are'} added" if found.steps else ""
+    said += f" once {' '.join(_what(found))} added" if found.steps else ""
     most = percent(max(left.values(), default=0.0))
     where = on_joints(found.structure_left, robot.joints)
     return f"{said}: what is left{where} has structure, but is small, at most {most} of a joint's torque."
@@ -172,7 +166,7 @@ def _structure_sentences(found: Discovery) -> list[str]:
     where = listed(left) if few else counted
     rest = f"the residual on {where} has structure that no effect explains."
     if found.steps:
-        said = [f"The model of {found.model.robot.name} lacks {_what(found)}; {rest}"]
+        said = [f"The model of {found.model.robot.name} lacks {_what(found)[0]}; {rest}"]
     else:
         said = [f"{rest[0].upper()}{rest[1:]}"]
     return said if few or every else [*said, f"The residual still follows the motion on {listed(left)}."]
