@@ -154,7 +154,7 @@ def sized_changes(search: ChangeSearch, chosen: tuple[int, ...]) -> tuple[Change
     earlier = friction_before(search.differing, [effects[c] for c in chosen])
     with_all = float(np.sum(evidence.unexplained(chosen)))
     out = []
-    for one, term in zip(chosen, sized(evidence, chosen, search.differing.experiment), strict=True):
+    for one, term in zip(chosen, sized(search, chosen), strict=True):
         rest = [c for c in chosen if c != one]
         without = float(np.sum(evidence.unexplained(rest)))
         rivals = [effects[c].effect for c in search.rivals(chosen, one)]
@@ -186,7 +186,7 @@ def _bounds(search: ChangeSearch, chosen: tuple[int, ...]) -> dict[str, Bound]:
         joints = difference.acts_on(robot)
         if c in chosen or difference.size > 1 or difference.shape or len(joints) > 1:
             continue
-        term = sized(search.evidence, (*chosen, c), differing.experiment)[-1]
+        term = sized(search, (*chosen, c))[-1]
         assert term.ci95 is not None
         furthest = max(term.ci95[0], key=abs)
         limit = replace(term, theta=(furthest,), ci95=None)

@@ -77,6 +77,7 @@ class Differing:
         after = np.arange(ends[-1]) >= ends[before]
         both = np.minimum(experiment.moving[~after].mean(axis=0), experiment.moving[after].mean(axis=0))
         used = experiment.moving & (both >= settings.changes.least_moving)
+        used &= _within_reach(experiment, after, settings.changes.reach)
         logs = tuple(s.state.log for s in experiment.segments[before:])
         changes: dict[Difference, dict[int, Array]] = {}
         searched: dict[str, int] = {}
@@ -190,3 +191,18 @@ class Differing:
             left, _ = out.together(generic).residual()
             out = replace(out, size=np.maximum(rms(left, out.used) * out.size, 1e-12))
         return out
+
+
+def _within_reach(experiment: Experiment, after: Mask, reach: float) -> Mask:
+    """Return True where a joint is no faster than in the logs of the other side, shape (K, n).
+
+    Friction at a speed that one side never reaches is an extrapolation there, and its error seems to be a change.
+
+    Args:
+        experiment: The conditioned logs.
+        after: True for compared samples of the logs after, shape (K,).
+        reach: Largest speed over the fastest of the other side [1].
+    """
+    speed = np.abs(experiment.compared_motion()[2])
+    fastest = [speed[side].max(axis=0) for side in (after, ~after)]
+    return np.asarray(speed <= reach * np.where(after[:, None], fastest[1], fastest[0]), bool)

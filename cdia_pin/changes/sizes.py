@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.common_structure import PLAIN, column_group
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
 from cdia_pin.effects import Channel, Effect, LinkInertia, Signal, Term, TorqueOffset
-from cdia_pin.regression.block_evidence import BlockEvidence
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
@@ -20,46 +20,49 @@ from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 Array = NDArray[np.float64]
 
 
-def sized(evidence: BlockEvidence[Difference], chosen: tuple[int, ...], experiment: Experiment) -> list[Term]:
+def sized(search: ChangeSearch, chosen: tuple[int, ...]) -> list[Term]:
     """Return the differences of some effects, fitted together, with 95 % intervals.
 
     The statistical part comes from blocks of time, the systematic one from the tolerance of the torque's scale.
 
     Args:
-        evidence: Evidence for all changes.
+        search: The search, with the evidence for all changes.
         chosen: Indices of the changes; the terms come in this order.
-        experiment: The logs, which may state a tolerance.
     """
     if not chosen:
         return []
     from scipy.stats import t as student
 
+    evidence, experiment = search.evidence, search.differing.experiment
     effects = [evidence.effects[c] for c in chosen]
     theta, covariance = evidence.estimate(chosen)
     half = student.ppf(0.975, len(evidence.training) - 1) * np.sqrt(np.diag(covariance))
     blocks = ParameterBlocks.of(effects)
     pairs = zip(effects, blocks.split(theta), blocks.split(half), strict=True)
     out = []
-    for e, value, statistical in pairs:
-        tolerance = effort_tolerance(experiment, e.effect)
+    for c, (e, value, statistical) in zip(chosen, pairs, strict=True):
+        tolerance = effort_tolerance(experiment, e.effect, search.torque(c, value))
         total = np.hypot(statistical, tolerance * np.abs(value))
         alone = _intervals(value, statistical) if tolerance else None
         out.append(Term(e.effect, tuple(value), ci95=_intervals(value, total), ci95_statistical=alone))
     return out
 
 
-def effort_tolerance(experiment: Experiment, effect: Effect) -> float:
+def effort_tolerance(experiment: Experiment, effect: Effect, torque: Array) -> float:
     """Return the tolerance of the scale of the torques that an effect is measured by, 95 % [1].
+
+    Joints count by the square of the effect's torque, as they do in its fit.
 
     Args:
         experiment: The logs.
         effect: The effect. What has no torque as unit, such as a gain or a delay, does not depend on the scale.
+        torque: RMS torque of the effect [N·m or N], shape (n,).
     """
     if effect.traits.channel is not Channel.JOINT_TORQUE or Signal.TORQUE in effect.traits.depends_on:
         return 0.0
     stated = [s.motion.effort_tolerance for s in experiment.segments if s.motion.effort_tolerance is not None]
-    joints = list(effect.acts_on(experiment.robot))
-    return float(np.max([t[joints] for t in stated])) if stated else 0.0
+    weight = torque**2 / max(float(np.sum(torque**2)), 1e-300)
+    return float(np.max([weight @ t for t in stated])) if stated else 0.0
 
 
 def _intervals(theta: Array, half: Array) -> tuple[tuple[float, float], ...]:

@@ -77,7 +77,7 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
             expected = term.effect.name in logs.settings.expected or not term.effect.plausibility.unusual
             needed = needed and (expected or crowded.certainty(term) >= settings.unusual_certainty)
         moved = [np.abs(r.theta(term) - whole.theta(term)) for r in (*halves, *others)]
-        scale = effort_tolerance(logs.experiment, term.effect) * np.abs(term.theta)
+        scale = effort_tolerance(logs.experiment, term.effect, whole.torque(term)) * np.abs(term.theta)
         systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
         out[term.label] = Trust(_confidence(needed, survived, settings), systematic)
     return out
@@ -176,13 +176,25 @@ class Repeat:
             can_be_named: The rule, see `ChangeSettings`.
         """
         x, one = self.experiment, self._at[term.label]
-        fits, f, use = self._beside(one), np.zeros_like(x.measured), x.informative
-        for j, columns in self._columns[term.label].items():
-            f[:, j] = columns @ fits.theta[one]
+        fits, use = self._beside(one), x.informative
+        torque = self.torque(term, fits.theta[one])
         measured = np.maximum(rms(x.measured, use), 1e-12)
         return can_be_named(
-            fits.certainty[one], fits.gain[one], rms(f, use), self._size, measured, use.sum(axis=0)
+            fits.certainty[one], fits.gain[one], torque, self._size, measured, use.sum(axis=0)
         )
+
+    def torque(self, term: Term, theta: Array | None = None) -> Array:
+        """Return the RMS torque of an effect [N·m or N], shape (n,).
+
+        Args:
+            term: A term of the model.
+            theta: Other parameters than the term's, shape (p,).
+        """
+        x, given = self.experiment, np.array(term.theta) if theta is None else theta
+        f = np.zeros_like(x.measured)
+        for j, columns in self._columns[term.label].items():
+            f[:, j] = columns @ given
+        return rms(f, x.informative)
 
     def _beside(self, one: int) -> BlockFits:
         """Return the fits beside all terms but one."""

@@ -93,6 +93,8 @@ class ChangeSettings:
         least_torque: RMS torque of a change over that of the joint on which it is largest [1].
         least_moving: Share of the time in which a joint must move in both logs to be compared [1]. A model is wrong in
             another way at each posture, so a joint that rests at different postures always seems to have changed.
+        reach: Largest speed of a sample over the fastest of the other side [1]. What one side never reaches is an
+            extrapolation there, and its error seems to be a change.
         alike: Share of what a change explains by which another one may explain less and still be as good [1].
         doubt: The same, in standard deviations of the difference over the blocks [1].
     """
@@ -102,6 +104,7 @@ class ChangeSettings:
     least_share: float = 0.1
     least_torque: float = 0.03
     least_moving: float = 0.05
+    reach: float = 1.05
     alike: float = 0.02
     doubt: float = 1.0
 
