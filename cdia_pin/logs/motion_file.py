@@ -90,6 +90,8 @@ def motion_from(document: Any) -> Motion:
             arrays: dict[str, Any] = {name: np.asarray(file[name], float) for name in needed}
         count = len(arrays["q"])
         shapes = {arrays[name].shape for name in SIGNALS} | {(count, *arrays[n].shape) for n in OF_JOINTS}
+        if not 0 < rate < np.inf:
+            raise LogError(f"a motion of {rate} samples per second")
         if shapes != {(count, len(joints))} or not all(np.isfinite(x).all() for x in arrays.values()):
             raise LogError(
                 f"arrays of shapes {sorted(map(str, shapes))} are no motion of {len(joints)} joints"

@@ -1,0 +1,64 @@
+"""A later log against a model: what is new, what changed in the model, and what stayed; plants are MuJoCo's."""
+
+import numpy as np
+import pytest
+
+from benchmarks.plant import Fault
+from cdia_pin import Dynamics, discover, load_model, save_model
+from tests.hidden_plants import plant_of
+
+SECONDS = 24.0
+ELBOW = {"joint": "elbow_joint"}
+KNOWN = (Fault("coulomb_friction", level=3.0, **ELBOW), Fault("viscous_friction", coefficient=2.0, **ELBOW))
+GROWN = (Fault("coulomb_friction", level=4.5, **ELBOW), KNOWN[1])
+
+
+def run(faults, seed):
+    return plant_of("ur5").run(faults, duration=SECONDS, seed=seed).log
+
+
+@pytest.fixture(scope="module")
+def base(tmp_path_factory):
+    """A model that was learned from a log, saved and loaded again."""
+    robot = plant_of("ur5").robot
+    found = discover(Dynamics(robot), run(KNOWN, 3))
+    return load_model(save_model(found.model, tmp_path_factory.mktemp("model") / "base.json"), robot)
+
+
+def test_a_loaded_model_remembers_the_motion_it_was_learned_from(base):
+    assert [m.joints for m in base.learned_from] == [base.robot.joints]
+    assert base.add(base.terms[0]).learned_from == base.learned_from
+
+
+def test_friction_that_grew_is_a_change_of_the_model(base):
+    found = discover(base, run(GROWN, 1003))
+    (step,) = found.steps
+    assert (step.term.label, step.change_of_model) == ("coulomb_friction@elbow_joint", True)
+    assert step.term.theta[0] == pytest.approx(1.5, rel=0.05)
+    assert found.model.find(step.term.label).theta[0] == pytest.approx(4.5, rel=0.03)
+    assert found.to_dict()["effects"][0]["change_of_model"] is True
+
+
+def test_what_did_not_change_keeps_its_value(base):
+    found = discover(base, run(GROWN, 1003))
+    label = "viscous_friction@elbow_joint"
+    assert found.model.find(label).theta == base.find(label).theta
+
+
+def test_a_new_effect_is_no_change_of_the_model(base):
+    spring = Fault("joint_spring", joint="wrist_1_joint", stiffness=1.5, preload=0.5)
+    found = discover(base, run((*KNOWN, spring), 1003))
+    (step,) = found.steps
+    assert (step.term.label, step.change_of_model) == ("joint_spring@wrist_1_joint", False)
+
+
+def test_nothing_changed_means_nothing_is_moved(base):
+    found = discover(base, run(KNOWN, 1003))
+    assert (found.verdict, found.steps) == ("nothing-missing", ())
+    assert found.model.terms == base.terms
+
+
+def test_the_log_of_the_model_itself_is_searched_as_before(base):
+    found = discover(base, run(KNOWN, 3))
+    assert found.steps == ()
+    assert np.allclose(found.model.terms[0].theta, base.terms[0].theta, rtol=0.05)
