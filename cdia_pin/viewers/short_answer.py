@@ -98,5 +98,5 @@ def next_step(found: Discovery, saved: bool, everything: bool) -> str:
         return "next: cdia monitor LOG --robot …, which watches the arm with this model"
     numbers = "" if everything else "; --all shows the numbers"
     if saved:
-        return f"next: cdia discover LATER_LOG --robot … --model MODEL tells what changed{numbers}"
+        return f"next: cdia discover LATER --model MODEL … finds changes{numbers}"
     return f"next: the same with --save model.json keeps the model{numbers}"

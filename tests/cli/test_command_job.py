@@ -67,7 +67,11 @@ def test_discover_json_is_as_the_contract_says(discovery):
     assert effect["joints"] == ["joint2"]
     level = effect["parameters"]["level"]
     assert level["unit"] == "N·m"
-    assert level["ci95"][0] < level["value"] < level["ci95"][1]
+    (low, high), (lower, upper) = level["ci95"], level["ci95_statistical"]
+    assert low <= lower < level["value"] < upper <= high
+    assert effect["confidence"] in {"established", "likely", "descriptive"}
+    assert (effect["group"], effect["change_of_model"]) == ("friction", False)
+    assert set(discovery["capability"]) == {"payload", "push", "friction", "feedforward_error"}
     for confusion in effect["confusable_with"]:
         assert set(confusion) == {"effect", "joints", "motion"}
     assert [s["added"] for s in discovery["trace"]] == [None, "coulomb_friction@joint2"]
@@ -82,8 +86,15 @@ def test_discover_says_what_it_found_and_where_it_is(discovered, out):
     assert discovered.err == ""
 
 
-def test_discover_ranks_single_candidates(discovered, discovery):
-    assert "by itself" in discovered.out
+def test_the_answer_is_short_and_the_rest_comes_on_request(cdia, discovered, log):
+    asked = cdia("discover", log, *ROBOT, "--effects", "coulomb_friction", "--all")
+    for words in ("by itself", "model as given", "level 0.05", "statistical"):
+        assert words in asked.out
+    assert "--all shows the numbers" in discovered.out
+    assert "by itself" not in discovered.out
+
+
+def test_discover_ranks_single_candidates(discovery):
     first = discovery["ranking"][0]
     assert {"effect", "joints", "parameters", "plausible", "heldout_rms", "confusable_with"} <= set(first)
 
