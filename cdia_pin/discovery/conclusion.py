@@ -118,6 +118,8 @@ def _record(logs: Problem) -> DiscoveryRecord:
         "per_log": [*settings.per_log, *logs.differing],
         "most_effects": settings.most_effects,
     }
+    if settings.expected:
+        record["expected"] = list(settings.expected)
     if changed := settings.changed_decisions():
         record["decisions"] = changed
     return record

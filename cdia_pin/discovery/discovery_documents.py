@@ -30,6 +30,7 @@ class DiscoveryRecord(TypedDict):
     extra: list[Mapping[str, Any]]  # effects of the user's own, as they describe themselves
     per_log: list[str]
     most_effects: int
+    expected: NotRequired[list[str]]  # unusual effects that the user expected
     decisions: NotRequired[dict[str, float]]  # numbers that decide, where they are not the usual ones
 
 

@@ -257,7 +257,13 @@ class Repeat:
         common: list[ColumnGroup] = []
         if self.everyday:
             known = DesignMatrix(x)
-            common = common_effects(x, prediction, known, lambda e: is_everyday(e) and e not in effects)
+            carried = {e.carrier(robot) for e in effects if isinstance(e, Body)}
+
+            def beside(e: Effect) -> bool:
+                same = isinstance(e, Body) and e.carrier(robot) in carried  # another name of the same body
+                return is_everyday(e) and e not in effects and not same
+
+            common = common_effects(x, prediction, known, beside)
         regression = SharedRegression.of(
             [*common, *groups],
             response,
