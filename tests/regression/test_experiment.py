@@ -144,7 +144,7 @@ def with_rest(robot, share):
 
 
 def test_a_joint_that_hardly_moves_is_at_rest_and_all_its_samples_count(pendulum):
-    log = with_rest(pendulum, 0.7)
+    log = with_rest(pendulum, 0.97)
     experiment = Experiment.of(pendulum, [condition(log, pendulum, CUTOFF)])
     np.testing.assert_array_equal(experiment.resting, [False, True])
     assert experiment.informative[:, 1].all()
