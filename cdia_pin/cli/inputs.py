@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from cdia_pin.cli.console import Tell, warn
 from cdia_pin.cli.failures import CommandError
+from cdia_pin.phrases import some
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from cdia_pin.dynamics import Dynamics
     from cdia_pin.logs import Log, LogCheck
     from cdia_pin.robot import RobotModel
+
+MOST_TERMS = 5  # terms of a model that are listed before they are counted
 
 
 @dataclass(frozen=True)
@@ -191,7 +194,7 @@ def show_inputs(
     table = Table.grid(padding=(0, 2))
     table.add_column(style="bold")
     table.add_row("robot", Text(f"{robot.name}, {robot.n} joints"))
-    table.add_row(role, Text(", ".join(["the URDF", *(t.label for t in model.terms)])))
+    table.add_row(role, Text(some(["the URDF", *(t.label for t in model.terms)], MOST_TERMS)))
     for what, given in (("log", logs), ("held out", held_out)):
         for log in given:
             said = f"{log.source}: {len(log.time)} samples in {log.duration:.4g} s, {log.rate:.4g} Hz"
