@@ -13,11 +13,11 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Channel, Effect, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
-from cdia_pin.logs.side_evidence import side_evidence
 from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import clipped, some
 from cdia_pin.regression.prediction import Prediction
 from cdia_pin.regression.rest import RestSettings
+from cdia_pin.regression.segment import Segment, names_of
 from cdia_pin.robot.model import RobotModel
 
 __all__ = ["Experiment", "Prediction", "Segment", "rms"]
@@ -27,26 +27,7 @@ Array = NDArray[np.float64]
 # Postures per log [1] at which the mass matrix is computed, because all of them would take long.
 POSTURES = 200
 MOST_PREDICTIONS = 4  # predictions [1] that are kept, of some MB each
-JUDGED = 800  # samples of a log [1] by which the side of its torque is judged
 FEWEST_SAMPLES = 40  # compared samples of a log [1]; fewer do not determine the noise of a joint
-
-
-@dataclass(frozen=True, repr=False)
-class Segment:
-    """One log of an experiment.
-
-    Attributes:
-        motion: The conditioned motion.
-        state: State along the motion.
-        measured: Measured torque at the compared samples [N·m or N], shape (K, n).
-    """
-
-    motion: Motion
-    state: State
-    measured: Array
-
-    def __repr__(self) -> str:
-        return f"Segment({clipped(self.state.log)}, {len(self.measured)} compared samples)"
 
 
 @dataclass(frozen=True, repr=False)
@@ -93,7 +74,7 @@ class Experiment:
         rest = rest or RestSettings()
         width = np.max([rest.sign_width(m) for m in motions], axis=0)
         segments, moving, nearness = [], [], []
-        for motion, name in zip(motions, _names(motions), strict=True):
+        for motion, name in zip(motions, names_of(motions), strict=True):
             zero = np.zeros_like(motion.q)
             state = State(
                 robot,
@@ -152,7 +133,7 @@ class Experiment:
         """Side of the gear on which the torque was measured: as the logs say, else as far as they clearly show it."""
         sides = {s.motion.torque_side for s in self.segments}
         if sides == {TorqueSide.UNKNOWN}:
-            sides = {_measured_side(self.robot, s.motion) for s in self.segments}
+            sides = {s.measured_side for s in self.segments}
         behind = TorqueSide.LINK in sides and TorqueSide.MOTOR not in sides
         return TorqueSide.LINK if behind else sides.pop() if len(sides) == 1 else TorqueSide.UNKNOWN
 
@@ -309,21 +290,3 @@ def rms(signal: Array, informative: NDArray[np.bool_]) -> Array:
     """
     count = np.maximum(informative.sum(axis=0), 1)
     return np.asarray(np.sqrt(np.sum(np.where(informative, signal, 0.0) ** 2, axis=0) / count))
-
-
-def _measured_side(robot: RobotModel, motion: Motion) -> TorqueSide:
-    thin = np.s_[:: max(1, len(motion.time) // JUDGED)]
-    return side_evidence(robot, motion.q[thin], motion.v[thin], motion.a[thin], motion.effort[thin]).side
-
-
-def _names(motions: Sequence[Motion]) -> list[str]:
-    """Return each log's condition, or its own name; repeated names are numbered."""
-    out: list[str] = []
-    for motion in motions:
-        name = given = motion.record["source"]
-        count = 1
-        while not motion.record["condition"] and name in out:
-            count += 1
-            name = f"{given} ({count})"
-        out.append(motion.record["condition"] or name)
-    return out

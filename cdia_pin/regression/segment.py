@@ -1,0 +1,61 @@
+"""One log of an experiment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects import State
+from cdia_pin.logs.motion import Motion
+from cdia_pin.logs.side_evidence import side_evidence
+from cdia_pin.logs.torque_side import TorqueSide
+from cdia_pin.phrases import clipped
+
+Array = NDArray[np.float64]
+
+JUDGED = 800  # samples of a log [1] by which the side of its torque is judged
+
+
+@dataclass(frozen=True, repr=False)
+class Segment:
+    """One log of an experiment.
+
+    Attributes:
+        motion: The conditioned motion.
+        state: State along the motion.
+        measured: Measured torque at the compared samples [N·m or N], shape (K, n).
+    """
+
+    motion: Motion
+    state: State
+    measured: Array
+
+    def __repr__(self) -> str:
+        return f"Segment({clipped(self.state.log)}, {len(self.measured)} compared samples)"
+
+    @property
+    def measured_side(self) -> TorqueSide:
+        """Side of the gear on which the torque was measured, as far as the log itself shows it."""
+        m = self.motion
+        thin = np.s_[:: max(1, len(m.time) // JUDGED)]
+        return side_evidence(self.state.robot, m.q[thin], m.v[thin], m.a[thin], m.effort[thin]).side
+
+
+def names_of(motions: Sequence[Motion]) -> list[str]:
+    """Return each log's condition, or its own name; repeated names are numbered.
+
+    Args:
+        motions: Conditioned logs.
+    """
+    out: list[str] = []
+    for motion in motions:
+        name = given = motion.record["source"]
+        count = 1
+        while not motion.record["condition"] and name in out:
+            count += 1
+            name = f"{given} ({count})"
+        out.append(motion.record["condition"] or name)
+    return out
