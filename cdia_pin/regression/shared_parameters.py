@@ -114,24 +114,6 @@ class SharedRegression:
         """
         return self._inverse(first) @ self.gram[:first, first:]
 
-    def beside(self, first: int) -> tuple[list[Array], Array]:
-        """Return the other columns without what the first parameters explain of them.
-
-        Args:
-            first: Number of the first parameters.
-
-        Returns:
-            Rows of each joint, shape (K, P − first + 1), and what the prior adds to their XᵀX, a square matrix.
-        """
-        share = self.explained_by(first)
-        rest = []
-        for rows, at in zip(self.rows, self.at, strict=True):
-            early = at < first
-            out = -rows[:, early] @ share[at[early]]
-            out[:, at[~early] - first] += rows[:, ~early]
-            rest.append(out)
-        return rest, share.T @ (self.precision[:first, None] * share)
-
     def _inverse(self, first: int) -> Array:
         """Return the inverse of the normal equations of the first parameters."""
         matrix = self.gram[:first, :first] + np.diag(self.precision[:first])

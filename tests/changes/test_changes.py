@@ -158,8 +158,8 @@ def test_joints_that_share_parameters_are_one_least_squares_problem():
 def test_what_is_common_is_projected_away():
     """Frisch, Waugh and Lovell: the rest regressed on the rest gives the same parameters."""
     parts, y = regression(np.random.default_rng(2))
-    rest, prior = SharedRegression.of(parts, y, lambda j, x: x).beside(3)
-    gram = sum(r.T @ r for r in rest) + prior
+    shared = SharedRegression.of(parts, y, lambda j, x: x)
+    gram = shared.gram[3:, 3:] - shared.gram[3:, :3] @ shared.explained_by(3)
     theta = np.linalg.solve(gram[:-1, :-1], gram[:-1, -1])
     np.testing.assert_allclose(theta, np.linalg.lstsq(dense(parts), y.T.ravel())[0][3:], atol=1e-8)
 
