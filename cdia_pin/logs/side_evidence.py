@@ -28,8 +28,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 # Dry friction over the torque limit of the joint [1]. Strain-wave gears of measured arms take 4 to 7 %, sensors behind
-# such gears show 0.1 to 0.6 %; the limits leave a factor of two on both sides.
-LEAST_OF_A_GEAR, MOST_OF_A_LINK = 0.02, 0.01
+# such gears show 0.1 to 0.6 %. One joint above 1 % rules such a sensor out: to take friction away from an arm that has
+# it is worse than to look for friction that cannot be there.
+LEAST_OF_A_GEAR, MOST_OF_A_LINK, USUAL_OF_A_LINK = 0.02, 0.01, 0.006
 # Torque limit over the weight that the most loaded joint carries [1]. Arms have 2 to 5; more is a number that somebody
 # put there because a URDF asks for one.
 HIGHEST_LIMIT = 10.0
@@ -72,8 +73,17 @@ class JointFriction:
     @property
     def is_behind_a_gear(self) -> bool:
         """True if there surely is dry friction, and it surely is too small for that of a gear."""
-        small = self.dry + 2 * self.dry_error < MOST_OF_A_LINK * self.limit
-        return small and self.dry > SURELY * self.dry_error
+        return self.dry < USUAL_OF_A_LINK * self.limit and self.is_sure
+
+    @property
+    def is_too_large_for_a_link(self) -> bool:
+        """True if dry friction is larger than a sensor behind the gear sees."""
+        return self.is_sure and self.dry > MOST_OF_A_LINK * self.limit
+
+    @property
+    def is_sure(self) -> bool:
+        """True if dry friction surely differs from zero."""
+        return self.dry > SURELY * self.dry_error
 
     @property
     def has_zero(self) -> bool:
@@ -99,7 +109,8 @@ class SideEvidence:
             return TorqueSide.UNKNOWN
         if np.mean([f.is_of_a_gear for f in judged]) >= MOST:
             return TorqueSide.MOTOR
-        if np.mean([f.is_behind_a_gear for f in judged]) >= MOST:
+        large = any(f.is_too_large_for_a_link for f in judged)
+        if np.mean([f.is_behind_a_gear for f in judged]) >= MOST and not large:
             return TorqueSide.LINK
         return TorqueSide.UNKNOWN
 

@@ -36,6 +36,7 @@ COMMANDS = {
     "view": "view {run} --robot {urdf} --no-open",
 }
 WITHOUT_A_ROBOT = {"demo", "effects", "study"}
+NEEDS_MORE_JOINTS = {"calibrate"}  # a known weight at the tool of an arm that moves it against gravity
 
 
 @pytest.fixture(scope="module", params=["revolute", "prismatic"])
@@ -64,7 +65,7 @@ def paths(given, cdia):
 
 
 def test_no_command_is_left_out():
-    assert {*COMMANDS, *WITHOUT_A_ROBOT, "app"} == {*typer.main.get_command(app).commands}
+    assert {*COMMANDS, *WITHOUT_A_ROBOT, *NEEDS_MORE_JOINTS, "app"} == {*typer.main.get_command(app).commands}
 
 
 @pytest.mark.parametrize("name", COMMANDS)
