@@ -85,10 +85,8 @@ class ChangeSearch:
             theta: Its parameters, shape (p,).
         """
         x = self.differing
-        f = np.zeros_like(x.prediction.residual)
-        for j, columns in x.changes[self.evidence.effects[change]].items():
-            f[:, j] = columns @ theta
-        return rms(f, x.used & x.after[:, None])
+        group = x.changes[self.evidence.effects[change]]
+        return rms(group.torque(theta, x.experiment.robot.n), x.counted)
 
     def unseen_torque(self, chosen: Sequence[int]) -> Array:
         """Return the torque of a set in the logs after; each block of time is left out of the fit that predicts it.
@@ -105,7 +103,7 @@ class ChangeSearch:
         edges = zip(x.edges[:-1], x.edges[1:], strict=True)
         for theta, (start, stop) in zip(self.evidence.estimates(chosen), edges, strict=True):
             for c, own in zip(chosen, parts, strict=True):
-                for j, columns in x.changes[self.evidence.effects[c]].items():
+                for j, columns in x.changes[self.evidence.effects[c]].columns.items():
                     f[start:stop, j] += columns[start:stop] @ theta[own]
         return f[x.after]
 
@@ -168,12 +166,10 @@ class ChangeSearch:
         ]
 
     def _can_be_named(self, change: int, fits: BlockFits) -> bool:
-        gain, certainty = float(fits.gain[change]), float(fits.certainty[change])
-        if gain <= 0 or certainty < self.settings.least_certainty:
-            return False
-        x, torque = self.differing, self.torque(change, fits.theta[change])
-        samples = (x.used & x.after[:, None]).sum(axis=0)
-        return self.settings.can_be_named(certainty, gain, torque, x.size, x.torque, samples)
+        gain, x = float(fits.gain[change]), self.differing
+        return self.settings.is_sure(fits.certainty[change], gain) and self.settings.is_visible(
+            gain, self.torque(change, fits.theta[change]), x.size, x.torque, x.samples
+        )
 
 
 def _sorted(*chosen: int) -> tuple[int, ...]:

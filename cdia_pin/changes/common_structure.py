@@ -58,24 +58,12 @@ def plainly_fitted(model: Dynamics, experiment: Experiment) -> Dynamics:
     effects = [e for e in plain_effects(robot) if e not in {t.effect for t in model.terms}]
     size = np.maximum(rms(prediction.residual, experiment.informative), 1e-12)
     theta = SharedRegression.of(
-        [column_group(e, experiment.columns(e, prediction), e.prior_scale(robot), robot) for e in effects],
+        [ColumnGroup.of(e, experiment.columns(e, prediction), robot, e.prior_scale(robot)) for e in effects],
         prediction.residual,
         lambda j, x: np.where(experiment.informative[:, [j]], x / size[j], 0.0),
     ).theta()
     fitted = zip(effects, ParameterBlocks.of(effects).split(theta), strict=True)
     return Dynamics(robot, (*model.terms, *(Term(e, tuple(part)) for e, part in fitted)))
-
-
-def column_group(effect: Effect, columns: Array, scale: Array, robot: RobotModel) -> ColumnGroup:
-    """Return the columns of an effect by joint.
-
-    Args:
-        effect: The effect.
-        columns: Its columns [N·m or N per unit], shape (K, len(acts_on), p).
-        scale: Prior standard deviation of each parameter, shape (p,).
-        robot: The arm.
-    """
-    return ColumnGroup({j: columns[:, i, :] for i, j in enumerate(effect.acts_on(robot))}, scale)
 
 
 def common_effects(
@@ -103,7 +91,7 @@ def common_effects(
         x, joints = columns.of(effect, prediction, present.get(effect)), effect.acts_on(robot)
         of_unit = np.sqrt(np.mean(x**2, axis=0)) / torque[list(joints)][:, None]  # (joints, p)
         scale = np.minimum(effect.prior_scale(robot), 1.0 / np.maximum(of_unit.max(axis=0), 1e-12))
-        out.append(column_group(effect, x, scale, robot))
+        out.append(ColumnGroup.of(effect, x, robot, scale))
     return out
 
 

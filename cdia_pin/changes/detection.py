@@ -59,29 +59,7 @@ def what_changed(
     earlier, later = (
         [condition(log, model.robot, settings.conditioning) for log in side] for side in (first, last)
     )
-    return changes_in(model, earlier, later, settings, tell)
-
-
-def changes_in(
-    model: Dynamics,
-    before: Sequence[Motion],
-    after: Sequence[Motion],
-    settings: DiscoverySettings,
-    tell: Progress = silent,
-) -> Changes:
-    """Find changes as `what_changed` does, in logs that are already conditioned.
-
-    Args:
-        model: The model of the arm as it is known.
-        before: Conditioned logs.
-        after: Conditioned logs.
-        settings: What may have changed.
-        tell: Called with a sentence and the share done, from 0 to 1.
-
-    Raises:
-        LogError: If a log is of other joints, or on both sides.
-    """
-    search, chosen = searched(model, before, after, settings, tell)
+    search, chosen = searched(model, earlier, later, settings, tell)
     differing = search.differing
     tell("computing intervals", 0.9)
     changes = sized_changes(search, chosen)
@@ -101,8 +79,8 @@ def changes_in(
         rms_after=errors[1],
         record={
             "version": __version__,
-            "before": [m.record for m in before],
-            "after": [m.record for m in after],
+            "before": [m.record for m in earlier],
+            "after": [m.record for m in later],
             "blocks": settings.changes.blocks,
             "effects": list(settings.effects) if settings.effects else "all",
         },

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.common_structure import column_group, common_effects, plainly_fitted
+from cdia_pin.changes.common_structure import common_effects, plainly_fitted
 from cdia_pin.changes.difference import Difference
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.regression.block_evidence import REPEATED, BlockEvidence
+from cdia_pin.regression.block_evidence import BlockEvidence
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
+from cdia_pin.regression.normal_equations import REPEATED
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from cdia_pin.selection.candidates import LARGE_FAMILY, SCREENED, enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
@@ -23,7 +25,6 @@ Mask = NDArray[np.bool_]
 
 GENERIC_SIZE = 10  # parameters [1]; effects with as many or more would fit noise in its first estimate
 ROUNDS = 2  # rounds [1] of weighting, because weights and residuals depend on each other
-INF = float("inf")
 
 
 @dataclass(frozen=True, repr=False)
@@ -38,7 +39,7 @@ class Differing:
         after: True for compared samples of the logs after, shape (K,).
         used: True for samples that count: of joints that move in both logs, shape (K, n).
         common: Columns of what the logs may have in common.
-        changes: Columns of what may differ by joint, zero before [N·m or N per unit], shape (K, p) each.
+        changes: Columns of what may differ, zero before, without a prior.
         searched: Number of shapes in which each change is looked for, by label.
         edges: First sample of each block of time and the end, shape (B + 1,). No block has samples of both sides.
         settings: What may have changed, and what it must explain.
@@ -52,7 +53,7 @@ class Differing:
     after: Mask
     used: Mask
     common: tuple[ColumnGroup, ...]
-    changes: dict[Difference, dict[int, Array]]
+    changes: dict[Difference, ColumnGroup]
     searched: dict[str, int]
     edges: NDArray[np.intp]
     settings: DiscoverySettings
@@ -79,7 +80,7 @@ class Differing:
         used = experiment.moving & (both >= settings.changes.least_moving)
         used &= _within_reach(experiment, after, settings.changes.reach)
         logs = tuple(s.state.log for s in experiment.segments[before:])
-        changes: dict[Difference, dict[int, Array]] = {}
+        changes: dict[Difference, ColumnGroup] = {}
         searched: dict[str, int] = {}
         asked = (*(settings.effects or ()), *settings.expected)
         # a change is a difference between the logs, so no candidate has parameters per log besides
@@ -94,8 +95,7 @@ class Differing:
             searched[family[0].label] = len(family)
             for effect in family:
                 change = Difference(effect, logs)
-                x = columns.of(change, prediction)
-                changes[change] = column_group(change, x, np.full(change.size, INF), robot).columns
+                changes[change] = ColumnGroup.of(change, columns.of(change, prediction), robot)
         sides = ((0, ends[before]), (ends[before], ends[-1]))
         edges = [np.linspace(start, stop, settings.changes.blocks + 1) for start, stop in sides]
         differing = cls(
@@ -120,7 +120,17 @@ class Differing:
         names = tuple(s.state.log for s in self.experiment.segments)
         return names[: self.before], names[self.before :]
 
-    @property
+    @cached_property
+    def counted(self) -> Mask:
+        """True for samples of the logs after that count, shape (K, n)."""
+        return self.used & self.after[:, None]
+
+    @cached_property
+    def samples(self) -> NDArray[np.intp]:
+        """Number of these samples of each joint, shape (n,)."""
+        return np.asarray(self.counted.sum(axis=0))
+
+    @cached_property
     def torque(self) -> Array:
         """RMS of the measured torque where it counts [N·m or N], shape (n,)."""
         return np.maximum(rms(self.experiment.measured, self.used), 1e-12)
@@ -140,8 +150,8 @@ class Differing:
         Args:
             changes: The changes.
         """
-        parts = [ColumnGroup(self.changes[c], np.full(c.size, INF)) for c in changes]
-        return SharedRegression.of([*self.common, *parts], self.prediction.residual, self.scaled)
+        groups = [*self.common, *(self.changes[c] for c in changes)]
+        return SharedRegression.of(groups, self.prediction.residual, self.scaled)
 
     def evidence(self) -> BlockEvidence[Difference]:
         """Return the evidence for all changes by blocks of time."""
@@ -162,8 +172,7 @@ class Differing:
             return family
         (j,) = joints
         own = [g for g in self.common if j in g.columns]
-        parts = [ColumnGroup(self.changes[c], np.full(c.size, INF)) for c in family]
-        alone = [ColumnGroup({0: g.columns[j]}, g.scale) for g in (*own, *parts)]
+        alone = [ColumnGroup({0: g.columns[j]}, g.scale) for g in (*own, *(self.changes[c] for c in family))]
         regression = SharedRegression.of(
             alone, self.prediction.residual[:, [j]], lambda _, x: self.scaled(j, x)
         )

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.change_search import ChangeSearch
-from cdia_pin.changes.common_structure import PLAIN, column_group
+from cdia_pin.changes.common_structure import PLAIN
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
 from cdia_pin.effects import Channel, Effect, LinkInertia, Signal, Term, TorqueOffset
@@ -43,8 +43,7 @@ def sized(search: ChangeSearch, chosen: tuple[int, ...]) -> list[Term]:
     for c, (e, value, statistical) in zip(chosen, pairs, strict=True):
         tolerance = effort_tolerance(experiment, e.effect, search.torque(c, value))
         total = np.hypot(statistical, tolerance * np.abs(value))
-        alone = _intervals(value, statistical) if tolerance else None
-        out.append(Term(e.effect, tuple(value), ci95=_intervals(value, total), ci95_statistical=alone))
+        out.append(Term(e.effect, tuple(value)).with_intervals(total, statistical if tolerance else None))
     return out
 
 
@@ -63,10 +62,6 @@ def effort_tolerance(experiment: Experiment, effect: Effect, torque: Array) -> f
     stated = [s.motion.effort_tolerance for s in experiment.segments if s.motion.effort_tolerance is not None]
     weight = torque**2 / max(float(np.sum(torque**2)), 1e-300)
     return float(np.max([weight @ t for t in stated])) if stated else 0.0
-
-
-def _intervals(theta: Array, half: Array) -> tuple[tuple[float, float], ...]:
-    return tuple((float(v - h), float(v + h)) for v, h in zip(theta, half, strict=True))
 
 
 def friction_before(
@@ -93,8 +88,8 @@ def friction_before(
     bodies = [LinkInertia(j) for j in robot.joints]
     effects: list[Effect] = list(dict.fromkeys([*(d.effect for d in asked), *bodies, *plain]))
     columns = DesignMatrix(differing.experiment)
-    groups = [column_group(e, columns.of(e, prediction), e.prior_scale(robot), robot) for e in effects]
-    groups += [ColumnGroup(differing.changes[d], np.full(d.size, np.inf)) for d in changed]
+    groups = [ColumnGroup.of(e, columns.of(e, prediction), robot, e.prior_scale(robot)) for e in effects]
+    groups += [differing.changes[d] for d in changed]
     theta = SharedRegression.of(groups, differing.given.residual, differing.scaled).theta()
     parts = ParameterBlocks.of([*effects, *changed]).split(theta)
     return {d: tuple(map(float, parts[i])) for i, d in enumerate(asked)}

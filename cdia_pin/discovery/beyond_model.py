@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.change_search import ChangeSearch
-from cdia_pin.changes.changes_result import Change
 from cdia_pin.changes.detection import searched, sized_changes
 from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.discovery.conclusion import conclusion
 from cdia_pin.discovery.discovery_result import Discovery, Step
+from cdia_pin.discovery.trace import errors_of
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.logs.motion import Motion
@@ -44,15 +45,23 @@ def discover_beyond(model: Dynamics, logs: Problem, report: Progress) -> Discove
     before = [_remembered(m, k) for k, m in enumerate(model.learned_from)]
     search, chosen = searched(model, before, after, logs.settings, part(report, 0.0, 0.8))
     changes = sized_changes(search, chosen)
-    models = [model]
+    at = {search.evidence.effects[c].effect: c for c in chosen}
+    known = {t.label for t in model.terms}
+    later, steps, so_far = model, [Step(None, *errors_of(logs, model, None))], []
     for change in changes:
-        models.append(updated(models[-1], change.term))
-    order = _in_order(search, chosen, changes)
-    steps = [_step(logs, None, model, model, search, ())]
-    for k, (change, later) in enumerate(zip(changes, models[1:], strict=True)):
-        steps.append(_step(logs, change, model, later, search, order[: k + 1]))
+        later = updated(later, change.term)
+        so_far.append(at[change.term.effect])
+        errors = errors_of(logs, later, partial(_left_by_blocks, logs, model, search, tuple(so_far)))
+        of_model = change.term.label in known
+        steps.append(Step(change.term, *errors, change.confusions, of_model, change.confidence))
     findings = findings_of(changes, model.robot)
-    return conclusion(logs, models[-1], tuple(steps), part(report, 0.8, 1.0), findings=findings)
+    return conclusion(logs, later, tuple(steps), part(report, 0.8, 1.0), findings=findings)
+
+
+def _left_by_blocks(logs: Problem, model: Dynamics, search: ChangeSearch, chosen: Sequence[int]) -> Array:
+    """Return the RMS residual of a model with some changes, each block of time left out of their fit, shape (n,)."""
+    x = logs.experiment
+    return rms(x.predict(model).residual - search.unseen_torque(chosen), x.informative)
 
 
 def is_known(experiment: Experiment, model: Dynamics) -> bool:
@@ -81,47 +90,11 @@ def updated(model: Dynamics, difference: Term) -> Dynamics:
     if difference.label not in known:
         return model.add(difference)
     old = known[difference.label]
-    theta = np.add(old.theta, difference.theta)
-    half = np.hypot(_half(old), _half(difference))
-    ci95 = tuple((float(v - h), float(v + h)) for v, h in zip(theta, half, strict=True))
-    new = replace(old, theta=tuple(theta), ci95=ci95)
+    moved = replace(old, theta=tuple(np.add(old.theta, difference.theta)))
+    new = moved.with_intervals(np.hypot(old.half_widths, difference.half_widths))
     return replace(model, terms=tuple(new if t is old else t for t in model.terms))
-
-
-def _half(term: Term) -> Array:
-    """Return half the width of each interval of a term, zero where it has none, shape (p,)."""
-    return np.zeros(len(term.theta)) if term.ci95 is None else np.diff(term.ci95, axis=1)[:, 0] / 2
 
 
 def _remembered(motion: Motion, k: int) -> Motion:
     """Return a motion of the model under a name of its own, because the new log may have the same one."""
     return replace(motion, record={**motion.record, "condition": f"log {k + 1} of the model"})
-
-
-def _in_order(search: ChangeSearch, chosen: Sequence[int], changes: Sequence[Change]) -> list[int]:
-    """Return the indices of changes in the order in which they are shown."""
-    at = {search.evidence.effects[c].effect: c for c in chosen}
-    return [at[c.term.effect] for c in changes]
-
-
-def _step(
-    logs: Problem,
-    change: Change | None,
-    base: Dynamics,
-    later: Dynamics,
-    search: ChangeSearch,
-    chosen: Sequence[int],
-) -> Step:
-    """Return the errors of a model; the held-out error of the changes comes from leaving out blocks of time."""
-    x = logs.experiment
-    fitted = rms(x.predict(later).residual, x.informative)
-    if logs.held_out is not None:
-        unseen = rms(logs.held_out.predict(later).residual, logs.held_out.informative)
-    elif change is None:
-        unseen = fitted  # nothing was fitted
-    else:
-        unseen = rms(x.predict(base).residual - search.unseen_torque(chosen), x.informative)
-    if change is None:
-        return Step(None, fitted, unseen)
-    of_model = change.term.label in {t.label for t in base.terms}
-    return Step(change.term, fitted, unseen, change.confusions, of_model, change.confidence)

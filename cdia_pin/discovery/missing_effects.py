@@ -55,13 +55,12 @@ def discover(
     report = progress or silent
     report("conditioning", 0.0)
     settings, given = settings or DiscoverySettings(), listed(logs)
-    if model.learned_from and not settings.per_log:
-        beside = Problem.conditioned(model.robot, given, listed(holdout), settings)
-        if not is_known(beside.experiment, model):
-            return discover_beyond(model, beside, report)
+    problem = Problem.conditioned(model.robot, given, listed(holdout), settings)
+    if model.learned_from and not settings.per_log and not is_known(problem.experiment, model):
+        return discover_beyond(model, problem, report)
     # differences between the logs are found first, after all that the logs may have in common
     changes = changes_between(model, given, settings, part(report, 0.0, 0.05))
-    problem = Problem.of(model, given, listed(holdout), settings).with_parts(effects_that_differ(changes))
+    problem = problem.around(model).with_parts(effects_that_differ(changes))
     findings = tuple(f for c in changes for f in c.findings)
     return discover_in(problem, model, report, findings=findings)
 

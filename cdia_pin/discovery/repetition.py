@@ -10,11 +10,10 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.errors import EffectError
 from cdia_pin.phrases import some
-from cdia_pin.regression.normal_equations import NormalEquations
+from cdia_pin.regression.normal_equations import REPEATED, NormalEquations
 from cdia_pin.regression.regression import Regression
 from cdia_pin.regression.scaled_gram import ScaledGram
 
-REPEATED = 1e-5  # share of a column's sum of squares [1] that others leave of it; below it they repeat it
 RIDGE = 1e-9  # added to a unit diagonal [1], because the others may repeat each other
 
 

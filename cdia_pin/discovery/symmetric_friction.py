@@ -12,9 +12,8 @@ from cdia_pin.effects import AsymmetricFriction, CoulombFriction, Term, ViscousF
 from cdia_pin.selection.problem import Problem
 
 CERTAIN = 3.0  # difference between the directions over its standard deviation [1], above which it is real
-NOTABLE = (
-    0.1  # difference between the directions over their sum [1], below which nobody would call it asymmetric
-)
+# Difference between the directions over their sum [1], below which nobody would call it asymmetric.
+NOTABLE = 0.1
 
 
 def with_symmetric_friction(logs: Problem, model: Dynamics, given: Dynamics) -> Dynamics:
@@ -25,27 +24,24 @@ def with_symmetric_friction(logs: Problem, model: Dynamics, given: Dynamics) -> 
         model: The fitted model.
         given: The model before the discovery; its terms stay as they are.
     """
-    known = {t.label for t in given.terms}
-    repeat = Repeat(logs.experiment, model, logs.settings.confidence)
+    known, present = ({t.label for t in m.terms} for m in (given, model))
+    repeat = Repeat(logs.design, model, logs.settings)
     terms: list[Term] = []
     for term in model.terms:
-        plain = (
-            (CoulombFriction(j) for j in term.effect.scope),
-            (ViscousFriction(j) for j in term.effect.scope),
-        )
-        parts = [*plain[0], *plain[1]]
-        taken = {e.label for e in parts} & {t.label for t in model.terms}
-        if (
-            not isinstance(term.effect, AsymmetricFriction)
-            or term.label in known
-            or taken
-            or _is_asymmetric(repeat, term)
-        ):
-            terms.append(term)
-            continue
-        level, coefficient = (max(float(np.mean(term.theta[k : k + 2])), 0.0) for k in (0, 2))
-        terms += [Term(parts[0], (level,)), Term(parts[1], (coefficient,))]
+        parts = [] if term.label in known else _both_directions(term)
+        if not parts or {p.label for p in parts} & present or _is_asymmetric(repeat, term):
+            parts = [term]
+        terms += parts
     return replace(model, terms=tuple(terms)) if len(terms) != len(model.terms) else model
+
+
+def _both_directions(term: Term) -> list[Term]:
+    """Return Coulomb and viscous friction of the mean of both directions; nothing for a term of another kind."""
+    if not isinstance(term.effect, AsymmetricFriction):
+        return []
+    level, coefficient = (max(float(np.mean(term.theta[k : k + 2])), 0.0) for k in (0, 2))
+    joint = term.effect.joint
+    return [Term(CoulombFriction(joint), (level,)), Term(ViscousFriction(joint), (coefficient,))]
 
 
 def _is_asymmetric(repeat: Repeat, term: Term) -> bool:

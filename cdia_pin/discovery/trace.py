@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
+from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cdia_pin.discovery.discovery_result import Step
 from cdia_pin.dynamics import Dynamics
@@ -15,8 +17,10 @@ from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.gauss_newton import refit
 from cdia_pin.regression.intervals import with_intervals
-from cdia_pin.selection.problem import WhitenedProblem
+from cdia_pin.selection.problem import Problem, WhitenedProblem
 from cdia_pin.selection.replacement import refitting
+
+Array = NDArray[np.float64]
 
 ITERATIONS = 2  # iterations of Gauss-Newton [1] for the models between the first and the last
 
@@ -60,8 +64,8 @@ def trace(
         beside, list(index.values()), refitting(problem, final, beside), problem.settings.alternatives
     )
     steps = [step_of(problem, None, base)]
-    for k, (label, partial) in enumerate(models):
-        shown = final if k == len(models) - 1 else partial
+    for k, (label, so_far) in enumerate(models):
+        shown = final if k == len(models) - 1 else so_far
         steps.append(step_of(problem, final.find(label), shown, alternatives.of(index[label])))
     return final, tuple(steps)
 
@@ -116,12 +120,19 @@ def step_of(
         confusions: Other explanations of what the term explains.
     """
     prediction = problem.experiment.predict(model)
-    fitted = rms(prediction.residual, problem.experiment.informative)
-    held_out = problem.problem.held_out
-    if held_out is not None:
-        unseen = rms(held_out.predict(model).residual, held_out.informative)
-    elif term is None:
-        unseen = fitted  # nothing was fitted
-    else:
-        unseen = held_out_rms(problem.regression, prediction)
-    return Step(term, fitted, unseen, confusions)
+    by_blocks = None if term is None else partial(held_out_rms, problem.regression, prediction)
+    return Step(term, *errors_of(problem.problem, model, by_blocks), confusions)
+
+
+def errors_of(logs: Problem, model: Dynamics, by_blocks: Callable[[], Array] | None) -> tuple[Array, Array]:
+    """Return the RMS residual of each joint, and that on data that was not fitted [N·m or N], shape (n,) each.
+
+    Args:
+        logs: The logs, and those that are only predicted, if any.
+        model: The model.
+        by_blocks: Returns the RMS residual when each block of time is left out of the fit; None if nothing was fitted.
+    """
+    fitted = logs.rms(model)
+    if logs.held_out is not None:
+        return fitted, rms(logs.held_out.predict(model).residual, logs.held_out.informative)
+    return fitted, fitted if by_blocks is None else by_blocks()

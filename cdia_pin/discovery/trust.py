@@ -8,18 +8,18 @@ the other links too, because the mass of a link is hard to tell from that of the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.common_structure import column_group, common_effects
+from cdia_pin.changes.common_structure import common_effects
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.sizes import effort_tolerance
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Effect, LinkInertia, RotorInertia, Term, TorqueOffset
+from cdia_pin.effects import Effect, RotorInertia, Term, TorqueOffset
 from cdia_pin.effects.body import Body
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import condition
@@ -29,7 +29,7 @@ from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
-from cdia_pin.selection.discovery_settings import ConfidenceSettings
+from cdia_pin.selection.discovery_settings import ConfidenceSettings, DiscoverySettings
 from cdia_pin.selection.problem import Problem
 
 Array = NDArray[np.float64]
@@ -61,25 +61,25 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     found = [t for t in model.terms if t.label not in known]
     if not found:
         return {}
-    settings = logs.settings.confidence
-    whole = Repeat(logs.experiment, model, settings)
-    crowded = Repeat(logs.experiment, model, settings, everyday=True)
-    others = [Repeat(x, replace(model, robot=x.robot), settings) for x in _variations(logs)]
-    halves = [whole.half(0), whole.half(1)]
+    settings = logs.settings
+    whole = Repeat(logs.design, model, settings)
+    crowded = replace(whole, everyday=True)
+    others = [Repeat(DesignMatrix(x), replace(model, robot=x.robot), settings) for x in _variations(logs)]
+    repeats = [replace(whole, part=0), replace(whole, part=1), *others]
     out = {}
     for term in found:
-        can = logs.settings.changes.can_be_named
-        needed, survived = whole.is_visible(term, can), [r.survives(term) for r in (*halves, *others)]
+        needed, survived = whole.is_visible(term), [r.survives(term) for r in repeats]
         if isinstance(term.effect, Body):  # the next link may have the same mass
             survived.append(crowded.survives(term))
         elif not is_everyday(term.effect):
-            needed = needed and crowded.is_visible(term, can)
-            expected = term.effect.name in logs.settings.expected or not term.effect.plausibility.unusual
-            needed = needed and (expected or crowded.certainty(term) >= settings.unusual_certainty)
-        moved = [np.abs(r.theta(term) - whole.theta(term)) for r in (*halves, *others)]
-        scale = effort_tolerance(logs.experiment, term.effect, whole.torque(term)) * np.abs(term.theta)
+            unusual = term.effect.plausibility.unusual and term.effect.name not in settings.expected
+            least = settings.confidence.unusual_certainty if unusual else 0.0
+            needed = needed and crowded.is_visible(term) and crowded.certainty(term) >= least
+        moved = [np.abs(r.theta(term) - whole.theta(term)) for r in repeats]
+        torque = whole.torque(term, np.array(term.theta))
+        scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
         systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
-        out[term.label] = Trust(_confidence(needed, survived, settings), systematic)
+        out[term.label] = Trust(_confidence(needed, survived, settings.confidence), systematic)
     return out
 
 
@@ -89,7 +89,7 @@ def is_everyday(effect: Effect) -> bool:
     Args:
         effect: The effect.
     """
-    plain = isinstance(effect, Body | LinkInertia | RotorInertia | TorqueOffset)
+    plain = isinstance(effect, Body | RotorInertia | TorqueOffset)
     return plain or (effect.traits.dissipative and len(effect.scope) == 1)
 
 
@@ -125,29 +125,26 @@ class Repeat:
     """The decision about the effects of a model under one set of assumptions.
 
     Attributes:
-        experiment: The logs.
+        design: The logs, and columns of effects.
         model: The fitted model.
         settings: What an effect must show.
         everyday: Whether all everyday effects are fitted beside the model's, each with a prior.
         part: Half of the blocks of time that is used, 0 or 1; all blocks if None.
     """
 
-    experiment: Experiment
+    design: DesignMatrix
     model: Dynamics
-    settings: ConfidenceSettings
+    settings: DiscoverySettings
     everyday: bool = False
     part: int | None = None
 
     def __repr__(self) -> str:
         return f"Repeat({self.experiment!r})"
 
-    def half(self, k: int) -> Repeat:
-        """Return the same decision on one half of the log.
-
-        Args:
-            k: The half, 0 or 1.
-        """
-        return replace(self, part=k)
+    @property
+    def experiment(self) -> Experiment:
+        """The logs."""
+        return self.design.experiment
 
     def survives(self, term: Term) -> bool:
         """Tell whether an effect is certain, and helps on blocks of time that its fit did not see.
@@ -157,7 +154,7 @@ class Repeat:
         """
         one = self._at[term.label]
         fits = self._beside(one)
-        return bool(fits.certainty[one] >= self.settings.least_certainty and fits.gain[one] > 0)
+        return bool(fits.certainty[one] >= self.settings.confidence.least_certainty and fits.gain[one] > 0)
 
     def certainty(self, term: Term) -> float:
         """Return the estimate of an effect over its standard deviation [1], root mean square over the parameters.
@@ -168,33 +165,29 @@ class Repeat:
         one = self._at[term.label]
         return float(self._beside(one).certainty[one])
 
-    def is_visible(self, term: Term, can_be_named: Callable[..., bool]) -> bool:
+    def is_visible(self, term: Term) -> bool:
         """Tell whether an effect is sure, of some size, and explains a visible share of what is left.
 
         Args:
             term: A term of the model.
-            can_be_named: The rule, see `ChangeSettings`.
         """
-        x, one = self.experiment, self._at[term.label]
+        x, one, rule = self.experiment, self._at[term.label], self.settings.changes
         fits, use = self._beside(one), x.informative
-        torque = self.torque(term, fits.theta[one])
+        gain, torque = float(fits.gain[one]), self.torque(term, fits.theta[one])
         measured = np.maximum(rms(x.measured, use), 1e-12)
-        return can_be_named(
-            fits.certainty[one], fits.gain[one], torque, self._size, measured, use.sum(axis=0)
+        return rule.is_sure(fits.certainty[one], gain) and rule.is_visible(
+            gain, torque, self._size, measured, use.sum(axis=0)
         )
 
-    def torque(self, term: Term, theta: Array | None = None) -> Array:
+    def torque(self, term: Term, theta: Array) -> Array:
         """Return the RMS torque of an effect [N·m or N], shape (n,).
 
         Args:
             term: A term of the model.
-            theta: Other parameters than the term's, shape (p,).
+            theta: Values of its parameters, shape (p,).
         """
-        x, given = self.experiment, np.array(term.theta) if theta is None else theta
-        f = np.zeros_like(x.measured)
-        for j, columns in self._columns[term.label].items():
-            f[:, j] = columns @ given
-        return rms(f, x.informative)
+        x = self.experiment
+        return rms(self._columns[term.label].torque(theta, x.robot.n), x.informative)
 
     def _beside(self, one: int) -> BlockFits:
         """Return the fits beside all terms but one."""
@@ -236,36 +229,30 @@ class Repeat:
         return np.maximum(rms(self._prediction.residual, self.experiment.informative), 1e-12)
 
     @cached_property
-    def _columns(self) -> dict[str, dict[int, Array]]:
-        """Columns of each term by joint."""
-        columns, out = DesignMatrix(self.experiment), {}
-        for t in self.model.terms:
-            x = columns.of(t.effect, self._prediction, np.array(t.theta))
-            unknown = np.full(t.effect.size, np.inf)
-            out[t.label] = column_group(t.effect, x, unknown, self.experiment.robot).columns
-        return out
+    def _columns(self) -> dict[str, ColumnGroup]:
+        """Columns of each term, without a prior."""
+        robot, terms = self.experiment.robot, self.model.terms
+        columns = (self.design.of(t.effect, self._prediction, np.array(t.theta)) for t in terms)
+        return {t.label: ColumnGroup.of(t.effect, x, robot) for t, x in zip(terms, columns, strict=True)}
 
     @cached_property
     def _evidence(self) -> BlockEvidence[Effect]:
         x, robot, prediction = self.experiment, self.experiment.robot, self._prediction
         effects = [t.effect for t in self.model.terms]
-        groups, response = [], prediction.residual.copy()
-        for term in self.model.terms:
-            groups.append(ColumnGroup(self._columns[term.label], np.full(term.effect.size, np.inf)))
-            for j, part in groups[-1].columns.items():
-                response[:, j] += part @ np.array(term.theta)
+        own = [self._columns[t.label] for t in self.model.terms]
+        torques = (g.torque(np.array(t.theta), robot.n) for g, t in zip(own, self.model.terms, strict=True))
+        response = sum(torques, prediction.residual)
         common: list[ColumnGroup] = []
         if self.everyday:
-            known = DesignMatrix(x)
             carried = {e.carrier(robot) for e in effects if isinstance(e, Body)}
 
             def beside(e: Effect) -> bool:
                 same = isinstance(e, Body) and e.carrier(robot) in carried  # another name of the same body
                 return is_everyday(e) and e not in effects and not same
 
-            common = common_effects(x, prediction, known, beside)
+            common = common_effects(x, prediction, self.design, beside)
         regression = SharedRegression.of(
-            [*common, *groups],
+            [*common, *own],
             response,
             lambda j, part: np.where(x.informative[:, [j]], part / self._size[j], 0.0),
         )
@@ -273,7 +260,7 @@ class Repeat:
 
     def _blocks(self) -> Blocks:
         """Return first and last sample of each block of time."""
-        edges = np.linspace(0, len(self.experiment.measured), self.settings.blocks + 1).astype(int)
+        edges = np.linspace(0, len(self.experiment.measured), self.settings.confidence.blocks + 1).astype(int)
         every = list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
         middle = len(every) // 2
         return every if self.part is None else (every[:middle] if self.part == 0 else every[middle:])
@@ -286,12 +273,11 @@ def with_total_intervals(model: Dynamics, trust: Mapping[str, Trust]) -> Dynamic
         model: A model with statistical intervals.
         trust: What the repeats say about its effects, by label.
     """
-    terms = []
-    for term in model.terms:
-        if term.label in trust and term.ci95 is not None:
-            half = np.hypot(np.diff(term.ci95, axis=1)[:, 0] / 2, trust[term.label].systematic)
-            total = tuple((float(v - h), float(v + h)) for v, h in zip(term.theta, half, strict=True))
-            terms.append(replace(term, ci95=total, ci95_statistical=term.ci95))
-        else:
-            terms.append(term)
-    return replace(model, terms=tuple(terms))
+
+    def widened(term: Term) -> Term:
+        if term.label not in trust or term.ci95 is None:
+            return term
+        statistical = term.half_widths
+        return term.with_intervals(np.hypot(statistical, trust[term.label].systematic), statistical)
+
+    return replace(model, terms=tuple(map(widened, model.terms)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -77,6 +77,24 @@ class Term:
             theta: Parameters in the effect's order and units, shape (p,).
         """
         return Term(self.effect, tuple(float(v) for v in theta), self.profile)
+
+    @property
+    def half_widths(self) -> Array:
+        """Half the width of each 95 % interval, zero where there is none, in the parameters' units, shape (p,)."""
+        return np.zeros(len(self.theta)) if self.ci95 is None else np.diff(self.ci95, axis=1)[:, 0] / 2
+
+    def with_intervals(self, total: Array, statistical: Array | None = None) -> Term:
+        """Return the term with 95 % intervals around its parameters.
+
+        Args:
+            total: Half widths, in the parameters' units, shape (p,).
+            statistical: Half widths of the statistical part, where the two parts are known, shape (p,).
+        """
+        return replace(
+            self,
+            ci95=_around(self.theta, total),
+            ci95_statistical=None if statistical is None else _around(self.theta, statistical),
+        )
 
     @property
     def label(self) -> str:
@@ -193,3 +211,7 @@ class Term:
             )
         theta = tuple(float(p["value"]) for p in ordered)
         return cls(effect, theta, profile_from_dict(given.get("profile", {})), ci95, statistical)
+
+
+def _around(theta: Sequence[float], half: Array) -> tuple[tuple[float, float], ...]:
+    return tuple((float(v - h), float(v + h)) for v, h in zip(theta, half, strict=True))

@@ -15,23 +15,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Generic, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.effects import Effect
+from cdia_pin.regression.normal_equations import REPEATED
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.scaled_gram import ScaledGram
-from cdia_pin.regression.shared_parameters import SharedRegression
+from cdia_pin.regression.shared_parameters import RIDGE, SharedRegression
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 E = TypeVar("E", bound=Effect)
 
-# Share of its sum of squares [1]; if a set leaves less of a column, the column repeats the set.
-REPEATED = 1e-5
-RIDGE = 1e-10  # added to a unit diagonal [1], so that columns that repeat each other can be solved
 NEGLIGIBLE = 1e-9  # added to a covariance, over its mean variance [1], so that it can be inverted
 
 
@@ -115,9 +114,9 @@ class BlockEvidence(Generic[E]):
         scale = np.concatenate([np.zeros(0), *(e.prior_scale(robot) for e in effects)])
         return cls(tuple(effects), np.array(training), np.array(unseen), total, norms, 1.0 / scale**2)
 
-    @property
+    @cached_property
     def parameters(self) -> ParameterBlocks:
-        """Position of the parameters of each change."""
+        """Position of the parameters of each effect."""
         return ParameterBlocks.of(self.effects)
 
     def unexplained(self, chosen: Sequence[int]) -> Array:
@@ -134,11 +133,17 @@ class BlockEvidence(Generic[E]):
         Args:
             chosen: Indices of the set.
         """
+        key = tuple(sorted(chosen))
+        if key not in self._fits:
+            self._fits[key] = self._fitted(key)
+        return self._fits[key]
+
+    def _fitted(self, chosen: tuple[int, ...]) -> BlockFits:
         training, unseen, total = self._beside(chosen)
         count, blocks = len(self.effects), len(training)
         thetas: list[Array] = [np.zeros(e.size) for e in self.effects]
         certainty, gains = np.zeros(count), np.zeros((count, blocks))
-        for size, members in self._by_size().items():
+        for size, members in self._by_size.items():
             own = np.array([self.parameters.indices([c]) for c in members])
             rows, columns = own[:, :, None], own[:, None, :]
             ridge = (REPEATED * self.norms[own] + self.prior[own])[:, None, :] * np.eye(size)
@@ -194,6 +199,11 @@ class BlockEvidence(Generic[E]):
         share = ScaledGram.of(self.total[np.ix_(at, at)] + ridge).solve(self.total[at])
         return training, unseen, self.total - self.total[:, at] @ share
 
+    @cached_property
+    def _fits(self) -> dict[tuple[int, ...], BlockFits]:
+        return {}
+
+    @cached_property
     def _by_size(self) -> dict[int, list[int]]:
         out: dict[int, list[int]] = {}
         for c, effect in enumerate(self.effects):

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Term
 from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.scaled_gram import ScaledGram
@@ -47,10 +46,5 @@ def with_intervals(model: Dynamics, equations: NormalEquations) -> Dynamics:
         float(ndtri(0.975)) * np.sqrt(np.maximum(within, 0.0)),
     )
     own = ParameterBlocks.of(t.effect for t in model.terms)
-    terms = (_with_half_widths(t, half[at]) for t, at in zip(model.terms, own, strict=True))
+    terms = (t.with_intervals(half[at]) for t, at in zip(model.terms, own, strict=True))
     return Dynamics(model.robot, tuple(terms))
-
-
-def _with_half_widths(term: Term, half: Array) -> Term:
-    ci95 = tuple((float(v - h), float(v + h)) for v, h in zip(term.theta, half, strict=True))
-    return Term(term.effect, term.theta, term.profile, ci95)

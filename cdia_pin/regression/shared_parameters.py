@@ -10,8 +10,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.effects import Effect
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.scaled_gram import ScaledGram
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -34,6 +36,31 @@ class ColumnGroup:
 
     def __repr__(self) -> str:
         return f"ColumnGroup({len(self.scale)} parameters on {len(self.columns)} joints)"
+
+    @classmethod
+    def of(cls, effect: Effect, columns: Array, robot: RobotModel, scale: Array | None = None) -> Self:
+        """Return the columns of an effect.
+
+        Args:
+            effect: The effect.
+            columns: Its columns [N·m or N per unit], shape (K, len(acts_on), p).
+            robot: The arm.
+            scale: Prior standard deviation of each parameter, shape (p,); no prior if omitted.
+        """
+        own = {j: columns[:, i, :] for i, j in enumerate(effect.acts_on(robot))}
+        return cls(own, np.full(effect.size, np.inf) if scale is None else scale)
+
+    def torque(self, theta: Array, n: int) -> Array:
+        """Return the torque for some values of the parameters [N·m or N], shape (K, n).
+
+        Args:
+            theta: The values, shape (p,).
+            n: Number of joints of the arm.
+        """
+        out = np.zeros((len(next(iter(self.columns.values()))), n))
+        for j, columns in self.columns.items():
+            out[:, j] = columns @ theta
+        return out
 
 
 @dataclass(frozen=True, repr=False)

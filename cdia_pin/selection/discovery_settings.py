@@ -110,25 +110,30 @@ class ChangeSettings:
 
     __repr__ = settings_repr
 
-    def can_be_named(
-        self, certainty: float, gain: float, torque: Array, left: Array, measured: Array, samples: Array
-    ) -> bool:
-        """Tell whether an effect is sure, of some size, and explains a visible share of what is left.
+    def is_sure(self, certainty: float, gain: float) -> bool:
+        """Tell whether an effect is certain, and helps on blocks of time that its fit did not see.
 
         Args:
             certainty: Estimate over its standard deviation [1].
+            gain: What it explains on blocks that were left out [1].
+        """
+        return bool(gain > 0 and certainty >= self.least_certainty)
+
+    def is_visible(
+        self, gain: float, torque: Array, left: Array, measured: Array, samples: NDArray[np.intp]
+    ) -> bool:
+        """Tell whether an effect is of some size, and explains a visible share of what is left.
+
+        Args:
             gain: What it explains on blocks that were left out, in units of what is left on each joint [1].
             torque: RMS of its torque on each joint [N·m or N], shape (n,).
             left: RMS torque that no effect explains [N·m or N], shape (n,).
             measured: RMS of the measured torque [N·m or N], shape (n,).
             samples: Number of samples of each joint that count [1], shape (n,).
         """
-        if gain <= 0 or certainty < self.least_certainty or np.max(torque / measured) < self.least_torque:
-            return False
-        noise = float(
-            np.sum(samples[torque > FELT * left])
-        )  # the sum of squares that is left on these joints
-        return gain >= self.least_share * (gain + noise)
+        felt = float(np.sum(samples[torque > FELT * left]))  # sum of squares that is left on these joints
+        large = np.max(torque / measured) >= self.least_torque
+        return bool(large and gain >= self.least_share * (gain + felt))
 
 
 @dataclass(frozen=True, repr=False)

@@ -52,7 +52,7 @@ def verdict_sentences(found: Discovery) -> list[str]:
         said = [_practice_sentence(found, log)]
     else:
         said = _structure_sentences(found)
-    recognised = [f"{f.sentence[:1].upper()}{f.sentence[1:]}." for f in found.findings]
+    recognised = [f"{sentence_case(f.sentence)}." for f in found.findings]
     return [
         *said,
         *_tail_sentences(found),
