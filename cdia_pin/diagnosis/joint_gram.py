@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+RIDGE = 1e-6  # [1], added to a unit diagonal: far below what a motion tells, far above rounding
+TINY = 1e-200  # energy of a column that was never excited
+
 
 class GramParts(NamedTuple):
     """The Gram matrix of [y; r], taken apart.
@@ -53,3 +56,19 @@ def symmetric(gram: Array) -> Array:
     """
     upper = np.triu(gram)
     return np.asarray(upper + np.triu(upper, 1).T)
+
+
+def ridge_inverse(gram: Array, ridge: float = RIDGE) -> Array:
+    """Return the inverse of normal equations scaled to a unit diagonal with a ridge, in their own units.
+
+    Columns may repeat each other, or may not have been excited at all; neither fails.
+
+    Args:
+        gram: Normal equations, both triangles, shape (..., p, p).
+        ridge: Added to the unit diagonal [1].
+    """
+    diagonal = np.einsum("...pp->...p", gram)
+    unit = 1.0 / np.sqrt(np.where(diagonal > TINY, diagonal, 1.0))
+    scaled = gram * unit[..., :, None] * unit[..., None, :]
+    inverse = np.linalg.inv(scaled + ridge * np.eye(gram.shape[-1]))
+    return np.asarray(inverse * unit[..., :, None] * unit[..., None, :])

@@ -46,6 +46,7 @@ class JointMonitor:
     Attributes:
         stage: Stage of the joint.
         since: Time at which the stage began [s].
+        waits: Whether the joint must not decide, because something of the whole arm is in question.
     """
 
     def __init__(
@@ -68,6 +69,7 @@ class JointMonitor:
         self.beliefs = BeliefState(self.j, self.observer, self.bank, self.unknown)
         self.isolation.reset()
         self.stage = Stage.HEALTHY
+        self.waits = False
         self.since = self.last_alarm = -np.inf
         self._votes = Votes(self.settings.votes)
         self._failures = 0
@@ -97,11 +99,28 @@ class JointMonitor:
 
     # ------------------------------------------------------------- detection
 
-    def alarm(self, t: float) -> list[Event]:
-        """Answer a remainder beyond the threshold.
+    @property
+    def is_undecided(self) -> bool:
+        """Whether the joint has left its threshold, and its own decision is open."""
+        return self.stage is Stage.DETECTED and self._doubted == np.inf
+
+    def excuse(self) -> None:
+        """Take back what is undecided, because something of the whole arm was the cause."""
+        if not self.is_undecided:
+            return
+        self._votes.clear()
+        if self.beliefs.now.mask:
+            self.stage = self._settled
+            self.isolation.restart(beside=self.beliefs.now)
+        else:
+            self._rest()
+
+    def alarm(self, t: float, reason: str = "") -> list[Event]:
+        """Answer a remainder beyond the threshold, or a small one that lasts.
 
         Args:
             t: Time [s].
+            reason: A remark for the event.
         """
         self.last_alarm = t
         if self.ignores_alarms:
@@ -113,7 +132,7 @@ class JointMonitor:
             return self._doubt(t)
         self._failures = 0
         self.isolation.restart(beside=known)
-        detection = self._event(t, EventStage.DETECTION)
+        detection = self._event(t, EventStage.DETECTION, reason)
         if self.beliefs.unknown_before:
             return [detection, *self._commit_unknown(t)]
         self.beliefs.neurons.start()
@@ -132,6 +151,8 @@ class JointMonitor:
         if self.observer.state.exceeded[self.j] >= self.settings.debounce:
             self.last_alarm = t
         self.beliefs.look()
+        if self.waits:
+            return []
         if self._doubted < np.inf:
             return self._settle_doubt(t)
         if self.stage is Stage.DETECTED:

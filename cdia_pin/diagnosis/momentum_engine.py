@@ -13,12 +13,17 @@ from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.healthy_arm import HealthyArm, assumed_healthy_arm, learn_healthy_arm
 from cdia_pin.diagnosis.isolation import Decision, Isolator
 from cdia_pin.diagnosis.joint_monitor import JointMonitor
+from cdia_pin.diagnosis.lasting import LastingDetector
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.residuals import SETTLING
 from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
 from cdia_pin.diagnosis.tick_flags import ABSENT, ALARM, BAD
+from cdia_pin.diagnosis.whole_arm.arm_monitor import ArmMonitor
+from cdia_pin.diagnosis.whole_arm.belief import added_torque
+from cdia_pin.diagnosis.whole_arm.contact import RESTING
+from cdia_pin.diagnosis.whole_arm.learning import PERIOD, assumed, learn
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import State, Term
 from cdia_pin.errors import ModelError
@@ -26,6 +31,7 @@ from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
 
+LASTING_EVERY = 0.25  # [s] between two questions whether something small lasts
 LARGEST_GAP = 5.0  # ticks without a sample after which the filters start again: what they hold is too old
 
 
@@ -87,6 +93,20 @@ class MomentumEngine:
             for j in range(robot.n)
         ]
         self._alignment = Alignment(self.dt, nominal.delay, position_only)
+        self.lasting = LastingDetector(bank, robot.n, settings.memory)
+        if healthy:
+            learned = learn(
+                self.observer,
+                self._alignment,
+                self.lasting,
+                healthy,
+                settings.false_alarm_every,
+                settings.margin,
+            )
+        else:
+            learned = assumed(robot.n, len(bank), self.healthy.bound)
+        self.lasting.limit = learned.lasting
+        self.arm = ArmMonitor(self.observer, bank, self.healthy, learned.contact, settings)
         self._offset = nominal.offset if nominal.offset.any() else None
         self._limit = robot.limits.effort
         self._zero = np.zeros(robot.n)
@@ -99,10 +119,15 @@ class MomentumEngine:
         self._alignment.reset()
         for monitor in self.joint_monitors:
             monitor.reset()
+        self.arm.reset()
+        self.lasting.reset()
         self.events.clear()
         self._quiet_until = np.inf  # [s], until when the filters settle
         self._next = [-np.inf] * len(self.joint_monitors)
         self._next_look = np.inf
+        self._next_sample = self._last_sample = self._next_lasting = self._next_arm_look = -np.inf
+        self._lasts: list[int] = []
+        self._carried_torque = self._zero
         self.observer.state.muted = 0.0
         self.observer.correct_from_now(False)
         self._bad = False
@@ -132,18 +157,24 @@ class MomentumEngine:
             return self._bad_data(t, "a position, velocity or torque is not a number")
         if self._bad and then >= self._quiet_until:
             self._bad = False
-        if not asks and then < self._next_look:
+        samples = then >= self._next_sample and then >= self._quiet_until and self._sample(then)
+        if not asks and not samples and then < self._next_look:
             return self._status(t, ())
         return self._status(t, self._attend(t, then, asks))
 
     def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
         """Return the torque to command in place of a nominal one; see `Engine.correct`."""
-        return self.observer.correct(tau, v_desired) if self._corrects else tau
+        if not self._corrects:
+            return tau
+        if self.arm.believed:
+            o = self.observer
+            tau = tau + added_torque(o.nominal.robot, o.carried, o.q, o.v, tau)
+        return self.observer.correct(tau, v_desired)
 
     @property
     def faults(self) -> tuple[Term, ...]:
-        """Faults now believed in, of all joints."""
-        return tuple(term for monitor in self.joint_monitors for term in monitor.faults)
+        """Faults now believed in, of the whole arm and of all joints."""
+        return (*self.arm.faults, *(term for monitor in self.joint_monitors for term in monitor.faults))
 
     @property
     def decisions(self) -> tuple[Decision | None, ...]:
@@ -157,16 +188,41 @@ class MomentumEngine:
 
     # ------------------------------------------------------------- ticks that need attention
 
+    def _sample(self, then: float) -> bool:
+        """Show the slower detectors the present sample; return whether they need attention."""
+        o = self.observer
+        dt = then - self._last_sample if self._last_sample > -np.inf else 0.0
+        self._last_sample, self._next_sample = then, then + PERIOD * (1.0 - 1e-9)
+        self.lasting.add(dt, o.filtered, o.remainder, o.state.moving > 1.0 - RESTING)
+        if then >= self._next_lasting:
+            self._next_lasting = then + LASTING_EVERY
+            self._lasts = np.flatnonzero(self.lasting.beyond()).tolist()
+        if self.arm.believed and self._corrects:
+            tau = o.carried.nonlinear_effects(o.q, o.v) - o.nominal.robot.nonlinear_effects(o.q, o.v)
+            self._carried_torque = tau
+        changed = self.arm.sample(dt)
+        return changed or bool(self._lasts)
+
     def _attend(self, t: float, then: float, asks: int) -> tuple[Event, ...]:
         o = self.observer
-        new: list[Event] = []
-        if asks & ALARM and then >= self._quiet_until:
-            for j in np.flatnonzero(o.state.exceeded >= self.settings.debounce):
-                new += self.joint_monitors[j].alarm(t)
+        new: list[Event] = self.arm.follow_contact(t)
+        if any(e.stage is EventStage.IDLE for e in new):
+            self._excuse_joints()
+        if then >= self._quiet_until and not (self.arm.contact and self.arm.holds_joints(t)):
+            if asks & ALARM:
+                for monitor in self.joint_monitors:
+                    if o.state.exceeded[monitor.j] >= self.settings.debounce:
+                        new += monitor.alarm(t)
+            for j in self._lasts:
+                new += self._answer_lasting(j, t)
+        self._lasts = []
         if asks & ABSENT:
             for monitor in self._busy:
                 new += monitor.absent(t)
+        if then >= self._next_arm_look:
+            new += self._look_at_arm(t, then)
         for monitor in self._busy:
+            monitor.waits = self.arm.holds_joints(t)
             if then >= self._next[monitor.j]:
                 # Joints take turns, so that no tick decides on several.
                 late = monitor.j / len(self.joint_monitors) * self.settings.decide_every
@@ -174,14 +230,43 @@ class MomentumEngine:
                 self._next[monitor.j] = float(steps) * self.settings.decide_every + late
                 new += monitor.look(t)
         self._busy = [m for m in self.joint_monitors if m.stage is not Stage.HEALTHY]
-        self._next_look = min((self._next[m.j] for m in self._busy), default=np.inf)
+        looks = [self._next[m.j] for m in self._busy]
+        self._next_look = min([*looks, self._next_arm_look] if self.arm.is_busy else looks, default=np.inf)
         self._gated = [m for m in self.joint_monitors if m.profiles]
-        self._stages = tuple(m.stage for m in self.joint_monitors)
+        self._stages = tuple(self._stage_of(m) for m in self.joint_monitors)
         o.state.muted = [m.ignores_alarms for m in self.joint_monitors]
         o.correct_from_now(self._corrects)
-        self._faults = self.faults if self._busy else ()
+        self._faults = self.faults if self._busy or self.arm.is_busy else ()
         self.events += new
         return tuple(new)
+
+    def _answer_lasting(self, j: int, t: float) -> list[Event]:
+        """Answer what is below the threshold of a joint, but lasts."""
+        monitor = self.joint_monitors[j]
+        monitor.last_alarm = t
+        if monitor.stage not in (Stage.HEALTHY, Stage.IDLE, Stage.ACCOMMODATED, Stage.ISOLATED):
+            return []
+        self.lasting.reset([j])
+        return monitor.alarm(t, "small, but it lasts")
+
+    def _look_at_arm(self, t: float, then: float) -> list[Event]:
+        """Ask whether something of the whole arm explains what joints show."""
+        self._next_arm_look = then + self.settings.decide_every
+        new = self.arm.look(t, [m.j for m in self.joint_monitors if m.is_undecided])
+        if new:
+            self._excuse_joints()
+        return new
+
+    def _excuse_joints(self) -> None:
+        """Take back what joints had not decided, because the whole arm was the cause."""
+        for monitor in self.joint_monitors:
+            monitor.excuse()
+        self.lasting.reset()
+
+    def _stage_of(self, monitor: JointMonitor) -> Stage:
+        """Return the stage of a joint; one that is touched is isolated, and not compensated."""
+        touched = self.arm.contact is not None and monitor.name in self.arm.contact.joints
+        return Stage.ISOLATED if touched else monitor.stage
 
     def _gate(self, t: float, q: Array, v: Array, tau: Array) -> None:
         """Set the presence of the effects that have a profile."""
@@ -198,6 +283,8 @@ class MomentumEngine:
         self.observer.reset()
         for monitor in self.joint_monitors:
             monitor.restart()
+        self.arm.restart()
+        self.lasting.reset()
         self._quiet_until = t + SETTLING / float(self.observer.bandwidth.min())
 
     def _bad_data(self, t: float, reason: str) -> Status:
@@ -222,13 +309,16 @@ class MomentumEngine:
 
     @property
     def _corrects(self) -> bool:
-        return self.settings.accommodate and bool(self._busy) and self.observer.time >= self._quiet_until
+        """Whether torques are corrected: never against whoever pushes the arm."""
+        if not self.settings.accommodate or self.arm.contact is not None:
+            return False
+        return bool(self._busy or self.arm.believed) and self.observer.time >= self._quiet_until
 
     def _status(self, t: float, events: tuple[Event, ...]) -> Status:
         o = self.observer
         correction = self._zero
         if self._corrects:
-            correction = np.minimum(np.maximum(o.addition, -self._limit), self._limit)
+            correction = np.minimum(np.maximum(o.addition + self._carried_torque, -self._limit), self._limit)
         return Status(
             t, self._stages, o.residual.copy(), o.threshold.copy(), correction, self._faults, events
         )

@@ -15,6 +15,7 @@ from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.observer_state import ObserverState
 from cdia_pin.diagnosis.tick_flags import BAD
 from cdia_pin.effects import JointEffect, Signal, Unknown
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
@@ -51,6 +52,7 @@ class MomentumObserver:
         filtered: Filtered columns y, shape (n, P).
         time: Time of the last tick [s]; −∞ before the first.
         inertial: Whether an effect of acceleration is believed in.
+        carried: The rigid bodies with what the arm carries now; the residual is that of these.
     """
 
     def __init__(
@@ -65,6 +67,7 @@ class MomentumObserver:
         from cdia_pin.diagnosis.kernels import NEURON_PERIOD
 
         self.nominal, self.settings, self.dt = nominal, settings, dt
+        self.carried = nominal.robot
         n = nominal.robot.n
         own = [prototype(t.effect, nominal.robot) for t in nominal.of_joints]  # type: ignore[arg-type]
         self.effects = effects + tuple(e for e in dict.fromkeys(own) if e not in effects)
@@ -125,7 +128,7 @@ class MomentumObserver:
         Returns:
             What needs attention, see `tick_flags`.
         """
-        M, nle = self.nominal.robot.rigid_terms(q, v)
+        M, nle = self.carried.rigid_terms(q, v)
         if self.time == -np.inf:
             return self._begin(t, q, v, tau, M, nle)
         if self._compiled.in_python or self.nominal.others.terms:
@@ -146,6 +149,14 @@ class MomentumObserver:
             phi = [python_columns(e, q, v, still, tau, sign, t) for e in self.effects]
             self.state.phi = np.concatenate(phi, axis=1)
         return 0
+
+    def carry(self, robot: RobotModel) -> None:
+        """Compute the residual of other rigid bodies from now on.
+
+        Args:
+            robot: The arm with what it carries; the healthy arm if it carries nothing.
+        """
+        self.carried = robot
 
     def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
         """Return the torque with which the arm moves as a healthy one would under ``tau`` [N·m or N], shape (n,).

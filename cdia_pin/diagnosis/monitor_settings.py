@@ -35,6 +35,7 @@ class MonitorSettings:
         ambiguous_after: Time after detection at which equal combinations are reported as ambiguous [s].
         unknown_after: Time after detection at which a fault that no combination explains is called unknown [s].
         gone_after: Time without a fault's torque, where it would show, after which it counts as cleared [s].
+        false_alarm_every: Mean time between two false alarms of the second detector, for faults that last [s].
         neurons: Radial basis functions per joint, in position and in velocity each.
         accommodate: Whether `Status.torque_correction` and `Monitor.correct` correct anything.
         gain_floor: Least 1 + h by which the torque of a weak drive is divided [1].
@@ -59,6 +60,7 @@ class MonitorSettings:
     ambiguous_after: float = 2.0
     unknown_after: float = 2.5
     gone_after: float = 0.15
+    false_alarm_every: float = 36000.0
     neurons: int = 7
     accommodate: bool = True
     gain_floor: float = 0.1

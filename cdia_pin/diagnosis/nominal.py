@@ -19,7 +19,6 @@ from cdia_pin.effects import (
     Varying,
 )
 from cdia_pin.errors import ModelError
-from cdia_pin.robot.inertia import is_physical
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -51,8 +50,8 @@ class Nominal:
             model: The healthy arm.
 
         Raises:
-            ModelError: If a body of the model is not physical, a delay is of one joint only, or an effect has
-                memory that it cannot do without, or depends on temperature.
+            ModelError: If a link has no mass with what the model adds to it, a delay is of one joint only, or an effect
+                has memory that it cannot do without, or depends on temperature.
         """
         robot, of_joints, others = model.robot, [], []
         offset, delay = np.zeros(robot.n), 0.0
@@ -76,10 +75,8 @@ class Nominal:
             else:
                 others.append(term)
         if not np.array_equal(pi, robot.inertial_parameters):
-            if not all(is_physical(p, 1e-6) for p in pi):
-                raise ModelError(
-                    "the bodies of the model are not physical; a monitor needs masses and inertias that are"
-                )
+            if not (pi[:, 0] > 0).all():
+                raise ModelError("a link of the model has no mass left; a monitor needs masses above 0")
             robot = robot.with_inertial_parameters(pi)
         if not np.array_equal(g, robot.gravity_vector):
             robot = robot.with_gravity(g)

@@ -91,6 +91,7 @@ class ObserverState:
     addition = _Row("joint", rows.ADDITION)
     soft_sign_width = _Row("joint", rows.SOFT_SIGN_WIDTH)
     rest_speed = _Row("joint", rows.REST_SPEED)
+    known_amplitude = _Row("joint", rows.KNOWN_AMPLITUDE)
 
     # Of each column, shape (n, P).
     phi = _Row("columns", rows.PHI)

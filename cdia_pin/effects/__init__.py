@@ -7,7 +7,7 @@ from cdia_pin.effects.counterbalance import Counterbalance
 from cdia_pin.effects.drift import Drift
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.elasticity import JointElasticity
-from cdia_pin.effects.environment import BaseTilt, ToolWrench, ViscousMedium
+from cdia_pin.effects.environment import BaseTilt, ExternalWrench, ToolWrench, ViscousMedium
 from cdia_pin.effects.expression import Expression, from_expression
 from cdia_pin.effects.friction import (
     AsymmetricFriction,
@@ -53,12 +53,13 @@ from cdia_pin.effects.wrapped import WrappedEffect
 
 __all__ = [
     "ALWAYS", "EFFECTS", "ActuatorGain", "Always", "AsymmetricFriction", "BaseTilt", "Between", "Channel",
-    "CoulombFriction", "Counterbalance", "CoupledFriction", "Drift", "Effect", "EffortDelay", "EncoderOffset",
-    "Expression", "Incipient", "Intermittent", "JointEffect", "JointElasticity", "JointSpring", "JointState",
-    "LinkInertia", "LinkInertias", "LoadFriction", "LoadStribeckFriction", "NonlinearEffect", "Parameter",
-    "Payload", "PerLog", "Plausibility", "PositionRipple", "PreslidingFriction", "Profile", "QuadraticFriction",
-    "Region", "RotorInertia", "Signal", "State", "StatefulEffect", "StribeckFriction", "Term",
-    "ThermalFriction", "ToolWrench", "TorqueOffset", "Traits", "Unknown", "Varying", "ViscousFriction",
-    "ViscousMedium", "WrappedEffect", "after", "effect_from_dict", "from_expression", "parse_effect",
-    "parse_term", "profile_from_dict", "register", "varied",
+    "CoulombFriction", "Counterbalance", "CoupledFriction", "Drift", "Effect", "EffortDelay",
+    "EncoderOffset", "Expression", "ExternalWrench", "Incipient", "Intermittent", "JointEffect",
+    "JointElasticity", "JointSpring", "JointState", "LinkInertia", "LinkInertias", "LoadFriction",
+    "LoadStribeckFriction", "NonlinearEffect", "Parameter", "Payload", "PerLog", "Plausibility",
+    "PositionRipple", "PreslidingFriction", "Profile", "QuadraticFriction", "Region", "RotorInertia",
+    "Signal", "State", "StatefulEffect", "StribeckFriction", "Term", "ThermalFriction", "ToolWrench",
+    "TorqueOffset", "Traits", "Unknown", "Varying", "ViscousFriction", "ViscousMedium", "WrappedEffect",
+    "after", "effect_from_dict", "from_expression", "parse_effect", "parse_term", "profile_from_dict",
+    "register", "varied",
 ]  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -132,6 +133,52 @@ class ToolWrench(Effect):
             x: Motion and torques, N samples.
         """
         return np.swapaxes(x.tool_jacobian, 1, 2)
+
+
+@dataclass(frozen=True)
+class ExternalWrench(Effect):
+    """A force and torque on the far end of a link in base axes: a push, a collision, f = Jᵀ F.
+
+    It changes with time and is gone when the contact is gone: a monitor estimates it from moment to moment.
+
+    Attributes:
+        joint: Name of the joint that moves the link.
+    """
+
+    joint: str
+
+    name: ClassVar[str] = "external_wrench"
+    plausibility: ClassVar[Plausibility] = Plausibility(unusual=True, searched=False)
+    equation: ClassVar[str] = "Jᵀ F(t)"
+    traits: ClassVar[Traits] = Traits({Signal.POSITION})
+    scope_fields: ClassVar[tuple[str, ...]] = ("joint",)
+    parameters = ToolWrench.parameters
+
+    def basis(self, x: State) -> Array:
+        """Return Jᵀ of the link's end, shape (N, n, 6).
+
+        Args:
+            x: Motion and torques, N samples.
+        """
+        jacobians = x.robot.link_end_jacobians(x.q)[:, x.robot.joint_index(self.joint)]
+        return np.swapaxes(jacobians, 1, 2)
+
+    def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
+        """Return the indices of the joints between the base and the link.
+
+        Args:
+            robot: The arm, n joints.
+        """
+        return tuple(range(robot.joint_index(self.joint) + 1))
+
+    @classmethod
+    def scopes(cls, robot: RobotModel) -> Iterator[tuple[str, ...]]:
+        """Yield every joint that moves a link.
+
+        Args:
+            robot: The arm, n joints.
+        """
+        yield from ((j,) for j in robot.joints)
 
 
 @dataclass(frozen=True)

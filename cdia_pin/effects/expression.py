@@ -16,6 +16,7 @@ from cdia_pin.effects.arithmetic import CONSTANTS, FUNCTIONS, KNOWN, SIGN, SIGNA
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.parameter import Parameter
+from cdia_pin.effects.plausibility import Plausibility
 from cdia_pin.effects.state import JointState
 from cdia_pin.effects.traits import Signal, Traits
 from cdia_pin.errors import EffectError
@@ -53,6 +54,7 @@ class Expression(JointEffect):
     text: str = "q"
 
     name: ClassVar[str] = "expression"
+    plausibility: ClassVar[Plausibility] = Plausibility(searched=False)
     equation: ClassVar[str] = "your own: Σ θᵢ gᵢ(q, dq, ddq, tau, t)"
 
     def __post_init__(self) -> None:

@@ -14,11 +14,13 @@ class Plausibility:
         collective: Whether the effect stands for many small errors at once. Then it needs no large torque to be
             named, and no single effect takes its place.
         unusual: Whether an arm in use hardly ever has it, so that it needs far more evidence or the user's word.
+        searched: Whether a search of a log asks for it without being told to.
     """
 
     penalty: float = 0.0
     collective: bool = False
     unusual: bool = False
+    searched: bool = True
 
     @property
     def is_common(self) -> bool:

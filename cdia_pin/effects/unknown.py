@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.parameter import Parameter
+from cdia_pin.effects.plausibility import Plausibility
 from cdia_pin.effects.state import JointState, State
 from cdia_pin.effects.traits import Signal, Traits
 from cdia_pin.errors import EffectError
@@ -39,6 +40,7 @@ class Unknown(JointEffect):
     velocity_width: float = 0.5
 
     name: ClassVar[str] = "unknown"
+    plausibility: ClassVar[Plausibility] = Plausibility(searched=False)
     equation: ClassVar[str] = "Σ lᵢ exp(−(q−aᵢ)²/σ²) + Σ sᵢ exp(−(q̇−bᵢ)²/ω²) + h τ"
 
     def __post_init__(self) -> None:

@@ -10,7 +10,7 @@ from cdia_pin.effects.actuation import ActuatorGain, JointSpring, PositionRipple
 from cdia_pin.effects.counterbalance import Counterbalance
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.elasticity import JointElasticity
-from cdia_pin.effects.environment import BaseTilt, ToolWrench, ViscousMedium
+from cdia_pin.effects.environment import BaseTilt, ExternalWrench, ToolWrench, ViscousMedium
 from cdia_pin.effects.expression import Expression
 from cdia_pin.effects.friction import (
     AsymmetricFriction,
@@ -56,6 +56,7 @@ EFFECTS: dict[str, type[Effect]] = {
         Payload,
         BaseTilt,
         ToolWrench,
+        ExternalWrench,
         ViscousMedium,
         EncoderOffset,
         EffortDelay,

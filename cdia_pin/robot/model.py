@@ -169,6 +169,19 @@ class RobotModel(RigidBodyTerms):
         """
         return self._frame_jacobian(q, self._tool_id)
 
+    def link_end_jacobians(self, q: ArrayLike) -> Array:
+        """Compute the Jacobian of the far end of every link in the axes of the base: where the next joint sits.
+
+        The far end of the link that carries the tool is the tool frame.
+
+        Args:
+            q: Positions [rad or m], shape (n,) or (N, n).
+
+        Returns:
+            Linear rows [m/rad or 1], then angular rows [1 or rad/m], shape (n, 6, n) or (N, n, 6, n).
+        """
+        return self._link_jacobians(q, self._tool_id)
+
     # ---------------------------------------------------------------- variants
 
     def with_inertial_parameters(self, parameters: ArrayLike) -> Self:

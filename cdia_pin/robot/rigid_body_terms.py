@@ -259,6 +259,27 @@ class RigidBodyTerms:
 
         return self._each((6, self.n), jacobian, q)
 
+    def _link_jacobians(self, q: ArrayLike, tool: int) -> Array:
+        """Jacobians of the far ends of the links, linear then angular, shape (n, 6, n) or (N, n, 6, n)."""
+        model, data, axes = self._model, self._data, pin.LOCAL_WORLD_ALIGNED
+        carrier = model.frames[tool].parentJoint
+
+        def jacobians(c: Array) -> Array:
+            pin.computeJointJacobians(model, data, c)
+            out = np.zeros((self.n, 6, self.n))
+            for i in range(1, self.n + 1):
+                if i < self.n:
+                    # The next joint does not move the end of this link, whatever it does to its own frame.
+                    out[i - 1][:, :i] = np.reshape(pin.getJointJacobian(model, data, i + 1, axes), (6, -1))[
+                        :, :i
+                    ]
+                if i == carrier:
+                    pin.updateFramePlacement(model, data, tool)
+                    out[i - 1] = np.reshape(pin.getFrameJacobian(model, data, tool, axes), (6, -1))
+            return out
+
+        return self._each((self.n, 6, self.n), jacobians, q)
+
     # ---------------------------------------------------------------- internals
 
     @cached_property

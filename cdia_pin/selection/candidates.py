@@ -18,7 +18,6 @@ from cdia_pin.effects import (
     RotorInertia,
     Signal,
     TorqueOffset,
-    Unknown,
     ViscousFriction,
 )
 from cdia_pin.errors import EffectError, unknown_name
@@ -51,7 +50,7 @@ def enumerate_candidates(
         EffectError: If the settings name an effect that is not in the vocabulary.
     """
     robot = experiment.robot
-    names = settings.effects or tuple(n for n, e in EFFECTS.items() if e not in (Unknown, Expression))
+    names = settings.effects or tuple(n for n, e in EFFECTS.items() if e.plausibility.searched)
     for name in names:
         if name not in EFFECTS:
             raise EffectError(unknown_name("effect", name, EFFECTS))

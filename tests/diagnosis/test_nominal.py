@@ -77,10 +77,16 @@ def test_a_delay_is_that_of_all_torques() -> None:
         Nominal.of(Dynamics(ROBOT, (Term(EffortDelay(ELBOW), (-0.004,)),)))
 
 
-def test_bodies_that_are_not_physical_are_rejected() -> None:
+def test_a_link_without_mass_is_rejected() -> None:
     nothing = Term(Payload(), (-30.0, *[0.0] * 9))
-    with pytest.raises(ModelError, match="not physical"):
+    with pytest.raises(ModelError, match="no mass left"):
         Nominal.of(Dynamics(ROBOT, (nothing,)))
+
+
+def test_estimated_bodies_of_one_link_need_not_be_possible_together() -> None:
+    flat = Term(Payload(), (0.01, *[0.0] * 3, -0.05, 0.0, -0.05, 0.0, 0.0, -0.05))
+    nominal = Nominal.of(Dynamics(ROBOT, (flat,)))
+    assert nominal.robot.total_mass == pytest.approx(ROBOT.total_mass + 0.01)
 
 
 def test_a_plain_robot_stays_as_it_is() -> None:

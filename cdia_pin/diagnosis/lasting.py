@@ -1,0 +1,110 @@
+r"""The second detector: what is too small for a threshold, but lasts.
+
+A threshold answers the largest value of a residual. On measured arms that value is large, because a model is wrong at
+reversals and in some postures, and a fault may stay below it for good. This detector asks instead how much torque one
+known effect explains over some seconds,
+
+.. math:: g_h = \sqrt{\Sigma r\,y_h^T\,(\Sigma\,y_h y_h^T)^{-1}\,\Sigma\,y_h r \,/\, K}
+
+It is the generalised likelihood ratio of the effect h in a window [Basseville1993], in units of torque. Its limit is
+the largest value of healthy runs, raised for the time that the user wants between two false alarms: the largest of N
+windows of a Gaussian process grows with √ln N.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.joint_gram import ridge_inverse
+
+Array = NDArray[np.float64]
+
+LEAST_SHARE = (
+    0.1  # [1], least limit over the RMS torque of the joint: how far a model may be off on other motions
+)
+LEAST_WINDOWS = (
+    2.0  # [1], number of windows that healthy runs count as at least, so that the logarithm is positive
+)
+FILLED = 0.5  # [1], share of the window that must hold motion before it counts
+TINY = 1e-300  # keeps a column that was never excited from dividing by zero
+
+
+class LastingDetector:
+    """How much torque each effect of the bank explains of late, on each joint.
+
+    Args:
+        bank: The known effects.
+        n: Number of joints.
+        memory: Time after which a sample counts 1/e [s].
+
+    Attributes:
+        limit: Explained torque of a healthy arm [N·m or N], shape (n, N); infinite until it is learned.
+    """
+
+    def __init__(self, bank: Bank, n: int, memory: float) -> None:
+        self._spans = [bank.span(i) for i in range(len(bank))]
+        self._width, self._memory = bank.width, memory
+        self._rows = np.zeros((n, bank.width + 1))
+        self._gram = np.zeros((n, bank.width + 1, bank.width + 1))
+        self._weight = np.zeros(n)
+        self.limit = np.full((n, len(bank)), np.inf)
+
+    def reset(self, joints: Sequence[int] | None = None) -> None:
+        """Forget what was seen.
+
+        Args:
+            joints: Of these joints only; of all if omitted.
+        """
+        which = slice(None) if joints is None else list(joints)
+        self._gram[which], self._weight[which] = 0.0, 0.0
+
+    def add(self, dt: float, columns: Array, remainder: Array, counts: NDArray[np.bool_]) -> None:
+        """Add a sample.
+
+        Args:
+            dt: Time since the last one [s].
+            columns: Filtered columns of the effects, shape (n, P) or wider.
+            remainder: Residual less the torque of what is believed [N·m or N], shape (n,).
+            counts: Joints that move, shape (n,).
+        """
+        self._rows[:, :-1], self._rows[:, -1] = columns[:, : self._width], remainder
+        keep = np.where(counts, np.exp(-dt / self._memory), 1.0)
+        self._gram *= keep[:, None, None]
+        self._gram += (dt * counts)[:, None, None] * self._rows[:, :, None] * self._rows[:, None, :]
+        self._weight *= keep
+        self._weight += dt * counts
+
+    def explained(self) -> Array:
+        """Return the RMS torque that each effect explains [N·m or N], zero without enough motion, shape (n, N)."""
+        out = np.zeros_like(self.limit)
+        filled = self._weight >= FILLED * self._memory
+        for i, span in enumerate(self._spans):
+            A, b = self._gram[:, span, span], self._gram[:, span, -1]
+            gain = np.einsum("jp,jpk,jk->j", b, ridge_inverse(A), b)
+            out[:, i] = np.sqrt(np.maximum(gain, 0.0) / np.maximum(self._weight, TINY))
+        return np.where(filled[:, None], out, 0.0)
+
+    def beyond(self) -> NDArray[np.bool_]:
+        """Return the joints on which an effect explains more than a healthy arm shows, shape (n,)."""
+        return np.asarray((self.explained() > self.limit).any(axis=1))
+
+
+def limit_of(
+    largest: Array, duration: float, memory: float, false_alarm_every: float, torque: Array
+) -> Array:
+    """Return the limit of the explained torque [N·m or N], shape (n, N).
+
+    Args:
+        largest: Largest explained torque of healthy runs [N·m or N], shape (n, N).
+        duration: Their duration [s].
+        memory: Time after which a sample counts 1/e [s].
+        false_alarm_every: Mean time between false alarms that the user accepts [s].
+        torque: RMS torque of the healthy runs [N·m or N], shape (n,).
+    """
+    seen, asked = (max(x / memory, LEAST_WINDOWS) for x in (duration, false_alarm_every))
+    rise = max(1.0, float(np.sqrt(np.log(asked) / np.log(seen))))
+    return np.asarray(np.maximum(rise * largest, LEAST_SHARE * torque[:, None]))

@@ -1,0 +1,281 @@
+"""The monitor of the whole arm: contact at once, then one cause for all joints, before joints decide by themselves.
+
+Contact is said as soon as several joints leave their course together, and is gone when they are back. If what
+happened stays, and one payload or tilt explains it on all joints better than effects of the joints do, it is that.
+Joints do not decide while either is in question. From then on the arm is computed as it is now, so that further changes
+are seen beside it.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.healthy_arm import HealthyArm
+from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.status import Event, EventStage, Verdict
+from cdia_pin.diagnosis.whole_arm.belief import carried
+from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
+from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
+from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES
+from cdia_pin.diagnosis.whole_arm.isolation import UNDECIDED, ArmDecision, decide
+from cdia_pin.diagnosis.whole_arm.wrench import located
+from cdia_pin.effects import ExternalWrench, Term
+
+Array = NDArray[np.float64]
+
+LONGEST_CONTACT = (
+    10.0  # [s], after which joints decide by themselves: nobody leans on a moving arm for longer
+)
+REFINED_FOR = 10.0  # [s] after its isolation, for which an effect's parameters are updated
+REFINED_EVERY = 1.0  # [s] between two updates: each makes a robot model, in a fraction of a millisecond
+GONE_SHARE = 0.15  # [1], share of an effect that may be left when it counts as cleared
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A push, a collision: the link and the force of the moment.
+
+    Attributes:
+        since: When it began [s].
+        joint: Name of the joint that moves the link.
+        force: Force on the arm in base axes [N].
+        joints: Joints that it has moved off their course.
+    """
+
+    since: float
+    joint: str
+    force: tuple[float, float, float]
+    joints: tuple[str, ...]
+
+    @property
+    def term(self) -> Term:
+        """The contact as an effect."""
+        return Term(ExternalWrench(self.joint), (*self.force, 0.0, 0.0, 0.0))
+
+
+class ArmMonitor:
+    """The stages of what concerns the whole arm.
+
+    Args:
+        observer: Residuals of all joints.
+        bank: Known effects of the joints.
+        healthy: What is known of the healthy arm.
+        limits: Largest deviations of a healthy arm.
+        settings: Settings of the monitor.
+
+    Attributes:
+        believed: Effects of the whole arm that are present, with their numbers.
+        contact: Contact of the moment; None without.
+    """
+
+    def __init__(
+        self,
+        observer: MomentumObserver,
+        bank: Bank,
+        healthy: HealthyArm,
+        limits: ContactLimits,
+        settings: MonitorSettings,
+    ) -> None:
+        self.observer, self.bank, self.settings = observer, bank, settings
+        self.evidence = ArmEvidence(observer, bank.width, HYPOTHESES, healthy)
+        self.detector = ContactDetector(limits)
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the healthy arm."""
+        self.believed: tuple[Term, ...] = ()
+        self.contact: Contact | None = None
+        self.observer.carry(self.observer.nominal.robot)
+        self._since = np.inf  # [s], when the present evidence began
+        self._believed_at = -np.inf
+        self._refined_at = -np.inf
+        self.restart()
+
+    def restart(self) -> None:
+        """Start the filters again after a gap in the data; what is believed stays."""
+        self.detector.reset()
+        self.evidence.stop()
+        self.contact = None
+        self._decision = UNDECIDED
+        self._votes: deque[int | None] = deque(maxlen=self.settings.votes)
+
+    @property
+    def faults(self) -> tuple[Term, ...]:
+        """What is believed of the whole arm, and the contact of the moment."""
+        return self.believed if self.contact is None else (*self.believed, self.contact.term)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether anything is believed, collected or in contact."""
+        return bool(self.believed) or self.contact is not None or self.evidence.is_active
+
+    def holds_joints(self, t: float) -> bool:
+        """Tell whether joints must wait with their own decisions.
+
+        Args:
+            t: Time [s].
+        """
+        if self.contact is not None and t - self.contact.since < LONGEST_CONTACT:
+            return True
+        lead = self._decision.lead
+        open_question = lead > -self.settings.lead and t - self._since < self.settings.ambiguous_after
+        return self._decision.is_sure and (lead > self.settings.lead or open_question)
+
+    # ------------------------------------------------------------- ticks
+
+    def sample(self, dt: float) -> bool:
+        """Take the observer's present sample; return whether contact has begun or ended.
+
+        Args:
+            dt: Time since the last one [s].
+        """
+        o = self.observer
+        self.detector.add(o.time, dt, o.remainder, o.state.moving)
+        if self.evidence.is_active:
+            self.evidence.add(o.time, o.q, o.v)
+        if self.contact is not None and self.detector.present:
+            self.contact = self._touched(self.contact.since)
+        return self.detector.present != (self.contact is not None)
+
+    def follow_contact(self, t: float) -> list[Event]:
+        """Say that contact has begun or ended, if so.
+
+        Args:
+            t: Time [s].
+        """
+        if self.detector.present == (self.contact is not None):
+            return []
+        if self.contact is None:
+            self.contact = self._touched(t)
+            joints, fault = self.contact.joints, (self.contact.term,)
+            return [
+                Event(
+                    t, EventStage.DETECTION, joints, Verdict.NONE, reason="joints leave their course together"
+                ),
+                Event(t, EventStage.ISOLATION, joints, Verdict.UNIQUE, fault, reason=_in_words(self.contact)),
+            ]
+        gone, self.contact = self.contact, None
+        return [
+            Event(t, EventStage.IDLE, gone.joints, Verdict.NONE, (gone.term,), reason="the contact is gone")
+        ]
+
+    def look(self, t: float, alarmed: Sequence[int]) -> list[Event]:
+        """Decide whether one effect of the whole arm explains what joints show.
+
+        Args:
+            t: Time [s].
+            alarmed: Indices of the joints that have left their thresholds and are not decided.
+        """
+        joints = set(alarmed)
+        if self.contact is not None:
+            joints |= {self.observer.nominal.robot.joint_index(j) for j in self.contact.joints}
+        if not joints:
+            return self._refine(t)
+        if not self.evidence.is_active or (self._since == np.inf):
+            self.evidence.start(self.observer.time)
+            self._since = t
+            self._votes.clear()
+        self._decision = found = decide(self.evidence, self.bank, sorted(joints), self.settings)
+        leads = found.is_sure and found.lead > self.settings.lead
+        self._votes.append(found.index if leads else None)
+        agree = len(self._votes) == self._votes.maxlen and len(set(self._votes)) == 1
+        if not leads or not agree:
+            return []
+        return self._commit(t, found, tuple(self.observer.nominal.robot.joints[j] for j in sorted(joints)))
+
+    # ------------------------------------------------------------- beliefs
+
+    def _commit(self, t: float, found: ArmDecision, joints: tuple[str, ...]) -> list[Event]:
+        assert found.index is not None
+        before = self._believe(found)
+        term = next((b for b in self.believed if b.label == before.label), None)
+        self.contact = None
+        self.detector.settle(self.observer.remainder)
+        self._end(t)
+        if term is None:
+            return [Event(t, EventStage.IDLE, joints, Verdict.NONE, (before,), reason="cleared")]
+        events = [
+            Event(t, EventStage.ISOLATION, joints, Verdict.UNIQUE, (term,), reason="one cause for all joints")
+        ]
+        if self.settings.accommodate:
+            events.append(Event(t, EventStage.ACCOMMODATION, joints, Verdict.UNIQUE, (term,)))
+        return events
+
+    def _refine(self, t: float) -> list[Event]:
+        """Update the parameters of what was isolated of late; collect no more after a while."""
+        self._since = np.inf
+        self._decision = UNDECIDED
+        self._votes.clear()
+        if not self.believed or t - self._believed_at > REFINED_FOR:
+            self.evidence.stop()
+            return []
+        if not self.evidence.is_active or t - self._refined_at < REFINED_EVERY:
+            return []
+        self._refined_at = t
+        found = decide(self.evidence, self.bank, (), self.settings)
+        names = {b.effect.name for b in self.believed}
+        if found.index is not None and HYPOTHESES[found.index].name in names:
+            self._believe(found)
+        return []
+
+    def _believe(self, found: ArmDecision) -> Term:
+        """Add a change to what is believed; return the effect as it is now, or as it was if it is gone."""
+        assert found.index is not None
+        hypothesis, o = HYPOTHESES[found.index], self.observer
+        old = next((b for b in self.believed if b.effect == hypothesis.effect), None)
+        shown = np.zeros(hypothesis.shown) if old is None else np.array(old.theta[: hypothesis.shown])
+        others = tuple(b for b in self.believed if b is not old)
+        main = np.s_[: hypothesis.main]
+        after = shown + found.theta
+        gone = old is not None and _is_gone(shown[main], after[main], found.half[main])
+        term = hypothesis.term(after, found.half)
+        self.believed = others if gone else (*others, term)
+        o.state.residual = o.residual - self._columns(found.index) @ (-shown if gone else found.theta)
+        self.evidence.shift(found.index, -shown if gone else found.theta)
+        o.carry(carried(o.nominal, self.believed))
+        for j in range(o.nominal.robot.n):
+            o.refresh(j)
+        return term if old is None or not gone else old
+
+    def _columns(self, k: int) -> Array:
+        """Return the filtered columns of a hypothesis, shape (n, shown)."""
+        first, end = (int(e) - self.bank.width for e in self.evidence.ends[k : k + 2])
+        return self.evidence.columns[:, first:end]
+
+    def _end(self, t: float) -> None:
+        self._believed_at = self._refined_at = t
+        self._since = np.inf
+        self._decision = UNDECIDED
+        self._votes.clear()
+
+    def _touched(self, since: float) -> Contact:
+        o, d = self.observer, self.detector
+        robot = o.nominal.robot
+        touch = located(d.deviation, d.limit, robot.link_end_jacobians(o.q))
+        off = np.abs(d.deviation) > 0.5 * d.limit
+        joints = tuple(j for j, is_off in zip(robot.joints, off, strict=True) if is_off)
+        x, y, z = map(float, touch.force)
+        return Contact(since, robot.joints[touch.link], (x, y, z), joints or robot.joints)
+
+
+def _is_gone(before: Array, after: Array, half: Array) -> bool:
+    """Tell whether nearly nothing is left of an effect: it was put down, or stands upright again.
+
+    Args:
+        before: Its main parameters as they were, shape (p,).
+        after: As they are, shape (p,).
+        half: Half widths of their 95 % intervals, shape (p,).
+    """
+    return bool(np.linalg.norm(after) < max(GONE_SHARE * np.linalg.norm(before), np.linalg.norm(half)))
+
+
+def _in_words(contact: Contact) -> str:
+    size = float(np.linalg.norm(contact.force))
+    return f"{size:.0f} N on the link of {contact.joint}"

@@ -1,0 +1,47 @@
+"""What is believed of the whole arm, and the arm as it is then: the terms that a monitor computes every tick."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.nominal import Nominal
+from cdia_pin.effects import BaseTilt, Term
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+
+def carried(nominal: Nominal, terms: tuple[Term, ...]) -> RobotModel:
+    """Return the healthy arm with what it carries and as it stands now; itself if nothing is believed.
+
+    Args:
+        nominal: The healthy arm.
+        terms: Believed effects of the whole arm: bodies and tilts.
+    """
+    robot, pi, g = nominal.robot, nominal.robot.inertial_parameters.copy(), nominal.robot.gravity_vector
+    if not terms:
+        return robot
+    for term in terms:
+        theta = np.array(term.theta)
+        if isinstance(term.effect, BaseTilt):
+            g = g + term.effect.tilt(robot, theta)
+        for body, part in term.effect.by_body(theta):
+            pi[body.carrier(robot)] += body.in_joint_frame(part, robot)
+    return robot.with_inertial_parameters(pi).with_gravity(g)
+
+
+def added_torque(nominal: RobotModel, now: RobotModel, q: Array, v: Array, tau: Array) -> Array:
+    """Return what the arm as it is needs besides a torque to move as the healthy one would [N·m or N], shape (n,).
+
+    Args:
+        nominal: The healthy arm.
+        now: The arm as it is.
+        q: Positions [rad or m], shape (n,).
+        v: Velocities [rad/s or m/s], shape (n,).
+        tau: The torque [N·m or N], shape (n,).
+    """
+    M, nle = (np.array(x) for x in nominal.rigid_terms(q, v))
+    a = np.linalg.solve(M, tau - nle)
+    M_now, nle_now = now.rigid_terms(q, v)
+    return np.asarray((M_now - M) @ a + nle_now - nle)

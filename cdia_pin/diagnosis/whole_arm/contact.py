@@ -1,0 +1,137 @@
+"""Contact: several joints leave their course at the same moment, faster than the healthy arm ever does.
+
+The remainder's slow part is followed and subtracted, so that neither a model's error nor what dry friction holds at
+rest counts. What is left is compared with the largest value of healthy runs, at rest and in motion apart. A joint that
+has just started or stopped may be off by its friction besides.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SLOW = 2.0  # [s], time constant of the part that is followed: a push rises and falls within it
+RESTING = 0.05  # [1], share of the filter's memory in motion, below which a joint rests
+CHANGING = 0.02  # [1], the same share: between it and one less it, a joint starts or stops
+FIRST, SECOND = (
+    1.0,
+    0.7,
+)  # [1], deviation over its limit that the joint with the largest, and the next one, must have
+TOGETHER = 0.4  # [s], within which both must have begun: a push reaches all joints at once
+BEGUN = 0.35  # [1], deviation over its limit, from which it has begun
+OVER = 0.5  # [1], deviation over its limit, below which all joints must be for a contact to be gone
+# Deviation over the largest one of the contact [1], below which a joint counts as back: friction holds what is left.
+HELD = 0.35
+RECOVERY = (
+    1.0  # [s] after a contact, in which another one does not count: friction lets joints go one after another
+)
+QUICK = 0.2  # [s], time constant of the part that is followed in that time
+DEBOUNCE = 0.02  # [s] for which a contact must be there, or gone, before it counts
+
+
+@dataclass(frozen=True)
+class ContactLimits:
+    """Largest deviations of a healthy arm, with a margin.
+
+    Attributes:
+        rest: Of each joint at rest [N·m or N], shape (n,).
+        moving: Of each joint in motion [N·m or N], shape (n,).
+        friction: Torque by which a joint may be off when it starts or stops [N·m or N], shape (n,).
+    """
+
+    rest: Array
+    moving: Array
+    friction: Array
+
+
+class ContactDetector:
+    """Deviations of all joints from their course, and whether they mean contact.
+
+    Args:
+        limits: Largest deviations of a healthy arm.
+
+    Attributes:
+        deviation: The remainder less its slow part [N·m or N], shape (n,).
+        limit: Its limit now [N·m or N], shape (n,).
+        changing: Whether each joint has started or stopped of late; 1 at that moment, then falling [1], shape (n,).
+        present: Whether there is contact.
+        since: Time since when [s]; NaN without contact.
+    """
+
+    def __init__(self, limits: ContactLimits) -> None:
+        self.limits = limits
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the start: the next sample is the slow part."""
+        n = len(self.limits.rest)
+        self.deviation, self.limit = np.zeros(n), self.limits.moving.copy()
+        self.present, self.since = False, np.nan
+        self._slow: Array | None = None
+        self.changing = np.zeros(n)
+        self._begun = np.full(n, np.inf)
+        self._for, self._recovered = 0.0, -np.inf
+        self._peak = np.zeros(n)
+
+    def settle(self, remainder: Array) -> None:
+        """Take the present remainder as the slow part, because something has been found that explains it.
+
+        Args:
+            remainder: [N·m or N], shape (n,).
+        """
+        self._slow = remainder.copy()
+        self.present, self.since, self._for = False, np.nan, 0.0
+        self._peak = np.zeros_like(remainder)
+        self._begun[:] = np.inf
+
+    def add(self, t: float, dt: float, remainder: Array, moving: Array) -> None:
+        """Add a sample.
+
+        Args:
+            t: Time [s].
+            dt: Time since the last one [s].
+            remainder: Residual less the torque of what is believed [N·m or N], shape (n,).
+            moving: Share of the filter's memory in which each joint moved [1], shape (n,).
+        """
+        if self._slow is None:
+            self._slow = remainder.copy()
+        self.deviation = remainder - self._slow
+        changes = (moving > CHANGING) & (moving < 1.0 - CHANGING)
+        self.changing = np.where(changes, 1.0, self.changing * np.exp(-dt / SLOW))
+        self.limit = np.where(moving < RESTING, self.limits.rest, self.limits.moving)
+        self.limit = self.limit + self.changing * self.limits.friction
+        ratio = np.abs(self.deviation) / self.limit
+        self._begun = np.where(ratio < BEGUN, np.inf, np.minimum(self._begun, t))
+        if self.present:
+            size = np.abs(self.deviation)
+            self._peak = np.maximum(self._peak, size)
+            self._count(t, dt, bool((size < np.maximum(OVER * self.limit, HELD * self._peak)).all()))
+            if not self.present:
+                self._recovered = t + RECOVERY
+        elif t < self._recovered:
+            self._slow += (1.0 - np.exp(-dt / QUICK)) * self.deviation
+            self._begun[:] = np.inf
+        else:
+            self._slow += (1.0 - np.exp(-dt / SLOW)) * self.deviation
+            self._count(t, dt, self._is_sudden(ratio))
+
+    def _is_sudden(self, ratio: Array) -> bool:
+        """Tell whether two joints at least are off their course, and left it at the same time."""
+        if len(ratio) < 2:
+            return False
+        second, first = np.argsort(ratio)[-2:]
+        if ratio[first] < FIRST or ratio[second] < SECOND:
+            return False
+        return bool(abs(self._begun[first] - self._begun[second]) < TOGETHER)
+
+    def _count(self, t: float, dt: float, changed: bool) -> None:
+        self._for = self._for + dt if changed else 0.0
+        if self._for < DEBOUNCE:
+            return
+        self.present, self._for = not self.present, 0.0
+        self.since = t if self.present else np.nan
+        self._peak = np.zeros_like(self._peak)

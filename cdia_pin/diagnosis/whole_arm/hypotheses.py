@@ -1,0 +1,79 @@
+"""Known effects of the whole arm that a monitor asks for when joints leave their thresholds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.effects import BaseTilt, Effect, Payload, State, Term
+from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+BALL = 0.4  # [1], inertia of a ball about its centre over m r²
+RADIUS = 0.05  # [m], of the ball that stands for a payload: its size hardly shows in a torque
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """An effect of the whole arm, of which a short motion shows the first parameters.
+
+    Attributes:
+        effect: The effect.
+        shown: Number of parameters that are estimated; those after them follow.
+        main: Number of the first of these that say how large it is: it is gone when they are.
+    """
+
+    effect: Effect
+    shown: int
+    main: int
+
+    @property
+    def name(self) -> str:
+        """Name of the effect."""
+        return self.effect.name
+
+    def columns(self, x: State) -> Array:
+        """Return the torque per unit of each estimated parameter near zero, shape (n, shown).
+
+        Args:
+            x: One sample.
+        """
+        return np.asarray(self.effect.jacobian(x, np.zeros(self.effect.size))[0, :, : self.shown])
+
+    def prior_scale(self, robot: RobotModel) -> Array:
+        """Return the prior standard deviation of each estimated parameter, ``inf`` where nothing is known.
+
+        Args:
+            robot: The arm.
+        """
+        return self.effect.prior_scale(robot)[: self.shown]
+
+    def term(self, theta: Array, half: Array) -> Term:
+        """Return the effect with its numbers, and 95 % intervals of the estimated ones.
+
+        Args:
+            theta: Estimated parameters, shape (shown,).
+            half: Half widths of their intervals, shape (shown,).
+        """
+        whole = np.zeros(self.effect.size)
+        whole[: self.shown] = theta
+        if isinstance(self.effect, Payload):
+            whole[4:] = _second_moments(theta)
+        term = Term(self.effect, tuple(whole))
+        return term.with_intervals(np.concatenate([half, np.zeros(self.effect.size - self.shown)]))
+
+
+HYPOTHESES = (Hypothesis(Payload(), 4, 1), Hypothesis(BaseTilt(), 2, 2))
+
+
+def _second_moments(theta: Array) -> Array:
+    """Return Ixx Ixy Iyy Ixz Iyz Izz [kg·m²] of a small ball with this mass and these first moments, shape (6,)."""
+    mass, moment = float(theta[0]), np.asarray(theta[1:4])
+    if mass == 0.0:
+        return np.zeros(6)
+    about_centre = BALL * mass * RADIUS**2
+    inertia = (moment @ moment * np.eye(3) - np.outer(moment, moment)) / mass + about_centre * np.eye(3)
+    return inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]

@@ -1,0 +1,123 @@
+r"""Is it one effect of the whole arm, or have joints causes of their own?
+
+Take joint j with a healthy residual of RMS σ_j that stays alike for T_j, and normal equations over W_j seconds. An
+explanation that leaves the mean square s_j of the remainder's e_j gains
+
+.. math:: \sum_j \frac{W_j}{T_j} \frac{e_j - s_j}{2 \sigma_j^2} - c\,p
+
+with a penalty c for each of its p parameters. An effect of the whole arm has the same parameters on all joints, those
+that have stayed below their thresholds included. The joints by themselves take the best effect of each that has left
+its threshold, and pay for each further joint: that it fails within the same seconds is a coincidence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.joint_gram import ridge_inverse
+from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
+
+Array = NDArray[np.float64]
+
+COINCIDENCE = (
+    9.0  # [1], log-odds against a joint that fails within seconds of another one: once in ten thousand times
+)
+NORMAL_95 = 1.96  # [1], standard deviations to either side of a 95 % interval
+LEAST_EXPLAINED = 0.5  # [1], share of the remainder's energy that an effect of the whole arm must explain
+LEAST_WEIGHT = 0.2  # [s] of motion of a joint, from which it counts
+TINY = 1e-300  # keeps a column that was never excited from dividing by zero
+
+
+@dataclass(frozen=True)
+class ArmDecision:
+    """The effect of the whole arm that explains most, beside what the joints explain by themselves.
+
+    Attributes:
+        index: Of the hypothesis; None if there is too little motion.
+        theta: Its parameters, shape (shown,).
+        half: Half widths of their 95 % intervals, shape (shown,).
+        lead: Log-likelihood by which it leads the joints' own effects, penalties included [1].
+        explained: Share of the remainder's energy that it explains [1].
+    """
+
+    index: int | None
+    theta: Array
+    half: Array
+    lead: float
+    explained: float
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether its first parameters differ from zero, and it explains most of the remainder."""
+        shows = bool(np.any(np.abs(self.theta) > self.half))
+        return self.index is not None and shows and self.explained >= LEAST_EXPLAINED
+
+
+UNDECIDED = ArmDecision(None, np.zeros(0), np.zeros(0), -np.inf, 0.0)
+
+
+def decide(
+    evidence: ArmEvidence, bank: Bank, alarmed: Sequence[int], settings: MonitorSettings
+) -> ArmDecision:
+    """Decide from the present normal equations.
+
+    Args:
+        evidence: The normal equations.
+        bank: Known effects of the joints.
+        alarmed: Joints that have left their thresholds.
+        settings: Penalty, and the share of a fault that its formula need not explain.
+    """
+    used = np.flatnonzero(evidence.weight >= LEAST_WEIGHT)
+    if not len(used):
+        return UNDECIDED
+    G = evidence.gram[used]
+    energy = G[:, -1, -1]
+    mean = energy / evidence.weight[used]
+    noise2 = evidence.level[used] ** 2 + settings.mismatch**2 * mean
+    unit = 2.0 * noise2 * evidence.independent[used]  # of a gain of log-likelihood [(N·m)² s]
+    joints = _of_joints(G, bank, [k for k, j in enumerate(used) if j in alarmed], unit, settings)
+    best = UNDECIDED
+    for i in range(len(evidence.hypotheses)):
+        found = _of_arm(evidence, i, G, unit)
+        gain = found.lead - settings.price * len(found.theta)
+        if best.index is None or gain - joints > best.lead:
+            best = ArmDecision(i, found.theta, found.half, gain - joints, found.explained)
+    return best
+
+
+def _of_arm(evidence: ArmEvidence, i: int, G: Array, unit: Array) -> ArmDecision:
+    """Fit a hypothesis to all joints together; its lead is its gain, without penalties."""
+    part = np.s_[int(evidence.ends[i]) : int(evidence.ends[i + 1])]
+    A = np.einsum("jab,j->ab", G[:, part, part], 2.0 / unit)
+    b = np.einsum("ja,j->a", G[:, part, -1], 2.0 / unit)
+    prior = evidence.hypotheses[i].prior_scale(evidence.observer.nominal.robot)
+    inverse = ridge_inverse(A + np.diag(1.0 / prior**2))
+    theta = inverse @ b
+    less = 2.0 * G[:, part, -1] @ theta - np.einsum("a,jab,b->j", theta, G[:, part, part], theta)
+    energy = G[:, -1, -1]
+    explained = float(np.sum(less / unit) / max(np.sum(energy / unit), TINY))
+    left = np.sum((energy - less) * 2.0 / unit) / max(len(energy), 1)
+    half = NORMAL_95 * np.sqrt(np.diag(inverse) * max(1.0, float(left)))
+    return ArmDecision(i, theta, half, float(np.sum(less / unit)), explained)
+
+
+def _of_joints(G: Array, bank: Bank, alarmed: Sequence[int], unit: Array, settings: MonitorSettings) -> float:
+    """Return what the best single effects of some joints gain together, penalties included.
+
+    Each of these joints has left its threshold, so it must have a cause, even if that gains less than its penalty.
+    """
+    total = 0.0
+    for k in alarmed:
+        gain = -np.inf
+        for e in range(len(bank)):
+            columns = bank.columns([e])
+            A, b = G[k][np.ix_(columns, columns)], G[k][columns, -1]
+            gain = max(gain, float(b @ ridge_inverse(A) @ b) / unit[k] - settings.price * len(columns))
+        total += gain
+    return total - COINCIDENCE * max(len(alarmed) - 1, 0)

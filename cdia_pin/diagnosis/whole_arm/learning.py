@@ -1,0 +1,118 @@
+"""What healthy runs teach about the whole arm: how far joints leave their course, and what lasts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis.alignment import Alignment
+from cdia_pin.diagnosis.lasting import LastingDetector, limit_of
+from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.residuals import SETTLING, pooled
+from cdia_pin.diagnosis.whole_arm.contact import RESTING, ContactDetector, ContactLimits
+from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
+
+PERIOD = 0.01  # [s] between two samples of the detectors: an arm's filters let nothing faster through
+LEAST_REST = 2.0  # [s] at rest, from which healthy runs say what a joint does there
+LEAST_DEVIATION = 0.02  # [1], least limit of a deviation over the RMS torque of the joint
+
+
+@dataclass(frozen=True)
+class Learned:
+    """What healthy runs taught.
+
+    Attributes:
+        contact: Limits of the deviations.
+        lasting: Limit of the explained torque [N·m or N], shape (n, N).
+    """
+
+    contact: ContactLimits
+    lasting: Array
+
+
+def learn(
+    observer: MomentumObserver,
+    alignment: Alignment,
+    lasting: LastingDetector,
+    runs: Sequence[Log],
+    false_alarm_every: float,
+    margin: float,
+) -> Learned:
+    """Watch the detectors along runs of the healthy arm.
+
+    Args:
+        observer: Its filters are used; they forget the runs.
+        alignment: The same.
+        lasting: The second detector; it forgets the runs.
+        runs: Logs of the healthy arm.
+        false_alarm_every: Mean time between false alarms that the user accepts [s].
+        margin: Limit over the largest deviation [1].
+    """
+    n = observer.nominal.robot.n
+    rest, moving, resting = np.zeros(n), np.zeros(n), np.zeros(n)
+    largest, friction = np.zeros_like(lasting.limit), np.zeros(n)
+    for run in runs:
+        detector = ContactDetector(_without_limits(n))
+        lasting.reset()
+        for dt, settled in _along(observer, alignment, run):
+            if not settled:
+                continue
+            share = observer.state.moving
+            friction = np.maximum(friction, observer.state.known_amplitude)
+            detector.add(observer.time, dt, observer.remainder, share)
+            off = np.abs(detector.deviation)
+            moving = np.maximum(moving, np.where(share < RESTING, 0.0, off))
+            rest = np.maximum(rest, np.where(share < RESTING, off, 0.0))
+            resting += dt * (share < RESTING)
+            lasting.add(dt, observer.filtered, observer.remainder, share > 1.0 - RESTING)
+            largest = np.maximum(largest, lasting.explained())
+    observer.reset()
+    alignment.reset()
+    lasting.reset()
+    torque = pooled([run.effort for run in runs])
+    least = LEAST_DEVIATION * torque
+    moving = np.maximum(margin * moving, least)
+    rest = np.where(resting >= LEAST_REST, np.maximum(margin * rest, least), moving)
+    duration = sum(run.duration for run in runs)
+    limit = limit_of(largest, duration, observer.settings.memory, false_alarm_every, torque)
+    return Learned(ContactLimits(rest, moving, friction), limit)
+
+
+def assumed(n: int, width: int, threshold: Array) -> Learned:
+    """Return what a given threshold says: a joint is off its course beyond it, and nothing is known of what lasts.
+
+    Args:
+        n: Number of joints.
+        width: Number of effects of the bank.
+        threshold: Largest healthy residual of each joint [N·m or N], shape (n,).
+    """
+    return Learned(ContactLimits(threshold, threshold, np.zeros(n)), np.full((n, width), np.inf))
+
+
+def _along(observer: MomentumObserver, alignment: Alignment, run: Log) -> Iterator[tuple[float, bool]]:
+    """Yield the time since the last sample [s], and whether the filters have settled, along a run."""
+    observer.reset()
+    alignment.reset()
+    begin: float | None = None
+    last: float | None = None
+    for k in range(len(run.time)):
+        v = None if run.velocity is None else run.velocity[k]
+        sample = alignment(float(run.time[k]), run.position[k], v, run.effort[k])
+        if sample is None:
+            continue
+        t, q, v, tau = sample
+        observer.step(t, q + observer.nominal.offset, v, tau)
+        begin = t if begin is None else begin
+        if last is None or t >= last + PERIOD:
+            yield (0.0 if last is None else t - last), t - begin > SETTLING / observer.bandwidth.min()
+            last = t
+
+
+def _without_limits(n: int) -> ContactLimits:
+    without = np.full(n, np.inf)
+    return ContactLimits(without, without, np.zeros(n))
