@@ -1,0 +1,76 @@
+"""What came of a monitored log."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any, ClassVar
+
+from benchmarks.outcomes import JsonLine
+
+
+@dataclass(frozen=True)
+class Outcome(JsonLine):
+    """What the monitor said.
+
+    Attributes:
+        id: Of the case.
+        kind: Of the case.
+        arm: Name of the arm.
+        effect: Label of the effect that was put in; empty for none.
+        detected: Time from its beginning to the first detection after it [s]; NaN if there was none.
+        early: Detections before it, or at all where nothing was put in.
+        named: Labels believed in at the end.
+        sets: Sets of labels that the last isolation of each joint, and of the arm, left possible, best first.
+        contacts: Number of contacts said.
+        ever: Labels that were isolated at any time, contacts left out.
+        mass: Payload's mass at the end [kg].
+        mass_half: Half width of its 95 % interval [kg].
+        mass_after: Time from the first detection to the payload's name [s].
+        force_error: Median error of the contact's force against a sensor, relative [1].
+        force_said: Share of the time with a force above 10 N in which contact was said [1].
+        kept: Time of the log [s].
+        said: All events in words.
+        failure: What the program failed with; empty if it did not.
+    """
+
+    id: str
+    kind: str
+    arm: str
+    effect: str = ""
+    detected: float = nan
+    early: int = 0
+    named: tuple[str, ...] = ()
+    sets: tuple[tuple[tuple[str, ...], ...], ...] = ()
+    contacts: int = 0
+    ever: tuple[str, ...] = ()
+    mass: float = nan
+    mass_half: float = nan
+    mass_after: float = nan
+    force_error: float = nan
+    force_said: float = nan
+    kept: float = nan
+    said: tuple[str, ...] = ()
+    failure: str = ""
+
+    READ: ClassVar[dict[str, Any]] = {
+        "named": tuple,
+        "ever": tuple,
+        "said": tuple,
+        "sets": lambda v: tuple(tuple(tuple(one) for one in of) for of in v),
+    }
+
+    @property
+    def is_right(self) -> bool:
+        """Whether the effect that was put in is believed at the end, or the first of those that fit alike."""
+        return self.effect in self.named
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is among what the monitor leaves possible, alone on its joint."""
+        return self.is_right or any((self.effect,) in one for one in self.sets)
+
+    @property
+    def is_alone(self) -> bool:
+        """Whether it is named, and nothing else."""
+        return self.named == (self.effect,)

@@ -1,0 +1,165 @@
+"""One log with the monitor over it."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import nan
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.monitored_logs.cases import EFFECT, PUSHED, SHARE, WEIGHT, Case
+from benchmarks.monitored_logs.outcome import Outcome
+from benchmarks.outcomes import CHECKOUT, JsonLine, Store, package_text, text_hash
+from benchmarks.real_residuals.draws import NoSizeError, drawn
+from benchmarks.real_residuals.failures import failed
+from benchmarks.real_residuals.filtered import FilteredLog
+from benchmarks.real_residuals.insertion import Insertion
+from benchmarks.real_residuals.recordings import Recording, data_folder
+from cdia_pin import Dynamics, discover, load_model, save_model
+from cdia_pin.diagnosis import Event, Monitor
+from cdia_pin.effects import ExternalWrench, Term
+from cdia_pin.logs import Log
+
+Array = NDArray[np.float64]
+
+FOLDER = CHECKOUT / ".cache" / "monitored-logs"
+# Parts of the package that no discovery needs: a model is kept as long as the others stay as they are.
+WITHOUT = ("cli", "viewers", "app", "campaigns", "diagnosis")
+PUSH = 10.0  # [N], force of a sensor from which the arm is pushed
+
+
+@dataclass(frozen=True)
+class Found(JsonLine):
+    """The model of a healthy log.
+
+    Attributes:
+        id: Of the log.
+        model: Text of its model file.
+    """
+
+    id: str
+    model: str
+
+
+def run_case(case: Case) -> Outcome:
+    """Monitor the log of a case."""
+    out = Outcome(case.id, case.kind, case.arm)
+    try:
+        log, term, begin = _given(case)
+        monitor = monitor_of(case.before)
+        contacts: list[tuple[float, Array]] = []
+        monitor.replay(log, watch=lambda s: contacts.append((s.time, _force(s.faults))))
+    except NoSizeError:
+        return replace(out, failure="no such size")
+    except Exception as why:
+        return replace(out, failure=failed(why))
+    events, start = monitor.events, float(log.time[0])
+    detections = [e.time for e in events if e.stage == "detection"]
+    after = [t for t in detections if t >= begin]
+    out = replace(
+        out,
+        effect=term.label if term else "",
+        detected=after[0] - begin if after and term else nan,
+        early=sum(t < begin for t in detections),
+        named=tuple(sorted(t.label for t in monitor.faults)),
+        sets=_sets(events),
+        contacts=sum(
+            any(isinstance(t.effect, ExternalWrench) for t in e.faults)
+            for e in events
+            if e.stage == "isolation"
+        ),
+        ever=tuple(
+            sorted(
+                {t.label for e in events if e.stage == "isolation" for t in e.faults if not _is_contact(t)}
+            )
+        ),
+        kept=log.duration,
+        said=tuple(_in_words(e, start) for e in events if e.stage != "accommodation"),
+    )
+    if case.kind == WEIGHT:
+        out = _with_mass(out, monitor, events, detections)
+    if case.kind == PUSHED and case.after.file == "pushed_at_rest":
+        out = _with_force(out, contacts)
+    return out
+
+
+@lru_cache(maxsize=2)
+def monitor_of(before: Recording) -> Monitor:
+    """Return a monitor that knows the model of a healthy log and has learned from it."""
+    store = Store(FOLDER / f"models-{text_hash(package_text(WITHOUT))}.jsonl", Found.from_json)
+    known = store.read().get(before.id)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "model.json"
+        if known is None:
+            save_model(discover(Dynamics(before.robot), before.read()).model, path)
+            known = Found(before.id, path.read_text(encoding="utf-8"))
+            store.add(known)
+        path.write_text(known.model, encoding="utf-8")
+        model = load_model(path, before.robot)
+    return Monitor(model, healthy=[before.read()])
+
+
+def _given(case: Case) -> tuple[Log, Term | None, float]:
+    """Return the log of a case, the effect in it, and when that begins [s]."""
+    log = case.after.read()
+    if case.kind != EFFECT:
+        return log, None, np.inf
+    before, after = (FilteredLog.of(r.read(), r.robot) for r in (case.before, case.after))
+    term = drawn(case.effect, SHARE, before, after, case.seed)
+    begin = float(log.time[0] + 0.5 * log.duration)
+    changed = Insertion(term, after).into(log)
+    later = (log.time >= begin)[:, None]
+    return replace(log, effort=np.where(later, changed.effort, log.effort)), term, begin
+
+
+def _with_mass(out: Outcome, monitor: Monitor, events: tuple[Event, ...], detections: list[float]) -> Outcome:
+    found = next((t for t in monitor.faults if t.effect.name == "payload"), None)
+    if found is None:
+        return out
+    named = next(
+        e.time for e in events if e.stage == "isolation" and "payload" in [t.label for t in e.faults]
+    )
+    half = float(found.half_widths[0])
+    return replace(out, mass=found.theta[0], mass_half=half, mass_after=named - detections[0])
+
+
+def _with_force(out: Outcome, contacts: list[tuple[float, Array]]) -> Outcome:
+    """Compare the size of the force with that of the sensor at the tool."""
+    wrench = np.genfromtxt(data_folder() / "ur5" / "pushed_at_rest_wrench.csv", delimiter=",", names=True)
+    force = np.column_stack([wrench[k] for k in ("fx", "fy", "fz")])
+    force = force - np.median(force, axis=0)  # the sensor's own zero and the tool's weight: the arm rests
+    time, said = np.array([t for t, _ in contacts]), np.array([np.linalg.norm(f) for _, f in contacts])
+    size = np.interp(time, wrench["time"], np.linalg.norm(force, axis=1))
+    pushed = size > PUSH
+    both = pushed & (said > 0)
+    error = np.abs(said - size)[both] / size[both]
+    return replace(out, force_error=float(np.median(error)), force_said=float(np.mean(said[pushed] > 0)))
+
+
+def _force(faults: tuple[Term, ...]) -> Array:
+    return next((np.array(t.theta[:3]) for t in faults if _is_contact(t)), np.zeros(3))
+
+
+def _is_contact(term: Term) -> bool:
+    return isinstance(term.effect, ExternalWrench)
+
+
+def _sets(events: tuple[Event, ...]) -> tuple[tuple[tuple[str, ...], ...], ...]:
+    """Return the sets of labels of the last isolation of each place."""
+    last: dict[tuple[str, ...], Event] = {}
+    for e in events:
+        if e.stage == "isolation":
+            last[e.joints] = e
+    return tuple(
+        tuple(tuple(t.label for t in one) for one in (e.faults, *e.alternatives)) for e in last.values()
+    )
+
+
+def _in_words(e: Event, start: float) -> str:
+    names = " + ".join(t.label for t in e.faults)
+    others = "".join(" or " + " + ".join(t.label for t in one) for one in e.alternatives)
+    return f"{e.time - start:.2f} s {e.stage} {'+'.join(e.joints)} {e.verdict}: {names}{others}"
