@@ -1,7 +1,9 @@
 r"""The healthy arm as its runs show it: corrections of the model, and the size of a healthy residual.
 
 The bound of a healthy residual is learned last. It is the largest residual seen times a margin, and at least a
-multiple of its RMS, because the largest value of a minute is not that of an hour.
+multiple of its RMS, because the largest value of a minute is not that of an hour. A model that was corrected by one
+half of the motion is tried on the other half as well, and the larger residual counts. From less than two minutes the
+bound is widened, because the largest residual grows with time.
 """
 
 from __future__ import annotations
@@ -14,18 +16,19 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.calibration import calibrated
+from cdia_pin.diagnosis.growth import REFERENCE_DURATION, growth
 from cdia_pin.diagnosis.momentum_observer import LEAST_SIGN_WIDTH
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.residuals import aligned_velocity, pooled, residuals_of, velocity_noise
+from cdia_pin.diagnosis.sight import Sight
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
 
-ENOUGH_DURATION = 20.0  # [s], of all healthy runs together, below which a note warns of low thresholds
+ENOUGH_DURATION = 20.0  # [s], of all healthy runs together, below which a note says how wide thresholds are
 LEAST_DURATION = 2.0  # [s], of all healthy runs together: a second for the level beside the settling filters
-RATE_SPREAD = 1.2  # [1], largest rate over smallest: the residual's noise depends on the rate
 ASSUMED_MEMORY = 0.1  # [s], correlation time of a healthy residual where it was not measured
 ASSUMED_SIGN_WIDTH = 0.005  # [rad/s or m/s], smoothing of sgn where noise was not measured
 LEVEL_WINDOW = 1.0  # [s], over which the RMS of the healthy level is taken
@@ -46,6 +49,7 @@ class HealthyArm:
         sign_width: Speed over which sgn q̇ is smoothed [rad/s or m/s], shape (n,).
         position_range: Smallest and largest position seen [rad or m], shape (2, n).
         velocity_range: Smallest and largest velocity seen [rad/s or m/s], shape (2, n).
+        torque: RMS torque of healthy motion [N·m or N], shape (n,); not a number where there were no runs.
         notes: What was learned, one sentence each.
     """
 
@@ -57,7 +61,13 @@ class HealthyArm:
     sign_width: Array
     position_range: Array
     velocity_range: Array
+    torque: Array
     notes: tuple[str, ...] = ()
+
+    @property
+    def sight(self) -> Sight:
+        """Thresholds beside torques."""
+        return Sight(self.nominal.robot.joints, self.bound, self.torque)
 
 
 def learn_healthy_arm(
@@ -72,17 +82,11 @@ def learn_healthy_arm(
         settings: Bandwidth, margins, and whether masses are corrected.
 
     Raises:
-        LogError: If the runs are too short, at rest, belong to other joints, or differ in rate.
+        LogError: If the runs are too short, at rest, or belong to other joints.
     """
     dt = _check(nominal, runs)
-    notes = []
-    if (seconds := sum(run.duration for run in runs)) < ENOUGH_DURATION:
-        notes.append(
-            f"only {seconds:.0f} s of healthy motion: thresholds may be too low for other motions; "
-            f"give {ENOUGH_DURATION:.0f} s or more"
-        )
-    nominal, corrected = calibrated(nominal, runs, dt, bank, settings)
-    notes += corrected
+    found = calibrated(nominal, runs, dt, bank, settings)
+    nominal, notes = found.nominal, list(found.notes)
     residuals = residuals_of(nominal, runs, dt, bank, settings)
     bandwidth = _bandwidth(_bound(residuals, settings), runs, settings)
     if (bandwidth < settings.bandwidth).any():
@@ -91,27 +95,44 @@ def learn_healthy_arm(
             f"{j} {g:.0f}/s" for j, g in zip(runs[0].joints, bandwidth, strict=True) if g < settings.bandwidth
         ]
         notes.append(f"slower filters because of sensor noise: {', '.join(slow)}")
-    bound = _bound(residuals, settings)
+    unseen = [
+        r
+        for model, other in found.unseen
+        for r in residuals_of(model, other, dt, bank, settings, bandwidth)
+    ]
+    memory = np.array([_correlation_time([r[:, j] for r in residuals], dt) for j in range(nominal.robot.n)])
+    memory = np.maximum(memory, 1 / bandwidth)
+    wider = growth(dt * sum(len(r) for r in residuals), memory)
+    bound = wider * np.maximum(_bound(residuals, settings), _bound(unseen or residuals, settings))
     window = max(1, round(LEVEL_WINDOW / dt))
     sign_width = np.maximum(NOISE_WIDTHS * velocity_noise(runs, dt), LEAST_SIGN_WIDTH)
-    level = np.max([_worst_window(r, window) for r in residuals], axis=0)
-    memory = np.array([_correlation_time([r[:, j] for r in residuals], dt) for j in range(nominal.robot.n)])
+    level = np.max([_worst_window(r, window) for r in (*residuals, *unseen) if len(r)], axis=0)
+    torque = pooled([run.effort for run in runs])
+    if (seconds := sum(run.duration for run in runs)) < ENOUGH_DURATION:
+        notes.append(
+            f"only {seconds:.2g} s of healthy motion: thresholds are up to {wider.max():.1f} × wider than from "
+            f"{REFERENCE_DURATION:.0f} s; give {ENOUGH_DURATION:.0f} s or more"
+        )
+    has_terms = bool(nominal.of_joints or nominal.others.terms)
+    if advice := Sight(runs[0].joints, bound, torque).advice(has_terms):
+        notes.append(advice)
     return HealthyArm(
         nominal=nominal,
         bandwidth=bandwidth,
         bound=bound,
         level=level,
-        memory=np.maximum(memory, 1 / bandwidth),
+        memory=memory,
         sign_width=sign_width,
         position_range=_range([run.position for run in runs]),
         velocity_range=_range([aligned_velocity(run, dt) for run in runs]),
+        torque=torque,
         notes=tuple(notes),
     )
 
 
 def _bound(residuals: Sequence[Array], settings: MonitorSettings) -> Array:
     """Return the bound of a healthy residual [N·m or N], shape (n,)."""
-    largest = np.max([np.abs(r).max(axis=0) for r in residuals], axis=0)
+    largest = np.abs(np.concatenate(residuals)).max(axis=0)
     return np.asarray(np.maximum(settings.margin * largest, settings.noise_margin * pooled(residuals)))
 
 
@@ -147,6 +168,7 @@ def assumed_healthy_arm(
         sign_width=sign_width,
         position_range=np.array([limits.lower, limits.upper]),
         velocity_range=np.array([-limits.velocity, limits.velocity]),
+        torque=np.full(robot.n, np.nan),
     )
 
 
@@ -166,12 +188,9 @@ def _check(nominal: Nominal, runs: Sequence[Log]) -> float:
         raise LogError(
             f"{runs[0].source}: nothing moves in the healthy runs; give runs in which the arm moves"
         )
-    rates = [r.rate for r in runs]
-    if max(rates) > RATE_SPREAD * min(rates):
-        raise LogError(f"healthy runs must share one rate, given {min(rates):.0f} to {max(rates):.0f} Hz")
     if len({r.velocity is None for r in runs}) > 1:
         raise LogError("either all healthy runs have velocities or none")
-    return 1.0 / float(np.median(rates))
+    return 1.0 / float(np.median([r.rate for r in runs]))
 
 
 def _worst_window(r: Array, window: int) -> Array:
