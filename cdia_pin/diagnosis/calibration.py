@@ -84,9 +84,7 @@ def calibrated(
     return Calibration(nominal, unseen, tuple(notes))
 
 
-def _fitted(
-    given: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings
-) -> Nominal:
+def _fitted(given: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings) -> Nominal:
     """Return a model with delay and masses fitted; an error of the one hides the other, so both take turns."""
     nominal = given
     for _ in range(TURNS):

@@ -16,18 +16,20 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.calibration import calibrated
-from cdia_pin.diagnosis.growth import REFERENCE_DURATION, growth
+from cdia_pin.diagnosis.growth import REFERENCE_DURATION, growth, moving_time
 from cdia_pin.diagnosis.momentum_observer import LEAST_SIGN_WIDTH
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.residuals import aligned_velocity, pooled, residuals_of, velocity_noise
-from cdia_pin.diagnosis.sight import Sight
+from cdia_pin.diagnosis.sight import Sight, blind_advice
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
+from cdia_pin.phrases import some
 
 Array = NDArray[np.float64]
 
 ENOUGH_DURATION = 20.0  # [s], of all healthy runs together, below which a note says how wide thresholds are
+LEAST_MOTION = 1.0  # [s], of a joint, below which nothing is known of its healthy residual in motion
 LEAST_DURATION = 2.0  # [s], of all healthy runs together: a second for the level beside the settling filters
 ASSUMED_MEMORY = 0.1  # [s], correlation time of a healthy residual where it was not measured
 ASSUMED_SIGN_WIDTH = 0.005  # [rad/s or m/s], smoothing of sgn where noise was not measured
@@ -96,26 +98,21 @@ def learn_healthy_arm(
         ]
         notes.append(f"slower filters because of sensor noise: {', '.join(slow)}")
     unseen = [
-        r
-        for model, other in found.unseen
-        for r in residuals_of(model, other, dt, bank, settings, bandwidth)
+        r for model, other in found.unseen for r in residuals_of(model, other, dt, bank, settings, bandwidth)
     ]
     memory = np.array([_correlation_time([r[:, j] for r in residuals], dt) for j in range(nominal.robot.n)])
     memory = np.maximum(memory, 1 / bandwidth)
-    wider = growth(dt * sum(len(r) for r in residuals), memory)
-    bound = wider * np.maximum(_bound(residuals, settings), _bound(unseen or residuals, settings))
-    window = max(1, round(LEVEL_WINDOW / dt))
     sign_width = np.maximum(NOISE_WIDTHS * velocity_noise(runs, dt), LEAST_SIGN_WIDTH)
-    level = np.max([_worst_window(r, window) for r in (*residuals, *unseen) if len(r)], axis=0)
+    moved = moving_time([aligned_velocity(run, dt) for run in runs], sign_width, dt)
+    wider = growth(moved, memory)
+    bound = np.maximum(_bound(residuals, settings, wider), _bound(unseen or residuals, settings, wider))
+    unmoved = moved < LEAST_MOTION
+    limit = nominal.robot.limits.effort  # endless where the URDF states none; the widened bound stays there
+    bound = np.where(unmoved & np.isfinite(limit), np.maximum(bound, limit), bound)
+    window = max(1, round(LEVEL_WINDOW / dt))
+    level = np.max([_worst_window(r, window) for r in residuals if len(r)], axis=0)
     torque = pooled([run.effort for run in runs])
-    if (seconds := sum(run.duration for run in runs)) < ENOUGH_DURATION:
-        notes.append(
-            f"only {seconds:.2g} s of healthy motion: thresholds are up to {wider.max():.1f} × wider than from "
-            f"{REFERENCE_DURATION:.0f} s; give {ENOUGH_DURATION:.0f} s or more"
-        )
-    has_terms = bool(nominal.of_joints or nominal.others.terms)
-    if advice := Sight(runs[0].joints, bound, torque).advice(has_terms):
-        notes.append(advice)
+    notes += _what_was_missing(nominal, moved, wider, Sight(runs[0].joints, bound, torque))
     return HealthyArm(
         nominal=nominal,
         bandwidth=bandwidth,
@@ -130,10 +127,30 @@ def learn_healthy_arm(
     )
 
 
-def _bound(residuals: Sequence[Array], settings: MonitorSettings) -> Array:
-    """Return the bound of a healthy residual [N·m or N], shape (n,)."""
+def _what_was_missing(nominal: Nominal, moved: Array, wider: Array, sight: Sight) -> list[str]:
+    """Return a sentence on each of: little motion, joints that did not move, joints that are blind."""
+    notes = []
+    if moved.max() < ENOUGH_DURATION:
+        notes.append(
+            f"only {moved.max():.2g} s of healthy motion: thresholds are up to {wider.max():.1f} × wider than from "
+            f"{REFERENCE_DURATION:.0f} s; give {ENOUGH_DURATION:.0f} s or more"
+        )
+    if unmoved := [j for j, seconds in zip(sight.joints, moved, strict=True) if seconds < LEAST_MOTION]:
+        notes.append(
+            f"less than {LEAST_MOTION:g} s of motion on {some(unmoved)}: healthy residuals of that motion are not known, "
+            "and the effort limit is the threshold; give healthy runs in which every joint moves"
+        )
+    if advice := blind_advice(sight.blind, bool(nominal.of_joints or nominal.others.terms)):
+        notes.append(advice)
+    return notes
+
+
+def _bound(residuals: Sequence[Array], settings: MonitorSettings, wider: Array | float = 1.0) -> Array:
+    """Return the bound of a healthy residual [N·m or N], shape (n,); only the largest residual grows with time."""
     largest = np.abs(np.concatenate(residuals)).max(axis=0)
-    return np.asarray(np.maximum(settings.margin * largest, settings.noise_margin * pooled(residuals)))
+    return np.asarray(
+        np.maximum(wider * settings.margin * largest, settings.noise_margin * pooled(residuals))
+    )
 
 
 def _bandwidth(bound: Array, runs: Sequence[Log], settings: MonitorSettings) -> Array:

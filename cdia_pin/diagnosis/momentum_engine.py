@@ -237,9 +237,7 @@ class MomentumEngine:
         if self._corrects:
             correction = np.minimum(np.maximum(o.addition, -self._limit), self._limit)
         residual, threshold = o.residual.copy(), o.threshold.copy()
-        return Status(
-            t, self._stages, residual, threshold, correction, self._faults, events, self._blind
-        )
+        return Status(t, self._stages, residual, threshold, correction, self._faults, events, self._blind)
 
 
 def _parameter_bounds(bank: Bank, nominal: Nominal) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypedDict
 
@@ -54,19 +54,6 @@ class Sight:
         unseen = self.threshold > BLIND_SHARE * self.torque  # never, where the torque is not known
         return tuple(j for j, one in zip(self.joints, unseen, strict=True) if one)
 
-    def advice(self, model_has_terms: bool) -> str:
-        """Return a sentence on the joints that are blind, and what to do; empty if none is.
-
-        Args:
-            model_has_terms: Whether the model holds more than the rigid bodies of the URDF.
-        """
-        if not self.blind:
-            return ""
-        cure = "give more healthy motion, or a model that explains more of it"
-        if not model_has_terms:
-            cure = "give the model that cdia discover finds on a healthy log, or more healthy motion"
-        return f"blind on {some(self.blind)}: a fault of {BLIND_SHARE:.0%} of the torque is not seen there; {cure}"
-
     def to_dict(self) -> dict[str, JointSight]:
         """Return what is known of each joint, by its name."""
         blind = self.blind
@@ -90,3 +77,18 @@ def blind_joints(sight: Mapping[str, JointSight]) -> list[str]:
         sight: What is known of each joint, by its name.
     """
     return [joint for joint, one in sight.items() if one["blind"]]
+
+
+def blind_advice(blind: Sequence[str], model_has_terms: bool) -> str:
+    """Return a sentence on the joints that are blind, and what to do; empty if none is.
+
+    Args:
+        blind: Their names.
+        model_has_terms: Whether the model holds more than the rigid bodies of the URDF.
+    """
+    if not blind:
+        return ""
+    cure = "give more healthy motion, or a model that explains more of it"
+    if not model_has_terms:
+        cure = "give the model that cdia discover finds on a healthy log, or more healthy motion"
+    return f"blind on {some(blind)}: a fault of {BLIND_SHARE:.0%} of the torque is not seen there; {cure}"

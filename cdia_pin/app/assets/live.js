@@ -11,7 +11,7 @@ export default {
     if (globalThis.Charts) Charts.clear(this.$el);
   },
   methods: {
-    // joints: [{name, short, unit}], stages: [{name, colour, words}]
+    // joints: [{name, short, unit, blind}], stages: [{name, colour, words}]
     async begin(joints, stages) {
       await this.ready;
       const { h } = Cdia, [tiles, chart] = this.$el.children;
@@ -53,9 +53,10 @@ export default {
         const stage = this.stages[piece.stage[last][k]], level = Math.abs(piece.residual[last][k]) / piece.threshold[last][k];
         if (tile.node.dataset.stage !== stage.name) {
           tile.node.dataset.stage = stage.name;
-          tile.stage.textContent = stage.name;
+          const blind = this.joints[k].blind ? ", blind" : "";
+          tile.stage.textContent = stage.name + blind;
           tile.node.style.setProperty("--stage", stage.colour);
-          tile.node.setAttribute("aria-label", this.joints[k].name + ": " + stage.name + (stage.words ? ", " + stage.words : ""));
+          tile.node.setAttribute("aria-label", this.joints[k].name + ": " + stage.name + blind + (stage.words ? ", " + stage.words : ""));
         }
         tile.level.style.width = 100 * Math.min(level / 2, 1) + "%"; // the mark in the middle is the threshold
       });

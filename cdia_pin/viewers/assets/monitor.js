@@ -59,11 +59,13 @@ function events() {
 }
 
 function believed() {
-  const rows = DATA.joints.map((j) => [j.name, right("td", withUnit(j.usual, j.units.residual)), right("td", withUnit(j.largest, j.units.residual)),
-    h("td", {}, h("span", { class: "dot", style: "background:var(--stage-" + j.stages[j.stages.length - 1][2] + ")" }), j.stages[j.stages.length - 1][2]),
+  const last = (j) => j.stages[j.stages.length - 1][2];
+  const rows = DATA.joints.map((j) => [j.name, right("td", withUnit(j.usual, j.units.residual)), right("td", j.share), right("td", withUnit(j.largest, j.units.residual)),
+    h("td", {}, h("span", { class: "dot", style: "background:var(--stage-" + last(j) + ")" }), last(j), j.blind ? h("b", {}, ", blind") : null),
     h("td", {}, j.believed.length ? j.believed.map((b) => h("div", {}, h("b", {}, b))) : h("span", { class: "soft" }, "–"))]);
   return h("section", {}, h("h2", {}, "At the end"),
-    h("div", { class: "card" }, table(["joint", right("th", "threshold"), right("th", "largest residual"), "stage", "fault, ± 95 %"], rows)));
+    h("p", { class: "lead" }, "Thresholds also as a share of the RMS torque of healthy motion. A joint above 30 % is blind: a fault of that size could not be seen."),
+    h("div", { class: "card" }, table(["joint", right("th", "threshold"), right("th", "of torque"), right("th", "largest residual"), "stage", "fault, ± 95 %"], rows)));
 }
 
 function tracking() {
