@@ -137,8 +137,8 @@ def _what_was_missing(nominal: Nominal, moved: Array, wider: Array, sight: Sight
         )
     if unmoved := [j for j, seconds in zip(sight.joints, moved, strict=True) if seconds < LEAST_MOTION]:
         notes.append(
-            f"less than {LEAST_MOTION:g} s of motion on {some(unmoved)}: healthy residuals of that motion are not known, "
-            "and the effort limit is the threshold; give healthy runs in which every joint moves"
+            f"less than {LEAST_MOTION:g} s of motion on {some(unmoved)}: its healthy residual is not known, and the "
+            "threshold is the effort limit; give healthy runs in which every joint moves"
         )
     if advice := blind_advice(sight.blind, bool(nominal.of_joints or nominal.others.terms)):
         notes.append(advice)

@@ -36,8 +36,11 @@ def resampled(log: Log, rate: float) -> Log:
         )
         even = replace(even, position=position, effort=effort, velocity=velocity, temperature=temperature)
     count = int(np.floor(even.duration * rate * (1.0 + 1e-12) + 1e-9)) + 1
+    time = np.minimum(
+        even.time[0] + np.arange(count) / rate, even.time[-1]
+    )  # rounding may pass the last sample
     said = f"resampled from {log.rate:.4g} Hz to {rate:.4g} Hz"
-    return replace(sampled_at(even, even.time[0] + np.arange(count) / rate), notes=(*log.notes, said))
+    return replace(sampled_at(even, time), notes=(*log.notes, said))
 
 
 def thinned(log: Log, rate: float) -> Log:

@@ -125,7 +125,8 @@ def run_summary(run: MonitorRun) -> str:
     end = f"At the end: {listed(believed)}." if believed else "No fault remains."
     open_ = [j for k, j in enumerate(run.joints) if STAGES[run.stages[-1, k]] is Stage.DETECTED]
     undecided = f" The fault on {listed(open_)} is not isolated yet." if open_ else ""
-    return f"In {span} the residual left its threshold on {listed(seen)}, first at {first:.3f} s. {end}{undecided}{blind}"
+    left = f"In {span} the residual left its threshold on {listed(seen)}, first at {first:.3f} s."
+    return f"{left} {end}{undecided}{blind}"
 
 
 def _said(row: EventRow) -> Text:
