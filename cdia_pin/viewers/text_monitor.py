@@ -117,7 +117,8 @@ def run_summary(run: MonitorRun) -> str:
     """
     seen = dict.fromkeys(j for e in run.events if e.stage == "detection" for j in e.joints)
     span = f"{run.time[-1] - run.time[0]:.4g} s"
-    blind = f" Blind: {listed(run.blind)}." if run.blind else ""
+    everywhere = len(run.blind) == len(run.joints)
+    blind = f" Blind: {'all joints' if everywhere else listed(run.blind)}." if run.blind else ""
     if not seen:
         return f"No residual left its threshold in {span}.{blind}"
     first = min(e.time for e in run.events if e.stage == "detection")
