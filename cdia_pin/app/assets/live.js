@@ -19,7 +19,8 @@ export default {
       this.tiles = joints.map((joint, k) => {
         const stage = h("span", { class: "numbers" }, "–"), level = h("i", { class: "one" });
         const node = h("button", { type: "button", class: "tile live", "data-mark": "live-tile-" + joint.name, onclick: () => this.choose(k, true) },
-          h("span", { class: "name" }, joint.short), stage, h("span", { class: "bar", "aria-hidden": "true" }, level, h("em", {})));
+          h("span", { class: "name" }, joint.short), stage,
+          joint.blind ? h("span", { class: "name", title: "a fault of 30 % of its torque could not be seen" }, "blind") : null, h("span", { class: "bar", "aria-hidden": "true" }, level, h("em", {})));
         return { node, stage, level };
       });
       tiles.replaceChildren(...this.tiles.map((t) => t.node));
@@ -54,7 +55,7 @@ export default {
         if (tile.node.dataset.stage !== stage.name) {
           tile.node.dataset.stage = stage.name;
           const blind = this.joints[k].blind ? ", blind" : "";
-          tile.stage.textContent = stage.name + blind;
+          tile.stage.textContent = stage.name;
           tile.node.style.setProperty("--stage", stage.colour);
           tile.node.setAttribute("aria-label", this.joints[k].name + ": " + stage.name + blind + (stage.words ? ", " + stage.words : ""));
         }
