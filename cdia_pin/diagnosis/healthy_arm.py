@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.calibration import calibrated
 from cdia_pin.diagnosis.growth import REFERENCE_DURATION, growth, moving_time
+from cdia_pin.diagnosis.healthy_part import LEAST_PIECE
 from cdia_pin.diagnosis.momentum_observer import LEAST_SIGN_WIDTH
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
@@ -86,6 +87,7 @@ def learn_healthy_arm(
     Raises:
         LogError: If the runs are too short, at rest, or belong to other joints.
     """
+    runs = [run for run in runs if run.duration >= LEAST_PIECE]  # in a shorter one the filters do not settle
     dt = _check(nominal, runs)
     found = calibrated(nominal, runs, dt, bank, settings)
     nominal, notes = found.nominal, list(found.notes)
@@ -103,14 +105,13 @@ def learn_healthy_arm(
     memory = np.array([_correlation_time([r[:, j] for r in residuals], dt) for j in range(nominal.robot.n)])
     memory = np.maximum(memory, 1 / bandwidth)
     sign_width = np.maximum(NOISE_WIDTHS * velocity_noise(runs, dt), LEAST_SIGN_WIDTH)
-    moved = moving_time([aligned_velocity(run, dt) for run in runs], sign_width, dt)
+    velocities = [aligned_velocity(run, dt) for run in runs]
+    moved = moving_time(velocities, sign_width, dt)
     wider = growth(moved, memory)
     bound = np.maximum(_bound(residuals, settings, wider), _bound(unseen or residuals, settings, wider))
-    unmoved = moved < LEAST_MOTION
-    limit = nominal.robot.limits.effort  # endless where the URDF states none; the widened bound stays there
-    bound = np.where(unmoved & np.isfinite(limit), np.maximum(bound, limit), bound)
+    bound = _unknown_without_motion(bound, moved, nominal.robot.limits.effort)
     window = max(1, round(LEVEL_WINDOW / dt))
-    level = np.max([_worst_window(r, window) for r in residuals if len(r)], axis=0)
+    level = np.max([_worst_window(r, window) for r in residuals], axis=0)
     torque = pooled([run.effort for run in runs])
     notes += _what_was_missing(nominal, moved, wider, Sight(runs[0].joints, bound, torque))
     return HealthyArm(
@@ -121,7 +122,7 @@ def learn_healthy_arm(
         memory=memory,
         sign_width=sign_width,
         position_range=_range([run.position for run in runs]),
-        velocity_range=_range([aligned_velocity(run, dt) for run in runs]),
+        velocity_range=_range(velocities),
         torque=torque,
         notes=tuple(notes),
     )
@@ -151,6 +152,11 @@ def _bound(residuals: Sequence[Array], settings: MonitorSettings, wider: Array |
     return np.asarray(
         np.maximum(wider * settings.margin * largest, settings.noise_margin * pooled(residuals))
     )
+
+
+def _unknown_without_motion(bound: Array, moved: Array, limit: Array) -> Array:
+    """Return the bound, at least the effort limit where a joint did not move; limits not stated are endless."""
+    return np.where((moved < LEAST_MOTION) & np.isfinite(limit), np.maximum(bound, limit), bound)
 
 
 def _bandwidth(bound: Array, runs: Sequence[Log], settings: MonitorSettings) -> Array:
@@ -196,7 +202,7 @@ def _check(nominal: Nominal, runs: Sequence[Log]) -> float:
             raise LogError(
                 f"{run.source}: joints are {', '.join(run.joints)}; expected {', '.join(robot.joints)}"
             )
-    total = sum(r.duration for r in runs)
+    total = sum(r.duration for r in runs)  # of runs in which the filters settle
     if total < LEAST_DURATION:
         raise LogError(
             f"healthy runs of {total:.2g} s are too short to learn from; give {LEAST_DURATION:g} s or more"

@@ -13,7 +13,7 @@ from cdia_pin.logs.log import Log
 HEALTHY_SHARE = 0.3  # [1], share of a log that is taken as healthy
 LEAST_HEALTHY = 5.0  # [s]; from less, thresholds come out too low
 MOST_HEALTHY = 20.0  # [s]; more teaches little, and hides faults that begin early
-LEAST_PIECE = 0.8  # [s], of a run that is cut: the slowest filter settles in 0.6 s
+LEAST_PIECE = 0.8  # [s], of a run that counts, or is cut: the slowest filter settles in 0.6 s
 
 
 def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:

@@ -175,6 +175,14 @@ def test_several_short_runs_are_enough_together(first: Log) -> None:
     assert np.isfinite(learn_healthy_arm(NOMINAL, parts, BANK, MonitorSettings(calibrate=False)).bound).all()
 
 
+def test_runs_in_which_no_filter_settles_do_not_count(first: Log) -> None:
+    scraps = [first.slice(k, k + 500) for k in range(0, 5000, 500)]
+    with pytest.raises(LogError, match="too short"):
+        learn_healthy_arm(NOMINAL, scraps, BANK, MonitorSettings())
+    usable = [*scraps, first.slice(5000, 8000)]
+    assert np.isfinite(learn_healthy_arm(NOMINAL, usable, BANK, MonitorSettings()).bound).all()
+
+
 def test_runs_of_other_joints_are_refused(first: Log) -> None:
     with pytest.raises(LogError, match="joints are"):
         learn_healthy_arm(NOMINAL, [replace(first, joints=first.joints[::-1])], BANK, MonitorSettings())
