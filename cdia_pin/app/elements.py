@@ -12,11 +12,12 @@ from cdia_pin.viewers.scene import Frame, SceneDocument, StageDocument, Timeline
 
 
 class JointTile(TypedDict):
-    """What a tile says of its joint; ``unit`` is that of its torque."""
+    """What a tile says of its joint; ``unit`` is that of its torque, ``blind`` whether a fault could go unseen."""
 
     name: str
     short: str
     unit: str
+    blind: bool
 
 
 class ArmElement(Element, component="assets/arm.js", default_classes="arm-box"):

@@ -13,6 +13,7 @@ from cdia_pin.app.live_sources import Source, replayed, simulated
 from cdia_pin.app.parts import PageStep, button, node
 from cdia_pin.app.runner import Runner
 from cdia_pin.diagnosis import Event
+from cdia_pin.diagnosis.sight import blind_joints
 from cdia_pin.effects import Term
 from cdia_pin.progress import Progress
 from cdia_pin.robot import catalogue
@@ -83,8 +84,10 @@ class LivePage:
         short = short_names(robot.joints)
         units = {j: joint_units(robot, j)["load"] for j in robot.joints}
         self._arm.draw(scene, self._stages, source.reach.tolist())
+        blind = blind_joints(source.monitor.record["sight"])
         self._live.begin(
-            [{"name": j, "short": short[j], "unit": units[j]} for j in robot.joints], self._stages
+            [{"name": j, "short": short[j], "unit": units[j], "blind": j in blind} for j in robot.joints],
+            self._stages,
         )
         self._chosen = False
         self._follow(robot.joints[0])

@@ -13,6 +13,7 @@ from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
 from cdia_pin.campaigns.monitored_control import Tick
 from cdia_pin.diagnosis import Monitor, MonitorSettings
 from cdia_pin.diagnosis.healthy_part import parted
+from cdia_pin.diagnosis.sight import blind_advice, blind_joints
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.dynamics.trajectories import Repeated
 from cdia_pin.effects import Term, parse_term
@@ -75,7 +76,7 @@ def simulated(robot: str, faults: Sequence[str], accommodate: bool, tell: Progre
     acting: set[Term] = set()
     ticks = loop.ticks(motion, terms, monitor, acts=acting.__contains__)
     reach = motion(np.linspace(0.0, MOTION, POSES)).q
-    return Source(loop.robot, monitor, ticks, reach, terms, acting)
+    return Source(loop.robot, monitor, ticks, reach, terms, acting, _blind(monitor))
 
 
 def usual_faults(loop: ClosedLoop) -> list[str]:
@@ -120,9 +121,15 @@ def replayed(robot: str, path: Path, tell: Progress) -> Source:
     healthy, watched = parted(read_log(path, arm))
     tell("learning from the healthy part", 0.5)
     monitor = Monitor(Dynamics(arm), healthy=[healthy], position_only=watched.velocity is None)
-    note = f"The first {healthy.duration:.3g} s are taken as healthy."
+    notes = (f"The first {healthy.duration:.3g} s are taken as healthy.", *_blind(monitor))
     reach = watched.position[:: len(watched.time) // POSES + 1]
-    return Source(arm, monitor, _ticks(monitor, watched), reach, notes=(note,))
+    return Source(arm, monitor, _ticks(monitor, watched), reach, notes=notes)
+
+
+def _blind(monitor: Monitor) -> tuple[str, ...]:
+    """Return a sentence on the joints that are blind; none if none is."""
+    said = blind_advice(blind_joints(monitor.record["sight"]), bool(monitor.model.terms))
+    return (f"{said[:1].upper()}{said[1:]}.",) if said else ()
 
 
 def _ticks(monitor: Monitor, log: Log) -> Iterator[Tick]:

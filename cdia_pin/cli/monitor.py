@@ -70,7 +70,8 @@ def monitor(
 ) -> None:
     """Monitor a log as if it were live: detect, isolate and accommodate faults, and note when they are cleared.
 
-    Thresholds are learned from healthy runs at the rate of LOG; without any, from the first part of LOG.
+    Thresholds are learned from healthy runs; without any, from the first part of LOG. Runs of another rate are
+    resampled to that of LOG.
     """
     given = [log, *(healthy or [])]
     require_report(report)
@@ -99,14 +100,14 @@ def monitor(
             known,
             healthy=runs,
             threshold=bounds,
-            rate=watched.rate if bounds else None,
+            rate=watched.rate,
             position_only=watched.velocity is None,
             bank=bank or DEFAULT_BANK,
             engine=engine,
         )
         found = replay(watcher, watched, progress=lambda share: tell("monitoring", 0.2 + 0.8 * share))
     show_inputs(console, known, [watched], notes=False)
-    for sentence in (*announced, *watcher.record["notes"]):
+    for sentence in (*announced, *found.record["notes"]):
         console.print(sentence, style="dim", markup=False)
     show_run(console, found)
 

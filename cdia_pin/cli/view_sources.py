@@ -95,7 +95,13 @@ def show_monitored(
         watched, *runs = alike([watched, *runs], True, [])
         tell("learning from the healthy runs", 0.2)
         position_only = watched.velocity is None
-        monitor = Monitor(known, healthy=runs, position_only=position_only, bank=bank or DEFAULT_BANK)
+        monitor = Monitor(
+            known,
+            healthy=runs,
+            rate=watched.rate,
+            position_only=position_only,
+            bank=bank or DEFAULT_BANK,
+        )
         tell("drawing the arm", 0.8)
         scene = Scene.of(known.robot)
     title = f"{known.robot.name}, {logs[0].name}"

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.alignment import slope_of
 from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.healthy_part import halves
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.residuals import SETTLING, pooled, residuals_of
@@ -31,10 +32,28 @@ TURNS = 5  # between masses and delay; they usually settle after two
 TINY = 1e-12  # keeps a signal that is zero from dividing by zero
 
 
+@dataclass(frozen=True)
+class Calibration:
+    """A model corrected by healthy runs, and what shows how well it predicts motion that it was not fitted to.
+
+    Attributes:
+        nominal: The model, corrected by all runs.
+        unseen: Models corrected by one half of the motion, each with the other half; empty if nothing but the delay
+            was fitted.
+        notes: One sentence for each correction.
+    """
+
+    nominal: Nominal
+    unseen: tuple[tuple[Nominal, tuple[Log, ...]], ...]
+    notes: tuple[str, ...]
+
+
 def calibrated(
     given: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings
-) -> tuple[Nominal, list[str]]:
-    """Return a model with its delay and, if that is asked for and worthwhile, its masses corrected.
+) -> Calibration:
+    """Correct the delay of a model and, if that is asked for and worthwhile, its masses.
+
+    Masses are worthwhile if those of one half of the motion explain the other half better than the given ones do.
 
     Args:
         given: The model.
@@ -42,12 +61,32 @@ def calibrated(
         dt: Time between ticks [s].
         bank: The monitor's bank.
         settings: Bandwidth, and whether masses are corrected.
-
-    Returns:
-        The model, and one sentence for each correction.
     """
-    nominal, notes = given, []
-    # An error of the masses hides the delay and the other way round, so both are estimated in turns.
+    nominal, notes = _fitted(given, runs, dt, bank, settings), []
+    if nominal.delay != given.delay:
+        notes.append(f"torques act {1e3 * nominal.delay:.1f} ms after their signal")
+    if not settings.calibrate:
+        return Calibration(nominal, (), tuple(notes))
+    plain = replace(given, delay=nominal.delay)
+    first, second = halves(runs)
+    unseen = (
+        (_fitted(given, first, dt, bank, settings), second),
+        (_fitted(given, second, dt, bank, settings), first),
+    )
+    stated = pooled(residuals_of(plain, runs, dt, bank, settings))
+    after = pooled([r for model, other in unseen for r in residuals_of(model, other, dt, bank, settings)])
+    share = float(np.mean(after / np.maximum(stated, TINY)))
+    if share > WORTHWHILE:
+        return Calibration(plain, (), tuple(notes))
+    notes.append(
+        f"masses corrected by the healthy runs: {share:.0%} of the residual is left on the half not fitted"
+    )
+    return Calibration(nominal, unseen, tuple(notes))
+
+
+def _fitted(given: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings) -> Nominal:
+    """Return a model with delay and masses fitted; an error of the one hides the other, so both take turns."""
+    nominal = given
     for _ in range(TURNS):
         before = nominal.delay
         if settings.calibrate:
@@ -55,17 +94,7 @@ def calibrated(
         nominal = replace(nominal, delay=_delay(nominal, runs, dt, settings, given.delay))
         if nominal.delay == before:
             break
-    if nominal.delay != given.delay:
-        notes.append(f"torques act {1e3 * nominal.delay:.1f} ms after their signal")
-    if settings.calibrate:
-        plain = replace(given, delay=nominal.delay)
-        stated, after = (pooled(residuals_of(x, runs, dt, bank, settings)) for x in (plain, nominal))
-        share = float(np.mean(after / stated))
-        if share > WORTHWHILE:
-            nominal = plain
-        else:
-            notes.append(f"masses corrected by the healthy runs: {share:.0%} of the residual is left")
-    return nominal, notes
+    return nominal
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.isolation import Decision
+from cdia_pin.diagnosis.sight import JointSight
 from cdia_pin.diagnosis.status import Event, Status
 from cdia_pin.effects import Term
 from cdia_pin.errors import ModelError
@@ -30,6 +31,11 @@ class Engine(Protocol):
     @property
     def notes(self) -> tuple[str, ...]:
         """What healthy runs taught, one sentence each."""
+        ...
+
+    @property
+    def sight(self) -> dict[str, JointSight]:
+        """Threshold and healthy torque of each joint, by its name; empty for an engine without torque thresholds."""
         ...
 
     def update(self, t: float, q: Array, v: Array | None, tau: Array) -> Status:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.engine_interface import BadSampleError
+from cdia_pin.diagnosis.sight import JointSight
 from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
 from cdia_pin.diagnosis.thesis.thesis_engine import ThesisEngine
 from cdia_pin.effects import Term
@@ -41,6 +42,11 @@ class GuardedEngine:
     def notes(self) -> tuple[str, ...]:
         """What healthy runs taught, one sentence each."""
         return self.engine.notes
+
+    @property
+    def sight(self) -> dict[str, JointSight]:
+        """Nothing: the thresholds of the thesis are velocities."""
+        return {}
 
     @property
     def events(self) -> list[Event]:

@@ -1,7 +1,9 @@
 r"""The healthy arm as its runs show it: corrections of the model, and the size of a healthy residual.
 
 The bound of a healthy residual is learned last. It is the largest residual seen times a margin, and at least a
-multiple of its RMS, because the largest value of a minute is not that of an hour.
+multiple of its RMS, because the largest value of a minute is not that of an hour. A model that was corrected by one
+half of the motion is tried on the other half as well, and the larger residual counts. From less than two minutes the
+bound is widened, because the largest residual grows with time.
 """
 
 from __future__ import annotations
@@ -14,18 +16,22 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.calibration import calibrated
+from cdia_pin.diagnosis.growth import REFERENCE_DURATION, growth, moving_time
+from cdia_pin.diagnosis.healthy_part import LEAST_PIECE
 from cdia_pin.diagnosis.momentum_observer import LEAST_SIGN_WIDTH
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.residuals import aligned_velocity, pooled, residuals_of, velocity_noise
+from cdia_pin.diagnosis.sight import Sight, blind_advice
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
+from cdia_pin.phrases import some
 
 Array = NDArray[np.float64]
 
-ENOUGH_DURATION = 20.0  # [s], of all healthy runs together, below which a note warns of low thresholds
+ENOUGH_DURATION = 20.0  # [s], of all healthy runs together, below which a note says how wide thresholds are
+LEAST_MOTION = 1.0  # [s], of a joint, below which nothing is known of its healthy residual in motion
 LEAST_DURATION = 2.0  # [s], of all healthy runs together: a second for the level beside the settling filters
-RATE_SPREAD = 1.2  # [1], largest rate over smallest: the residual's noise depends on the rate
 ASSUMED_MEMORY = 0.1  # [s], correlation time of a healthy residual where it was not measured
 ASSUMED_SIGN_WIDTH = 0.005  # [rad/s or m/s], smoothing of sgn where noise was not measured
 LEVEL_WINDOW = 1.0  # [s], over which the RMS of the healthy level is taken
@@ -46,6 +52,7 @@ class HealthyArm:
         sign_width: Speed over which sgn q̇ is smoothed [rad/s or m/s], shape (n,).
         position_range: Smallest and largest position seen [rad or m], shape (2, n).
         velocity_range: Smallest and largest velocity seen [rad/s or m/s], shape (2, n).
+        torque: RMS torque of healthy motion [N·m or N], shape (n,); not a number where there were no runs.
         notes: What was learned, one sentence each.
     """
 
@@ -57,7 +64,13 @@ class HealthyArm:
     sign_width: Array
     position_range: Array
     velocity_range: Array
+    torque: Array
     notes: tuple[str, ...] = ()
+
+    @property
+    def sight(self) -> Sight:
+        """Thresholds beside torques."""
+        return Sight(self.nominal.robot.joints, self.bound, self.torque)
 
 
 def learn_healthy_arm(
@@ -72,17 +85,12 @@ def learn_healthy_arm(
         settings: Bandwidth, margins, and whether masses are corrected.
 
     Raises:
-        LogError: If the runs are too short, at rest, belong to other joints, or differ in rate.
+        LogError: If the runs are too short, at rest, or belong to other joints.
     """
+    runs = [run for run in runs if run.duration >= LEAST_PIECE]  # in a shorter one the filters do not settle
     dt = _check(nominal, runs)
-    notes = []
-    if (seconds := sum(run.duration for run in runs)) < ENOUGH_DURATION:
-        notes.append(
-            f"only {seconds:.0f} s of healthy motion: thresholds may be too low for other motions; "
-            f"give {ENOUGH_DURATION:.0f} s or more"
-        )
-    nominal, corrected = calibrated(nominal, runs, dt, bank, settings)
-    notes += corrected
+    found = calibrated(nominal, runs, dt, bank, settings)
+    nominal, notes = found.nominal, list(found.notes)
     residuals = residuals_of(nominal, runs, dt, bank, settings)
     bandwidth = _bandwidth(_bound(residuals, settings), runs, settings)
     if (bandwidth < settings.bandwidth).any():
@@ -91,28 +99,64 @@ def learn_healthy_arm(
             f"{j} {g:.0f}/s" for j, g in zip(runs[0].joints, bandwidth, strict=True) if g < settings.bandwidth
         ]
         notes.append(f"slower filters because of sensor noise: {', '.join(slow)}")
-    bound = _bound(residuals, settings)
-    window = max(1, round(LEVEL_WINDOW / dt))
-    sign_width = np.maximum(NOISE_WIDTHS * velocity_noise(runs, dt), LEAST_SIGN_WIDTH)
-    level = np.max([_worst_window(r, window) for r in residuals], axis=0)
+    unseen = [
+        r for model, other in found.unseen for r in residuals_of(model, other, dt, bank, settings, bandwidth)
+    ]
     memory = np.array([_correlation_time([r[:, j] for r in residuals], dt) for j in range(nominal.robot.n)])
+    memory = np.maximum(memory, 1 / bandwidth)
+    sign_width = np.maximum(NOISE_WIDTHS * velocity_noise(runs, dt), LEAST_SIGN_WIDTH)
+    velocities = [aligned_velocity(run, dt) for run in runs]
+    moved = moving_time(velocities, sign_width, dt)
+    wider = growth(moved, memory)
+    bound = np.maximum(_bound(residuals, settings, wider), _bound(unseen or residuals, settings, wider))
+    bound = _unknown_without_motion(bound, moved, nominal.robot.limits.effort)
+    window = max(1, round(LEVEL_WINDOW / dt))
+    level = np.max([_worst_window(r, window) for r in residuals], axis=0)
+    torque = pooled([run.effort for run in runs])
+    notes += _what_was_missing(nominal, moved, wider, Sight(runs[0].joints, bound, torque))
     return HealthyArm(
         nominal=nominal,
         bandwidth=bandwidth,
         bound=bound,
         level=level,
-        memory=np.maximum(memory, 1 / bandwidth),
+        memory=memory,
         sign_width=sign_width,
         position_range=_range([run.position for run in runs]),
-        velocity_range=_range([aligned_velocity(run, dt) for run in runs]),
+        velocity_range=_range(velocities),
+        torque=torque,
         notes=tuple(notes),
     )
 
 
-def _bound(residuals: Sequence[Array], settings: MonitorSettings) -> Array:
-    """Return the bound of a healthy residual [N·m or N], shape (n,)."""
-    largest = np.max([np.abs(r).max(axis=0) for r in residuals], axis=0)
-    return np.asarray(np.maximum(settings.margin * largest, settings.noise_margin * pooled(residuals)))
+def _what_was_missing(nominal: Nominal, moved: Array, wider: Array, sight: Sight) -> list[str]:
+    """Return a sentence on each of: little motion, joints that did not move, joints that are blind."""
+    notes = []
+    if moved.max() < ENOUGH_DURATION:
+        notes.append(
+            f"only {moved.max():.2g} s of healthy motion: thresholds are up to {wider.max():.1f} × wider than from "
+            f"{REFERENCE_DURATION:.0f} s; give {ENOUGH_DURATION:.0f} s or more"
+        )
+    if unmoved := [j for j, seconds in zip(sight.joints, moved, strict=True) if seconds < LEAST_MOTION]:
+        notes.append(
+            f"less than {LEAST_MOTION:g} s of motion on {some(unmoved)}: its healthy residual is not known, and the "
+            "threshold is the effort limit; give healthy runs in which every joint moves"
+        )
+    if advice := blind_advice(sight.blind, bool(nominal.of_joints or nominal.others.terms)):
+        notes.append(advice)
+    return notes
+
+
+def _bound(residuals: Sequence[Array], settings: MonitorSettings, wider: Array | float = 1.0) -> Array:
+    """Return the bound of a healthy residual [N·m or N], shape (n,); only the largest residual grows with time."""
+    largest = np.abs(np.concatenate(residuals)).max(axis=0)
+    return np.asarray(
+        np.maximum(wider * settings.margin * largest, settings.noise_margin * pooled(residuals))
+    )
+
+
+def _unknown_without_motion(bound: Array, moved: Array, limit: Array) -> Array:
+    """Return the bound, at least the effort limit where a joint did not move; limits not stated are endless."""
+    return np.where((moved < LEAST_MOTION) & np.isfinite(limit), np.maximum(bound, limit), bound)
 
 
 def _bandwidth(bound: Array, runs: Sequence[Log], settings: MonitorSettings) -> Array:
@@ -147,6 +191,7 @@ def assumed_healthy_arm(
         sign_width=sign_width,
         position_range=np.array([limits.lower, limits.upper]),
         velocity_range=np.array([-limits.velocity, limits.velocity]),
+        torque=np.full(robot.n, np.nan),
     )
 
 
@@ -157,7 +202,7 @@ def _check(nominal: Nominal, runs: Sequence[Log]) -> float:
             raise LogError(
                 f"{run.source}: joints are {', '.join(run.joints)}; expected {', '.join(robot.joints)}"
             )
-    total = sum(r.duration for r in runs)
+    total = sum(r.duration for r in runs)  # of runs in which the filters settle
     if total < LEAST_DURATION:
         raise LogError(
             f"healthy runs of {total:.2g} s are too short to learn from; give {LEAST_DURATION:g} s or more"
@@ -166,12 +211,9 @@ def _check(nominal: Nominal, runs: Sequence[Log]) -> float:
         raise LogError(
             f"{runs[0].source}: nothing moves in the healthy runs; give runs in which the arm moves"
         )
-    rates = [r.rate for r in runs]
-    if max(rates) > RATE_SPREAD * min(rates):
-        raise LogError(f"healthy runs must share one rate, given {min(rates):.0f} to {max(rates):.0f} Hz")
     if len({r.velocity is None for r in runs}) > 1:
         raise LogError("either all healthy runs have velocities or none")
-    return 1.0 / float(np.median(rates))
+    return 1.0 / float(np.median([r.rate for r in runs]))
 
 
 def _worst_window(r: Array, window: int) -> Array:

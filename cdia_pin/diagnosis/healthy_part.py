@@ -1,9 +1,11 @@
-"""The healthy part of a log, from which a monitor learns if there are no runs of the healthy arm."""
+"""Parts of logs: the healthy part, if there are no runs of the healthy arm, and the halves of healthy motion."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
@@ -11,6 +13,7 @@ from cdia_pin.logs.log import Log
 HEALTHY_SHARE = 0.3  # [1], share of a log that is taken as healthy
 LEAST_HEALTHY = 5.0  # [s]; from less, thresholds come out too low
 MOST_HEALTHY = 20.0  # [s]; more teaches little, and hides faults that begin early
+LEAST_PIECE = 0.8  # [s], of a run that counts, or is cut: the slowest filter settles in 0.6 s
 
 
 def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:
@@ -33,6 +36,28 @@ def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:
             "monitor; give runs of the healthy arm with --healthy"
         )
     return log.slice(0, begin), log.slice(begin, len(log.time))
+
+
+def halves(runs: Sequence[Log]) -> tuple[tuple[Log, ...], tuple[Log, ...]]:
+    """Return the first and the second half of the motion of several runs; at most one run is cut.
+
+    Args:
+        runs: Two seconds or more together.
+    """
+    left = 0.5 * sum(run.duration for run in runs)  # [s], that the first half still lacks
+    first: list[Log] = []
+    second: list[Log] = []
+    for run in runs:
+        if left <= LEAST_PIECE:
+            second.append(run)
+        elif run.duration - left < LEAST_PIECE:
+            first.append(run)
+        else:
+            cut = int(np.searchsorted(run.time, run.time[0] + left))
+            first.append(run.slice(0, cut))
+            second.append(run.slice(cut, len(run.time)))
+        left -= run.duration
+    return tuple(first), tuple(second)
 
 
 def alike(logs: Sequence[Log], velocity: bool, announced: list[str]) -> list[Log]:

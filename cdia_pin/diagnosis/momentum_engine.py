@@ -18,6 +18,7 @@ from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.residuals import SETTLING
+from cdia_pin.diagnosis.sight import JointSight
 from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
 from cdia_pin.diagnosis.tick_flags import ABSENT, ALARM, BAD
 from cdia_pin.diagnosis.whole_arm.arm_monitor import ArmMonitor
@@ -44,7 +45,7 @@ class MomentumEngine:
         settings: Settings of the monitor.
         healthy: Runs of the healthy arm, from which thresholds are learned.
         threshold: η₀ of each joint [N·m or N], if there are no healthy runs.
-        rate: Ticks per second [Hz], if there are no healthy runs.
+        rate: Ticks per second [Hz]; that of the healthy runs if omitted.
         position_only: Whether `update` gets no velocities, if there are no healthy runs.
 
     Raises:
@@ -67,7 +68,7 @@ class MomentumEngine:
         nominal = Nominal.of(model)
         if healthy:
             self.healthy: HealthyArm = learn_healthy_arm(nominal, healthy, bank, settings)
-            rate = float(np.median([run.rate for run in healthy]))
+            rate = rate or float(np.median([run.rate for run in healthy]))
             position_only = healthy[0].velocity is None
         elif threshold is not None and rate:
             self.healthy = assumed_healthy_arm(nominal, threshold, settings)
@@ -109,6 +110,7 @@ class MomentumEngine:
         self.arm = ArmMonitor(self.observer, bank, self.healthy, learned.contact, settings)
         self._offset = nominal.offset if nominal.offset.any() else None
         self._limit = robot.limits.effort
+        self._blind = self.healthy.sight.blind
         self._zero = np.zeros(robot.n)
         self.events: list[Event] = []
         self.reset()
@@ -185,6 +187,11 @@ class MomentumEngine:
     def notes(self) -> tuple[str, ...]:
         """What healthy runs taught, one sentence each."""
         return self.healthy.notes
+
+    @property
+    def sight(self) -> dict[str, JointSight]:
+        """Threshold and healthy torque of each joint, by its name."""
+        return self.healthy.sight.to_dict()
 
     # ------------------------------------------------------------- ticks that need attention
 
@@ -319,9 +326,8 @@ class MomentumEngine:
         correction = self._zero
         if self._corrects:
             correction = np.minimum(np.maximum(o.addition + self._carried_torque, -self._limit), self._limit)
-        return Status(
-            t, self._stages, o.residual.copy(), o.threshold.copy(), correction, self._faults, events
-        )
+        residual, threshold = o.residual.copy(), o.threshold.copy()
+        return Status(t, self._stages, residual, threshold, correction, self._faults, events, self._blind)
 
 
 def _parameter_bounds(bank: Bank, nominal: Nominal) -> tuple[Array, Array]:

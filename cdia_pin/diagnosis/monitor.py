@@ -12,11 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from cdia_pin.diagnosis.bank import DEFAULT_BANK, Bank
 from cdia_pin.diagnosis.engines import ENGINES, Knowledge
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.sight import JointSight
 from cdia_pin.diagnosis.status import Event, Status
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import JointEffect, Term
 from cdia_pin.errors import LogError, ModelError, unknown_name
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.resampling import resampled, thinned
 from cdia_pin.version import __version__
 
 if TYPE_CHECKING:
@@ -24,7 +26,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-RATE_SPREAD = 1.2  # [1], rate of a log over the monitor's, and its inverse: thresholds depend on the rate
+# [1], largest ratio of two rates that count as one: the medians of one recorder's rates differ by less, and noise of a
+# residual changes by 2 %
+SAME_RATE = 1.05
 PROGRESS_EVERY = 500  # samples between two reports of a replay's progress
 
 
@@ -56,6 +60,7 @@ class MonitorRecord(TypedDict):
         healthy: Sources of the healthy runs.
         rate: Ticks per second [Hz]; None if it was not given.
         notes: What healthy runs taught, one sentence each.
+        sight: Threshold and torque of each joint, by its name; empty where thresholds are no torques.
         log: Source of the log, of a replay.
         loop: Settings of the loop, of a closed loop.
     """
@@ -68,6 +73,7 @@ class MonitorRecord(TypedDict):
     healthy: list[RunSource]
     rate: float | None
     notes: list[str]
+    sight: dict[str, JointSight]
     log: NotRequired[RunSource]
     loop: NotRequired[dict[str, Any]]
 
@@ -82,9 +88,9 @@ class Monitor:
 
     Args:
         model: The healthy arm.
-        healthy: Runs of the healthy arm at the rate of the ticks, from which thresholds are learned.
+        healthy: Runs of the healthy arm, from which thresholds are learned; those of another rate are resampled.
         threshold: Largest healthy residual of each joint [N·m or N], if there are no healthy runs.
-        rate: Ticks per second [Hz], if there are no healthy runs.
+        rate: Ticks per second [Hz]; the median rate of the healthy runs if omitted.
         position_only: Whether `update` gets no velocities, if there are no healthy runs.
         bank: Known effects; each is tested on every joint.
         engine: ``momentum``, or ``thesis`` for the scheme of [Thesis].
@@ -96,7 +102,7 @@ class Monitor:
     Raises:
         ModelError: If neither or both of runs and thresholds are given, the engine is unknown, or the settings
             belong to another engine.
-        LogError: If the runs are too short or differ in rate.
+        LogError: If the runs are too short.
         EffectError: If the bank holds something other than effects of one joint.
     """
 
@@ -119,10 +125,16 @@ class Monitor:
         if healthy and threshold is not None:
             raise ModelError("a monitor takes healthy runs or a threshold, not both")
         self.model, self.bank = model, bank if isinstance(bank, Bank) else Bank.of(model.robot, bank)
-        self.rate = float(np.median([run.rate for run in healthy])) if healthy else rate
+        self.rate = rate or (float(np.median([run.rate for run in healthy])) if healthy else None)
+        runs = [self.at_rate(run, healthy=True) for run in healthy]
+        said = [
+            f"{run.source}: {run.notes[-1]}"
+            for run, given in zip(runs, healthy, strict=True)
+            if run is not given
+        ]
         self._shape = (model.robot.n,)
         self._limit = model.robot.limits.effort
-        known = Knowledge(tuple(healthy), threshold, rate, position_only)
+        known = Knowledge(tuple(runs), threshold, self.rate, position_only)
         self.engine, used = ENGINES[engine](model, self.bank, settings, known)
         self.record: MonitorRecord = {
             "version": __version__,
@@ -132,7 +144,8 @@ class Monitor:
             "model": [term.label for term in model.terms],
             "healthy": [{"source": r.source, "sha256": r.sha256, "duration": r.duration} for r in healthy],
             "rate": self.rate,
-            "notes": list(self.engine.notes),
+            "notes": [*said, *self.engine.notes],
+            "sight": self.engine.sight,
         }
 
     def __repr__(self) -> str:
@@ -202,6 +215,20 @@ class Monitor:
         """Return to the start; what healthy runs taught stays."""
         self.engine.reset()
 
+    def at_rate(self, log: Log, *, healthy: bool = False) -> Log:
+        """Return a log at the rate of the ticks: itself, or resampled, which its last note says.
+
+        Args:
+            log: Any log.
+            healthy: Whether thresholds are learned from it; a faster one then keeps the noise of its samples.
+
+        Raises:
+            LogError: If most of the log is gaps.
+        """
+        if not self.rate or 1 / SAME_RATE < log.rate / self.rate < SAME_RATE:
+            return log
+        return (thinned if healthy and log.rate > self.rate else resampled)(log, self.rate)
+
     def replay(
         self,
         log: Log,
@@ -211,23 +238,19 @@ class Monitor:
         """Feed a log sample by sample, as a loop would, and return the events.
 
         Args:
-            log: At the rate of the healthy runs.
+            log: Resampled first, if its rate is not that of the ticks.
             watch: Gets the status after each sample.
             progress: Gets the share that is done [1], from time to time.
 
         Raises:
-            LogError: If the log is of other joints, or at another rate.
+            LogError: If the log is of other joints, or has to be resampled and is mostly gaps.
         """
         if log.joints != self.model.robot.joints:
             expected = ", ".join(self.model.robot.joints)
             raise LogError(f"{log.source}: joints are {', '.join(log.joints)}; expected {expected}")
         self.reset()
+        log = self.at_rate(log)
         count = len(log.time)
-        if self.rate and not 1 / RATE_SPREAD < log.rate / self.rate < RATE_SPREAD:
-            raise LogError(
-                f"{log.source}: {log.rate:.4g} Hz, but the monitor's thresholds are for {self.rate:.4g} Hz; give a "
-                "log and healthy runs of the same rate"
-            )
         for k in range(count):
             v = None if log.velocity is None else log.velocity[k]
             status = self.update(float(log.time[k]), log.position[k], v, log.effort[k])

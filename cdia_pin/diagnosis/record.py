@@ -13,6 +13,7 @@ from cdia_pin import schemas
 from cdia_pin.diagnosis.engines import EngineName
 from cdia_pin.diagnosis.journal import BelievedFaults, Journal, Look
 from cdia_pin.diagnosis.monitor import Monitor, MonitorRecord
+from cdia_pin.diagnosis.sight import blind_joints
 from cdia_pin.diagnosis.status import Event, EventDict, FaultDict, Stage, Status, fault_to_dict
 from cdia_pin.effects import Term
 from cdia_pin.logs.log import Log
@@ -92,6 +93,11 @@ class MonitorRun:
         """Whether residuals are torques; otherwise they are velocities."""
         return self.record["engine"] != EngineName.THESIS
 
+    @property
+    def blind(self) -> tuple[str, ...]:
+        """Names of the joints whose threshold is too wide to see a fault of 30 % of their torque."""
+        return tuple(blind_joints(self.record["sight"]))
+
     def tracking_rms(self, since: float = -np.inf) -> dict[str, float]:
         """Return the RMS of position less desired position of each joint [rad or m]; empty without reference.
 
@@ -165,7 +171,7 @@ class Recorder:
         """Return what has been recorded.
 
         Args:
-            **record: Entries added to the monitor's own record, ``log`` or ``loop``.
+            **record: Entries added to the monitor's own record, ``log``, ``loop`` or ``notes``.
         """
         monitor, n = self._monitor, len(self._nothing)
         rows = np.frombuffer(bytes(self._rows)).reshape(-1, 1 + SIGNALS * n)
@@ -197,21 +203,24 @@ def replay(
 
     Args:
         monitor: Returned to its start first.
-        log: At the rate of the healthy runs.
+        log: Resampled first, if its rate is not that of the monitor, which a note of the record says.
         rate: Rate of the ticks that are kept [Hz].
         progress: Gets the share that is done [1], from time to time.
 
     Raises:
-        LogError: If the log is of other joints, or at another rate.
+        LogError: If the log is of other joints, or has to be resampled and is mostly gaps.
     """
     recorder = Recorder(monitor, rate)
+    even = monitor.at_rate(log)
+    said = [] if even is log else [f"{log.source}: {even.notes[-1]}"]
     k = -1
 
     def watch(status: Status) -> None:
         nonlocal k
         k += 1
-        v = None if log.velocity is None else log.velocity[k]
-        recorder(status, log.position[k], v, log.effort[k])
+        v = None if even.velocity is None else even.velocity[k]
+        recorder(status, even.position[k], v, even.effort[k])
 
-    monitor.replay(log, watch, progress)
-    return recorder.finish(log={"source": log.source, "sha256": log.sha256, "rate": log.rate})
+    monitor.replay(even, watch, progress)
+    source = {"source": log.source, "sha256": log.sha256, "rate": log.rate}
+    return recorder.finish(log=source, notes=[*said, *monitor.record["notes"]])

@@ -66,7 +66,9 @@ def residual_along(observer: MomentumObserver, alignment: Alignment, run: Log) -
         begin = t if begin is None else begin
         if t - begin > SETTLING / observer.bandwidth.min():
             out.append(observer.residual.copy())
-    return np.array(out)
+    return np.array(out).reshape(
+        -1, run.position.shape[1]
+    )  # also of a run that ends before the filter settles
 
 
 def velocity_noise(runs: Sequence[Log], dt: float) -> Array:

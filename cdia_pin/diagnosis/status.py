@@ -128,6 +128,7 @@ class Status:
         torque_correction: Torque to add to the nominal one, so that the arm moves as if healthy [N·m or N].
         faults: Believed faults with their parameters.
         events: Changes at this tick; mostly none.
+        blind: Names of the joints whose threshold is too wide to see a fault of 30 % of their torque.
     """
 
     time: float
@@ -137,6 +138,7 @@ class Status:
     torque_correction: Array
     faults: tuple[Term, ...] = ()
     events: tuple[Event, ...] = ()
+    blind: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return (

@@ -45,6 +45,17 @@ def uniform(log: Log) -> Log:
     if np.abs(log.time - even).max() <= UNIFORM_TOLERANCE * mean_period:
         return log
     time = log.time[0] + period * np.arange(count)
+    said = f"resampled from {len(log.time)} samples to a uniform grid of {count} at {log.rate:.4g} Hz"
+    return sampled_at(log, time).noted(said)
+
+
+def sampled_at(log: Log, time: Array) -> Log:
+    """Return a log at other times: positions by Akima's cubic, the rest linearly.
+
+    Args:
+        log: Any log.
+        time: Times within the log, increasing [s], shape (K,).
+    """
     velocity, temperature = (
         None if s is None else _linear(time, log.time, s) for s in (log.velocity, log.temperature)
     )
@@ -55,7 +66,7 @@ def uniform(log: Log) -> Log:
         velocity=velocity,
         effort=_linear(time, log.time, log.effort),
         temperature=temperature,
-    ).noted(f"resampled from {len(log.time)} samples to a uniform grid of {count} at {log.rate:.4g} Hz")
+    )
 
 
 def zero_phase(signal: ArrayLike, cutoff: float, rate: float, *, order: int = 4) -> Array:

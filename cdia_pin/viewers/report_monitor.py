@@ -25,7 +25,7 @@ from cdia_pin.viewers.report_isolation import (
 from cdia_pin.viewers.report_scene import scene_of_run
 from cdia_pin.viewers.report_series import Numbers, compact, compact_one, extremes
 from cdia_pin.viewers.stage_colours import STAGE_COLOURS, STAGE_WORDS
-from cdia_pin.viewers.text_monitor import run_summary
+from cdia_pin.viewers.text_monitor import run_summary, share_words
 from cdia_pin.viewers.words import joint_units, short_names
 
 if TYPE_CHECKING:
@@ -43,7 +43,10 @@ class StageWords(TypedDict):
 
 
 class MonitoredJoint(TypedDict):
-    """What the page shows of a joint; ``usual`` is the median threshold, ``largest`` the largest residual."""
+    """What the page shows of a joint; ``usual`` is the median threshold, ``largest`` the largest residual.
+
+    ``share`` is the threshold's share of the RMS torque of healthy motion, in words.
+    """
 
     name: str
     short: str
@@ -60,6 +63,8 @@ class MonitoredJoint(TypedDict):
     parameters: list[ParameterHistory]
     against: AgainstMotion | None
     usual: float | None
+    share: str
+    blind: bool
     largest: float | None
     believed: list[str]
 
@@ -178,7 +183,7 @@ def monitor_data(
         if tracking is None
         else {"since": since, "runs": {name: compact(rms) for name, rms in tracking.items()}},
         "notes": run.record.get("notes", []),
-        "record": {k: v for k, v in run.record.items() if k not in ("notes", "version")},
+        "record": {k: v for k, v in run.record.items() if k not in ("notes", "sight", "version")},
     }
 
 
@@ -206,6 +211,8 @@ def _joint(run: MonitorRun, x: State, j: int, present: Sequence[Term], points: i
         "parameters": parameters(run, j, present),
         "against": against_motion(run, x, j, points),
         "usual": compact_one(float(np.median(limit))),
+        "share": share_words(run.record["sight"].get(joint)),
+        "blind": joint in run.blind,
         "largest": compact_one(float(np.abs(run.residual[:, j]).max())),
         "believed": [fault_words(t, run.robot) for t in run.faults if joint in t.effect.scope],
     }

@@ -12,7 +12,7 @@ from cdia_pin.diagnosis.record import STAGES
 from cdia_pin.diagnosis.status import Stage
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.event_words import EventRow, event_rows, fault_words
-from cdia_pin.viewers.words import joint_units, listed, number, short_names, with_unit
+from cdia_pin.viewers.words import joint_units, listed, number, percent, short_names, with_unit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from cdia_pin.diagnosis import MonitorRun
+    from cdia_pin.diagnosis.sight import JointSight
     from cdia_pin.robot.model import RobotModel
 
 STYLES = {"detection": "yellow", "isolation": "cyan", "idle": "green"}
@@ -39,13 +40,15 @@ def events_table(run: MonitorRun) -> Table:
 
 
 def joints_table(run: MonitorRun) -> Table:
-    """Return threshold, largest residual, last stage and faults of each joint.
+    """Return threshold and its share of the healthy torque, largest residual, last stage and faults of each joint.
 
     Args:
         run: Of a replay or a closed loop.
     """
-    table = new_table("joint", "threshold", "largest residual", "at the end", "fault", left=(0, 3, 4))
+    heads = ("joint", "threshold", "of torque", "largest residual", "at the end", "fault")
+    table = new_table(*heads, left=(0, 4, 5))
     short = short_names(run.joints)
+    sight = run.record["sight"]
     for j, joint in enumerate(run.joints):
         unit = joint_units(run.robot, joint)["load" if run.in_torque else "velocity"]
         believed = [fault_words(t, run.robot) for t in run.faults if joint in t.effect.scope]
@@ -53,11 +56,31 @@ def joints_table(run: MonitorRun) -> Table:
             table,
             short[joint],
             with_unit(number(float(np.median(run.threshold[:, j]))), unit),
+            share_words(sight.get(joint)),
             with_unit(number(float(np.abs(run.residual[:, j]).max())), unit),
-            str(STAGES[run.stages[-1, j]]),
+            stage_words(STAGES[run.stages[-1, j]], joint in run.blind),
             "\n".join(believed) or "–",
         )
     return table
+
+
+def share_words(sight: JointSight | None) -> str:
+    """Return a threshold's share of the RMS torque of healthy motion, as ``12 %``.
+
+    Args:
+        sight: What is known of the joint, if anything.
+    """
+    return "–" if sight is None or sight["share"] is None else percent(sight["share"])
+
+
+def stage_words(stage: str, blind: bool) -> str:
+    """Return a joint's stage, with the word ``blind`` where a fault could go unseen.
+
+    Args:
+        stage: The stage.
+        blind: Whether the joint is blind.
+    """
+    return f"{stage}, blind" if blind else str(stage)
 
 
 def tracking_table(robot: RobotModel, tracking: Mapping[str, NDArray[np.float64]], since: float) -> Table:
@@ -87,21 +110,24 @@ def _milli(value: float, unit: str) -> str:
 
 
 def run_summary(run: MonitorRun) -> str:
-    """Return what happened in a run, in one or two sentences.
+    """Return what happened in a run, in one to three sentences.
 
     Args:
         run: Of a replay or a closed loop.
     """
     seen = dict.fromkeys(j for e in run.events if e.stage == "detection" for j in e.joints)
     span = f"{run.time[-1] - run.time[0]:.4g} s"
+    everywhere = len(run.blind) == len(run.joints)
+    blind = f" Blind: {'all joints' if everywhere else listed(run.blind)}." if run.blind else ""
     if not seen:
-        return f"No residual left its threshold in {span}."
+        return f"No residual left its threshold in {span}.{blind}"
     first = min(e.time for e in run.events if e.stage == "detection")
     believed = [fault_words(t, run.robot, joint=True) for t in run.faults]
     end = f"At the end: {listed(believed)}." if believed else "No fault remains."
     open_ = [j for k, j in enumerate(run.joints) if STAGES[run.stages[-1, k]] is Stage.DETECTED]
     undecided = f" The fault on {listed(open_)} is not isolated yet." if open_ else ""
-    return f"In {span} the residual left its threshold on {listed(seen)}, first at {first:.3f} s. {end}{undecided}"
+    left = f"In {span} the residual left its threshold on {listed(seen)}, first at {first:.3f} s."
+    return f"{left} {end}{undecided}{blind}"
 
 
 def _said(row: EventRow) -> Text:

@@ -136,15 +136,33 @@ def test_bad_settings_are_one_line(cdia, folder, arguments, said):
     assert said in cdia("monitor", folder / "run.csv", *ROBOT, "--no-check", *arguments).error
 
 
-def test_another_rate_is_one_line(cdia, folder):
+def test_healthy_runs_of_another_rate_are_resampled(cdia, folder):
     log = read_log(folder / "run.csv", load_robot("double_pendulum"))
     slow = Log(log.joints, log.time[::2], log.position[::2], log.effort[::2], log.velocity[::2])
     write_log(slow, folder / "slow.csv")
-    told = cdia(
-        "monitor", folder / "slow.csv", *ROBOT, *BANK, "--no-check", "--healthy", folder / "healthy.csv"
-    ).error
-    assert "125 Hz" in told
-    assert "250 Hz" in told
+    arguments = (
+        "monitor",
+        folder / "slow.csv",
+        *ROBOT,
+        *BANK,
+        "--no-check",
+        "--healthy",
+        folder / "healthy.csv",
+    )
+    told = cdia(*arguments)
+    assert "healthy.csv: thinned from 250 Hz to 125 Hz" in " ".join(told.out.split())
+    found = cdia(*arguments, "--json", "-").json
+    assert found["events"][0]["time"] == pytest.approx(7.0, abs=0.2)
+    assert found["record"]["rate"] == pytest.approx(125.0)
+
+
+def test_what_it_can_see_is_in_the_document(watched):
+    sight = json.loads(watched[1]["found.json"].read_text(encoding="utf-8"))["record"]["sight"]
+    assert list(sight) == ["joint1", "joint2"]
+    for joint in sight.values():
+        assert joint["share"] == pytest.approx(joint["threshold"] / joint["torque_rms"])
+        assert joint["blind"] == (joint["share"] > 0.3)
+    assert "of torque" in watched[0]
 
 
 def test_a_log_must_not_be_overwritten(cdia, folder):

@@ -111,6 +111,49 @@ def test_a_given_threshold_is_the_bound() -> None:
     )
 
 
+def test_thresholds_stand_beside_the_torque_of_the_runs(learned, first: Log) -> None:
+    np.testing.assert_allclose(learned.torque, np.sqrt(np.mean(first.effort**2, axis=0)))
+    assert learned.sight.blind == ()
+
+
+# ---------------------------------------------------------------- little healthy motion
+
+
+def test_from_a_few_seconds_thresholds_are_wider_and_say_so(learned, first: Log, other: Log) -> None:
+    brief = first.slice(0, 3500)
+    short = learn_healthy_arm(NOMINAL, [brief], BANK, MonitorSettings())
+    r = residuals(short.nominal, other, short.bandwidth)
+    assert (np.abs(r).max(axis=0) < short.bound).all()
+    # What the same seconds gave alone: the margins over the residual of the motion that was fitted.
+    alone = residuals(short.nominal, brief, short.bandwidth)
+    least = np.maximum(1.3 * np.abs(alone).max(axis=0), 6 * np.sqrt(np.mean(alone**2, axis=0)))
+    assert (short.bound >= 0.999 * least).all()
+    assert np.mean(short.bound / least) > 1.1
+    (note,) = [n for n in short.notes if "of healthy motion" in n and n.startswith("only")]
+    assert "× wider than from 120 s" in note
+
+
+def test_a_joint_that_did_not_move_has_its_effort_limit_as_threshold(first: Log) -> None:
+    position, velocity = first.position.copy(), first.velocity.copy()
+    position[:, 2], velocity[:, 2] = position[0, 2], 0.0
+    still = replace(first, position=position, velocity=velocity)
+    healthy = learn_healthy_arm(NOMINAL, [still], BANK, MonitorSettings(calibrate=False))
+    assert healthy.bound[2] == ROBOT.limits.effort[2]
+    assert ROBOT.joints[2] in healthy.sight.blind
+    assert any(n.startswith("less than 1 s of motion on elbow_joint:") for n in healthy.notes)
+    assert any(n.startswith("blind on") for n in healthy.notes)
+
+
+def test_masses_that_do_not_explain_the_other_half_are_not_corrected(first: Log) -> None:
+    """The torques of the second half are those of an arm whose masses differ the other way."""
+    half = len(first.time) // 2
+    inertial = ROBOT.inverse_dynamics(first.position, first.velocity, np.gradient(first.velocity, DT, axis=0))
+    sign = np.where(np.arange(len(first.time)) < half, 0.05, -0.05)[:, None]
+    run = replace(first, effort=inertial * (1 + sign))
+    healthy = learn_healthy_arm(NOMINAL, [run], BANK, MonitorSettings())
+    np.testing.assert_array_equal(healthy.nominal.robot.inertial_parameters, ROBOT.inertial_parameters)
+
+
 # ---------------------------------------------------------------- rejected runs
 
 
@@ -132,15 +175,17 @@ def test_several_short_runs_are_enough_together(first: Log) -> None:
     assert np.isfinite(learn_healthy_arm(NOMINAL, parts, BANK, MonitorSettings(calibrate=False)).bound).all()
 
 
+def test_runs_in_which_no_filter_settles_do_not_count(first: Log) -> None:
+    scraps = [first.slice(k, k + 500) for k in range(0, 5000, 500)]
+    with pytest.raises(LogError, match="too short"):
+        learn_healthy_arm(NOMINAL, scraps, BANK, MonitorSettings())
+    usable = [*scraps, first.slice(5000, 8000)]
+    assert np.isfinite(learn_healthy_arm(NOMINAL, usable, BANK, MonitorSettings()).bound).all()
+
+
 def test_runs_of_other_joints_are_refused(first: Log) -> None:
     with pytest.raises(LogError, match="joints are"):
         learn_healthy_arm(NOMINAL, [replace(first, joints=first.joints[::-1])], BANK, MonitorSettings())
-
-
-def test_runs_of_several_rates_are_refused(first: Log) -> None:
-    slow = replace(first, time=2 * first.time)
-    with pytest.raises(LogError, match="one rate"):
-        learn_healthy_arm(NOMINAL, [first, slow], BANK, MonitorSettings())
 
 
 def test_runs_with_and_without_velocities_are_not_mixed(first: Log) -> None:

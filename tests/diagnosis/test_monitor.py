@@ -192,12 +192,38 @@ def test_neither_runs_nor_threshold_is_an_error(loop):
         Monitor(loop.model)
 
 
-def test_a_log_at_another_rate_is_an_error(live):
+def every_other(log):
+    return Log(log.joints, log.time[::2], log.position[::2], log.effort[::2], log.velocity[::2])
+
+
+def test_a_log_at_another_rate_is_resampled_and_says_so(live):
     monitor, ran = live
-    every = np.s_[::2]
-    slow = Log(ran.log.joints, ran.log.time[every], ran.log.position[every], ran.log.effort[every])
-    with pytest.raises(LogError, match=r"250 Hz.*500 Hz"):
-        monitor.replay(slow)
+    run = replay(monitor, every_other(ran.log))
+    first = next(e for e in run.events if e.stage == "detection")
+    assert 2.0 < first.time < 2.6
+    assert run.record["notes"][0] == "memory: resampled from 250 Hz to 500 Hz"
+    assert run.record["log"]["rate"] == pytest.approx(250.0)
+
+
+def test_healthy_runs_of_another_rate_are_resampled_and_say_so(loop):
+    ran = loop.run(loop.motion(0, 7.0), [parse_term(FAULT)])
+    fast = loop.run(loop.motion(5, 12.0), noise=5).log
+    slow = every_other(loop.run(loop.motion(6, 12.0), noise=6).log)
+    for log in (ran.log, every_other(ran.log)):
+        monitor = Monitor(loop.model, healthy=[fast, slow], rate=log.rate, bank=BANK)
+        assert monitor.rate == log.rate
+        assert sum("Hz to" in note for note in monitor.record["notes"]) == 1
+        first = next(e for e in monitor.replay(log) if e.stage == "detection")
+        assert 2.0 < first.time < 2.5
+
+
+def test_a_faster_healthy_run_keeps_its_noise(loop):
+    """A log that was recorded at half the rate has the noise of each sample, and passes no threshold."""
+    healthy = [loop.run(loop.motion(5 + k, 20.0), noise=5 + k).log for k in range(2)]
+    log = every_other(loop.run(loop.motion(0, 20.0)).log)
+    monitor = Monitor(loop.model, healthy=healthy, rate=log.rate, bank=BANK)
+    assert monitor.replay(log) == ()
+    assert any("thinned from 500 Hz to 250 Hz" in note for note in monitor.record["notes"])
 
 
 def test_a_log_of_other_joints_is_an_error(live):

@@ -65,6 +65,10 @@ def a_run(count=500):
         "bank": ["coulomb_friction", "load_friction"],
         "healthy": [],
         "notes": ["a note"],
+        "sight": {
+            joint: {"threshold": 1.0, "torque_rms": 1.0 / share, "share": share, "blind": share > 0.3}
+            for joint, share in zip(robot.joints, (0.12, 0.1, 0.1, 0.45), strict=True)
+        },
     }
     return MonitorRun(
         robot, time, signal, np.ones((count, 4)), stages, 0.1 * signal, signal, signal, signal, signal + 0.01,
@@ -94,6 +98,8 @@ def test_what_is_in_the_page_is_what_was_collected(page):
     assert found["joints"][0]["stages"][1][:2] == pytest.approx([13.0, 14.0], abs=0.03)
     assert found["tracking"]["runs"]["faulty"] == [None] * 4
     assert found["joints"][3]["units"]["residual"] == "N"
+    assert [j["blind"] for j in found["joints"]] == [False, False, False, True]
+    assert found["joints"][3]["share"] == "45\u00a0%"
     assert found["joints"][0]["believed"] == ["coulomb friction: level 4.00 ± 0.20\u00a0N·m"]
 
 
@@ -160,7 +166,8 @@ def test_an_hour_still_fits(tmp_path):
 
 
 def test_the_velocity_error_of_the_thesis_has_its_own_unit(run):
-    other = replace(run, record={**run.record, "engine": "thesis"})
+    other = replace(run, record={**run.record, "engine": "thesis", "sight": {}})
+    assert monitor_data(other)["joints"][3]["share"] == "–"
     assert monitor_data(other)["joints"][0]["units"]["residual"] == "rad/s"
 
 
@@ -192,13 +199,17 @@ def test_the_terminal_says_the_same(run):
     assert "<differently>" in text
     assert "2.00 ×" in text
     assert "1000 mrad" in text
+    assert "45 %" in text
+    assert "healthy, blind" in text
 
 
 def test_the_summary_is_a_sentence(run):
     said = run_summary(run)
     assert said.startswith("In 10 s the residual left its threshold on joint1, first at 13.000 s.")
     assert "coulomb friction on joint1" in said
-    assert run_summary(replace(run, events=(), faults=())) == "No residual left its threshold in 10 s."
+    assert run_summary(replace(run, events=(), faults=())) == (
+        "No residual left its threshold in 10 s. Blind: joint4."
+    )
 
 
 def test_every_stage_has_a_colour_of_its_own():

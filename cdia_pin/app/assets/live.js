@@ -11,7 +11,7 @@ export default {
     if (globalThis.Charts) Charts.clear(this.$el);
   },
   methods: {
-    // joints: [{name, short, unit}], stages: [{name, colour, words}]
+    // joints: [{name, short, unit, blind}], stages: [{name, colour, words}]
     async begin(joints, stages) {
       await this.ready;
       const { h } = Cdia, [tiles, chart] = this.$el.children;
@@ -19,7 +19,8 @@ export default {
       this.tiles = joints.map((joint, k) => {
         const stage = h("span", { class: "numbers" }, "–"), level = h("i", { class: "one" });
         const node = h("button", { type: "button", class: "tile live", "data-mark": "live-tile-" + joint.name, onclick: () => this.choose(k, true) },
-          h("span", { class: "name" }, joint.short), stage, h("span", { class: "bar", "aria-hidden": "true" }, level, h("em", {})));
+          h("span", { class: "name" }, joint.short), stage,
+          joint.blind ? h("span", { class: "name", title: "a fault of 30 % of its torque could not be seen" }, "blind") : null, h("span", { class: "bar", "aria-hidden": "true" }, level, h("em", {})));
         return { node, stage, level };
       });
       tiles.replaceChildren(...this.tiles.map((t) => t.node));
@@ -53,9 +54,10 @@ export default {
         const stage = this.stages[piece.stage[last][k]], level = Math.abs(piece.residual[last][k]) / piece.threshold[last][k];
         if (tile.node.dataset.stage !== stage.name) {
           tile.node.dataset.stage = stage.name;
+          const blind = this.joints[k].blind ? ", blind" : "";
           tile.stage.textContent = stage.name;
           tile.node.style.setProperty("--stage", stage.colour);
-          tile.node.setAttribute("aria-label", this.joints[k].name + ": " + stage.name + (stage.words ? ", " + stage.words : ""));
+          tile.node.setAttribute("aria-label", this.joints[k].name + ": " + stage.name + blind + (stage.words ? ", " + stage.words : ""));
         }
         tile.level.style.width = 100 * Math.min(level / 2, 1) + "%"; // the mark in the middle is the threshold
       });

@@ -13,7 +13,7 @@ const named = (p) => p.effect + ": " + p.name;
 
 function head() {
   const fact = (label, ...value) => h("li", {}, label + " ", value);
-  const r = DATA.record, found = DATA.events.some((e) => e.stage === "detection");
+  const r = DATA.record, blind = DATA.joints.some((j) => j.blind), found = DATA.events.some((e) => e.stage === "detection");
   return h("header", {},
     h("h1", {}, DATA.title),
     h("ul", { class: "facts" },
@@ -26,7 +26,7 @@ function head() {
       fact("cdia-pin", h("b", {}, DATA.version))),
     DATA.command ? h("pre", {}, h("code", {}, DATA.command)) : null,
     h("section", { class: "card verdict" }, h("div", {},
-      h("span", { class: "chip " + (found ? "warn" : "good") }, found ? "a change was detected" : "nothing was detected"),
+      h("span", { class: "chip " + (found || blind ? "warn" : "good") }, found ? "a change was detected" : "nothing was detected"),
       h("p", { class: "first" }, DATA.summary), DATA.notes.map((n) => h("p", { class: "soft" }, n)))));
 }
 
@@ -59,11 +59,13 @@ function events() {
 }
 
 function believed() {
-  const rows = DATA.joints.map((j) => [j.name, right("td", withUnit(j.usual, j.units.residual)), right("td", withUnit(j.largest, j.units.residual)),
-    h("td", {}, h("span", { class: "dot", style: "background:var(--stage-" + j.stages[j.stages.length - 1][2] + ")" }), j.stages[j.stages.length - 1][2]),
+  const last = (j) => j.stages[j.stages.length - 1][2];
+  const rows = DATA.joints.map((j) => [j.name, right("td", withUnit(j.usual, j.units.residual)), right("td", j.share), right("td", withUnit(j.largest, j.units.residual)),
+    h("td", {}, h("span", { class: "dot", style: "background:var(--stage-" + last(j) + ")" }), last(j), j.blind ? h("b", {}, ", blind") : null),
     h("td", {}, j.believed.length ? j.believed.map((b) => h("div", {}, h("b", {}, b))) : h("span", { class: "soft" }, "–"))]);
   return h("section", {}, h("h2", {}, "At the end"),
-    h("div", { class: "card" }, table(["joint", right("th", "threshold"), right("th", "largest residual"), "stage", "fault, ± 95 %"], rows)));
+    h("p", { class: "lead" }, "Thresholds also as a share of the RMS torque of healthy motion. Above 30 % a joint is blind."),
+    h("div", { class: "card" }, table(["joint", right("th", "threshold"), right("th", "of torque"), right("th", "largest residual"), "stage", "fault, ± 95 %"], rows)));
 }
 
 function tracking() {
@@ -159,7 +161,7 @@ function record() {
     h("details", {}, h("summary", {}, "Engine, settings and healthy runs"),
       h("div", {}, table(null, Object.entries(DATA.record).map(([k, v]) => [h("td", { class: "soft", style: "width:24%" }, k.replaceAll("_", " ")), h("td", {}, text(v))])))),
     h("details", {}, h("summary", {}, "Words used on this page"), h("div", {},
-      h("p", {}, "Residual: the torque that the model lacks to explain the motion, through a filter that needs no accelerations. Beyond its threshold no healthy run has been. Modelled torque: measured torque plus residual."),
+      h("p", {}, "Residual: the torque that the model lacks to explain the motion, through a filter that needs no accelerations. Beyond its threshold no healthy run has been. A joint is blind where the threshold exceeds 30 % of the RMS torque of healthy motion. Modelled torque: measured torque plus residual."),
       h("p", {}, "Isolation: every combination of the known effects is tested against the residual since the detection. Accommodation: the control torque compensates the isolated fault. Idle: the fault is cleared, for its torque is absent where it would show; it is kept in memory and no longer compensated."))));
 }
 
