@@ -49,7 +49,7 @@ def _weight_error(outcomes: Sequence[Outcome]) -> Figure:
 PARTS = (
     Part(
         "Healthy logs",
-        "The model was discovered on the first log of a pair, thresholds were learned from it, the second is monitored.",
+        "Of each pair, the first log gave the model and the thresholds, and the second one is monitored.",
         lambda o: o.kind == HEALTHY,
         (
             Claim("detections", "0", _total("early"), at_most(0)),  # type: ignore[arg-type]

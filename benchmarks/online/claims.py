@@ -201,6 +201,47 @@ PARTS = (
         )
     ),
     Part(
+        "The whole arm: a payload, a tilt",
+        "A body of 10 or 20 % of the links' mass is picked up, or the base tilts by 6 or 12 degrees.",
+        lambda o: o.suite == "arm" and "tool_wrench" not in o.effects[0],
+        (
+            Claim("detected", "≥ 99 %", share(lambda j: j.detected), at_least(0.99)),
+            Claim(
+                "right, and no fault of a joint, 4 s after detection",
+                "≥ 95 %",
+                share(lambda j: j.holds),
+                at_least(0.95),
+            ),
+            Claim("right, and nothing else", "", share(lambda j: j.unique)),
+        ),
+    ),
+    Part(
+        "Pushes at the tool",
+        "A second long, of 10 or 25 % of the links' weight, in any direction.",
+        lambda o: o.suite == "arm" and "tool_wrench" in o.effects[0],
+        (
+            Claim("detected", "≥ 99 %", share(lambda j: j.detected), at_least(0.99)),
+            Claim(
+                "delay of detection, median",
+                "≤ 100 ms",
+                middle(lambda j: j.since_begin, " ms", 1e3),
+                at_most(100.0),
+            ),
+            Claim(
+                "called contact while it lasts, and no fault of a joint",
+                "≥ 95 %",
+                share(lambda j: j.holds),
+                at_least(0.95),
+            ),
+            Claim(
+                "said to be gone within 0.3 s of its end",
+                "≥ 95 %",
+                share(lambda j: j.delay <= 0.3, lambda j: j.right),
+                at_least(0.95),
+            ),
+        ),
+    ),
+    Part(
         "Faults of 10 %",
         "One known effect.",
         lambda o: o.conditions == USUAL and o.suite == "single" and o.share < 0.2,

@@ -140,6 +140,46 @@ def isolation(
     return Isolation(verdict, right, right and alone, any(n in truths for n in named), named, last.time)
 
 
+OF_THE_ARM = ("payload", "base_tilt", "external_wrench")  # effects of the whole arm that a monitor names
+
+
+def believed(joints: Sequence[str], events: Iterable[Event], at: float) -> frozenset[str]:
+    """Return the names of the effects that were believed in at a time, of the whole arm and of joints.
+
+    Args:
+        joints: Names of the arm's joints.
+        events: What was said.
+        at: When [s].
+    """
+    of_joint: dict[str, frozenset[str]] = {}
+    of_arm: set[str] = set()
+    for e in events:
+        if e.time > at or e.stage not in {"isolation", "idle"}:
+            continue
+        names = {t.label.partition("@")[0] for t in e.faults}
+        if names & set(OF_THE_ARM):
+            of_arm = of_arm - names if e.stage == "idle" else of_arm | names
+        elif len(e.joints) == 1:
+            of_joint[e.joints[0]] = frozenset() if e.stage == "idle" else frozenset(names)
+    return frozenset(of_arm).union(*of_joint.values())
+
+
+def cleared(events: Iterable[Event], effect: str, since: float) -> float:
+    """Return when an effect was said to be gone, at or after a time [s]; NaN if never.
+
+    Args:
+        events: What was said.
+        effect: Name of the effect.
+        since: When it has vanished [s].
+    """
+    said = (
+        e.time
+        for e in events
+        if e.stage == "idle" and e.time >= since and effect in {t.label.partition("@")[0] for t in e.faults}
+    )
+    return min(said, default=np.nan)
+
+
 def isolation_after_detection(
     run: OnlineRun, events: Sequence[Event], joint: str, within: float = TIME_TO_DECIDE, since: float = 0.0
 ) -> Isolation:

@@ -32,6 +32,7 @@ SUITES: dict[str, Suite] = {
     "return": s.returning,
     "joining": s.joining,
     "profile": s.fast_only,
+    "arm": s.whole_arm,
     "hour": s.healthy_hour,
     "positions": lambda arm: s.under(arm, "positions"),
     "late": lambda arm: s.under(arm, "late"),

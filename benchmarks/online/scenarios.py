@@ -70,6 +70,11 @@ UNKNOWN: dict[str, dict[str, Value]] = {
     "posture_friction": {"level": 1.0},
     "speed_bump": {"level": 1.0, "speed": 0.25, "width": 0.06},
 }
+G = 9.81  # [m/s²]
+CARRIED = (0.1, 0.2)  # [1], mass of a payload over that of the arm's links
+TILTS = (6.0, 12.0)  # [deg], of the base
+PUSHED = (0.1, 0.25)  # [1], force of a push over the weight of the arm's links
+PUSH = 1.0  # [s], duration of a push
 TRIPLE = ("actuator_gain", "coulomb_friction", "position_ripple")  # of the thesis
 # Sets of effects on one joint that are the same torque as another set.
 SAME: dict[frozenset[str], frozenset[str]] = {
@@ -204,6 +209,30 @@ def healthy_hour(robot: str, minutes: int = 60) -> list[Case]:
         Case(f"{robot}/hour/{k}", "hour", robot, (), 0.0, 100 + k, 20_000 + k, 60.0, Chain())
         for k in range(minutes)
     ]
+
+
+def whole_arm(robot: str) -> list[Case]:
+    """Return a payload picked up, a base that tilts, and pushes of a second at the tool, from 3 s on."""
+    arm, out = nominal(robot).robot, []
+    weight = arm.total_mass * G
+    for k, motion in enumerate((0, 1, 2)):
+        rng = _rng(robot, "whole arm", str(k))
+        away = rng.normal(size=3)
+        along = rng.normal(size=3)
+        along /= np.linalg.norm(along)
+        for share in CARRIED:
+            centre = tuple(float(c) for c in 0.05 * away / np.linalg.norm(away))
+            body = Fault("payload", after=BEGIN, mass=share * arm.total_mass, com=centre)
+            out.append(_case("arm", robot, (body,), share, motion, k))
+        for angle in TILTS:
+            side = G * np.sin(np.radians(angle)) * np.array([np.cos(k), np.sin(k)])
+            tilt = Fault("base_tilt", after=BEGIN, tilt_x=float(side[0]), tilt_y=float(side[1]))
+            out.append(_case("arm", robot, (tilt,), angle / 100, motion, k))
+        for share in PUSHED:
+            force = tuple(float(f) for f in share * weight * along)
+            push = Fault("tool_wrench", after=BEGIN, until=BEGIN + PUSH, force=force)
+            out.append(_case("arm", robot, (push,), share, motion, k))
+    return [replace(c, id=f"{c.id}/{c.motion}") for c in out]
 
 
 def under(robot: str, conditions: str, joints: int = 2, minutes: int = 3) -> list[Case]:

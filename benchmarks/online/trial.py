@@ -130,6 +130,8 @@ def run_case(case: Case, settings: MonitorSettings | None = None, minutes: int =
         _joint(joint, since, case, b, loop, run, residual, healthy, alone)
         for joint, since in _begun(case).items()
     )
+    if case.suite == "arm":
+        joints = (_arm(case, run, events),)
     drop = again = np.nan
     if case.suite == "return":
         first, second = case.faults
@@ -247,6 +249,31 @@ def _joint(
         recovered=float(recovered),
         learned=float(learned),
         region=_region(events, b.monitor.faults, joint),
+    )
+
+
+def _arm(case: Case, run: OnlineRun, events: Sequence[Event]) -> JointOutcome:
+    """Return what was said of a fault of the whole arm; its joint is ``arm``."""
+    (fault,) = case.faults
+    since = fault.after
+    detected_at = min((e.time for e in events if e.stage == "detection" and e.time >= since), default=np.nan)
+    true = "external_wrench" if fault.effect == "tool_wrench" else fault.effect
+    # A push is asked for while it lasts; the others some time after their detection.
+    at = fault.until if true == "external_wrench" else detected_at + metrics.TIME_TO_DECIDE
+    named = metrics.believed(run.joints, events, at)
+    of_joints = frozenset(n for n in named if n not in metrics.OF_THE_ARM)
+    gone = metrics.cleared(events, true, fault.until) - fault.until
+    return JointOutcome(
+        joint="arm",
+        detected=bool(np.isfinite(detected_at)),
+        since_begin=detected_at - since,
+        verdict="unique" if named else "none",
+        named=("+".join(sorted(named)),),
+        right=true in named,
+        unique=named == {true},
+        holds=true in named and not of_joints,
+        region="" if np.isnan(gone) else f"gone after {gone:.3f} s",
+        delay=gone,
     )
 
 
