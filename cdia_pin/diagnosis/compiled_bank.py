@@ -44,6 +44,9 @@ INTERVAL = np.array({interval})
 SMOOTH = np.array({smooth})
 ENDS = np.array({ends})
 '''
+# Effects that ship compile for numbers too, which takes no arrays; a user's may need arrays.
+EACH_JOINT = """    for j in range(len(x.q)):
+        own = Signals(x.q[j], x.v[j], x.a[j], x.effort[j], x.sign[j], x.time[j])"""
 TAIL = '''
 
 @njit(cache=True)
@@ -213,7 +216,7 @@ def _views(effects: Sequence[JointEffect]) -> str:
 
 def _source(effects: Sequence[JointEffect], in_python: Sequence[int]) -> str:
     """Return the text of the generated module; it depends on the effects and this package's own text alone."""
-    lines, fills, at = [], [], 0
+    lines, of_joint, of_all, at = [], [], [], 0
     for i, effect in enumerate(effects):
         if i not in in_python:
             kind = type(effect)
@@ -223,15 +226,19 @@ def _source(effects: Sequence[JointEffect], in_python: Sequence[int]) -> str:
                 _shape_class(i, effect),
                 f"columns{i} = njit({kind.__name__}.columns)",
             ]
-            fills += [f"    c = columns{i}(Shape{i}({values}), x)"]
-            fills += [f"    out[:, {at + k}] = c[{k}]" for k in range(effect.size)]
+            fills, indent, rows, signals = (
+                (of_joint, "        ", "j", "own") if _ships(kind) else (of_all, "    ", ":", "x")
+            )
+            fills += [f"{indent}c = columns{i}(Shape{i}({values}), {signals})"]
+            fills += [f"{indent}out[{rows}, {at + k}] = c[{k}]" for k in range(effect.size)]
         at += effect.size
     sizes = [e.size for e in effects]
-    signals = [e.traits.depends_on for e in effects]
+    fills = ([EACH_JOINT, *of_joint] if of_joint else []) + of_all
+    depends_on = [e.traits.depends_on for e in effects]
     head = HEADER.format(
         names=", ".join(e.name for e in effects) or "nothing",
-        interval=np.repeat([bool({Signal.TORQUE, Signal.ACCELERATION} & s) for s in signals], sizes).tolist(),
-        smooth=np.repeat([Signal.ACCELERATION in s for s in signals], sizes).tolist(),
+        interval=np.repeat([bool({Signal.TORQUE, Signal.ACCELERATION} & s) for s in depends_on], sizes).tolist(),
+        smooth=np.repeat([Signal.ACCELERATION in s for s in depends_on], sizes).tolist(),
         ends=np.cumsum([0, *sizes]).tolist(),
     )
     tail = TAIL.format(fills="\n".join(fills) or "    pass", views=_views(effects))

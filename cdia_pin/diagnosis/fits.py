@@ -208,3 +208,42 @@ def sort(score, order):
         order[at] = m
         count += 1
     return count
+
+
+@njit(cache=True)
+def variances(gram, columns, out):
+    """Fill the diagonal of the inverse of the normal equations of some columns; return whether there is one.
+
+    Args:
+        gram: Gram matrix of [y; r], upper triangle, shape (P + 1, P + 1) or larger.
+        columns: The columns in rising order, shape (p,).
+        out: Diagonal of the inverse; filled, shape (p,).
+    """
+    p = len(columns)
+    L, row = np.zeros((p, p)), np.zeros(p)
+    for i in range(p):
+        if not gram[columns[i], columns[i]] > TINY:
+            return False
+    for i in range(p):
+        own = gram[columns[i], columns[i]]
+        for k in range(i + 1):
+            value = gram[columns[k], columns[i]] / np.sqrt(own * gram[columns[k], columns[k]])
+            for m in range(k):
+                value -= L[i, m] * L[k, m]
+            if i == k:
+                if not value > LEAST_PIVOT:
+                    return False
+                L[i, i] = np.sqrt(value)
+            else:
+                L[i, k] = value / L[k, k]
+    out[:] = 0.0
+    for k in range(p):  # the k-th column of L⁻¹
+        for i in range(k, p):
+            value = 1.0 if i == k else 0.0
+            for m in range(k, i):
+                value -= L[i, m] * row[m]
+            row[i] = value / L[i, i]
+            out[k] += row[i] * row[i]
+    for k in range(p):
+        out[k] /= gram[columns[k], columns[k]]
+    return True

@@ -65,10 +65,11 @@ class Isolator:
     """
 
     def __init__(self, bank: Bank, lower: Array, upper: Array, settings: MonitorSettings) -> None:
-        from cdia_pin.diagnosis.fits import ranked
+        from cdia_pin.diagnosis.fits import ranked, variances
 
         self.bank, self.lower, self.upper, self.settings = bank, lower, upper, settings
-        self._ranked = ranked
+        self._ranked, self._variances = ranked, variances
+        self._columns: dict[int, NDArray[np.int64]] = {}  # of each combination that was asked for
         count = 1 << len(bank)
         self._theta, self._score = np.zeros((count, bank.width)), np.zeros(count)
         self._order = np.zeros(count, np.int64)
@@ -137,11 +138,16 @@ class Isolator:
             noise: RMS of what is left of the residual [N·m or N].
             independent: Correlation time of a healthy residual [samples].
         """
-        columns = self.bank.columns(self.bank.members(mask))
-        part = symmetric(gram)[np.ix_(columns, columns)]
-        variance = np.diag(ScaledGram.of(part).pseudo_inverse(RANK_CUTOFF))
-        half = NORMAL_95 * noise * np.sqrt(np.maximum(variance, 0.0) * independent)
-        return np.column_stack([theta[columns] - half, theta[columns] + half])
+        if mask not in self._columns:
+            self._columns[mask] = self.bank.columns(self.bank.members(mask))
+        columns = self._columns[mask]
+        variance = np.empty(len(columns))
+        if not self._variances(gram, columns, variance):  # columns that are sums of each other on this motion
+            part = symmetric(gram)[np.ix_(columns, columns)]
+            variance = np.maximum(np.diag(ScaledGram.of(part).pseudo_inverse(RANK_CUTOFF)), 0.0)
+        half = NORMAL_95 * noise * np.sqrt(variance * independent)
+        found = theta[columns]
+        return np.array([found - half, found + half]).T
 
     def _is_distinct(self, mask: int) -> bool:
         """Return whether no effect of a combination has degenerated to a simpler one of another name."""

@@ -56,7 +56,7 @@ class TorqueOffset(JointEffect):
         Args:
             x: Signals of the joint, N samples.
         """
-        return (np.ones_like(x.q),)
+        return (1.0 + 0.0 * x.q,)  # one, for numbers as for arrays
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class JointSpring(JointEffect):
         Args:
             x: Signals of the joint, N samples.
         """
-        return (-x.q, np.ones_like(x.q))
+        return (-x.q, 1.0 + 0.0 * x.q)  # one, for numbers as for arrays
 
 
 @dataclass(frozen=True)
