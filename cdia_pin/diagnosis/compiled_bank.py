@@ -29,9 +29,9 @@ import numpy as np
 from numba import njit
 
 from cdia_pin.diagnosis.kernel_rows import (
-    ABSENT_TICKS, ADDITION, BANDWIDTH, CORRECTS, DEBOUNCE, DRIVEN, FORGET, GAIN_FLOOR, LEARNS, NEURON_COUNT, NEURONS,
+    ABSENT_TICKS, ADDITION, BANDWIDTH, CORRECTS, DEBOUNCE, DRIVEN, FORGET, GAIN_FLOOR, LEARNING, LEARNS, NEURON_COUNT, NEURONS,
     OF_POSITION, OF_VELOCITY, PHI_LOADED, PHI_TICK, PHI_UNLOADED, POSITION, REMEMBER, SIGN_WIDTH, SOFT_SIGN_WIDTH,
-    TIME, VELOCITY,
+    TIME, VELOCITY, WEIGHTS,
 )
 from cdia_pin.diagnosis.kernels import (
     NEURON_PERIOD, Neurons, Signals, activate, advance, correction, learn,
@@ -55,9 +55,21 @@ def basis(x, out):
 {fills}
 
 @njit(cache=True)
-def neurons_of(centres, widths):
-    """Return the neurons of all joints, as `Unknown.columns` reads them."""
-    return Neurons(centres[OF_POSITION], centres[OF_VELOCITY], widths[OF_POSITION], widths[OF_VELOCITY])
+def activity(joint, neurons, centres, widths, x, weighted):
+    """Return the activations of the joints that learn, with ``weighted`` of those with weights, shape (n, H)."""
+    n, H = neurons.shape[1:]
+    out = np.zeros((n, H))
+    for j in range(n):
+        if joint[LEARNING, j] == 0.0 or weighted and not neurons[WEIGHTS, j].any():
+            continue
+        of_joint = Neurons(
+            centres[OF_POSITION, :, j], centres[OF_VELOCITY, :, j], widths[OF_POSITION, j], widths[OF_VELOCITY, j]
+        )
+        own = Signals(x.q[j], x.v[j], x.a[j], x.effort[j], x.sign[j], x.time[j])
+        active = activations(of_joint, own)
+        for k in range(H):
+            out[j, k] = active[k]
+    return out
 
 
 @njit(cache=True)
@@ -79,8 +91,7 @@ def tick(state, q, v, tau, M, nle, t):
         learns = scalars[NEURON_COUNT] >= NEURON_PERIOD
     if learns:
         scalars[NEURON_COUNT] = 0.0
-        active = activations(neurons_of(centres, widths), x)
-        activate(joint, neurons, active, E**NEURON_PERIOD)
+        activate(joint, neurons, activity(joint, neurons, centres, widths, x, False), E**NEURON_PERIOD)
     asks = advance(
         joint, columns, gram, absent, mass, phi[PHI_TICK], INTERVAL, ENDS, q, v, tau, M, nle, a, E,
         scalars[FORGET], scalars[DEBOUNCE], scalars[ABSENT_TICKS],
@@ -106,9 +117,9 @@ def corrected(state, direction, a, tau, divide):
     if scalars[DRIVEN] > 0.0:
         loaded = phi[PHI_LOADED]
         basis(Signals(joint[POSITION], joint[VELOCITY], a, tau, sign, time), loaded)
-    active = [still]
+    active = np.zeros((0, 0))
     if scalars[LEARNS] > 0.0:
-        active = activations(neurons_of(centres, widths), x)
+        active = activity(joint, neurons, centres, widths, x, True)
     return correction(
         joint, columns, neurons, active, phi[PHI_UNLOADED], loaded, INTERVAL, SMOOTH, tau, scalars[GAIN_FLOOR], divide
     )
