@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.joint_gram import symmetric
+from cdia_pin.diagnosis.kernel_cache import first_call
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.effects import Effect
 from cdia_pin.regression.scaled_gram import ScaledGram
@@ -65,10 +66,10 @@ class Isolator:
     """
 
     def __init__(self, bank: Bank, lower: Array, upper: Array, settings: MonitorSettings) -> None:
-        from cdia_pin.diagnosis.fits import ranked, variances
+        from cdia_pin.diagnosis import fits
 
         self.bank, self.lower, self.upper, self.settings = bank, lower, upper, settings
-        self._ranked, self._variances = ranked, variances
+        self._ranked, self._variances = fits.ranked, fits.variances
         self._columns: dict[int, NDArray[np.int64]] = {}  # of each combination that was asked for
         count = 1 << len(bank)
         self._theta, self._score = np.zeros((count, bank.width)), np.zeros(count)
@@ -80,6 +81,14 @@ class Isolator:
         self._may_degenerate = sum(
             1 << i for i, e in enumerate(bank.prototypes) if type(e).is_distinct is not Effect.is_distinct
         )
+        if not fits.ranked.signatures:
+            first_call("the fits of their combinations", (fits,), self._tried_once)
+
+    def _tried_once(self) -> None:
+        """Decide on nothing, in the types of a control loop."""
+        gram = np.zeros((self.bank.width + 1, self.bank.width + 1))
+        self.decide(0, gram, 1.0, 1.0, 1.0)
+        self._variances(gram, np.zeros(1, np.int64), np.zeros(1))
 
     def decide(
         self,
