@@ -30,9 +30,9 @@ import numpy as np
 from numba import njit
 
 from cdia_pin.diagnosis.kernel_rows import (
-    ABSENT_TICKS, ADDITION, BANDWIDTH, CORRECTS, DEBOUNCE, DRIVEN, FORGET, GAIN_FLOOR, LEARNING, LEARNS, NEURON_COUNT, NEURONS,
-    OF_POSITION, OF_VELOCITY, PHI_LOADED, PHI_TICK, PHI_UNLOADED, POSITION, REMEMBER, SIGN_WIDTH, SOFT_SIGN_WIDTH,
-    TIME, VELOCITY, WEIGHTS,
+    ABSENT_TICKS, ADDITION, BANDWIDTH, CORRECTS, DEBOUNCE, DRIVEN, FORGET, GAIN_FLOOR, LEARNING, LEARNS, NEURON_COUNT,
+    NEURONS, OF_POSITION, OF_VELOCITY, PHI_LOADED, PHI_TICK, PHI_UNLOADED, POSITION, REMEMBER, SIGN_WIDTH,
+    SOFT_SIGN_WIDTH, TIME, VELOCITY, WEIGHTS,
 )
 from cdia_pin.diagnosis.kernels import (
     NEURON_PERIOD, Neurons, Signals, activate, advance, correction, learn,
@@ -243,7 +243,10 @@ def _views(effects: Sequence[JointEffect]) -> str:
 
 def _source(effects: Sequence[JointEffect], in_python: Sequence[int]) -> str:
     """Return the text of the generated module; it depends on the effects and this package's own text alone."""
-    lines, of_joint, of_all, at = [], [], [], 0
+    lines: list[str] = []
+    of_joint: list[str] = []
+    of_all: list[str] = []
+    at = 0
     for i, effect in enumerate(effects):
         if i not in in_python:
             kind = type(effect)
@@ -264,7 +267,9 @@ def _source(effects: Sequence[JointEffect], in_python: Sequence[int]) -> str:
     depends_on = [e.traits.depends_on for e in effects]
     head = HEADER.format(
         names=", ".join(e.name for e in effects) or "nothing",
-        interval=np.repeat([bool({Signal.TORQUE, Signal.ACCELERATION} & s) for s in depends_on], sizes).tolist(),
+        interval=np.repeat(
+            [bool({Signal.TORQUE, Signal.ACCELERATION} & s) for s in depends_on], sizes
+        ).tolist(),
         smooth=np.repeat([Signal.ACCELERATION in s for s in depends_on], sizes).tolist(),
         ends=np.cumsum([0, *sizes]).tolist(),
     )

@@ -101,7 +101,11 @@ class MomentumObserver:
         self.addition, self.bandwidth = state.addition, state.bandwidth
         self.q, self.v = state.position, state.velocity
         self.believed, self.filtered = state.believed, state.filtered
-        self._array, self._tick, self._rigid_terms = state.array, self._compiled.tick, nominal.robot.rigid_terms
+        self._array, self._tick, self._rigid_terms = (
+            state.array,
+            self._compiled.tick,
+            nominal.robot.rigid_terms,
+        )
         self._in_python = bool(self._compiled.in_python or nominal.others.terms)
         self._still = np.zeros(n)
         self.inertial = False
