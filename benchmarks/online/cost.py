@@ -1,4 +1,4 @@
-"""What a monitor costs: time per tick beside the rigid body's own, a decision's, a closed loop's, and a program's start.
+"""What a monitor costs: a tick beside the rigid body's own terms, a decision, a closed loop, a program's start.
 
 The floor is what no observer can do without: Pinocchio's `crba` and `nonLinearEffects`, called in a plain loop over
 the same samples. Loops over the same second of a recorded run take turns; the figure is the median of their ratios.
@@ -48,8 +48,11 @@ LOOP = 8.0  # [s] of a closed loop
 LOOPS = 3  # of each kind; the fastest counts, for anything else on the computer only slows them
 LOOP_FAULTS = {
     "healthy": (),
-    "dry friction and a weak motor": (f"coulomb_friction@{JOINT}: level=4, after=2", "actuator_gain@panda_joint2: gain=-0.25, after=3"),
-}  # fmt: skip
+    "dry friction and a weak motor": (
+        f"coulomb_friction@{JOINT}: level=4, after=2",
+        "actuator_gain@panda_joint2: gain=-0.25, after=3",
+    ),
+}
 STAGES = {
     "healthy": Stage.HEALTHY,
     "watching": Stage.DETECTED,

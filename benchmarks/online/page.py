@@ -63,7 +63,13 @@ def _ticks(cost: Cost) -> Iterator[Row]:
         text = f"Cost of a tick, {t.state}, {t.effects} known effects, over that of the rigid body"
         most = DEAREST[t.state]
         yield (text, f"≤ {most:g}", f"{t.ratio:.1f}", "", _met(t.ratio <= most))
-        yield (f"{text}: 99.9 % of the ticks", f"≤ {SLOWEST:g}", f"{t.slowest:.1f}", "", _met(t.slowest <= SLOWEST))
+        yield (
+            f"{text}: 99.9 % of the ticks",
+            f"≤ {SLOWEST:g}",
+            f"{t.slowest:.1f}",
+            "",
+            _met(t.slowest <= SLOWEST),
+        )
     for name, factor in cost.loops.items():
         text = f"Closed loop of plant, control and monitor, {name}: times real time"
         yield (text, f"≥ {LEAST_LOOP:g}", f"{factor:.1f}", "", _met(factor >= LEAST_LOOP))
@@ -94,7 +100,16 @@ def _cost_part(cost: Cost) -> Iterator[str]:
         for t in cost.ticks
     ]
     yield table(
-        ("known effects", "monitor is", "µs per tick", "floor, µs", "ratio", "target", "99.9 %, over the floor"), rows
+        (
+            "known effects",
+            "monitor is",
+            "µs per tick",
+            "floor, µs",
+            "ratio",
+            "target",
+            "99.9 %, over the floor",
+        ),
+        rows,
     )
     decisions = [
         (f"decision over all 2^{n} combinations", f"{us:.0f} µs") for n, us in cost.decisions.items()
