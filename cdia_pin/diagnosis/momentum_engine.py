@@ -88,7 +88,7 @@ class MomentumEngine:
         ]
         self._alignment = Alignment(self.dt, nominal.delay, position_only)
         self._offset = nominal.offset if nominal.offset.any() else None
-        self._limit = robot.limits.effort
+        self._limit, self._least = robot.limits.effort, -robot.limits.effort
         self._zero = np.zeros(robot.n)
         self.events: list[Event] = []
         self.reset()
@@ -228,7 +228,7 @@ class MomentumEngine:
         o = self.observer
         correction = self._zero
         if self._corrects:
-            correction = np.minimum(np.maximum(o.addition, -self._limit), self._limit)
+            correction = np.minimum(np.maximum(o.addition, self._least), self._limit)
         return Status(
             t, self._stages, o.residual.copy(), o.threshold.copy(), correction, self._faults, events
         )
