@@ -44,7 +44,7 @@ def main() -> None:
 
     cost = None
     if "cost" in options.suites:
-        tell("cost: a minute or two")
+        tell("cost: some minutes")
         cost = measure()
     text = page(outcomes, cost, stated(given, options, ("arms", "suites", "quick")), options.quick)
     publish(text, options.out or (PAGE if whole else None))

@@ -17,7 +17,10 @@ from benchmarks.online.scenarios import BEGIN
 from benchmarks.online.trial import LEARNED_FROM, SEED
 from cdia_pin.diagnosis import MonitorSettings
 
-DEAREST = 6.0  # tick over floor [1]
+DEAREST = {"healthy": 2.5, "watching": 4.0, "accommodating, with correct": 6.0}  # tick over floor [1]
+SLOWEST = 10.0  # 99.9th percentile of a tick over the floor [1]
+LEAST_LOOP = 25.0  # time of the arm over that of the clock, of a closed loop [1]
+LONGEST_STUDY = 30.0  # [s]
 
 
 def page(outcomes: Sequence[Outcome], cost: Cost | None, command: str, quick: bool) -> str:
@@ -58,7 +61,24 @@ def _head(command: str, quick: bool, outcomes: Sequence[Outcome]) -> str:
 def _ticks(cost: Cost) -> Iterator[Row]:
     for t in cost.ticks:
         text = f"Cost of a tick, {t.state}, {t.effects} known effects, over that of the rigid body"
-        yield (text, f"≤ {DEAREST:g}", f"{t.ratio:.1f}", "", "yes" if t.ratio <= DEAREST else "**NOT met**")
+        most = DEAREST[t.state]
+        yield (text, f"≤ {most:g}", f"{t.ratio:.1f}", "", _met(t.ratio <= most))
+        yield (
+            f"{text}: 99.9 % of the ticks",
+            f"≤ {SLOWEST:g}",
+            f"{t.slowest:.1f}",
+            "",
+            _met(t.slowest <= SLOWEST),
+        )
+    for name, factor in cost.loops.items():
+        text = f"Closed loop of plant, control and monitor, {name}: times real time"
+        yield (text, f"≥ {LEAST_LOOP:g}", f"{factor:.1f}", "", _met(factor >= LEAST_LOOP))
+    text = "Both studies of the thesis, s"
+    yield (text, f"≤ {LONGEST_STUDY:g}", f"{cost.study:.0f}", "", _met(cost.study <= LONGEST_STUDY))
+
+
+def _met(holds: bool) -> str:
+    return "yes" if holds else "**NOT met**"
 
 
 def _cost_part(cost: Cost) -> Iterator[str]:
@@ -74,11 +94,23 @@ def _cost_part(cost: Cost) -> Iterator[str]:
             f"{t.microseconds:.1f}",
             f"{t.floor:.2f}",
             f"{t.ratio:.1f}",
-            "yes" if t.ratio <= DEAREST else "**NOT met**",
+            f"≤ {DEAREST[t.state]:g}",
+            f"{t.slowest:.1f}",
         )
         for t in cost.ticks
     ]
-    yield table(("known effects", "monitor is", "µs per tick", "floor, µs", "ratio", f"≤ {DEAREST:g}"), rows)
+    yield table(
+        (
+            "known effects",
+            "monitor is",
+            "µs per tick",
+            "floor, µs",
+            "ratio",
+            "target",
+            "99.9 %, over the floor",
+        ),
+        rows,
+    )
     decisions = [
         (f"decision over all 2^{n} combinations", f"{us:.0f} µs") for n, us in cost.decisions.items()
     ]
@@ -91,6 +123,8 @@ def _cost_part(cost: Cost) -> Iterator[str]:
             (f"`from cdia_pin.diagnosis import Monitor`, which {numba}", f"{1e3 * cost.diagnosis:.0f} ms"),
             ("program that makes a monitor, start to end, nothing compiled before", f"{cost.first:.1f} s"),
             ("the same, compiled before", f"{cost.second:.1f} s"),
+            *((f"a second of a closed loop, {name}", f"{1e3 / f:.0f} ms") for name, f in cost.loops.items()),
+            ("both studies of the thesis", f"{cost.study:.0f} s"),
         ],
     )
 

@@ -6,7 +6,7 @@ Pinocchio's algorithms, and its torque is held between ticks while a fourth-orde
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from cdia_pin.diagnosis.status import Event, Stage
 from cdia_pin.diagnosis.thesis import ThesisEngine
 from cdia_pin.effects import JointEffect, JointState
 from cdia_pin.errors import ModelError
+from cdia_pin.progress import Progress, part, silent
 from cdia_pin.robot import scara
 
 Array = NDArray[np.float64]
@@ -28,6 +29,7 @@ DAMPING = np.array([10.0, 25.0, 45.0, 25.0])  # K_v [1/s], of the thesis' append
 PRINTED_START = np.pi * np.array([1 / 2, -2 / 3, -1 / 2, -0.1 / np.pi])  # [rad, rad, rad, m]
 FASTEST = 1e4  # [rad/s or m/s], a run with a larger speed has diverged: no arm is nearly as fast
 WATCHED = 50  # [ticks], between two calls of ``until``
+REPORTED = 200  # [ticks], between two reports of progress
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,17 +52,6 @@ class Fault:
         return (
             f"Fault({self.effect.name} on {len(self.theta)} joints, from {self.start:g} s to {self.end:g} s)"
         )
-
-    def torque(self, x: JointState) -> Array:
-        """Compute the torque f of the fault on all joints.
-
-        Args:
-            x: Signals of one sample, shape (n,) each.
-
-        Returns:
-            f [N·m or N], shape (n,).
-        """
-        return np.asarray((np.stack(self.effect.columns(x), axis=-1) * self.theta).sum(axis=-1))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -154,6 +145,21 @@ def desired(t: float) -> tuple[Array, Array, Array]:
     return q, v, a
 
 
+@dataclass(frozen=True, eq=False)
+class Job:
+    """A run to come.
+
+    Attributes:
+        scenario: Faults and conditions.
+        engine: Monitors the run, and compensates if its settings allow it; None for no engine.
+        until: Ends the run early if it returns True; called now and then.
+    """
+
+    scenario: Scenario
+    engine: ThesisEngine | None = None
+    until: Callable[[], bool] = lambda: False
+
+
 def run(
     scenario: Scenario, engine: ThesisEngine | None = None, until: Callable[[], bool] = lambda: False
 ) -> ScaraRun:
@@ -170,66 +176,146 @@ def run(
     Raises:
         ModelError: If the run diverges.
     """
-    count = round(scenario.duration / scenario.tick) + 1
-    time = np.arange(count, dtype=np.float64) * scenario.tick
-    out = {
-        name: np.zeros((count, 4))
-        for name in ("q", "v", "q_error", "v_error", "effort", "residual", "threshold")
-    }
-    stages: list[Stage] = []
-    q, v, _ = desired(0.0)
-    if scenario.start is not None:
-        q, v = scenario.start.copy(), np.zeros(4)
-    tau = np.zeros(4)
+    return run_together([Job(scenario, engine, until)])[0]
+
+
+def run_together(jobs: Sequence[Job], progress: Progress = silent) -> tuple[ScaraRun, ...]:
+    """Run several arms at once; each moves as if alone, and the steps of all are computed together.
+
+    Args:
+        jobs: The runs.
+        progress: Called with the current work and the share that is done [1].
+
+    Returns:
+        The runs in the order of the jobs.
+
+    Raises:
+        ModelError: If a run diverges.
+    """
+    kinds: dict[tuple[float, int, float], list[int]] = {}
+    for i, job in enumerate(jobs):
+        scenario = job.scenario
+        kinds.setdefault((scenario.tick, scenario.substeps, scenario.sign_width), []).append(i)
+    weights = [max(jobs[i].scenario.duration for i in each) * len(each) for each in kinds.values()]
+    found: dict[int, ScaraRun] = {}
+    done = 0.0
+    for each, weight in zip(kinds.values(), weights, strict=True):
+        end = done + weight / sum(weights)
+        runs = _run_alike([jobs[i] for i in each], part(progress, done, end))
+        found.update(zip(each, runs, strict=True))
+        done = end
+    return tuple(found[i] for i in range(len(jobs)))
+
+
+def _run_alike(jobs: Sequence[Job], progress: Progress) -> list[ScaraRun]:
+    """Run arms whose ticks and steps are alike."""
+    tick = jobs[0].scenario.tick
+    counts = [round(job.scenario.duration / tick) + 1 for job in jobs]
+    time = np.arange(max(counts), dtype=np.float64) * tick
+    names = ("q", "v", "q_error", "v_error", "effort", "residual", "threshold")
+    out = {name: np.zeros((len(time), len(jobs), 4)) for name in names}
+    stages: list[list[Stage]] = [[] for _ in jobs]
+    start_q, start_v, _ = desired(0.0)
+    moving = [job.scenario.start is None for job in jobs]
+    q = np.array([start_q if job.scenario.start is None else job.scenario.start for job in jobs])
+    v = np.where(np.array(moving)[:, None], start_v, np.zeros((len(jobs), 4)))
+    tau = np.zeros((len(jobs), 4))
+    live = list(range(len(jobs)))
+    steps = _Steps([job.scenario for job in jobs])
     for k, t in enumerate(time.tolist()):
+        if k % REPORTED == 0:
+            progress(f"{len(live)} runs at {t:.1f} s of {time[-1]:.1f} s", k / len(time))
         q_d, v_d, a_d = desired(t)
-        if engine is not None:
-            status = engine.update(t, q, v, tau)
-            out["residual"][k], out["threshold"][k] = status.residual, status.threshold
-            stages.append(status.stage)
         wanted = a_d - STIFFNESS * (q - q_d) - DAMPING * (v - v_d)
-        tau = scara.mass_matrix(q) @ wanted + scara.nonlinear_effects(q, v)
-        if engine is not None:
-            tau = engine.correct(tau)
+        M, nle = scara.mass_matrix(q), scara.nonlinear_effects(q, v)
+        nominal = [M[i] @ wanted[i] + nle[i] for i in range(len(live))]
+        for i, j in enumerate(live):
+            engine = jobs[j].engine
+            if engine is not None:
+                status = engine.update(t, q[i], v[i], tau[i])
+                out["residual"][k, j], out["threshold"][k, j] = status.residual, status.threshold
+                stages[j].append(status.stage)
+                nominal[i] = engine.correct(nominal[i])
+        tau = np.array(nominal)
         for name, value in (("q", q), ("v", v), ("q_error", q - q_d), ("v_error", v - v_d), ("effort", tau)):
-            out[name][k] = value
-        q, v = _advance(scenario, t, q, v, tau)
+            out[name][k, live] = value
+        q, v = steps.advance(t, q, v, tau)
         if not np.abs(v).max() < FASTEST:
             raise ModelError(f"the simulation of the SCARA arm diverged at {t:.3g} s")
-        if k % WATCHED == 0 and until():
-            count = k + 1
+        watched = k % WATCHED == 0
+        kept = [i for i, j in enumerate(live) if k + 1 < counts[j] and not (watched and jobs[j].until())]
+        if len(kept) < len(live):
+            for i, j in enumerate(live):
+                if i not in kept:
+                    counts[j] = k + 1
+            live, q, v, tau = [live[i] for i in kept], q[kept], v[kept], tau[kept]
+            steps = _Steps([jobs[j].scenario for j in live])
+        if not live:
             break
-    signals: dict[str, Array] = {name: signal[:count] for name, signal in out.items()}
-    return ScaraRun(
-        time[:count], **signals, stages=tuple(stages), events=tuple(engine.events) if engine else ()
-    )
+    return [
+        ScaraRun(
+            time[: counts[j]],
+            **{name: signal[: counts[j], j].copy() for name, signal in out.items()},
+            stages=tuple(stages[j]),
+            events=tuple(job.engine.events) if job.engine else (),
+        )
+        for j, job in enumerate(jobs)
+    ]
 
 
-def _advance(scenario: Scenario, t: float, q: Array, v: Array, tau: Array) -> tuple[Array, Array]:
-    """Integrate over one tick by classical Runge–Kutta, with constant torque."""
-    h = scenario.tick / scenario.substeps
-    present = [f for f in scenario.faults if f.start - 1e-9 <= t < f.end]
-    for i in range(scenario.substeps):
-        at = t + i * h
-        a1 = _acceleration(scenario, present, at, q, v, tau)
-        q2, v2 = q + 0.5 * h * v, v + 0.5 * h * a1
-        a2 = _acceleration(scenario, present, at, q2, v2, tau)
-        q3, v3 = q + 0.5 * h * v2, v + 0.5 * h * a2
-        a3 = _acceleration(scenario, present, at, q3, v3, tau)
-        q4, v4 = q + h * v3, v + h * a3
-        a4 = _acceleration(scenario, present, at, q4, v4, tau)
-        q = q + h / 6 * (v + 2 * v2 + 2 * v3 + v4)
-        v = v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
-    return q, v
+class _Steps:
+    """Steps of classical Runge–Kutta of several arms, with constant torques.
 
+    Args:
+        scenarios: Their scenarios, alike in ticks and steps.
+    """
 
-def _acceleration(
-    scenario: Scenario, present: list[Fault], t: float, q: Array, v: Array, tau: Array
-) -> Array:
-    push = tau - scara.nonlinear_effects(q, v)
-    push -= 0.5 * scenario.unmodelled * (np.cos(5 * q) + np.sin(15 * v))
-    if present:
-        x = JointState(q, v, np.zeros(4), tau, np.tanh(v / scenario.sign_width), np.full(4, t))
-        for fault in present:
-            push = push + fault.torque(x)
-    return np.asarray(np.linalg.solve(scara.mass_matrix(q), push), dtype=np.float64)
+    def __init__(self, scenarios: Sequence[Scenario]) -> None:
+        self._scenarios = scenarios
+        self._unmodelled = np.array([0.5 * s.unmodelled for s in scenarios]).reshape(-1, 4)
+        self._present: tuple[tuple[Fault, ...], ...] | None = None
+        self._acting: list[tuple[JointEffect, NDArray[np.intp], Array]] = []
+
+    def advance(self, t: float, q: Array, v: Array, tau: Array) -> tuple[Array, Array]:
+        """Integrate over one tick; positions, velocities and torques have shape (N, 4)."""
+        first = self._scenarios[0]
+        h = first.tick / first.substeps
+        self._choose(t)
+        for i in range(first.substeps):
+            at = t + i * h
+            a1 = self._acceleration(at, q, v, tau)
+            q2, v2 = q + 0.5 * h * v, v + 0.5 * h * a1
+            a2 = self._acceleration(at, q2, v2, tau)
+            q3, v3 = q + 0.5 * h * v2, v + 0.5 * h * a2
+            a3 = self._acceleration(at, q3, v3, tau)
+            q4, v4 = q + h * v3, v + h * a3
+            a4 = self._acceleration(at, q4, v4, tau)
+            q = q + h / 6 * (v + 2 * v2 + 2 * v3 + v4)
+            v = v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+        return q, v
+
+    def _choose(self, t: float) -> None:
+        """Take the faults that are present: arms with the same effect are evaluated together, in turns."""
+        present = tuple(tuple(f for f in s.faults if f.start - 1e-9 <= t < f.end) for s in self._scenarios)
+        if present == self._present:
+            return
+        self._present, self._acting = present, []
+        for turn in range(max(map(len, present))):
+            alike: dict[JointEffect, list[int]] = {}
+            for i, faults in enumerate(present):
+                if turn < len(faults):
+                    alike.setdefault(faults[turn].effect, []).append(i)
+            for effect, rows in alike.items():
+                theta = np.array([present[i][turn].theta for i in rows])
+                self._acting.append((effect, np.array(rows), theta))
+
+    def _acceleration(self, t: float, q: Array, v: Array, tau: Array) -> Array:
+        push = tau - scara.nonlinear_effects(q, v)
+        push -= self._unmodelled * (np.cos(5 * q) + np.sin(15 * v))
+        if self._acting:
+            still, time = np.zeros_like(q), np.full_like(q, t)
+            sign = np.tanh(v / self._scenarios[0].sign_width)
+        for effect, rows, theta in self._acting:
+            x = JointState(q[rows], v[rows], still[rows], tau[rows], sign[rows], time[rows])
+            push[rows] += (np.stack(effect.columns(x), axis=-1) * theta).sum(axis=-1)
+        return np.asarray(np.linalg.solve(scara.mass_matrix(q), push[..., None])[..., 0], dtype=np.float64)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from enum import StrEnum
-from itertools import combinations
+from itertools import combinations, islice
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin import schemas
-from cdia_pin.campaigns.scara_run import UNITS, ScaraRun, Scenario, run
+from cdia_pin.campaigns.scara_run import UNITS, Job, ScaraRun, Scenario, run_together
 from cdia_pin.campaigns.thesis_presets import (
     KNOWN,
     KNOWN_BOUND,
@@ -192,29 +192,30 @@ def thesis_study(
     robot = load_robot("scara")
     chosen = {name: PRESETS[name](robot) for name in presets}
     mixtures = list(_mixtures())
-    total = sum(len(p.cases) for p in chosen.values()) + len(mixtures) + 1
-    done = 0
-
-    def tell(sentence: str) -> None:
-        nonlocal done
-        progress(sentence, done / total)
-        done += 1
-
-    cases: dict[str, tuple[Case, ...]] = {}
-    for name, preset in chosen.items():
-        runs = []
-        for case, scenario in preset.cases.items():
-            tell(f"{name}: {case}")
-            runs.append(run_case(case, scenario, ThesisEngine(robot, settings=preset.settings)))
-        cases[name] = tuple(runs)
-    isolations = []
-    for true, rule, scenario in mixtures:
-        tell(f"isolation {rule}: {' + '.join(true)}")
-        isolations.append(_isolate(robot, true, rule, scenario))
-    tell("isolation: figures")
-    scenario = _scenario(("coulomb_friction",))
-    shown = run_case("Coulomb friction, with a bank", scenario, _engine(robot, LearningRule.WITH_GRACE))
-    return ThesisStudy(robot.joints, chosen, cases, tuple(isolations), shown)
+    shown = _scenario(("coulomb_friction",))
+    planned = {
+        name: {
+            case: _jobs(scenario, ThesisEngine(robot, settings=preset.settings))
+            for case, scenario in preset.cases.items()
+        }
+        for name, preset in chosen.items()
+    }
+    isolating = [_isolating(robot, rule, scenario) for _, rule, scenario in mixtures]
+    figures = _jobs(shown, _engine(robot, LearningRule.WITH_GRACE))
+    of_cases = [job for cases in planned.values() for jobs in cases.values() for job in jobs]
+    runs = iter(run_together([*of_cases, *figures, *isolating], progress))
+    cases = {
+        name: tuple(
+            _case(case, chosen[name].cases[case], *islice(runs, len(jobs))) for case, jobs in of.items()
+        )
+        for name, of in planned.items()
+    }
+    in_figures = _case("Coulomb friction, with a bank", shown, *islice(runs, len(figures)))
+    isolations = tuple(
+        _isolation(true, rule, scenario, found)
+        for (true, rule, scenario), found in zip(mixtures, runs, strict=True)
+    )
+    return ThesisStudy(robot.joints, chosen, cases, isolations, in_figures)
 
 
 def run_case(name: str, scenario: Scenario, engine: ThesisEngine) -> Case:
@@ -228,10 +229,17 @@ def run_case(name: str, scenario: Scenario, engine: ThesisEngine) -> Case:
     Returns:
         The three runs.
     """
+    return _case(name, scenario, *run_together(_jobs(scenario, engine)))
+
+
+def _jobs(scenario: Scenario, engine: ThesisEngine) -> tuple[Job, Job, Job]:
+    """Return the runs of a case, in the order of `_case`."""
+    return Job(scenario.healthy), Job(scenario), Job(scenario, engine)
+
+
+def _case(name: str, scenario: Scenario, healthy: ScaraRun, faulty: ScaraRun, accommodated: ScaraRun) -> Case:
     began = [f.start for f in scenario.faults]
-    return Case(
-        name, min(began), max(began) + SETTLED, run(scenario.healthy), run(scenario), run(scenario, engine)
-    )
+    return Case(name, min(began), max(began) + SETTLED, healthy, faulty, accommodated)
 
 
 def _mixtures() -> Iterator[tuple[tuple[str, ...], LearningRule, Scenario]]:
@@ -252,11 +260,15 @@ def _engine(robot: RobotModel, rule: LearningRule) -> ThesisEngine:
     return ThesisEngine(robot, KNOWN, ThesisSettings(unmodelled=KNOWN_BOUND, grace=grace))
 
 
-def _isolate(robot: RobotModel, true: tuple[str, ...], rule: LearningRule, scenario: Scenario) -> Isolation:
-    """Run one combination of faults until the first verdict of the bank."""
+def _isolating(robot: RobotModel, rule: LearningRule, scenario: Scenario) -> Job:
+    """Return the run of one combination of faults, until the first verdict of the bank."""
     engine = _engine(robot, rule)
-    run(scenario, engine, until=lambda: any(e.stage == "isolation" for e in engine.events))
-    said = [e for e in engine.events if e.stage == "isolation"]
+    return Job(scenario, engine, until=lambda: any(e.stage == "isolation" for e in engine.events))
+
+
+def _isolation(true: tuple[str, ...], rule: LearningRule, scenario: Scenario, found: ScaraRun) -> Isolation:
+    """Return the first verdict of the bank in a run."""
+    said = [e for e in found.events if e.stage == "isolation"]
     if not said:
         return Isolation(true, rule, Verdict.NONE, (), 0, None)
     first = said[0]

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.diagnosis.kernel_cache import load
-from cdia_pin.diagnosis.layout import sides
+from cdia_pin.diagnosis import kernel_rows as rows
+from cdia_pin.diagnosis.kernel_cache import first_call, load
+from cdia_pin.diagnosis.layout import allocate, layout, sides
 from cdia_pin.effects import JointEffect, JointState, Signal
 
 Array = NDArray[np.float64]
@@ -29,9 +30,9 @@ import numpy as np
 from numba import njit
 
 from cdia_pin.diagnosis.kernel_rows import (
-    ABSENT_TICKS, ADDITION, BANDWIDTH, CORRECTS, DEBOUNCE, DRIVEN, FORGET, GAIN_FLOOR, LEARNS, NEURON_COUNT, NEURONS,
-    OF_POSITION, OF_VELOCITY, PHI_LOADED, PHI_TICK, PHI_UNLOADED, POSITION, REMEMBER, SIGN_WIDTH, SOFT_SIGN_WIDTH,
-    TIME, VELOCITY,
+    ABSENT_TICKS, ADDITION, BANDWIDTH, CORRECTS, DEBOUNCE, DRIVEN, FORGET, GAIN_FLOOR, LEARNING, LEARNS, NEURON_COUNT,
+    NEURONS, OF_POSITION, OF_VELOCITY, PHI_LOADED, PHI_TICK, PHI_UNLOADED, POSITION, REMEMBER, SIGN_WIDTH,
+    SOFT_SIGN_WIDTH, TIME, VELOCITY, WEIGHTS,
 )
 from cdia_pin.diagnosis.kernels import (
     NEURON_PERIOD, Neurons, Signals, activate, advance, correction, learn,
@@ -39,11 +40,15 @@ from cdia_pin.diagnosis.kernels import (
 from cdia_pin.diagnosis.tick_flags import BAD
 from cdia_pin.effects.unknown import Unknown
 
-activations = njit(Unknown.columns)
+activations = njit(Unknown.columns, error_model="numpy")
 INTERVAL = np.array({interval})
 SMOOTH = np.array({smooth})
 ENDS = np.array({ends})
 '''
+# Effects that ship compile for numbers too, which takes no arrays; a user's may need arrays.
+EACH_JOINT = """    for j in range(len(x.q)):
+        own = Signals(x.q[j], x.v[j], x.a[j], x.effort[j], x.sign[j], x.time[j])"""
+# A flag is never written as a literal there: numba would compile what gets it once more for each of its values.
 TAIL = '''
 
 @njit(cache=True)
@@ -52,9 +57,21 @@ def basis(x, out):
 {fills}
 
 @njit(cache=True)
-def neurons_of(centres, widths):
-    """Return the neurons of all joints, as `Unknown.columns` reads them."""
-    return Neurons(centres[OF_POSITION], centres[OF_VELOCITY], widths[OF_POSITION], widths[OF_VELOCITY])
+def activity(joint, neurons, centres, widths, x, weighted):
+    """Return the activations of the joints that learn, with ``weighted`` of those with weights, shape (n, H)."""
+    n, H = neurons.shape[1:]
+    out = np.zeros((n, H))
+    for j in range(n):
+        if joint[LEARNING, j] == 0.0 or weighted and not neurons[WEIGHTS, j].any():
+            continue
+        of_joint = Neurons(
+            centres[OF_POSITION, :, j], centres[OF_VELOCITY, :, j], widths[OF_POSITION, j], widths[OF_VELOCITY, j]
+        )
+        own = Signals(x.q[j], x.v[j], x.a[j], x.effort[j], x.sign[j], x.time[j])
+        active = activations(of_joint, own)
+        for k in range(H):
+            out[j, k] = active[k]
+    return out
 
 
 @njit(cache=True)
@@ -76,8 +93,7 @@ def tick(state, q, v, tau, M, nle, t):
         learns = scalars[NEURON_COUNT] >= NEURON_PERIOD
     if learns:
         scalars[NEURON_COUNT] = 0.0
-        active = activations(neurons_of(centres, widths), x)
-        activate(joint, neurons, active, E**NEURON_PERIOD)
+        activate(joint, neurons, activity(joint, neurons, centres, widths, x, not learns), E**NEURON_PERIOD)
     asks = advance(
         joint, columns, gram, absent, mass, phi[PHI_TICK], INTERVAL, ENDS, q, v, tau, M, nle, a, E,
         scalars[FORGET], scalars[DEBOUNCE], scalars[ABSENT_TICKS],
@@ -86,7 +102,7 @@ def tick(state, q, v, tau, M, nle, t):
         learn(joint, neurons, neuron_gram, scalars[REMEMBER])
     if scalars[CORRECTS] > 0.0:
         still = np.zeros_like(q)
-        joint[ADDITION] = corrected(state, v, still, tau, False)
+        joint[ADDITION] = corrected(state, v, still, tau, scalars[CORRECTS] <= 0.0)
     return asks
 
 
@@ -103,9 +119,9 @@ def corrected(state, direction, a, tau, divide):
     if scalars[DRIVEN] > 0.0:
         loaded = phi[PHI_LOADED]
         basis(Signals(joint[POSITION], joint[VELOCITY], a, tau, sign, time), loaded)
-    active = [still]
+    active = np.zeros((0, 0))
     if scalars[LEARNS] > 0.0:
-        active = activations(neurons_of(centres, widths), x)
+        active = activity(joint, neurons, centres, widths, x, scalars[LEARNS] > 0.0)
     return correction(
         joint, columns, neurons, active, phi[PHI_UNLOADED], loaded, INTERVAL, SMOOTH, tau, scalars[GAIN_FLOOR], divide
     )
@@ -135,7 +151,21 @@ def compile_bank(effects: Sequence[JointEffect]) -> CompiledBank:
     """
     in_python = tuple(i for i, e in enumerate(effects) if not _compiles(e))
     module = load(_source(effects, in_python), effects)
+    if not module.tick.signatures:
+        from cdia_pin.diagnosis import kernels
+
+        first_call("the known effects", (module, kernels), lambda: _tried_once(module, effects))
     return CompiledBank(module.tick, module.corrected, in_python)
+
+
+def _tried_once(module: Any, effects: Sequence[JointEffect]) -> None:
+    """Call a generated module with an arm of zeros, in the types of a control loop."""
+    joints, neurons = 2, 2  # as few as differ from a single number
+    zero, M = np.zeros(joints), np.zeros((joints, joints))
+    state, parts = allocate(layout(joints, effects, neurons))
+    parts["scalars"][rows.NEURONS] = neurons
+    module.tick(state, zero, zero, zero, M, zero, 1.0)
+    module.corrected(state, zero, zero, zero, True)
 
 
 def python_columns(
@@ -213,7 +243,10 @@ def _views(effects: Sequence[JointEffect]) -> str:
 
 def _source(effects: Sequence[JointEffect], in_python: Sequence[int]) -> str:
     """Return the text of the generated module; it depends on the effects and this package's own text alone."""
-    lines, fills, at = [], [], 0
+    lines: list[str] = []
+    of_joint: list[str] = []
+    of_all: list[str] = []
+    at = 0
     for i, effect in enumerate(effects):
         if i not in in_python:
             kind = type(effect)
@@ -221,17 +254,23 @@ def _source(effects: Sequence[JointEffect], in_python: Sequence[int]) -> str:
             lines += [
                 f"from {kind.__module__} import {kind.__name__}",
                 _shape_class(i, effect),
-                f"columns{i} = njit({kind.__name__}.columns)",
+                f'columns{i} = njit({kind.__name__}.columns, error_model="numpy")',
             ]
-            fills += [f"    c = columns{i}(Shape{i}({values}), x)"]
-            fills += [f"    out[:, {at + k}] = c[{k}]" for k in range(effect.size)]
+            fills, indent, at_joint, signals = (
+                (of_joint, "        ", "j", "own") if _ships(kind) else (of_all, "    ", ":", "x")
+            )
+            fills += [f"{indent}c = columns{i}(Shape{i}({values}), {signals})"]
+            fills += [f"{indent}out[{at_joint}, {at + k}] = c[{k}]" for k in range(effect.size)]
         at += effect.size
     sizes = [e.size for e in effects]
-    signals = [e.traits.depends_on for e in effects]
+    fills = ([EACH_JOINT, *of_joint] if of_joint else []) + of_all
+    depends_on = [e.traits.depends_on for e in effects]
     head = HEADER.format(
         names=", ".join(e.name for e in effects) or "nothing",
-        interval=np.repeat([bool({Signal.TORQUE, Signal.ACCELERATION} & s) for s in signals], sizes).tolist(),
-        smooth=np.repeat([Signal.ACCELERATION in s for s in signals], sizes).tolist(),
+        interval=np.repeat(
+            [bool({Signal.TORQUE, Signal.ACCELERATION} & s) for s in depends_on], sizes
+        ).tolist(),
+        smooth=np.repeat([Signal.ACCELERATION in s for s in depends_on], sizes).tolist(),
         ends=np.cumsum([0, *sizes]).tolist(),
     )
     tail = TAIL.format(fills="\n".join(fills) or "    pass", views=_views(effects))

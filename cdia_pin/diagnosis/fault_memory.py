@@ -56,6 +56,9 @@ class FaultMemory:
             belief: What is believed already.
             gram: Gram matrix of [y; r], upper triangle, the bank's columns first.
         """
+        if not self._all:
+            self._looks = 0
+            return None
         columns, right, energy = gram_parts(gram, len(belief.theta))
         for memory in self._all:
             theta = belief.theta + memory.theta

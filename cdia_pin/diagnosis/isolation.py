@@ -13,14 +13,17 @@ if no combination is possible, the fault is unknown.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.bank import Bank
-from cdia_pin.diagnosis.joint_gram import first_columns, symmetric
+from cdia_pin.diagnosis.joint_gram import symmetric
+from cdia_pin.diagnosis.kernel_cache import first_call
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.effects import Effect
 from cdia_pin.regression.scaled_gram import ScaledGram
 
 Array = NDArray[np.float64]
@@ -63,18 +66,29 @@ class Isolator:
     """
 
     def __init__(self, bank: Bank, lower: Array, upper: Array, settings: MonitorSettings) -> None:
-        from cdia_pin.diagnosis.fits import subsets
+        from cdia_pin.diagnosis import fits
 
         self.bank, self.lower, self.upper, self.settings = bank, lower, upper, settings
-        self._subsets = subsets
+        self._ranked, self._variances = fits.ranked, fits.variances
+        self._columns: dict[int, NDArray[np.int64]] = {}  # of each combination that was asked for
         count = 1 << len(bank)
-        self._theta = np.zeros((count, bank.width))
-        self._rss, self._ok = np.zeros(count), np.zeros(count, bool)
-        masks = np.arange(count)
+        self._theta, self._score = np.zeros((count, bank.width)), np.zeros(count)
+        self._order = np.zeros(count, np.int64)
+        self._zero = np.zeros(bank.width)
         sizes = np.diff(bank.ends)
-        members = masks[:, None] >> np.arange(len(bank)) & 1  # (2^N, N)
-        self._parameters = members @ sizes
-        self._further = np.maximum(members.sum(axis=1) - 1, 0)  # several changes at once are rarer than one
+        self._parameters = ((np.arange(count)[:, None] >> np.arange(len(bank)) & 1) @ sizes).tolist()
+        # Effects that may degenerate to a simpler one of another name; most cannot.
+        self._may_degenerate = sum(
+            1 << i for i, e in enumerate(bank.prototypes) if type(e).is_distinct is not Effect.is_distinct
+        )
+        if not fits.ranked.signatures:
+            first_call("the fits of their combinations", (fits,), self._tried_once)
+
+    def _tried_once(self) -> None:
+        """Decide on nothing, in the types of a control loop."""
+        gram = np.zeros((self.bank.width + 1, self.bank.width + 1))
+        self.decide(0, gram, 1.0, 1.0, 1.0)
+        self._variances(gram, np.zeros(1, np.int64), np.zeros(1))
 
     def decide(
         self,
@@ -100,34 +114,28 @@ class Isolator:
             prior: Precision of the parameters that are believed already, shape (P,); none if omitted.
             centre: Parameters that are believed already, shape (P,).
         """
-        P, s, weight = self.bank.width, self.settings, max(weight, 1.0)
-        zero = np.zeros(P)
-        own = first_columns(gram, P)
-        self._theta[:] = 0.0
-        self._subsets(
-            own, self.bank.ends, self.lower[j], self.upper[j], required,
-            zero if prior is None else prior, zero if centre is None else centre,
-            s.most_effects, self._theta, self._rss, self._ok,
+        s, weight = self.settings, max(weight, 1.0)
+        noise2 = level**2 + s.mismatch**2 * float(gram[-1, -1]) / weight
+        count = self._ranked(
+            gram, self.bank.ends, self.lower[j], self.upper[j], required,
+            self._zero if prior is None else prior, self._zero if centre is None else centre,
+            s.most_effects, weight, noise2, independent, s.tolerance**2, s.price,
+            self._theta, self._score, self._order,
         )  # fmt: skip
-        noise2 = level**2 + s.mismatch**2 * own[-1, -1] / weight
-        possible = self._ok & (self._rss / weight <= s.tolerance**2 * noise2)
-        if not possible.any():
-            return Decision(None, zero, noise=float(np.sqrt(noise2)))
-        score = 0.5 * self._rss / noise2 / independent + s.price * (self._parameters + self._further)
-        score[~possible] = np.inf
-        order = np.argsort(score, kind="stable")
-        best = self._first_distinct(order, score)
+        noise = math.sqrt(noise2)
+        if not count:
+            return Decision(None, self._zero.copy(), noise=noise)
+        order = self._order[:count].tolist()
+        best = next((m for m in order if self._is_distinct(m)), order[0])
         rivals = []
         for m in order[: 4 * MOST_RIVALS]:
-            if m == best or score[m] - score[best] > s.lead:
-                continue
+            if self._score[m] - self._score[best] > s.lead:
+                break
             # A combination that needs more parameters and gains less than their penalty is no rival.
-            if self._parameters[m] > self._parameters[best] or not self._is_distinct(int(m)):
+            if m == best or self._parameters[m] > self._parameters[best] or not self._is_distinct(m):
                 continue
-            rivals.append((int(m), self._theta[m].copy()))
-        return Decision(
-            int(best), self._theta[best].copy(), tuple(rivals[:MOST_RIVALS]), float(np.sqrt(noise2))
-        )
+            rivals.append((m, self._theta[m].copy()))
+        return Decision(best, self._theta[best].copy(), tuple(rivals[:MOST_RIVALS]), noise)
 
     def intervals(self, mask: int, theta: Array, gram: Array, noise: float, independent: float) -> Array:
         """Return the 95 % interval of each parameter of a combination, shape (p, 2).
@@ -139,23 +147,23 @@ class Isolator:
             noise: RMS of what is left of the residual [N·m or N].
             independent: Correlation time of a healthy residual [samples].
         """
-        columns = self.bank.columns(self.bank.members(mask))
-        part = symmetric(gram)[np.ix_(columns, columns)]
-        variance = np.diag(ScaledGram.of(part).pseudo_inverse(RANK_CUTOFF))
-        half = NORMAL_95 * noise * np.sqrt(np.maximum(variance, 0.0) * independent)
-        return np.column_stack([theta[columns] - half, theta[columns] + half])
-
-    def _first_distinct(self, order: NDArray[np.int64], score: Array) -> int:
-        for m in order:
-            if not np.isfinite(score[m]):
-                break
-            if self._is_distinct(int(m)):
-                return int(m)
-        return int(order[0])
+        if mask not in self._columns:
+            self._columns[mask] = self.bank.columns(self.bank.members(mask))
+        columns = self._columns[mask]
+        variance = np.empty(len(columns))
+        if not self._variances(gram, columns, variance):  # columns that are sums of each other on this motion
+            part = symmetric(gram)[np.ix_(columns, columns)]
+            variance = np.maximum(np.diag(ScaledGram.of(part).pseudo_inverse(RANK_CUTOFF)), 0.0)
+        half = NORMAL_95 * noise * np.sqrt(variance * independent)
+        found = theta[columns]
+        return np.array([found - half, found + half]).T
 
     def _is_distinct(self, mask: int) -> bool:
         """Return whether no effect of a combination has degenerated to a simpler one of another name."""
+        if not mask & self._may_degenerate:
+            return True
         theta = self._theta[mask]
         return all(
-            self.bank.prototypes[i].is_distinct(theta[self.bank.span(i)]) for i in self.bank.members(mask)
+            self.bank.prototypes[i].is_distinct(theta[self.bank.span(i)])
+            for i in self.bank.members(mask & self._may_degenerate)
         )

@@ -37,17 +37,6 @@ def gram_parts(gram: Array, width: int) -> GramParts:
     return GramParts(symmetric(gram[:width, :width]), gram[:width, -1], gram[-1, -1])
 
 
-def first_columns(gram: Array, width: int) -> Array:
-    """Return the Gram matrix of the first columns and the residual, upper triangle, shape (P + 1, P + 1).
-
-    Args:
-        gram: Gram matrix of [y; r], upper triangle, the residual last, shape (P + 1, P + 1) or larger.
-        width: P, number of columns.
-    """
-    kept = np.r_[np.arange(width), len(gram) - 1]
-    return np.ascontiguousarray(gram[np.ix_(kept, kept)])
-
-
 def symmetric(gram: Array) -> Array:
     """Return a matrix whose upper triangle is kept, with both triangles, shape (p, p).
 

@@ -1,4 +1,8 @@
-"""The cache of generated code on disk, beside numba's own: a program compiles at its first start only."""
+"""The cache of generated code on disk, beside numba's own: a program compiles at its first start only.
+
+A file of either cache may be broken, for example because a disk was full. Then it is deleted, and the code is compiled
+again.
+"""
 
 from __future__ import annotations
 
@@ -6,15 +10,21 @@ import hashlib
 import importlib.util
 import inspect
 import linecache
+import logging
 import os
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
+from threading import Timer
 from types import ModuleType
+from typing import Any
 
 from cdia_pin.effects import JointEffect, Unknown
 from cdia_pin.version import __version__
+
+SILENT = 1.5  # [s] of waiting for a compilation before it is said: from the cache it takes less
 
 
 def load(source: str, effects: Sequence[JointEffect]) -> ModuleType:
@@ -31,7 +41,7 @@ def load(source: str, effects: Sequence[JointEffect]) -> ModuleType:
         path = folder / f"{name}.py"
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            if not path.exists():
+            if not _holds(path, source):
                 draft = path.with_suffix(f".{os.getpid()}")
                 draft.write_text(source, encoding="utf-8")
                 draft.replace(path)  # in one step: a program that starts meanwhile never reads half a file
@@ -44,6 +54,61 @@ def load(source: str, effects: Sequence[JointEffect]) -> ModuleType:
         spec.loader.exec_module(module)
         return module
     raise OSError("no folder to keep compiled code in")  # pragma: no cover  (a temporary folder always works)
+
+
+def first_call(what: str, modules: Iterable[ModuleType], call: Callable[[], object]) -> None:
+    """Call compiled code for the first time, before a control loop does; what is broken in the cache is deleted.
+
+    A compilation that takes more than a moment is announced by a warning of the logger ``cdia_pin``.
+
+    Args:
+        what: What is compiled, for that warning.
+        modules: The modules whose compiled functions are called.
+        call: Calls them; called once more if the cache was broken.
+    """
+    text = f"compiling {what}: this takes some seconds, at the first use only"
+    waiting = Timer(SILENT, logging.getLogger("cdia_pin").warning, (text,))
+    waiting.daemon = True
+    waiting.start()
+    try:
+        try:
+            call()
+        except Exception:  # a broken file raises whatever its bytes happen to mean
+            if not forget(modules):
+                raise
+            call()
+    finally:
+        waiting.cancel()
+
+
+def forget(modules: Iterable[ModuleType]) -> int:
+    """Delete numba's cache of modules, and return how many files it had.
+
+    Args:
+        modules: Modules with compiled functions.
+    """
+    count = 0
+    for module in modules:
+        stem = Path(module.__file__ or module.__name__).stem
+        for folder in {Path(f.stats.cache_path) for f in _compiled(module) if f.stats.cache_path}:
+            for path in folder.glob(f"{stem}.*.nb[ic]"):
+                with suppress(OSError):
+                    path.unlink()
+                    count += 1
+    return count
+
+
+def _compiled(module: ModuleType) -> list[Any]:
+    """Return the compiled functions of a module."""
+    return [f for f in vars(module).values() if hasattr(f, "py_func") and f.__module__ == module.__name__]
+
+
+def _holds(path: Path, source: str) -> bool:
+    """Tell whether a file holds a text."""
+    try:
+        return path.read_text(encoding="utf-8") == source
+    except (FileNotFoundError, UnicodeDecodeError):
+        return False
 
 
 def _folders() -> Iterator[Path]:

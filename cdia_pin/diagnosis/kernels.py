@@ -51,9 +51,9 @@ from cdia_pin.diagnosis.kernel_rows import (
 )
 from cdia_pin.diagnosis.tick_flags import ABSENT, ALARM
 
-# What `JointEffect.columns` reads, here with arrays over the joints, shape (n,).
+# What `JointEffect.columns` reads, here with arrays over the joints, shape (n,), or with the numbers of one.
 Signals = namedtuple("Signals", "q v a effort sign time")
-# What `Unknown.columns` reads, here with arrays of shape (K, n) and (n,).
+# What `Unknown.columns` reads, here of one joint: arrays of shape (K,), and numbers.
 Neurons = namedtuple("Neurons", "position_centres velocity_centres position_width velocity_width")
 
 NEURON_PERIOD = 4  # ticks between two evaluations of the neurons, which cost more than the rest of the tick
@@ -204,16 +204,16 @@ def activate(joint, neurons, activations, E):
     Args:
         joint: Part of the state, shape (rows, n).
         neurons: Part of the state, shape (rows, n, H).
-        activations: H arrays of shape (n,).
+        activations: Of the joints that learn, shape (n, H).
         E: exp(−γΔ) over the ticks since the last call [1], shape (n,).
     """
-    size, n = len(activations), joint.shape[1]
+    n, size = activations.shape
     for j in range(n):
         if joint[LEARNING, j] == 0.0:
             continue
         learned = 0.0
         for k in range(size):
-            phi = activations[k][j]
+            phi = activations[j, k]
             mean = phi if k == size - 1 else 0.5 * (phi + neurons[ACTIVATION, j, k])
             neurons[ACTIVATION, j, k] = phi
             y = E[j] * neurons[ACTIVATED, j, k] + (1.0 - E[j]) * mean
@@ -248,7 +248,7 @@ def correction(joint, columns, neurons, activations, unloaded, loaded, interval,
         joint: Part of the state, shape (rows, n).
         columns: Part of the state, shape (rows, n, P).
         neurons: Part of the state, shape (rows, n, H).
-        activations: H arrays of shape (n,).
+        activations: Of the joints that learn, zero where weights are, shape (n, H).
         unloaded: Columns without torque, shape (n, P).
         loaded: Columns at the torque ``tau``, shape (n, P).
         interval: Which columns depend on torque or acceleration, shape (P,).
@@ -268,9 +268,10 @@ def correction(joint, columns, neurons, activations, unloaded, loaded, interval,
             state += c * (unloaded[j, k] if divide or not smooth[k] else columns[FILTERED, j, k])
             driven += c * (loaded[j, k] - unloaded[j, k]) if interval[k] and not smooth[k] else 0.0
         if joint[LEARNING, j] > 0.0:
-            for k in range(len(activations) - 1):
-                state += neurons[WEIGHTS, j, k] * activations[k][j]
-            driven += neurons[WEIGHTS, j, len(activations) - 1] * tau[j]
+            size = activations.shape[1]
+            for k in range(size - 1):
+                state += neurons[WEIGHTS, j, k] * activations[j, k]
+            driven += neurons[WEIGHTS, j, size - 1] * tau[j]
         wanted = tau[j] - state - joint[REMAINDER, j]
         if not divide:
             out[j] = -state - driven - joint[REMAINDER, j]

@@ -109,7 +109,7 @@ class MomentumEngine:
         self.lasting.limit = learned.lasting
         self.arm = ArmMonitor(self.observer, bank, self.healthy, learned.contact, settings)
         self._offset = nominal.offset if nominal.offset.any() else None
-        self._limit = robot.limits.effort
+        self._limit, self._least = robot.limits.effort, -robot.limits.effort
         self._blind = self.healthy.sight.blind
         self._zero = np.zeros(robot.n)
         self.events: list[Event] = []
@@ -325,7 +325,7 @@ class MomentumEngine:
         o = self.observer
         correction = self._zero
         if self._corrects:
-            correction = np.minimum(np.maximum(o.addition + self._carried_torque, -self._limit), self._limit)
+            correction = np.minimum(np.maximum(o.addition + self._carried_torque, self._least), self._limit)
         residual, threshold = o.residual.copy(), o.threshold.copy()
         return Status(t, self._stages, residual, threshold, correction, self._faults, events, self._blind)
 

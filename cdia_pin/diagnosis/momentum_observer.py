@@ -104,6 +104,13 @@ class MomentumObserver:
         self.addition, self.bandwidth = state.addition, state.bandwidth
         self.q, self.v = state.position, state.velocity
         self.believed, self.filtered = state.believed, state.filtered
+        self._array, self._tick, self._rigid_terms = (
+            state.array,
+            self._compiled.tick,
+            nominal.robot.rigid_terms,
+        )
+        self._in_python = bool(self._compiled.in_python or nominal.others.terms)
+        self._still = np.zeros(n)
         self.inertial = False
         self.use_sign_width(np.full(n, LEAST_SIGN_WIDTH))
         self.reset()
@@ -128,12 +135,12 @@ class MomentumObserver:
         Returns:
             What needs attention, see `tick_flags`.
         """
-        M, nle = self.carried.rigid_terms(q, v)
+        M, nle = self._rigid_terms(q, v)
         if self.time == -np.inf:
             return self._begin(t, q, v, tau, M, nle)
-        if self._compiled.in_python or self.nominal.others.terms:
+        if self._in_python:
             self._evaluate_in_python(t, q, v, (v - self.v) / (t - self.time), tau)
-        asks = int(self._compiled.tick(self.state.array, q, v, tau, M, nle, t))
+        asks: int = self._tick(self._array, q, v, tau, M, nle, t)
         if not asks & BAD:
             self.time = t
         return asks
@@ -157,6 +164,7 @@ class MomentumObserver:
             robot: The arm with what it carries; the healthy arm if it carries nothing.
         """
         self.carried = robot
+        self._rigid_terms = robot.rigid_terms
 
     def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
         """Return the torque with which the arm moves as a healthy one would under ``tau`` [N·m or N], shape (n,).
@@ -167,9 +175,11 @@ class MomentumObserver:
                 measured one if omitted.
         """
         direction = self.v if v_desired is None else v_desired
-        a = self._healthy_acceleration(tau) if self.inertial else np.zeros_like(tau)
-        self._fill_corrections(direction, a, tau)
-        return np.asarray(self._compiled.corrected(self.state.array, direction, a, tau, True))
+        a = self._healthy_acceleration(tau) if self.inertial else self._still
+        if self._compiled.in_python:
+            self._fill_corrections(direction, a, tau)
+        found: Array = self._compiled.corrected(self._array, direction, a, tau, True)
+        return found
 
     def _healthy_acceleration(self, tau: Array) -> Array:
         """Return the acceleration of a healthy arm under a torque [rad/s² or m/s²], shape (n,)."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,7 +32,8 @@ class RegionLearner:
 
     def __init__(self, joint: str) -> None:
         self.joint = joint
-        self._seen: list[tuple[bool, float, float]] = []
+        self._seen: deque[tuple[bool, float, float]] = deque()
+        self._present = 0  # sightings in which the fault was present
 
     def add(self, share: float, q: float, v: float) -> None:
         """Add a sighting.
@@ -42,14 +45,16 @@ class RegionLearner:
         """
         if share > PRESENT_SHARE or share < ABSENT_SHARE:
             self._seen.append((share > PRESENT_SHARE, q, v))
-            del self._seen[:-KEPT_SIGHTINGS]
+            self._present += share > PRESENT_SHARE
+            if len(self._seen) > KEPT_SIGHTINGS:
+                self._present -= self._seen.popleft()[0]
 
     @property
     def region(self) -> Region | None:
         """The half-line of speed, position or velocity that separates the sightings best; None if none does well."""
-        present = np.array([s[0] for s in self._seen], bool)
-        if present.sum() < LEAST_SIGHTINGS or (~present).sum() < LEAST_SIGHTINGS:
+        if min(self._present, len(self._seen) - self._present) < LEAST_SIGHTINGS:
             return None
+        present = np.array([s[0] for s in self._seen], bool)
         q, v = (np.array([s[i] for s in self._seen]) for i in (1, 2))
         best: tuple[float, Region] | None = None
         for signal, x in (("speed", np.abs(v)), ("position", q), ("velocity", v)):

@@ -26,6 +26,9 @@ class Stage(StrEnum):
     DETECTED = "detected"  # there is a fault, and isolation goes on
 
 
+_GRAVITY = {stage: k for k, stage in enumerate(Stage)}
+
+
 class Verdict(StrEnum):
     """Result of isolation."""
 
@@ -148,8 +151,7 @@ class Status:
     @property
     def stage(self) -> Stage:
         """The gravest stage of any joint."""
-        order = list(Stage)
-        return max(self.stages, key=order.index)
+        return max(self.stages, key=_GRAVITY.__getitem__)
 
 
 def fault_to_dict(term: Term, robot: RobotModel) -> FaultDict:

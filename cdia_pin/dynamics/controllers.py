@@ -83,7 +83,7 @@ class ComputedTorque:
             x = State.of(robot, q, v, a, effort=np.zeros_like(q), time=t, sign_width=self.sign_width)
             tau = self.model.torques(x).actuator[0]
         else:
-            tau = robot.inverse_dynamics(q, v, a)
+            tau = robot.torque(np.asarray(q, float), np.asarray(v, float), a)
         if self.limited:
             most = robot.limits.effort
             tau = np.minimum(np.maximum(tau, -most), most)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.dynamics.controllers import ComputedTorque, Controller
 from cdia_pin.dynamics.dynamics import Dynamics
+from cdia_pin.dynamics.one_sample import OneSample
 from cdia_pin.dynamics.sensors import Sensors
 from cdia_pin.dynamics.smoothing import Stiffness
 from cdia_pin.dynamics.trajectories import Reference, Trajectory
@@ -200,29 +201,33 @@ def steps(
     """
     arm = plant(0.0)
     robot, moving, shifting = arm.robot, *_acting(arm)
+    sample = OneSample(moving, width)
     command = ComputedTorque(Dynamics(robot)) if controller is None else controller
     v = half = tau = np.zeros(robot.n)
     q = trajectory(0.0).q
     q = q + _shift(shifting, State.of(robot, q, v, effort=tau, time=0.0))[0]
     k, memory = 0, moving.memory()
+    whole_step, half_step = np.float64(step), np.float64(0.5 * step)
     while True:
         time = step * np.arange(k, k + AHEAD, dtype=float)
-        for t, *asked in zip(time.tolist(), *trajectory(time), strict=True):
+        sample.look_ahead(time)
+        for i, (t, *asked) in enumerate(zip(time.tolist(), *trajectory(time), strict=True)):
             if (given := plant(t)) is not arm:
                 arm, (moving, shifting) = given, _acting(given)
-                memory = moving.memory(memory)
+                sample, memory = OneSample(moving, width), moving.memory(memory)
+                sample.look_ahead(time)
             read = q - _shift(shifting, State.of(robot, q, v, effort=tau, time=t))[0] if shifting else q
             tau = command(t, read, v, Reference(*asked))
-            a = moving.forward_dynamics(q, v, tau, t, width, memory)
+            a = sample.acceleration(i, q, v, tau, memory)
             if k % WATCHED == 0:
                 _require_bounded(robot, v, t, step)
             yield SimulationStep(t, q, v, a, tau)
-            half = half + (step if k else 0.5 * step) * a
+            half = half + (whole_step if k else half_step) * a
             if memory:
                 x = State.of(robot, q, v, a, effort=tau, time=t, sign_width=width, memory=memory)
                 memory = moving.remembered(x, step * half, step)
-            q = q + step * half
-            v = half + 0.5 * step * a
+            q = q + whole_step * half
+            v = half + half_step * a
             k += 1
 
 

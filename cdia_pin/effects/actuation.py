@@ -38,7 +38,7 @@ class ActuatorGain(JointEffect):
         Args:
             x: Signals of the joint, N samples.
         """
-        return [x.effort]
+        return (x.effort,)
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class TorqueOffset(JointEffect):
         Args:
             x: Signals of the joint, N samples.
         """
-        return [np.ones_like(x.q)]
+        return (1.0 + 0.0 * x.q,)  # one, for numbers as for arrays
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class RotorInertia(JointEffect):
         Args:
             x: Signals of the joint, N samples.
         """
-        return [-x.a]
+        return (-x.a,)
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class JointSpring(JointEffect):
         Args:
             x: Signals of the joint, N samples.
         """
-        return [-x.q, np.ones_like(x.q)]
+        return (-x.q, 1.0 + 0.0 * x.q)  # one, for numbers as for arrays
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class PositionRipple(JointEffect):
         Args:
             x: Signals of the joint, N samples.
         """
-        return [np.sin(self.frequency * x.q), np.cos(self.frequency * x.q)]
+        return (np.sin(self.frequency * x.q), np.cos(self.frequency * x.q))
 
     def shape_grid(self, x: State) -> Sequence[Self]:
         """Return frequencies that can be a ripple on the range driven, finely enough to miss none.

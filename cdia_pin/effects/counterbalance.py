@@ -69,7 +69,7 @@ class Counterbalance(JointEffect):
         length = np.sqrt(1 + self.ratio**2 - 2 * self.ratio * np.cos(angle))
         lever = -np.sin(angle) / length
         opposite = (1 - np.cos(angle)) / (length + 1 - self.ratio)  # 0 at the centre, 1 opposite to it
-        return [(1 - opposite) * lever, opposite * lever]
+        return ((1 - opposite) * lever, opposite * lever)
 
     def prior_scale(self, robot: RobotModel) -> Array:
         """Return the largest weight that the joint carries, because more would lift the arm, shape (2,).

@@ -62,7 +62,7 @@ class CoulombFriction(JointEffect):
         Args:
             x: Signals of the joint, N samples.
         """
-        return [-x.sign]
+        return (-x.sign,)
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class ViscousFriction(JointEffect):
         Args:
             x: Signals of the joint, N samples.
         """
-        return [-x.v]
+        return (-x.v,)
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class StribeckFriction(JointEffect):
         Args:
             x: Signals of the joint, N samples.
         """
-        return [-x.sign, -np.exp(-self.decay * np.abs(x.v)) * x.sign]
+        return (-x.sign, -np.exp(-self.decay * np.abs(x.v)) * x.sign)
 
     def is_distinct(self, theta: Array) -> bool:
         """Tell whether the breakaway counts; filters give Coulomb friction one below a fifth of its level.
@@ -149,7 +149,7 @@ class AsymmetricFriction(JointEffect):
             x: Signals of the joint, N samples.
         """
         forth, back = np.maximum(x.sign, 0.0), np.minimum(x.sign, 0.0)
-        return [-forth, -back, -np.maximum(x.v, 0.0), -np.minimum(x.v, 0.0)]
+        return (-forth, -back, -np.maximum(x.v, 0.0), -np.minimum(x.v, 0.0))
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ class QuadraticFriction(JointEffect):
         Args:
             x: Signals of the joint, N samples.
         """
-        return [-np.abs(x.v) * x.v]
+        return (-np.abs(x.v) * x.v,)
 
 
 @dataclass(frozen=True)
@@ -185,7 +185,7 @@ class LoadFriction(JointEffect):
         Args:
             x: Signals of the joint, N samples.
         """
-        return [-np.abs(x.effort) * x.sign]
+        return (-np.abs(x.effort) * x.sign,)
 
 
 @dataclass(frozen=True)

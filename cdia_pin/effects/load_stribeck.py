@@ -53,7 +53,7 @@ class LoadStribeckFriction(JointEffect):
             x: Signals of the joint, N samples.
         """
         load = -np.abs(x.effort) * x.sign
-        return [load, np.exp(-self.decay * np.abs(x.v)) * load]
+        return (load, np.exp(-self.decay * np.abs(x.v)) * load)
 
     def is_distinct(self, theta: Array) -> bool:
         """Tell whether the fall with speed counts, otherwise it is `load_friction`.

@@ -49,6 +49,8 @@ class RigidBodyTerms:
         self.is_prismatic: NDArray[np.bool_] = np.array(["JointModelP" in t for t in joint_types])
         self.is_continuous: NDArray[np.bool_] = np.array([model.joints[i + 1].nq == 2 for i in range(self.n)])
         self._has_continuous = bool(self.is_continuous.any())
+        self._starts = np.array([model.joints[i + 1].idx_q for i in range(self.n)])
+        self._sines = self._starts[self.is_continuous] + 1
         self._model = model
         self._data = model.createData()
 
@@ -69,14 +71,13 @@ class RigidBodyTerms:
         if not self._has_continuous:
             return q
         out = np.empty((len(q), self._model.nq))
-        for j in range(self.n):
-            at = self._model.joints[j + 1].idx_q
-            if self.is_continuous[j]:
-                out[:, at] = np.cos(q[:, j])
-                out[:, at + 1] = np.sin(q[:, j])
-            else:
-                out[:, at] = q[:, j]
+        out[:, self._starts] = np.where(self.is_continuous, np.cos(q), q)
+        out[:, self._sines] = np.sin(q[:, self.is_continuous])
         return out
+
+    def _configuration(self, q: Array) -> Array:
+        """Convert the joint coordinates of one sample to Pinocchio's configuration, shape (nq,)."""
+        return self.configurations(q[None])[0] if self._has_continuous else q
 
     # ---------------------------------------------------------------- dynamics
 
@@ -113,8 +114,36 @@ class RigidBodyTerms:
         Returns:
             M [kg·m², kg·m or kg], shape (n, n), and nle [N·m or N], shape (n,).
         """
-        c = self.configurations(q[None])[0] if self._has_continuous else q
+        c = self._configuration(q)
         return pin.crba(self._model, self._data, c), pin.nonLinearEffects(self._model, self._data, c, v)
+
+    def torque(self, q: Array, v: Array, a: Array) -> Array:
+        """Compute the torque of one sample as `inverse_dynamics` does, without checks.
+
+        Args:
+            q: Positions [rad or m], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,).
+            a: Accelerations [rad/s² or m/s²], shape (n,).
+
+        Returns:
+            Torques [N·m or N], shape (n,).
+        """
+        found: Array = pin.rnea(self._model, self._data, self._configuration(q), v, a)
+        return found
+
+    def acceleration(self, q: Array, v: Array, tau: Array) -> Array:
+        """Compute the acceleration of one sample as `forward_dynamics` does, without checks.
+
+        Args:
+            q: Positions [rad or m], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,).
+            tau: Joint torques [N·m or N], shape (n,).
+
+        Returns:
+            Accelerations [rad/s² or m/s²], shape (n,).
+        """
+        found: Array = pin.aba(self._model, self._data, self._configuration(q), v, tau)
+        return found
 
     def gravity(self, q: ArrayLike) -> Array:
         """Compute the gravity torques G(q).

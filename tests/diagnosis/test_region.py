@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cdia_pin.diagnosis.region import RegionLearner, best_cut
+from cdia_pin.diagnosis.region import KEPT_SIGHTINGS, RegionLearner, best_cut
 from cdia_pin.effects import Region
 
 
@@ -71,3 +71,13 @@ def test_the_best_cut_is_balanced_between_many_and_few() -> None:
     assert above
     assert right == pytest.approx(1.0)
     assert 1.0 <= cut <= 1.1
+
+
+def test_old_sightings_are_dropped_and_no_longer_counted() -> None:
+    learner = RegionLearner("elbow_joint")
+    for k in range(KEPT_SIGHTINGS):
+        learner.add(float(k % 2), 0.5 if k % 2 else -0.5, 0.0)
+    assert learner.region is not None
+    for _ in range(KEPT_SIGHTINGS):
+        learner.add(1.0, 0.5, 0.0)
+    assert learner.region is None

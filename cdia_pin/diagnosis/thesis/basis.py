@@ -212,11 +212,13 @@ class Neurons:
         Args:
             x: Motion and torque of all joints, each signal of shape (n,).
         """
-        distance = replace(
-            x,
-            q=(x.q[:, None] - self.position_centres) / self.position_width[:, None],
-            v=(x.v[:, None] - self.velocity_centres) / self.velocity_width[:, None],
-            effort=x.effort[:, None],
+        distance = JointState(
+            (x.q[:, None] - self.position_centres) / self.position_width[:, None],
+            (x.v[:, None] - self.velocity_centres) / self.velocity_width[:, None],
+            x.a,
+            x.effort[:, None],
+            x.sign,
+            x.time,
         )
         return np.concatenate(self._unit.columns(distance), axis=1)
 

@@ -46,6 +46,8 @@ class FaultEstimate:
         self.neurons, self.types = neurons, types
         self._gains, self._gamma = settings.observer_gains, gamma
         self.learning = False
+        self._at: tuple[Array | None, Array | None] = None, None  # q and q̇ of the columns that are kept
+        self._columns = np.empty((0, 0))
         self.neuron_scale, self.type_scale = ColumnScale(neurons), ColumnScale(types)
         self.isolated = IsolatedFaults(types, self.type_scale, absent_torque)
         self.restart_neurons()
@@ -82,10 +84,17 @@ class FaultEstimate:
         """
         f = np.zeros_like(x.effort)
         if self.learning:
-            f = f + self.observer.torque(self.neurons.columns(x))[0]
+            f = f + self.observer.torque(self._neuron_columns(x))[0]
         if self.isolated.filter is not None:
             f = f + self.isolated.filter.torque(self.types.columns(x))[0]
         return f
+
+    def _neuron_columns(self, x: JointState) -> Array:
+        """Return the columns of the neurons; at the last state only those of the torque are new, shape (n, P)."""
+        if x.q is not self._at[0] or x.v is not self._at[1]:
+            self._at, self._columns = (x.q, x.v), self.neurons.columns(x)
+        self._columns[:, self.neurons.of_torque] = x.effort[:, None]
+        return self._columns
 
     def torques(self) -> dict[int, Array]:
         """Return the torque of each isolated effect, and of the neurons, over the last interval [N·m or N]."""

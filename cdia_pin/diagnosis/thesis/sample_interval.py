@@ -140,7 +140,7 @@ class IntervalEvaluator:
         """Return M and nle − f of the model, with the terms that act on its motion."""
         robot, terms = self.model.robot, self.model.on_motion
         if not self.model.terms:
-            return robot.mass_matrix(q), robot.nonlinear_effects(q, v)
+            return robot.rigid_terms(q, v)
         x = State.of(robot, q, v, effort=effort, time=time, sign_width=self.sign_width)
         at = self.model.true_state(x)
         f = sum((term.torque(at)[0] for term in terms), np.zeros(robot.n))
