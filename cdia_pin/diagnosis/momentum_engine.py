@@ -103,6 +103,7 @@ class MomentumEngine:
                 healthy,
                 settings.false_alarm_every,
                 settings.margin,
+                self.healthy.memory,
             )
         else:
             learned = assumed(robot.n, len(bank), self.healthy.bound)

@@ -137,7 +137,7 @@ class ArmMonitor:
             dt: Time since the last one [s].
         """
         o = self.observer
-        self.detector.add(o.time, dt, o.remainder, o.state.moving)
+        self.detector.add(o.time, dt, o.remainder, o.state.moving, o.state.nle)
         if self.evidence.is_active:
             self.evidence.add(o.time, o.q, o.v)
         if self.contact is not None and self.detector.present:

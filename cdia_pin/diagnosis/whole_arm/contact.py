@@ -2,7 +2,7 @@
 
 The remainder's slow part is followed and subtracted, so that neither a model's error nor what dry friction holds at
 rest counts. What is left is compared with the largest value of healthy runs, at rest and in motion apart. A joint that
-has just started or stopped may be off by its friction besides.
+has just started or stopped may be off by its friction besides. At rest, friction also takes up what the load changes.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class ContactLimits:
     Attributes:
         rest: Of each joint at rest [N·m or N], shape (n,).
         moving: Of each joint in motion [N·m or N], shape (n,).
-        friction: Torque by which a joint may be off when it starts or stops [N·m or N], shape (n,).
+        friction: Torque that friction may hold at rest, and lose at a start [N·m or N], shape (n,).
     """
 
     rest: Array
@@ -72,6 +72,7 @@ class ContactDetector:
         self.deviation, self.limit = np.zeros(n), self.limits.moving.copy()
         self.present, self.since = False, np.nan
         self._slow: Array | None = None
+        self._slow_load = np.zeros(n)
         self.changing = np.zeros(n)
         self._begun = np.full(n, np.inf)
         self._for, self._recovered = 0.0, -np.inf
@@ -88,7 +89,7 @@ class ContactDetector:
         self._peak = np.zeros_like(remainder)
         self._begun[:] = np.inf
 
-    def add(self, t: float, dt: float, remainder: Array, moving: Array) -> None:
+    def add(self, t: float, dt: float, remainder: Array, moving: Array, load: Array) -> None:
         """Add a sample.
 
         Args:
@@ -96,13 +97,16 @@ class ContactDetector:
             dt: Time since the last one [s].
             remainder: Residual less the torque of what is believed [N·m or N], shape (n,).
             moving: Share of the filter's memory in which each joint moved [1], shape (n,).
+            load: What gravity and motion take of each joint by the model [N·m or N], shape (n,).
         """
         if self._slow is None:
-            self._slow = remainder.copy()
+            self._slow, self._slow_load = remainder.copy(), load.copy()
         self.deviation = remainder - self._slow
         changes = (moving > CHANGING) & (moving < 1.0 - CHANGING)
         self.changing = np.where(changes, 1.0, self.changing * np.exp(-dt / SLOW))
-        self.limit = np.where(moving < RESTING, self.limits.rest, self.limits.moving)
+        self._slow_load += (1.0 - np.exp(-dt / SLOW)) * (load - self._slow_load)
+        held = np.minimum(np.abs(load - self._slow_load), self.limits.friction)
+        self.limit = np.where(moving < RESTING, self.limits.rest + held, self.limits.moving)
         self.limit = self.limit + self.changing * self.limits.friction
         ratio = np.abs(self.deviation) / self.limit
         self._begun = np.where(ratio < BEGUN, np.inf, np.minimum(self._begun, t))

@@ -29,6 +29,9 @@ COINCIDENCE = (
     9.0  # [1], log-odds against a joint that fails within seconds of another one: once in ten thousand times
 )
 NORMAL_95 = 1.96  # [1], standard deviations to either side of a 95 % interval
+LEAST_NOISE = (
+    0.25  # [1], least variance of what is left over that of a healthy residual: few samples say little
+)
 LEAST_EXPLAINED = 0.5  # [1], share of the remainder's energy that an effect of the whole arm must explain
 LEAST_WEIGHT = 0.2  # [s] of motion of a joint, from which it counts
 TINY = 1e-300  # keeps a column that was never excited from dividing by zero
@@ -103,7 +106,7 @@ def _of_arm(evidence: ArmEvidence, i: int, G: Array, unit: Array) -> ArmDecision
     energy = G[:, -1, -1]
     explained = float(np.sum(less / unit) / max(np.sum(energy / unit), TINY))
     left = np.sum((energy - less) * 2.0 / unit) / max(len(energy), 1)
-    half = NORMAL_95 * np.sqrt(np.diag(inverse) * max(1.0, float(left)))
+    half = NORMAL_95 * np.sqrt(np.diag(inverse) * max(LEAST_NOISE, float(left)))
     return ArmDecision(i, theta, half, float(np.sum(less / unit)), explained)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.alignment import Alignment
+from cdia_pin.diagnosis.growth import growth
 from cdia_pin.diagnosis.lasting import LastingDetector, limit_of
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.residuals import SETTLING, pooled
@@ -42,6 +43,7 @@ def learn(
     runs: Sequence[Log],
     false_alarm_every: float,
     margin: float,
+    memory: Array,
 ) -> Learned:
     """Watch the detectors along runs of the healthy arm.
 
@@ -51,10 +53,11 @@ def learn(
         lasting: The second detector; it forgets the runs.
         runs: Logs of the healthy arm.
         false_alarm_every: Mean time between false alarms that the user accepts [s].
-        margin: Limit over the largest deviation [1].
+        margin: Limit over the largest deviation of long runs [1]; from short ones it is wider.
+        memory: Correlation time of each joint's residual [s], shape (n,).
     """
     n = observer.nominal.robot.n
-    rest, moving, resting = np.zeros(n), np.zeros(n), np.zeros(n)
+    rest, moving, resting, moved = (np.zeros(n) for _ in range(4))
     largest, friction = np.zeros_like(lasting.limit), np.zeros(n)
     for run in runs:
         detector = ContactDetector(_without_limits(n))
@@ -64,11 +67,12 @@ def learn(
                 continue
             share = observer.state.moving
             friction = np.maximum(friction, observer.state.known_amplitude)
-            detector.add(observer.time, dt, observer.remainder, share)
+            detector.add(observer.time, dt, observer.remainder, share, observer.state.nle)
             off = np.abs(detector.deviation)
             moving = np.maximum(moving, np.where(share < RESTING, 0.0, off))
             rest = np.maximum(rest, np.where(share < RESTING, off, 0.0))
             resting += dt * (share < RESTING)
+            moved += dt * (share >= RESTING)
             lasting.add(dt, observer.filtered, observer.remainder, share > 1.0 - RESTING)
             largest = np.maximum(largest, lasting.explained())
     observer.reset()
@@ -76,8 +80,9 @@ def learn(
     lasting.reset()
     torque = pooled([run.effort for run in runs])
     least = LEAST_DEVIATION * torque
-    moving = np.maximum(margin * moving, least)
-    rest = np.where(resting >= LEAST_REST, np.maximum(margin * rest, least), moving)
+    moving = np.maximum(margin * growth(moved, memory) * moving, least)
+    known = np.maximum(margin * growth(resting, memory) * rest, least)
+    rest = np.where(resting >= LEAST_REST, known, moving)
     duration = sum(run.duration for run in runs)
     limit = limit_of(largest, duration, observer.settings.memory, false_alarm_every, torque)
     return Learned(ContactLimits(rest, moving, friction), limit)

@@ -13,12 +13,14 @@ DT = 0.01
 LIMITS = ContactLimits(rest=np.full(3, 0.5), moving=np.full(3, 1.0), friction=np.full(3, 2.0))
 
 
-def watched(remainders: np.ndarray, moving: np.ndarray | float = 1.0) -> list[bool]:
+def watched(
+    remainders: np.ndarray, moving: np.ndarray | float = 1.0, load: np.ndarray | float = 0.0
+) -> list[bool]:
     """Feed a detector a series; return whether there was contact at each sample."""
     detector, out = ContactDetector(LIMITS), []
-    share = np.broadcast_to(moving, remainders.shape)
+    share, loads = np.broadcast_to(moving, remainders.shape), np.broadcast_to(load, remainders.shape)
     for k, remainder in enumerate(remainders):
-        detector.add(k * DT, DT, remainder, share[k])
+        detector.add(k * DT, DT, remainder, share[k], loads[k])
         out.append(detector.present)
     return out
 
@@ -67,6 +69,11 @@ def test_a_joint_that_starts_may_be_off_by_its_friction() -> None:
     friction[100:] = 1.8
     assert not any(watched(friction, starting))
     assert any(watched(friction, 1.0))
+
+
+def test_at_rest_friction_takes_up_what_the_load_changes() -> None:
+    push = pushed([0, 1], 0.8)
+    assert not any(watched(push, moving=0.0, load=-push))
 
 
 @pytest.mark.parametrize("name", ["ur5", "panda"])
