@@ -9,6 +9,7 @@ from typing import Any, NotRequired, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.sensor_fault import SensorFault
 from cdia_pin.effects import Term
 from cdia_pin.robot.model import RobotModel
 
@@ -42,6 +43,7 @@ class EventStage(StrEnum):
     ISOLATION = "isolation"
     ACCOMMODATION = "accommodation"
     IDLE = "idle"  # a fault has cleared, or is present only in a region of the motion
+    SENSOR = "sensor"  # a sensor is at fault, or can be trusted again; the arm is not concerned
 
 
 class FaultDict(TypedDict):
@@ -72,7 +74,7 @@ class Event:
 
     Attributes:
         time: Time of the change [s].
-        stage: Stage of the scheme: detection, isolation, accommodation, or idle for a cleared fault.
+        stage: Stage of the scheme: detection, isolation, accommodation, idle for a cleared fault; or sensor.
         joints: Names of the joints concerned.
         verdict: Result of isolation.
         faults: The effects with parameters and intervals; of equal combinations the likeliest.
@@ -128,6 +130,7 @@ class Status:
         torque_correction: Torque to add to the nominal one, so that the arm moves as if healthy [N·m or N].
         faults: Believed faults with their parameters.
         events: Changes at this tick; mostly none.
+        sensors: Sensors that are at fault.
     """
 
     time: float
@@ -137,6 +140,7 @@ class Status:
     torque_correction: Array
     faults: tuple[Term, ...] = ()
     events: tuple[Event, ...] = ()
+    sensors: tuple[SensorFault, ...] = ()
 
     def __repr__(self) -> str:
         return (

@@ -15,6 +15,7 @@ from cdia_pin.errors import LogError, ModelError
 FAULT = "coulomb_friction@joint2: level=0.2, after=2"
 BANK = ("coulomb_friction", "viscous_friction")
 ENGINES = ("momentum", "thesis")
+RAMP = 52  # ticks of 2 ms, in which a correction fades out
 
 
 @pytest.fixture(scope="module")
@@ -101,8 +102,6 @@ def test_a_bad_sample_means_nominal_control_until_samples_are_good_again(loop, l
         log.effort[half].copy(),
     )
     if what == "gap":
-        if monitor.record["engine"] == "momentum":
-            pytest.skip("the momentum engine starts again after a gap, without an event")
         t += 1.0
     elif what == "time":
         t = np.nan
@@ -110,10 +109,10 @@ def test_a_bad_sample_means_nominal_control_until_samples_are_good_again(loop, l
         t -= 0.5
     else:
         {"position": q, "velocity": v, "effort": tau}[what][1] = np.nan
-    for _ in range(3):
+    for _ in range(RAMP):
         status = monitor.update(t, q, v, tau)
-        assert not status.torque_correction.any()
-        assert not corrects(monitor)
+    assert not status.torque_correction.any()
+    assert not corrects(monitor)
     said = monitor.events[before:]
     assert [e.stage for e in said] == ["accommodation"]
     assert "nominal control" in said[0].reason

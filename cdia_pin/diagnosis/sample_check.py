@@ -1,0 +1,337 @@
+"""The one place that decides whether a sample can be, before any engine sees it.
+
+A sample that cannot be is dropped whole. What happens then depends on what comes after it:
+
+- The next sample follows from the last good one: it was a spike, and the gap is bridged.
+- Samples follow from each other, but not from the last good one, for `RECOVERY_TIME`: they are the new normal, and filters
+  start again. If an encoder has shifted by then, it is named and the shift is subtracted.
+- Samples stay bad, or a signal stays the same while the arm moves: the sensor is named as faulty, and nothing is passed on.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis import sample_codes as codes
+from cdia_pin.diagnosis import sample_rows as rows
+from cdia_pin.diagnosis.sample_bounds import MEMORY_TIME, SampleBounds
+from cdia_pin.diagnosis.sensor_fault import SensorCondition, SensorFault, SensorSignal
+from cdia_pin.diagnosis.status import Event, EventStage, Verdict
+
+Array = NDArray[np.float64]
+
+RECOVERY_TIME = 0.1  # [s], for which samples must follow from each other to be the new normal
+RECOVERY_TICKS = 3  # the least of it at low rates
+QUIET_TIME = 0.2  # [s] of good samples after which the next bad one is an event of its own
+SENSOR_TIME = 0.3  # [s] of bad samples after which a sensor is called faulty; a shorter disturbance is none
+YOUNG_TICKS = 10  # good samples from the start on, before which the first ones may be those that were bad
+HELD_TICKS = 5  # samples with nothing but a step of the torque that are held back before they are called bad
+ROUGH_TIME = 0.1  # [s] of steps of the torque without end, after which they are taken for what the arm is given
+ROUGH_REST = 1.0  # [s], for which steps of the torque are then not tested
+COMMANDS = 8  # commands that are remembered: drives and sensors are late by some ticks
+COMMAND_MARGIN = 1.5  # [1], measured step of the torque over the commanded one
+SIGNALS = (SensorSignal.POSITION, SensorSignal.VELOCITY, SensorSignal.TORQUE, SensorSignal.TIME)
+CONDITIONS = {
+    codes.OUTSIDE: SensorCondition.OUTSIDE,
+    codes.JUMP: SensorCondition.ERRATIC,
+    codes.ZEROED: SensorCondition.ERRATIC,
+    codes.FROZEN: SensorCondition.FROZEN,
+    codes.kind_of(codes.DISAGREE): SensorCondition.BIASED,
+}
+
+
+class Outcome(IntEnum):
+    """What is to be done with a sample."""
+
+    ACCEPTED = 0  # pass it on
+    BRIDGED = 1  # pass it on; samples before it were dropped
+    RESTARTED = 2  # start the filters again and pass it on
+    HELD = 3  # drop it silently: the next sample shows whether the step of its torque was a spike
+    BAD = 4  # drop it, and correct nothing
+
+
+class SampleCheck:
+    """Decides whether samples can be, and names sensors whose samples cannot.
+
+    Args:
+        joints: Names of the joints.
+        bounds: What samples can be.
+        has_velocity: Whether velocities are measured.
+
+    Attributes:
+        offset: Shift of each encoder, to be subtracted from its readings [rad or m], shape (n,); None without any.
+        faults: Faults of sensors now known.
+        news: Events of the last sample.
+        commands: Last torques that were commanded [N·m or N], shape (n,) each; their steps are no spikes.
+        missed: Ticks between the last good sample and the one that bridges the gap.
+    """
+
+    def __init__(self, joints: tuple[str, ...], bounds: SampleBounds, has_velocity: bool) -> None:
+        from cdia_pin.diagnosis.sample_kernel import judge, since_good
+
+        self.bounds, self._joints = bounds, joints
+        self._judge, self._since_good = judge, since_good
+        self._limits, n = bounds.array, len(joints)
+        self._state, self._scalars = np.zeros((rows.STATE_ROWS, n)), np.zeros(rows.SCALARS)
+        self._still = np.zeros(n)
+        self._has_velocity = has_velocity
+        self._recovery_ticks = max(RECOVERY_TICKS, RECOVERY_TIME / bounds.period)
+        self._rough_ticks = max(HELD_TICKS, ROUGH_TIME / bounds.period)
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the start; bounds stay."""
+        self._state[:], s = 0.0, self._scalars
+        s[:] = 0.0
+        s[rows.PREVIOUS] = s[rows.ACCEPTED] = -np.inf
+        s[rows.IS_GOOD], s[rows.HAS_VELOCITY] = 1.0, float(self._has_velocity)
+        s[rows.PERIOD], s[rows.MEMORY] = self.bounds.period, MEMORY_TIME
+        s[rows.SHORTEST], s[rows.LONGEST] = self.bounds.shortest, self.bounds.longest
+        self.offset: Array | None = None
+        self.faults: tuple[SensorFault, ...] = ()
+        self.news: tuple[Event, ...] = ()
+        self.commands: deque[Array] = deque(maxlen=COMMANDS)
+        self.missed = 0
+        self._shifts, self._accused = np.zeros(len(self._joints)), dict[tuple[str | None, int], SensorFault]()
+        self._accepted, self._bad, self._chain, self._rough = 0, 0, 0, 0
+        self._entry, self._since, self._broken, self._is_evident = codes.GOOD, 0.0, False, False
+        self._rest_until = 0  # sample until which steps of the torque are not tested
+        self._quiet = np.inf  # ticks since the last bad sample
+
+    def __call__(self, t: float, q: Array, v: Array | None, tau: Array) -> Outcome:
+        """Return what is to be done with a sample.
+
+        Args:
+            t: Time [s].
+            q: Positions [rad or m], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,); None where they are not measured.
+            tau: Torques [N·m or N], shape (n,).
+        """
+        self.news = ()
+        if v is None or not self._has_velocity:
+            v = self._still
+        code = self._judge(self._limits, self._state, self._scalars, q, v, tau, t)
+        self._accepted += 1
+        if code == codes.GOOD and not self._bad:
+            self._quiet += 1
+            return Outcome.ACCEPTED
+        if not self._bad and self._is_commanded(code):
+            self._scalars[rows.IS_GOOD] = 1.0
+            return Outcome.ACCEPTED
+        return self._enter(code, t, q, v, tau) if not self._bad else self._go_on(code, t, q, v, tau)
+
+    @property
+    def last_time(self) -> float:
+        """Time of the last good sample [s]; 0 before the first."""
+        s = self._scalars
+        t = float(s[rows.PREVIOUS] if s[rows.IS_GOOD] else s[rows.ACCEPTED])
+        return t if np.isfinite(t) else 0.0
+
+    # ------------------------------------------------------------- bad samples
+
+    def _enter(self, code: int, t: float, q: Array, v: Array, tau: Array) -> Outcome:
+        """Take the first bad sample."""
+        self._bad, self._chain, self._rough = 1, 0, 0
+        self._entry, self._since, self._is_evident = code, self._time(t), False
+        self._broken = codes.kind_of(code) not in (codes.JUMP, codes.ZEROED)
+        if code == codes.JUMP + codes.TORQUE:
+            return Outcome.HELD
+        self._announce(code, t, q, v, tau)
+        self._accuse(code, t, q, v, tau)
+        return Outcome.BAD
+
+    def _go_on(self, code: int, t: float, q: Array, v: Array, tau: Array) -> Outcome:
+        """Take a sample after a bad one."""
+        self._bad += 1
+        kind = codes.kind_of(code)
+        if kind in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.TIME_BACK, codes.GAP, codes.OUTSIDE):
+            self._chain, self._broken = 0, True
+        if kind not in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.OUTSIDE) and not codes.is_evidence(code):
+            if self._follows(code, t, q, v, tau):
+                self.missed = round((t - self._scalars[rows.ACCEPTED]) / self.bounds.period) - 1
+                return self._accept(Outcome.BRIDGED, t)
+            if code == codes.GOOD:
+                self._chain += 1
+                if self._chain >= self._recovery_ticks:
+                    stopped = self._stopped()
+                    if not stopped:
+                        self._find_shifts(t, q)
+                        return self._accept(Outcome.RESTARTED, t)
+                    code = codes.FROZEN + codes.POSITION
+                    self._state[rows.ACCUSED, stopped] = code
+            else:
+                self._chain = 0
+        else:
+            self._chain = 0
+        if self._rough == self._bad - 1 <= HELD_TICKS:
+            return Outcome.HELD
+        self._announce(code, t, q, v, tau)
+        self._accuse(code, t, q, v, tau)
+        return Outcome.BAD
+
+    def _follows(self, code: int, t: float, q: Array, v: Array, tau: Array) -> bool:
+        """Whether a sample follows from the last good one."""
+        if self._is_evident:
+            return False
+        since = self._since_good(self._limits, self._state, self._scalars, q, v, tau, t)
+        if since == codes.GOOD:
+            return True
+        if since != codes.JUMP + codes.TORQUE:
+            return False
+        # The torque alone has changed: if it stays so, it was no spike.
+        if code == codes.GOOD:
+            return True
+        self._rough += 1
+        if self._rough >= self._rough_ticks:
+            self._rest_until = self._accepted + round(ROUGH_REST / self.bounds.period)
+            return True
+        return False
+
+    def _accept(self, outcome: Outcome, t: float) -> Outcome:
+        """Return to good samples."""
+        s = self._scalars
+        s[rows.IS_GOOD], self._bad = 1.0, 0
+        self._quiet = 0
+        if self._accused:
+            good = tuple(f.name for f in self._accused.values())
+            self._accused.clear()
+            self._tell(t, EventStage.SENSOR, self._joints, f"{', '.join(good)}: readings can be trusted again")
+            self._list_faults()
+        return outcome
+
+    def _is_commanded(self, code: int) -> bool:
+        """Whether a step of the torque is one that was commanded."""
+        if code != codes.JUMP + codes.TORQUE:
+            return False
+        if self._accepted < self._rest_until:
+            return True
+        if len(self.commands) < 2:
+            return False
+        commands = np.array(self.commands)
+        allowed = COMMAND_MARGIN * np.ptp(commands, axis=0) + self._limits[rows.TORQUE_SLACK]
+        return bool((np.abs(self._state[rows.TORQUE_STEP]) <= allowed).all())
+
+    def _stopped(self) -> list[int]:
+        """Return the joints whose position stopped within a tick; velocities would show it, where they are measured."""
+        if self._has_velocity or self._entry != codes.JUMP + codes.POSITION:
+            return []
+        return np.flatnonzero(self._state[rows.HELD_POSITION] >= self._chain).tolist()
+
+    # ------------------------------------------------------------- sensors
+
+    def _find_shifts(self, t: float, q: Array) -> None:
+        """Name the encoders that are off since samples were good last, and subtract by how much they are."""
+        young = self._accepted - self._bad < YOUNG_TICKS
+        if young or self._broken or self._is_evident or codes.kind_of(self._entry) != codes.JUMP:
+            return
+        state, bound = self._state, self._limits[rows.DRIFT_BOUND]
+        shift = q - state[rows.ACCEPTED_POSITION] - state[rows.TRAVELLED]
+        found = np.abs(shift) > bound
+        if not found.any():
+            return
+        self._shifts[found] += shift[found]
+        self._shifts[np.abs(self._shifts) <= bound] = 0.0
+        self.offset = self._shifts.copy() if self._shifts.any() else None
+        self._list_faults()
+        for j in np.flatnonzero(found):
+            now = next(
+                (f for f in self.faults if f.joint == self._joints[j] and f.offset),
+                f"encoder of {self._joints[j]}: reads as before its jump",
+            )
+            self._tell(t, EventStage.SENSOR, (self._joints[j],), str(now))
+
+    def _accuse(self, code: int, t: float, q: Array, v: Array, tau: Array) -> None:
+        """Call sensors faulty once there is enough evidence."""
+        evident = codes.is_evidence(code)
+        self._is_evident |= evident
+        if not evident and self._bad * self.bounds.period < SENSOR_TIME:
+            return
+        kind, signal = codes.kind_of(code), codes.signal_of(code)
+        if kind in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.TIME_BACK):
+            accused: list[tuple[str | None, int, int]] = [(None, codes.NO_SIGNAL, codes.OUTSIDE)]
+        elif evident:
+            flags = self._state[rows.ACCUSED].astype(int)
+            accused = [(self._joints[j], codes.signal_of(flags[j]), flags[j]) for j in np.flatnonzero(flags)]
+        elif kind == codes.OUTSIDE:
+            accused = [(self._joints[j], s, code) for s, j in self._outside(q, v, tau)]
+        elif kind in (codes.JUMP, codes.ZEROED):
+            accused = [(self._joints[int(self._scalars[rows.JOINT])], signal, code)]
+        else:
+            return
+        new = []
+        for joint, of_signal, why in accused:
+            if (joint, of_signal) not in self._accused:
+                condition = CONDITIONS[codes.kind_of(why)]
+                fault = SensorFault(joint, SIGNALS[of_signal], condition, self._since)
+                self._accused[joint, of_signal] = fault
+                new.append(fault)
+        if new:
+            self._list_faults()
+            joints = tuple(dict.fromkeys(f.joint for f in new if f.joint)) or self._joints
+            self._tell(t, EventStage.SENSOR, joints, "; ".join(map(str, new)))
+
+    def _outside(self, q: Array, v: Array, tau: Array) -> list[tuple[int, int]]:
+        """Return signal and joint of each value that is not finite or beyond its bounds."""
+        b = self._limits
+        good = (
+            (b[rows.LOWER] <= q) & (q <= b[rows.UPPER]),
+            np.abs(v) <= b[rows.FASTEST],
+            np.abs(tau) <= b[rows.STRONGEST],
+        )
+        return [(s, int(j)) for s, one in enumerate(good) for j in np.flatnonzero(~one)]
+
+    def _list_faults(self) -> None:
+        shifted = tuple(
+            SensorFault(self._joints[j], SensorSignal.POSITION, SensorCondition.SHIFTED, self._since, float(shift))
+            for j, shift in enumerate(self._shifts)
+            if shift
+        )
+        known = {f.joint: f for f in self.faults if f.condition is SensorCondition.SHIFTED}
+        kept = tuple(
+            known[f.joint] if f.joint in known and known[f.joint].offset == f.offset else f for f in shifted
+        )
+        self.faults = kept + tuple(self._accused.values())
+
+    # ------------------------------------------------------------- events
+
+    def _time(self, t: float) -> float:
+        return t if np.isfinite(t) and abs(t) < 1e10 else self.last_time
+
+    def _announce(self, code: int, t: float, q: Array, v: Array, tau: Array) -> None:
+        """Tell of the first bad sample; those that follow before data have been good for a while are the same event."""
+        if self._quiet * self.bounds.period < QUIET_TIME:
+            self._quiet = 0
+            return
+        self._quiet = 0
+        reason = f"{self._words(code, t, q, v, tau)}; nominal control"
+        self._tell(t, EventStage.ACCOMMODATION, self._joints, reason)
+
+    def _tell(self, t: float, stage: EventStage, joints: tuple[str, ...], reason: str) -> None:
+        self.news += (Event(self._time(t), stage, joints, Verdict.NONE, reason=reason),)
+
+    def _words(self, code: int, t: float, q: Array, v: Array, tau: Array) -> str:
+        """Return why a sample cannot be, in words."""
+        kind, signal = codes.kind_of(code), SIGNALS[codes.signal_of(code)]
+        j = int(self._scalars[rows.JOINT])
+        last = self.last_time
+        if kind == codes.TIME_IMPOSSIBLE:
+            return f"the time of a sample is {t:g} s"
+        if kind in (codes.TIME_BACK, codes.TIME_TWICE):
+            return f"time goes from {last:.6g} s to {t:.6g} s"
+        if kind == codes.GAP:
+            return f"no sample from {last:.6g} s to {t:.6g} s"
+        what = f"{signal} of {self._joints[j]}"
+        if kind == codes.OUTSIDE:
+            value = (q, v, tau)[codes.signal_of(code)][j]
+            return f"{what} is {value:.4g}" + (", beyond what the arm can do" if np.isfinite(value) else "")
+        if kind == codes.JUMP:
+            return f"{what} jumps as no motion does"
+        if kind == codes.ZEROED:
+            return f"{signal} of all joints is 0 at once"
+        if kind == codes.FROZEN:
+            return f"{what} stays the same while the arm moves"
+        return f"position and velocity of {self._joints[j]} contradict each other"
