@@ -39,8 +39,6 @@ class SafeEngine:
             CorrectionLimits(bounds.effort, bounds.speed, bounds.period) for _ in range(2)
         )
         self._nothing = np.zeros(robot.n)
-        # Below it the square of a torque's length says that all of it is finite and no nonsense, in one operation.
-        self._sane = ANY_SIGNAL**2
         self._forget()
 
     def _forget(self) -> None:
@@ -166,9 +164,9 @@ class SafeEngine:
 
     def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
         """Return the torque to command in place of a nominal one; see `Monitor.correct`."""
-        if not float(tau @ tau) < self._sane:
+        if not np.maximum.reduce(np.abs(tau)) < ANY_SIGNAL:  # also where it is not a number
             tau = np.clip(np.where(np.isfinite(tau), tau, self._nominal), -ANY_SIGNAL, ANY_SIGNAL)
-        if v_desired is not None and not float(v_desired @ v_desired) < self._sane:
+        if v_desired is not None and not np.maximum.reduce(np.abs(v_desired)) < ANY_SIGNAL:
             v_desired = None
         self._nominal = tau
         asked = self.engine.correct(tau, v_desired)

@@ -25,10 +25,11 @@ BEYOND_EFFORT = 3.0  # [1], torque over the URDF's limit: measured torques of re
 BEYOND_SEEN = 10.0  # [1], speed or torque over the largest healthy one, where the URDF states no limit
 ANY_POSITION = 1e4  # [rad or m], of a joint without limits: 1600 turns
 ANY_SIGNAL = 1e6  # [rad/s, N·m, …], where neither a limit nor a healthy run is known
-QUICKEST_START = 0.01  # [s], in which no joint reaches its largest speed, not even in a collision
+QUICKEST_START = 0.02  # [s], in which no joint reaches its largest speed, not even in a collision
 MARGIN = 4.0  # [1], over the largest healthy step: faster motions, and the largest of an hour
+ERROR_MARGIN = 2.0  # [1], over the largest healthy error of a position, most of which is the encoder's step
 SPEED_RESOLUTION = (
-    0.005  # [1], of the largest speed: error of a velocity that is usual though a short run may not show it
+    0.0025  # [1], of the largest speed: error of a velocity that is usual though a short run may not show it
 )
 TORQUE_RESOLUTION = 0.02  # [1], of the effort limit: step of the torque that is never suspicious
 SMALL_SPEED = 0.01  # [1], of the largest speed, from which a sudden zero on all joints is suspicious
@@ -105,7 +106,7 @@ class SampleBounds:
         still = sum((np.diff(run.position, axis=0) == 0).sum(axis=0) for run in runs)
         array = _static(robot, speed, effort, low, high)
         array[rows.VELOCITY_SLACK] = np.maximum(MARGIN * step, SPEED_RESOLUTION * speed)
-        array[rows.POSITION_SLACK] = MARGIN * error + SPEED_RESOLUTION * speed * period
+        array[rows.POSITION_SLACK] = ERROR_MARGIN * error + SPEED_RESOLUTION * speed * period
         array[rows.TORQUE_SLACK] = MARGIN * torque + TORQUE_RESOLUTION * effort
         array[rows.TRAVEL_BOUND] = (
             MARGIN * np.maximum(travel, held_error) + TRAVEL_SHARE * speed * MEMORY_TIME

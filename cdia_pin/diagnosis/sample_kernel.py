@@ -72,8 +72,8 @@ from cdia_pin.diagnosis.sample_rows import (
 
 LATEST = 1e10  # [s], 300 years: a later time is none, and numbers near it could not tell two ticks apart
 INERTIAL_SHARE = (
-    0.25  # [1], of a Δ²: the largest distance of a motion from the mean of its velocities at both ends
-)
+    1.0 / 12.0
+)  # [1], of a Δ²: distance from the mean of both velocities if the acceleration grows from 0 to a
 
 
 @njit(cache=True)
