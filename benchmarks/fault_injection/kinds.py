@@ -49,17 +49,18 @@ class Kind:
         name: In words.
         spoil: Returns the spoiled samples; it may write into those that it is given.
         accused: Signal of the sensor that must be named, of the spoiled joint; empty if none has to be.
-        is_unobservable: Whether the samples are possible ones, so that nothing can be demanded before the fault.
+        is_burst: Whether it lasts, so that sensors may be named.
     """
 
     name: str
     spoil: Callable[[Samples, Spoil], Samples]
     accused: str = ""
+    is_burst: bool = False
 
 
 def kinds() -> tuple[Kind, ...]:
     """Return all kinds; the first spoils nothing."""
-    return (Kind("nothing", lambda s, at: s), *_values(), *_spikes(), *_times(), *_bursts(), *_sensors(), *_nominals())
+    return (Kind("nothing", lambda s, at: s), *_values(), *_spikes(), *_times(), *(replace(k, is_burst=True) for k in _bursts()), *_sensors(), *_nominals())
 
 
 def _set(signal: str, value: float) -> Callable[[Samples, Spoil], Samples]:
@@ -128,7 +129,7 @@ def _spikes() -> Iterator[Kind]:
     yield Kind("all signals zeroed", times(SIGNALS, 0.0))
     yield Kind("one bit flipped, 20 times in a second", bits)
     yield Kind("two joints swapped, once", swap(1 / RATE))
-    yield Kind("two joints swapped for 0.2 s", swap(SHORT))
+    yield Kind("two joints swapped for 0.2 s", swap(SHORT), is_burst=True)
 
 
 def _times() -> Iterator[Kind]:

@@ -79,6 +79,8 @@ def fell_short(o: Outcome) -> list[str]:
         said.append(f"named {'; '.join(o.named)}")
     if o.expected and o.expected not in o.accused:
         said.append(f"{o.expected} not named, but {', '.join(o.accused) or 'nothing'}")
+    if o.wrongly:
+        said.append(f"named {', '.join(o.wrongly)}, which is sound")
     if o.seen_after == float("inf"):
         said.append("fault not seen")
     return said

@@ -42,6 +42,7 @@ class Outcome(JsonLine):
         named: Faults of the arm that were named before the fault.
         accused: Sensors named, each as signal and joint.
         expected: Sensor that is to be named; empty if none has to be.
+        wrongly: Sensors named that are not at fault.
         seen_after: Time from the fault to its detection [s]; inf if there was none.
     """
 
@@ -57,9 +58,10 @@ class Outcome(JsonLine):
     named: tuple[str, ...]
     accused: tuple[str, ...]
     expected: str
+    wrongly: tuple[str, ...]
     seen_after: float
 
-    READ = {"named": tuple, "accused": tuple}
+    READ = {"named": tuple, "accused": tuple, "wrongly": tuple}
 
 
 @lru_cache(maxsize=2)
@@ -86,6 +88,7 @@ def run(arm: str, engine: str, kind: Kind, number: int) -> Outcome:
     at = _place(recording, rng, limit.velocity, strongest)
     with np.errstate(all="ignore"):
         samples = kind.spoil(recording.samples.copy(), at)
+    expected = f"{kind.accused} of {recording.joints[at.j]}" if kind.accused else ""
     effort = np.where(np.isfinite(limit.effort), limit.effort, strongest)
     watch = _Watch(recording.samples, effort)
     raised = ""
@@ -105,7 +108,8 @@ def run(arm: str, engine: str, kind: Kind, number: int) -> Outcome:
         alarms=watch.alarms,
         named=tuple(watch.named),
         accused=tuple(sorted(watch.accused)),
-        expected=f"{kind.accused} of {recording.joints[at.j]}" if kind.accused else "",
+        expected=expected,
+        wrongly=() if kind.is_burst else tuple(sorted(watch.accused - {expected})),
         seen_after=watch.seen_after,
     )
 

@@ -25,6 +25,7 @@ BEYOND_EFFORT = 3.0  # [1], torque over the URDF's limit: measured torques of re
 BEYOND_SEEN = 10.0  # [1], speed or torque over the largest healthy one, where the URDF states no limit
 ANY_POSITION = 1e4  # [rad or m], of a joint without limits: 1600 turns
 ANY_SIGNAL = 1e6  # [rad/s, N·m, …], where neither a limit nor a healthy run is known
+USUAL_SPEED = 3.0  # [1], over the largest healthy speed, where the limit is higher still
 QUICKEST_START = 0.02  # [s], in which no joint reaches its largest speed, not even in a collision
 MARGIN = 4.0  # [1], over the largest healthy step: faster motions, and the largest of an hour
 ERROR_MARGIN = 2.0  # [1], over the largest healthy error of a position, most of which is the encoder's step
@@ -36,12 +37,12 @@ SMALL_SPEED = 0.01  # [1], of the largest speed, from which a sudden zero on all
 REST_SHARE = 0.005  # [1], of the largest speed: below it a joint may be at rest
 DRIFT_SHARE = 0.01  # [1], of the largest speed: bias of a velocity that is never suspicious
 TRAVEL_SHARE = 0.001  # [1], the same for a signal that stays the same, which is evidence by itself
-HOLD_TIME = 0.02  # [s], least time for which a signal must stay the same to be called frozen
+HOLD_TIME = 0.02  # [s], least time for which a signal without noise must stay the same to be called frozen
 HOLD_MARGIN = 3.0  # [1], over the longest time that a healthy signal stayed the same
-LEAST_HOLD = 5.0  # ticks, the least of it at low rates
+LEAST_HOLD = 5.0  # ticks, the least of it at low rates, and for a noisy signal, which hardly repeats twice
 AT_LIMIT = 0.95  # [1], of the effort limit: from there a torque may be constant because it is limited
 STILL_TICKS = 100  # without a step of the position, that show how a velocity behaves at rest
-NOISY_HOLD = 2.0  # ticks for which a noisy velocity may stay the same by chance
+NOISY_HOLD = 2.0  # ticks for which a noisy signal may stay the same by chance
 MEMORY_TIME = 0.2  # [s], over which the distances of positions from where the velocity leads are summed
 LARGEST_GAP = 5.0  # ticks without a good sample that filters bridge
 GAP_MARGIN = 1.5  # [1], over the longest healthy time between ticks
@@ -102,20 +103,24 @@ class SampleBounds:
         effort = np.where(np.isfinite(limits.effort), limits.effort, BEYOND_SEEN / BEYOND_EFFORT * seen_effort)
         speed, effort = np.maximum(speed, seen_speed), np.maximum(effort, seen_effort)
         speed, effort = np.where(speed > 0, speed, ANY_SIGNAL), np.where(effort > 0, effort, ANY_SIGNAL)
+        # Limits may be far beyond what the arm does, and then say nothing about its sensors.
+        usual = np.minimum(speed, USUAL_SPEED * np.where(seen_speed > 0, seen_speed, np.inf))
+        load = np.minimum(effort, np.where(seen_effort > 0, seen_effort, np.inf))
         step, error, torque, travel, hold_v, held_error, hold_tau, drift = _survey(robot.n, runs, speeds, period)
         still = sum((np.diff(run.position, axis=0) == 0).sum(axis=0) for run in runs)
         array = _static(robot, speed, effort, low, high)
-        array[rows.VELOCITY_SLACK] = np.maximum(MARGIN * step, SPEED_RESOLUTION * speed)
-        array[rows.POSITION_SLACK] = ERROR_MARGIN * error + SPEED_RESOLUTION * speed * period
-        array[rows.TORQUE_SLACK] = MARGIN * torque + TORQUE_RESOLUTION * effort
+        array[rows.ACCELERATION] = usual / QUICKEST_START
+        array[rows.ZERO_VELOCITY], array[rows.REST_SPEED] = SMALL_SPEED * usual, REST_SHARE * usual
+        array[rows.ZERO_TORQUE] = TORQUE_RESOLUTION * load
+        array[rows.VELOCITY_SLACK] = np.maximum(MARGIN * step, SPEED_RESOLUTION * usual)
+        array[rows.POSITION_SLACK] = ERROR_MARGIN * error + SPEED_RESOLUTION * usual * period
+        array[rows.TORQUE_SLACK] = MARGIN * torque + TORQUE_RESOLUTION * load
         array[rows.TRAVEL_BOUND] = (
-            MARGIN * np.maximum(travel, held_error) + TRAVEL_SHARE * speed * MEMORY_TIME
+            MARGIN * np.maximum(travel, held_error) + TRAVEL_SHARE * usual * MEMORY_TIME
         )
-        least = max(LEAST_HOLD, HOLD_TIME / period)
-        array[rows.HOLD_VELOCITY] = np.maximum(HOLD_MARGIN * hold_v, least)
-        array[rows.HOLD_TORQUE] = np.maximum(HOLD_MARGIN * hold_tau, least)
+        array[rows.DRIFT_BOUND] = MARGIN * drift + DRIFT_SHARE * usual * MEMORY_TIME
+        array[rows.HOLD_VELOCITY], array[rows.HOLD_TORQUE] = _hold(hold_v, period), _hold(hold_tau, period)
         array[rows.NOISY_AT_REST] = (still >= STILL_TICKS) & (hold_v <= NOISY_HOLD)
-        array[rows.DRIFT_BOUND] = MARGIN * drift + DRIFT_SHARE * speed * MEMORY_TIME
         shortest = min(SHORTEST_TICK * period, SHORTEST_SEEN * float(gaps.min()))
         longest = max(LARGEST_GAP * period, GAP_MARGIN * float(gaps.max()))
         return cls(array, period, shortest, longest, speed, effort)
@@ -157,6 +162,13 @@ def _static(robot: RobotModel, speed: Array, effort: Array, low: Array, high: Ar
     array[rows.SATURATED] = AT_LIMIT * robot.limits.effort
     array[rows.NOISY_AT_REST] = 0.0
     return array
+
+
+def _hold(seen: Array, period: float) -> Array:
+    """Return the ticks for which a signal may stay the same, from the most that was seen, shape (n,)."""
+    return np.where(
+        seen <= NOISY_HOLD, LEAST_HOLD, np.maximum(HOLD_MARGIN * seen, max(LEAST_HOLD, HOLD_TIME / period))
+    )
 
 
 def _speed(run: Log) -> Array:

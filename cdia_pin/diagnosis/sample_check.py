@@ -30,8 +30,8 @@ QUIET_TIME = 0.2  # [s] of good samples after which the next bad one is an event
 SENSOR_TIME = 0.3  # [s] of bad samples after which a sensor is called faulty; a shorter disturbance is none
 YOUNG_TICKS = 10  # good samples from the start on, before which the first ones may be those that were bad
 HELD_TICKS = 5  # samples with nothing but a step of the torque that are held back before they are called bad
-ROUGH_TIME = 0.1  # [s] of steps of the torque without end, after which they are taken for what the arm is given
-ROUGH_REST = 1.0  # [s], for which steps of the torque are then not tested
+MANY_TIME = 1.0  # [s], for which samples must follow from each other after several signals have jumped at once
+RETURN_SHARE = 0.1  # [1], of the largest speed: uncertainty of a mean velocity over bad samples
 COMMANDS = 8  # commands that are remembered: drives and sensors are late by some ticks
 COMMAND_MARGIN = 1.5  # [1], measured step of the torque over the commanded one
 SIGNALS = (SensorSignal.POSITION, SensorSignal.VELOCITY, SensorSignal.TORQUE, SensorSignal.TIME)
@@ -80,7 +80,7 @@ class SampleCheck:
         self._still = np.zeros(n)
         self._has_velocity = has_velocity
         self._recovery_ticks = max(RECOVERY_TICKS, RECOVERY_TIME / bounds.period)
-        self._rough_ticks = max(HELD_TICKS, ROUGH_TIME / bounds.period)
+        self._many_ticks = max(RECOVERY_TICKS, MANY_TIME / bounds.period)
         self.reset()
 
     def reset(self) -> None:
@@ -97,9 +97,9 @@ class SampleCheck:
         self.commands: deque[Array] = deque(maxlen=COMMANDS)
         self.missed = 0
         self._shifts, self._accused = np.zeros(len(self._joints)), dict[tuple[str | None, int], SensorFault]()
-        self._accepted, self._bad, self._chain, self._rough = 0, 0, 0, 0
+        self._accepted, self._bad, self._chain, self._steps = 0, 0, 0, 0
         self._entry, self._since, self._broken, self._is_evident = codes.GOOD, 0.0, False, False
-        self._rest_until = 0  # sample until which steps of the torque are not tested
+        self._has_many_jumps = False
         self._quiet = np.inf  # ticks since the last bad sample
 
     def __call__(self, t: float, q: Array, v: Array | None, tau: Array) -> Outcome:
@@ -135,9 +135,10 @@ class SampleCheck:
 
     def _enter(self, code: int, t: float, q: Array, v: Array, tau: Array) -> Outcome:
         """Take the first bad sample."""
-        self._bad, self._chain, self._rough = 1, 0, 0
+        self._bad, self._chain, self._steps = 1, 0, 0
         self._entry, self._since, self._is_evident = code, self._time(t), False
         self._broken = codes.kind_of(code) not in (codes.JUMP, codes.ZEROED)
+        self._count_jumps()
         if code == codes.JUMP + codes.TORQUE:
             return Outcome.HELD
         self._announce(code, t, q, v, tau)
@@ -158,16 +159,16 @@ class SampleCheck:
                 self._chain += 1
                 if self._chain >= self._recovery_ticks:
                     stopped = self._stopped()
-                    if not stopped:
-                        self._find_shifts(t, q)
+                    if stopped:
+                        code = codes.FROZEN + codes.POSITION
+                        self._state[rows.ACCUSED, stopped] = code
+                    elif self._is_new_normal(t, q, v):
                         return self._accept(Outcome.RESTARTED, t)
-                    code = codes.FROZEN + codes.POSITION
-                    self._state[rows.ACCUSED, stopped] = code
             else:
                 self._chain = 0
         else:
             self._chain = 0
-        if self._rough == self._bad - 1 <= HELD_TICKS:
+        if self._steps == self._bad - 1 < HELD_TICKS:
             return Outcome.HELD
         self._announce(code, t, q, v, tau)
         self._accuse(code, t, q, v, tau)
@@ -182,13 +183,9 @@ class SampleCheck:
             return True
         if since != codes.JUMP + codes.TORQUE:
             return False
-        # The torque alone has changed: if it stays so, it was no spike.
         if code == codes.GOOD:
-            return True
-        self._rough += 1
-        if self._rough >= self._rough_ticks:
-            self._rest_until = self._accepted + round(ROUGH_REST / self.bounds.period)
-            return True
+            return True  # the torque alone has changed, and stays so: it was no spike
+        self._steps += 1
         return False
 
     def _accept(self, outcome: Outcome, t: float) -> Outcome:
@@ -205,11 +202,7 @@ class SampleCheck:
 
     def _is_commanded(self, code: int) -> bool:
         """Whether a step of the torque is one that was commanded."""
-        if code != codes.JUMP + codes.TORQUE:
-            return False
-        if self._accepted < self._rest_until:
-            return True
-        if len(self.commands) < 2:
+        if code != codes.JUMP + codes.TORQUE or len(self.commands) < 2:
             return False
         commands = np.array(self.commands)
         allowed = COMMAND_MARGIN * np.ptp(commands, axis=0) + self._limits[rows.TORQUE_SLACK]
@@ -223,21 +216,50 @@ class SampleCheck:
 
     # ------------------------------------------------------------- sensors
 
-    def _find_shifts(self, t: float, q: Array) -> None:
-        """Name the encoders that are off since samples were good last, and subtract by how much they are."""
+    def _is_new_normal(self, t: float, q: Array, v: Array) -> bool:
+        """Whether samples that follow from each other can be trusted; shifts of encoders are subtracted from then on."""
         young = self._accepted - self._bad < YOUNG_TICKS
         if young or self._broken or self._is_evident or codes.kind_of(self._entry) != codes.JUMP:
-            return
+            return True
         state, bound = self._state, self._limits[rows.DRIFT_BOUND]
-        shift = q - state[rows.ACCEPTED_POSITION] - state[rows.TRAVELLED]
+        moved = q - state[rows.ACCEPTED_POSITION]
+        shift = moved - state[rows.TRAVELLED]
         found = np.abs(shift) > bound
         if not found.any():
+            return True
+        if self._entry == codes.JUMP + codes.POSITION and not self._has_many_jumps:
+            self._subtract(t, np.where(found, shift, 0.0))
+            return True
+        # Several signals have jumped, so that the velocities in between say nothing: is all as it was before?
+        span = t - self._scalars[rows.ACCEPTED]
+        if self._has_velocity:
+            moved = moved - 0.5 * (v + state[rows.ACCEPTED_VELOCITY]) * span
+        if (np.abs(moved) <= RETURN_SHARE * self.bounds.speed * span + bound).all():
+            return True
+        if self._chain < self._many_ticks:
+            return False
+        self._subtract(t, np.where(found, shift, 0.0))
+        return True
+
+    def _count_jumps(self) -> None:
+        """Note whether more than the position of one joint has jumped."""
+        step, error = np.abs(self._state[rows.VELOCITY_STEP]), np.abs(self._state[rows.ERROR])
+        b, period = self._limits, self.bounds.period
+        jumped = error > b[rows.POSITION_SLACK] + b[rows.ACCELERATION] * period**2
+        if not self._has_velocity:
+            self._has_many_jumps = bool((step > b[rows.VELOCITY_SLACK] + b[rows.ACCELERATION] * period).sum() > 1)
             return
-        self._shifts[found] += shift[found]
+        turned = step > b[rows.VELOCITY_SLACK] + b[rows.ACCELERATION] * period
+        self._has_many_jumps = bool(jumped.sum() > 1 or turned.any())
+
+    def _subtract(self, t: float, shift: Array) -> None:
+        """Name encoders that are off since samples were good last."""
+        bound = self._limits[rows.DRIFT_BOUND]
+        self._shifts += shift
         self._shifts[np.abs(self._shifts) <= bound] = 0.0
         self.offset = self._shifts.copy() if self._shifts.any() else None
         self._list_faults()
-        for j in np.flatnonzero(found):
+        for j in np.flatnonzero(shift):
             now = next(
                 (f for f in self.faults if f.joint == self._joints[j] and f.offset),
                 f"encoder of {self._joints[j]}: reads as before its jump",
@@ -262,9 +284,11 @@ class SampleCheck:
             accused = [(self._joints[int(self._scalars[rows.JOINT])], signal, code)]
         else:
             return
-        new = []
+        new, named = [], {joint for joint, _ in self._accused}
         for joint, of_signal, why in accused:
-            if (joint, of_signal) not in self._accused:
+            # Position and velocity accuse each other; the first evidence is the better one.
+            known = (joint, of_signal) in self._accused if kind == codes.OUTSIDE else joint in named
+            if not known:
                 condition = CONDITIONS[codes.kind_of(why)]
                 fault = SensorFault(joint, SIGNALS[of_signal], condition, self._since)
                 self._accused[joint, of_signal] = fault

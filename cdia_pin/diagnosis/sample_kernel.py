@@ -70,6 +70,7 @@ from cdia_pin.diagnosis.sample_rows import (
     ZERO_VELOCITY,
 )
 
+BEGINNING = 10  # samples of a run that teach nothing: a controller starts, and the first torques may not be known
 LATEST = 1e10  # [s], 300 years: a later time is none, and numbers near it could not tell two ticks apart
 INERTIAL_SHARE = (
     1.0 / 12.0
@@ -95,6 +96,7 @@ def step_between(bounds, state, scalars, q0, v0, tau0, q, v, tau, dt):
     n = len(q)
     late = max(1.0, dt / scalars[PERIOD])
     code = GOOD
+    uneven = abs(dt - np.rint(dt / scalars[PERIOD]) * scalars[PERIOD])  # the clock may be off, and not the arm
     measured = scalars[HAS_VELOCITY] > 0.0
     moved_q = moved_v = moved_tau = False
     zeros_q = zeros_v = zeros_tau = 0
@@ -106,7 +108,8 @@ def step_between(bounds, state, scalars, q0, v0, tau0, q, v, tau, dt):
         torque = tau[j] - tau0[j]
         state[VELOCITY_STEP, j], state[ERROR, j], state[TORQUE_STEP, j] = step, error, torque
         if code == GOOD or code == JUMP + TORQUE:
-            if abs(error) > bounds[POSITION_SLACK, j] * late + INERTIAL_SHARE * reach * dt:
+            slack = bounds[POSITION_SLACK, j] * late + INERTIAL_SHARE * reach * dt
+            if abs(error) > slack + 0.5 * abs(speed + v0[j]) * uneven:
                 code = JUMP + POSITION
                 scalars[JOINT] = j
             elif abs(step) > bounds[VELOCITY_SLACK, j] + reach:
@@ -215,7 +218,7 @@ def judge(bounds, state, scalars, q, v, tau, t):
         state[DRIFT, j] = fade * state[DRIFT, j] + error
         why = GOOD
         if abs(state[HELD_TRAVEL, j]) > bounds[TRAVEL_BOUND, j]:
-            why = FROZEN + POSITION
+            why = FROZEN + (VELOCITY if state[HELD_VELOCITY, j] >= state[HELD_POSITION, j] else POSITION)
         elif state[HELD_VELOCITY, j] > bounds[HOLD_VELOCITY, j] and (
             abs(state[HELD_ERROR, j]) > bounds[TRAVEL_BOUND, j] or bounds[NOISY_AT_REST, j] > 0.0
         ):
@@ -312,7 +315,7 @@ def survey(bounds, state, scalars, time, q, v, tau, watched, largest):
     """
     for k in range(len(time)):
         code = judge(bounds, state, scalars, q[k], v[k], tau[k], time[k])
-        if k == 0 or code != GOOD:
+        if k < BEGINNING or code != GOOD:
             continue
         for i in range(len(watched)):
             for j in range(q.shape[1]):
