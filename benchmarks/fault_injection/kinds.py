@@ -60,7 +60,15 @@ class Kind:
 
 def kinds() -> tuple[Kind, ...]:
     """Return all kinds; the first spoils nothing."""
-    return (Kind("nothing", lambda s, at: s), *_values(), *_spikes(), *_times(), *(replace(k, is_burst=True) for k in _bursts()), *_sensors(), *_nominals())
+    return (
+        Kind("nothing", lambda s, at: s),
+        *_values(),
+        *_spikes(),
+        *_times(),
+        *(replace(k, is_burst=True) for k in _bursts()),
+        *_sensors(),
+        *_nominals(),
+    )
 
 
 def _set(signal: str, value: float) -> Callable[[Samples, Spoil], Samples]:
@@ -217,7 +225,9 @@ def _bursts() -> Iterator[Kind]:
 
 
 def _sensors() -> Iterator[Kind]:
-    def lasting(signal: str, value: Callable[[np.ndarray, Spoil], object]) -> Callable[[Samples, Spoil], Samples]:
+    def lasting(
+        signal: str, value: Callable[[np.ndarray, Spoil], object]
+    ) -> Callable[[Samples, Spoil], Samples]:
         def spoil(s: Samples, at: Spoil) -> Samples:
             x = getattr(s, signal)[at.span(LASTING), at.j]
             x[:] = value(x, at)

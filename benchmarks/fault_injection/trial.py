@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import ClassVar
 from zlib import crc32
 
 import numpy as np
@@ -20,7 +21,10 @@ Array = NDArray[np.float64]
 
 ENGINES = ("momentum", "thesis")
 EFFECTS = ("coulomb_friction", "viscous_friction", "torque_offset", "actuator_gain")
-SPOILED_AT = (3.0, 4.0)  # [s], between which bad samples begin: what lasts a second ends 1.5 s before the fault
+SPOILED_AT = (
+    3.0,
+    4.0,
+)  # [s], between which bad samples begin: what lasts a second ends 1.5 s before the fault
 MOVING = 0.1  # [1], of its largest speed, from which a joint moves
 RELEVANT = {Verdict.UNIQUE, Verdict.AMBIGUOUS, Verdict.UNKNOWN}
 
@@ -61,7 +65,7 @@ class Outcome(JsonLine):
     wrongly: tuple[str, ...]
     seen_after: float
 
-    READ = {"named": tuple, "accused": tuple, "wrongly": tuple}
+    READ: ClassVar = {"named": tuple, "accused": tuple, "wrongly": tuple}
 
 
 @lru_cache(maxsize=2)
@@ -158,7 +162,9 @@ class _Watch:
                 self.not_finite += 1
             wanted = np.where(np.abs(s.nominal[k]) < 1e6, s.nominal[k], np.nan)  # else anything within limits
             if k < fault:
-                pushes = np.abs([torque - np.clip(wanted, -most, most), status.torque_correction]) / self._effort
+                pushes = (
+                    np.abs([torque - np.clip(wanted, -most, most), status.torque_correction]) / self._effort
+                )
                 self.pushed = max(self.pushed, float(np.nanmax(pushes)))
             self._note(status, k, fault)
             last = torque

@@ -79,7 +79,9 @@ class SafeEngine:
             return self._unusual(outcome, t, q, v, tau)
         return self._pass_on(t, q, v, tau)
 
-    def _pass_on(self, t: float, q: Array, v: Array | None, tau: Array, news: tuple[Event, ...] = ()) -> Status:
+    def _pass_on(
+        self, t: float, q: Array, v: Array | None, tau: Array, news: tuple[Event, ...] = ()
+    ) -> Status:
         """Give a good sample to the engine."""
         elapsed = t - self._last.time
         offset = self._check.offset
@@ -92,6 +94,7 @@ class SafeEngine:
             self._set_back(status, t)
         self._limit_of_tick(elapsed, True, v)
         status.torque_correction = self._told(status.torque_correction)
+        self._check.corrections.append(status.torque_correction)
         status.sensors = self._check.faults
         if news:
             status.events = (*news, *status.events)
@@ -171,6 +174,4 @@ class SafeEngine:
         self._nominal = tau
         asked = self.engine.correct(tau, v_desired)
         added = self._given(self._nothing if asked is tau else asked - tau)
-        out = np.minimum(np.maximum(tau + added, -self._limit), self._limit)
-        self._check.commands.append(out)
-        return out
+        return np.minimum(np.maximum(tau + added, -self._limit), self._limit)

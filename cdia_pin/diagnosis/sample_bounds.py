@@ -1,8 +1,8 @@
 """What the samples of an arm can be: limits of its file, and what its healthy runs show of its sensors.
 
-A bound is generous where exceeding it costs a good sample, because a dropped sample is a gap, and a real fault must never
-look like a bad sensor: limits are those of the URDF times a factor, and steps are compared with what the same sensors did
-on a healthy arm. The strongest test needs neither: position and velocity must agree, whatever moves the arm.
+A bound is generous, because a dropped sample is a gap, and a real fault must never look like a bad sensor: limits are
+those of the URDF times a factor, and steps are compared with what the same sensors did on a healthy arm. The strongest
+test needs neither: position and velocity must agree, whatever moves the arm.
 """
 
 from __future__ import annotations
@@ -19,8 +19,12 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-BEYOND_POSITION = 0.1  # [1], of a joint's range by which a position may exceed it: calibrated zeros, soft stops
-BEYOND_LIMIT = 2.0  # [1], speed over the URDF's limit: limits are often those of the controller, not of the arm
+BEYOND_POSITION = (
+    0.1  # [1], of a joint's range by which a position may exceed it: calibrated zeros, soft stops
+)
+BEYOND_LIMIT = (
+    2.0  # [1], speed over the URDF's limit: limits are often those of the controller, not of the arm
+)
 BEYOND_EFFORT = 3.0  # [1], torque over the URDF's limit: measured torques of real logs exceed it by up to 2
 BEYOND_SEEN = 10.0  # [1], speed or torque over the largest healthy one, where the URDF states no limit
 ANY_POSITION = 1e4  # [rad or m], of a joint without limits: 1600 turns
@@ -99,14 +103,20 @@ class SampleBounds:
         low = np.min([run.position.min(axis=0) for run in runs], axis=0)
         high = np.max([run.position.max(axis=0) for run in runs], axis=0)
         limits = robot.limits
-        speed = np.where(np.isfinite(limits.velocity), limits.velocity, BEYOND_SEEN / BEYOND_LIMIT * seen_speed)
-        effort = np.where(np.isfinite(limits.effort), limits.effort, BEYOND_SEEN / BEYOND_EFFORT * seen_effort)
+        speed = np.where(
+            np.isfinite(limits.velocity), limits.velocity, BEYOND_SEEN / BEYOND_LIMIT * seen_speed
+        )
+        effort = np.where(
+            np.isfinite(limits.effort), limits.effort, BEYOND_SEEN / BEYOND_EFFORT * seen_effort
+        )
         speed, effort = np.maximum(speed, seen_speed), np.maximum(effort, seen_effort)
         speed, effort = np.where(speed > 0, speed, ANY_SIGNAL), np.where(effort > 0, effort, ANY_SIGNAL)
         # Limits may be far beyond what the arm does, and then say nothing about its sensors.
         usual = np.minimum(speed, USUAL_SPEED * np.where(seen_speed > 0, seen_speed, np.inf))
         load = np.minimum(effort, np.where(seen_effort > 0, seen_effort, np.inf))
-        step, error, torque, travel, hold_v, held_error, hold_tau, drift = _survey(robot.n, runs, speeds, period)
+        step, error, torque, travel, hold_v, held_error, hold_tau, drift = _survey(
+            robot.n, runs, speeds, period
+        )
         still = sum((np.diff(run.position, axis=0) == 0).sum(axis=0) for run in runs)
         array = _static(robot, speed, effort, low, high)
         array[rows.ACCELERATION] = usual / QUICKEST_START
@@ -191,6 +201,6 @@ def _survey(n: int, runs: Sequence[Log], speeds: Sequence[Array], period: float)
         scalars[rows.PREVIOUS], scalars[rows.PERIOD], scalars[rows.MEMORY] = -np.inf, period, MEMORY_TIME
         scalars[rows.LONGEST] = LARGEST_GAP * period
         scalars[rows.HAS_VELOCITY] = float(run.velocity is not None)
-        signals = (np.ascontiguousarray(s, float) for s in (run.time, run.position, speed, run.effort))
-        survey(free, state, scalars, *signals, np.array(WATCHED), largest)
+        t, q, v, tau = (np.ascontiguousarray(s, float) for s in (run.time, run.position, speed, run.effort))
+        survey(free, state, scalars, t, q, v, tau, np.array(WATCHED), largest)
     return largest

@@ -3,9 +3,10 @@
 A sample that cannot be is dropped whole. What happens then depends on what comes after it:
 
 - The next sample follows from the last good one: it was a spike, and the gap is bridged.
-- Samples follow from each other, but not from the last good one, for `RECOVERY_TIME`: they are the new normal, and filters
-  start again. If an encoder has shifted by then, it is named and the shift is subtracted.
-- Samples stay bad, or a signal stays the same while the arm moves: the sensor is named as faulty, and nothing is passed on.
+- Samples follow from each other, but not from the last good one, for `RECOVERY_TIME`: they are the new normal, and
+  filters start again. If an encoder has shifted by then, it is named and the shift is subtracted.
+- Samples stay bad, or a signal stays the same while the arm moves: the sensor is named as faulty, and nothing is
+  passed on.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis import sample_codes as codes
 from cdia_pin.diagnosis import sample_rows as rows
 from cdia_pin.diagnosis.sample_bounds import MEMORY_TIME, SampleBounds
+from cdia_pin.diagnosis.sample_words import SIGNALS, why_bad
 from cdia_pin.diagnosis.sensor_fault import SensorCondition, SensorFault, SensorSignal
 from cdia_pin.diagnosis.status import Event, EventStage, Verdict
 
@@ -30,11 +32,14 @@ QUIET_TIME = 0.2  # [s] of good samples after which the next bad one is an event
 SENSOR_TIME = 0.3  # [s] of bad samples after which a sensor is called faulty; a shorter disturbance is none
 YOUNG_TICKS = 10  # good samples from the start on, before which the first ones may be those that were bad
 HELD_TICKS = 5  # samples with nothing but a step of the torque that are held back before they are called bad
-MANY_TIME = 1.0  # [s], for which samples must follow from each other after several signals have jumped at once
+MANY_TIME = (
+    1.0  # [s], for which samples must follow from each other after several signals have jumped at once
+)
 RETURN_SHARE = 0.1  # [1], of the largest speed: uncertainty of a mean velocity over bad samples
-COMMANDS = 8  # commands that are remembered: drives and sensors are late by some ticks
-COMMAND_MARGIN = 1.5  # [1], measured step of the torque over the commanded one
-SIGNALS = (SensorSignal.POSITION, SensorSignal.VELOCITY, SensorSignal.TORQUE, SensorSignal.TIME)
+CORRECTIONS = 8  # ticks whose corrections are remembered: drives and sensors are late by some ticks
+REVERSAL = (
+    2.5  # [1], step of the torque over the size of a correction that turns its sign, as that of friction does
+)
 CONDITIONS = {
     codes.OUTSIDE: SensorCondition.OUTSIDE,
     codes.JUMP: SensorCondition.ERRATIC,
@@ -66,12 +71,12 @@ class SampleCheck:
         offset: Shift of each encoder, to be subtracted from its readings [rad or m], shape (n,); None without any.
         faults: Faults of sensors now known.
         news: Events of the last sample.
-        commands: Last torques that were commanded [N·m or N], shape (n,) each; their steps are no spikes.
+        corrections: Last corrections [N·m or N], shape (n,) each; their steps in the torque are no spikes.
         missed: Ticks between the last good sample and the one that bridges the gap.
     """
 
     def __init__(self, joints: tuple[str, ...], bounds: SampleBounds, has_velocity: bool) -> None:
-        from cdia_pin.diagnosis.sample_kernel import judge, since_good
+        from cdia_pin.diagnosis.sample_kernel import judge, since_good  # needs numba
 
         self.bounds, self._joints = bounds, joints
         self._judge, self._since_good = judge, since_good
@@ -94,7 +99,7 @@ class SampleCheck:
         self.offset: Array | None = None
         self.faults: tuple[SensorFault, ...] = ()
         self.news: tuple[Event, ...] = ()
-        self.commands: deque[Array] = deque(maxlen=COMMANDS)
+        self.corrections: deque[Array] = deque(maxlen=CORRECTIONS)
         self.missed = 0
         self._shifts, self._accused = np.zeros(len(self._joints)), dict[tuple[str | None, int], SensorFault]()
         self._accepted, self._bad, self._chain, self._steps = 0, 0, 0, 0
@@ -119,7 +124,7 @@ class SampleCheck:
         if code == codes.GOOD and not self._bad:
             self._quiet += 1
             return Outcome.ACCEPTED
-        if not self._bad and self._is_commanded(code):
+        if not self._bad and self._is_corrected(code):
             self._scalars[rows.IS_GOOD] = 1.0
             return Outcome.ACCEPTED
         return self._enter(code, t, q, v, tau) if not self._bad else self._go_on(code, t, q, v, tau)
@@ -151,7 +156,9 @@ class SampleCheck:
         kind = codes.kind_of(code)
         if kind in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.TIME_BACK, codes.GAP, codes.OUTSIDE):
             self._chain, self._broken = 0, True
-        if kind not in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.OUTSIDE) and not codes.is_evidence(code):
+        if kind not in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.OUTSIDE) and not codes.is_evidence(
+            code
+        ):
             if self._follows(code, t, q, v, tau):
                 self.missed = round((t - self._scalars[rows.ACCEPTED]) / self.bounds.period) - 1
                 return self._accept(Outcome.BRIDGED, t)
@@ -196,16 +203,18 @@ class SampleCheck:
         if self._accused:
             good = tuple(f.name for f in self._accused.values())
             self._accused.clear()
-            self._tell(t, EventStage.SENSOR, self._joints, f"{', '.join(good)}: readings can be trusted again")
+            self._tell(
+                t, EventStage.SENSOR, self._joints, f"{', '.join(good)}: readings can be trusted again"
+            )
             self._list_faults()
         return outcome
 
-    def _is_commanded(self, code: int) -> bool:
-        """Whether a step of the torque is one that was commanded."""
-        if code != codes.JUMP + codes.TORQUE or len(self.commands) < 2:
+    def _is_corrected(self, code: int) -> bool:
+        """Whether a step of the torque may be that of a correction."""
+        if code != codes.JUMP + codes.TORQUE or not self.corrections:
             return False
-        commands = np.array(self.commands)
-        allowed = COMMAND_MARGIN * np.ptp(commands, axis=0) + self._limits[rows.TORQUE_SLACK]
+        largest = np.abs(np.array(self.corrections)).max(axis=0)
+        allowed = REVERSAL * largest + self._limits[rows.TORQUE_SLACK]
         return bool((np.abs(self._state[rows.TORQUE_STEP]) <= allowed).all())
 
     def _stopped(self) -> list[int]:
@@ -217,7 +226,7 @@ class SampleCheck:
     # ------------------------------------------------------------- sensors
 
     def _is_new_normal(self, t: float, q: Array, v: Array) -> bool:
-        """Whether samples that follow from each other can be trusted; shifts of encoders are subtracted from then on."""
+        """Whether samples that follow from each other can be trusted; shifts of encoders are then subtracted."""
         young = self._accepted - self._bad < YOUNG_TICKS
         if young or self._broken or self._is_evident or codes.kind_of(self._entry) != codes.JUMP:
             return True
@@ -247,7 +256,9 @@ class SampleCheck:
         b, period = self._limits, self.bounds.period
         jumped = error > b[rows.POSITION_SLACK] + b[rows.ACCELERATION] * period**2
         if not self._has_velocity:
-            self._has_many_jumps = bool((step > b[rows.VELOCITY_SLACK] + b[rows.ACCELERATION] * period).sum() > 1)
+            self._has_many_jumps = bool(
+                (step > b[rows.VELOCITY_SLACK] + b[rows.ACCELERATION] * period).sum() > 1
+            )
             return
         turned = step > b[rows.VELOCITY_SLACK] + b[rows.ACCELERATION] * period
         self._has_many_jumps = bool(jumped.sum() > 1 or turned.any())
@@ -310,7 +321,9 @@ class SampleCheck:
 
     def _list_faults(self) -> None:
         shifted = tuple(
-            SensorFault(self._joints[j], SensorSignal.POSITION, SensorCondition.SHIFTED, self._since, float(shift))
+            SensorFault(
+                self._joints[j], SensorSignal.POSITION, SensorCondition.SHIFTED, self._since, float(shift)
+            )
             for j, shift in enumerate(self._shifts)
             if shift
         )
@@ -323,7 +336,7 @@ class SampleCheck:
     # ------------------------------------------------------------- events
 
     def _time(self, t: float) -> float:
-        return t if np.isfinite(t) and abs(t) < 1e10 else self.last_time
+        return t if abs(t) < codes.LATEST else self.last_time
 
     def _announce(self, code: int, t: float, q: Array, v: Array, tau: Array) -> None:
         """Tell of the first bad sample; those that follow before data have been good for a while are the same event."""
@@ -331,31 +344,10 @@ class SampleCheck:
             self._quiet = 0
             return
         self._quiet = 0
-        reason = f"{self._words(code, t, q, v, tau)}; nominal control"
-        self._tell(t, EventStage.ACCOMMODATION, self._joints, reason)
+        j = int(self._scalars[rows.JOINT])
+        value = (q, v, tau, q)[codes.signal_of(code)][j]
+        said = why_bad(code or self._entry, self._joints[j], float(value), self.last_time, t)
+        self._tell(t, EventStage.ACCOMMODATION, self._joints, f"{said}; nominal control")
 
     def _tell(self, t: float, stage: EventStage, joints: tuple[str, ...], reason: str) -> None:
         self.news += (Event(self._time(t), stage, joints, Verdict.NONE, reason=reason),)
-
-    def _words(self, code: int, t: float, q: Array, v: Array, tau: Array) -> str:
-        """Return why a sample cannot be, in words."""
-        kind, signal = codes.kind_of(code), SIGNALS[codes.signal_of(code)]
-        j = int(self._scalars[rows.JOINT])
-        last = self.last_time
-        if kind == codes.TIME_IMPOSSIBLE:
-            return f"the time of a sample is {t:g} s"
-        if kind in (codes.TIME_BACK, codes.TIME_TWICE):
-            return f"time goes from {last:.6g} s to {t:.6g} s"
-        if kind == codes.GAP:
-            return f"no sample from {last:.6g} s to {t:.6g} s"
-        what = f"{signal} of {self._joints[j]}"
-        if kind == codes.OUTSIDE:
-            value = (q, v, tau)[codes.signal_of(code)][j]
-            return f"{what} is {value:.4g}" + (", beyond what the arm can do" if np.isfinite(value) else "")
-        if kind == codes.JUMP:
-            return f"{what} jumps as no motion does"
-        if kind == codes.ZEROED:
-            return f"{signal} of all joints is 0 at once"
-        if kind == codes.FROZEN:
-            return f"{what} stays the same while the arm moves"
-        return f"position and velocity of {self._joints[j]} contradict each other"

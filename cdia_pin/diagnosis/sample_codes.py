@@ -17,6 +17,7 @@ ZEROED = 50  # + signal: zero on all joints at once
 NO_SIGNAL = 3  # a signal of the codes of time
 
 CODES_PER_KIND = 10
+LATEST = 1e10  # [s], 300 years: a later time is none, and numbers near it could not tell two ticks apart
 
 
 def kind_of(code: int) -> int:

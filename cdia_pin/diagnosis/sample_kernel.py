@@ -15,6 +15,7 @@ from cdia_pin.diagnosis.sample_codes import (
     GAP,
     GOOD,
     JUMP,
+    LATEST,
     OUTSIDE,
     POSITION,
     TIME_BACK,
@@ -70,8 +71,9 @@ from cdia_pin.diagnosis.sample_rows import (
     ZERO_VELOCITY,
 )
 
-BEGINNING = 10  # samples of a run that teach nothing: a controller starts, and the first torques may not be known
-LATEST = 1e10  # [s], 300 years: a later time is none, and numbers near it could not tell two ticks apart
+BEGINNING = (
+    10  # samples of a run that teach nothing: a controller starts, and the first torques may not be known
+)
 INERTIAL_SHARE = (
     1.0 / 12.0
 )  # [1], of a Δ²: distance from the mean of both velocities if the acceleration grows from 0 to a
@@ -96,7 +98,9 @@ def step_between(bounds, state, scalars, q0, v0, tau0, q, v, tau, dt):
     n = len(q)
     late = max(1.0, dt / scalars[PERIOD])
     code = GOOD
-    uneven = abs(dt - np.rint(dt / scalars[PERIOD]) * scalars[PERIOD])  # the clock may be off, and not the arm
+    uneven = abs(
+        dt - np.rint(dt / scalars[PERIOD]) * scalars[PERIOD]
+    )  # the clock may be off, and not the arm
     measured = scalars[HAS_VELOCITY] > 0.0
     moved_q = moved_v = moved_tau = False
     zeros_q = zeros_v = zeros_tau = 0
@@ -169,7 +173,7 @@ def judge(bounds, state, scalars, q, v, tau, t):
         code = TIME_TWICE
     if code != GOOD and scalars[IS_GOOD] > 0.0:
         keep(state, scalars)
-    if code != GOOD and code != TIME_BACK:
+    if code not in (GOOD, TIME_BACK):
         return code  # this sample is no reference for the next one
     measured = scalars[HAS_VELOCITY] > 0.0
     if code == GOOD and dt > scalars[LONGEST]:
@@ -320,5 +324,4 @@ def survey(bounds, state, scalars, time, q, v, tau, watched, largest):
         for i in range(len(watched)):
             for j in range(q.shape[1]):
                 size = abs(state[watched[i], j])
-                if size > largest[i, j]:
-                    largest[i, j] = size
+                largest[i, j] = max(largest[i, j], size)
