@@ -1,8 +1,8 @@
-"""Runs of healthy arms on which a real fault begins late; bad samples are put into them before that."""
+"""Runs of healthy arms; bad samples are put into them, and later a real fault."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from benchmarks.online.control import NominalControl
 from benchmarks.online.plant import OnlinePlant
-from benchmarks.online.scenarios import BEGIN, singles
+from benchmarks.online.scenarios import healthy
 from benchmarks.online.trial import SEED, healthy_runs, log_of
-from benchmarks.plant.faults import Fault
 from cdia_pin.logs import Log
 
 Array = NDArray[np.float64]
 
-FAULT_AT, LENGTH = 6.5, 8.5  # [s], begin of the real fault and end of a run
-SHARE = 0.5  # [1], RMS of the fault's torque over that of its joint's
+FAULT_AT, LENGTH = 4.5, 5.5  # [s], begin of the real fault and end of a run
+SIZE = 4.0  # [1], friction over the bound of a healthy residual, which differs between engines
+SIGN_WIDTH = 0.01  # [rad/s or m/s], over which friction turns its sign
 MOTIONS = 2  # recordings of each arm
 
 
@@ -58,12 +58,26 @@ class Recording:
     Attributes:
         joints: Names of the joints.
         samples: What the loop gives.
-        fault: Name of the real fault, with its joint.
+        speed: True velocities [rad/s or m/s], shape (K, n).
     """
 
     joints: tuple[str, ...]
     samples: Samples
-    fault: str
+    speed: Array
+
+    def with_friction(self, j: int, level: float, since: int) -> Samples:
+        """Return the samples of an arm with dry friction, which its drive overcomes: the motion is the same.
+
+        Args:
+            j: Index of the joint.
+            level: Level of the friction [N·m or N].
+            since: Tick from which on it is there.
+        """
+        s = self.samples.copy()
+        friction = level * np.tanh(self.speed[since:, j] / SIGN_WIDTH)
+        s.nominal[since:, j] += friction
+        s.tau[since + 1 :, j] += friction[:-1]
+        return s
 
 
 @lru_cache(maxsize=1)
@@ -75,18 +89,9 @@ def recordings(arm: str) -> tuple[tuple[Log, ...], tuple[Recording, ...]]:
 
 
 def _record(plant: OnlinePlant, arm: str, number: int) -> Recording:
-    cases = singles(arm, SHARE, ("coulomb_friction",), MOTIONS)
-    case = cases[number % len(cases)]
-    faults = tuple(_later(f) for f in case.faults)
-    control = NominalControl(plant.robot)
-    run = replace(case, faults=faults, duration=LENGTH, seed=case.seed + number).run(plant, control)
+    case = healthy(arm, MOTIONS, LENGTH)[number]
+    run = case.run(plant, NominalControl(plant.robot))
     tau = np.vstack([np.zeros_like(run.command[:1]), run.command[:-1]])
     assert run.v_measured is not None
     samples = Samples(run.time, run.q_measured, run.v_measured, tau, run.command, run.reference.v)
-    return Recording(run.joints, samples, ", ".join(map(str, faults)))
-
-
-def _later(fault: Fault) -> Fault:
-    """Return a fault that begins as much later as the bad samples need."""
-    assert fault.after == BEGIN
-    return Fault(fault.effect, joint=fault.joint, after=FAULT_AT, **fault.parameters)
+    return Recording(run.joints, samples, run.v)

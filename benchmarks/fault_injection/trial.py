@@ -4,14 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import ClassVar
+from typing import Any, ClassVar
 from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.fault_injection.kinds import RATE, Kind, Spoil
-from benchmarks.fault_injection.recordings import FAULT_AT, MOTIONS, Recording, Samples, recordings
+from benchmarks.fault_injection.recordings import (
+    FAULT_AT,
+    LENGTH,
+    MOTIONS,
+    SIZE,
+    Recording,
+    Samples,
+    recordings,
+)
 from benchmarks.outcomes import JsonLine
 from cdia_pin.diagnosis import Monitor, Status, Verdict
 from cdia_pin.dynamics import Dynamics
@@ -22,9 +30,9 @@ Array = NDArray[np.float64]
 ENGINES = ("momentum", "thesis")
 EFFECTS = ("coulomb_friction", "viscous_friction", "torque_offset", "actuator_gain")
 SPOILED_AT = (
-    3.0,
-    4.0,
-)  # [s], between which bad samples begin: what lasts a second ends 1.5 s before the fault
+    1.5,
+    2.0,
+)  # [s], between which bad samples begin; what lasts a second ends 1.5 s before the fault
 MOVING = 0.1  # [1], of its largest speed, from which a joint moves
 RELEVANT = {Verdict.UNIQUE, Verdict.AMBIGUOUS, Verdict.UNKNOWN}
 
@@ -91,10 +99,10 @@ def run(arm: str, engine: str, kind: Kind, number: int) -> Outcome:
     rng = np.random.default_rng(crc32(f"{arm} {kind.name} {number}".encode()))
     at = _place(recording, rng, limit.velocity, strongest)
     with np.errstate(all="ignore"):
-        samples = kind.spoil(recording.samples.copy(), at)
+        samples = kind.spoil(_with_fault(recording, bound_of(monitor), rng), at)
     expected = f"{kind.accused} of {recording.joints[at.j]}" if kind.accused else ""
     effort = np.where(np.isfinite(limit.effort), limit.effort, strongest)
-    watch = _Watch(recording.samples, effort)
+    watch = _Watch(effort)
     raised = ""
     try:
         watch.replay(monitor, samples)
@@ -118,6 +126,21 @@ def run(arm: str, engine: str, kind: Kind, number: int) -> Outcome:
     )
 
 
+def bound_of(monitor: Monitor) -> Array:
+    """Return the bound of a healthy residual [N·m or N], shape (n,)."""
+    engine: Any = monitor.engine
+    return np.asarray(engine.healthy.bound if hasattr(engine, "healthy") else engine.engine.unmodelled)
+
+
+def _with_fault(recording: Recording, bound: Array, rng: np.random.Generator) -> Samples:
+    """Return a recording with a real fault at its end, on a joint that moves then."""
+    begin = round(FAULT_AT * RATE)
+    speed = np.abs(recording.speed)
+    moving = np.flatnonzero(speed[begin:].mean(axis=0) > MOVING * speed.max(axis=0))
+    j = int(rng.choice(moving))
+    return recording.with_friction(j, SIZE * bound[j], begin)
+
+
 def _place(recording: Recording, rng: np.random.Generator, fastest: Array, strongest: Array) -> Spoil:
     """Draw a tick, and a joint that moves there."""
     k = int(rng.integers(*(round(t * RATE) for t in SPOILED_AT)))
@@ -132,12 +155,11 @@ class _Watch:
     """What is noted of a replay.
 
     Args:
-        clean: The samples before they were spoiled; their last rows, counted from the end, hold the fault.
         effort: Largest torque of each joint [N·m or N], shape (n,).
     """
 
-    def __init__(self, clean: Samples, effort: Array) -> None:
-        self._after = len(clean.t) - round(FAULT_AT * RATE)  # ticks from the begin of the fault to the end
+    def __init__(self, effort: Array) -> None:
+        self._after = round((LENGTH - FAULT_AT) * RATE)  # ticks from the begin of the fault to the end
         self._effort = effort
         self.ticks = self.not_finite = self.alarms = 0
         self.pushed, self.seen_after = 0.0, np.inf

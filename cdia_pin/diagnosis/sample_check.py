@@ -30,6 +30,7 @@ RECOVERY_TIME = 0.1  # [s], for which samples must follow from each other to be 
 RECOVERY_TICKS = 3  # the least of it at low rates
 QUIET_TIME = 0.2  # [s] of good samples after which the next bad one is an event of its own
 SENSOR_TIME = 0.3  # [s] of bad samples after which a sensor is called faulty; a shorter disturbance is none
+EVIDENT_TIME = 0.1  # [s], the same where the evidence is of many samples already
 YOUNG_TICKS = 10  # good samples from the start on, before which the first ones may be those that were bad
 HELD_TICKS = 5  # samples with nothing but a step of the torque that are held back before they are called bad
 MANY_TIME = (
@@ -281,7 +282,7 @@ class SampleCheck:
         """Call sensors faulty once there is enough evidence."""
         evident = codes.is_evidence(code)
         self._is_evident |= evident
-        if not evident and self._bad * self.bounds.period < SENSOR_TIME:
+        if self._bad * self.bounds.period < (EVIDENT_TIME if evident else SENSOR_TIME):
             return
         kind, signal = codes.kind_of(code), codes.signal_of(code)
         if kind in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.TIME_BACK):
