@@ -16,7 +16,7 @@ from cdia_pin.logs import Log
 
 Array = NDArray[np.float64]
 
-FAULT_AT, LENGTH = 4.5, 5.5  # [s], begin of the real fault and end of a run
+FAULT_AT, LENGTH = 3.6, 4.6  # [s], begin of the real fault and end of a run
 SIZE = 4.0  # [1], friction over the bound of a healthy residual, which differs between engines
 SIGN_WIDTH = 0.01  # [rad/s or m/s], over which friction turns its sign
 MOTIONS = 2  # recordings of each arm

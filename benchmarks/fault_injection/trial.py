@@ -29,10 +29,7 @@ Array = NDArray[np.float64]
 
 ENGINES = ("momentum", "thesis")
 EFFECTS = ("coulomb_friction", "viscous_friction", "torque_offset", "actuator_gain")
-SPOILED_AT = (
-    1.5,
-    2.0,
-)  # [s], between which bad samples begin; what lasts a second ends 1.5 s before the fault
+SPOILED_AT = (1.0, 1.4)  # [s], between which bad samples begin; what lasts ends 1.2 s before the fault
 MOVING = 0.1  # [1], of its largest speed, from which a joint moves
 RELEVANT = {Verdict.UNIQUE, Verdict.AMBIGUOUS, Verdict.UNKNOWN}
 
@@ -99,7 +96,7 @@ def run(arm: str, engine: str, kind: Kind, number: int) -> Outcome:
     rng = np.random.default_rng(crc32(f"{arm} {kind.name} {number}".encode()))
     at = _place(recording, rng, limit.velocity, strongest)
     with np.errstate(all="ignore"):
-        samples = kind.spoil(_with_fault(recording, bound_of(monitor), rng), at)
+        samples = kind.spoil(_with_fault(arm, engine, number % MOTIONS, rng), at)
     expected = f"{kind.accused} of {recording.joints[at.j]}" if kind.accused else ""
     effort = np.where(np.isfinite(limit.effort), limit.effort, strongest)
     watch = _Watch(effort)
@@ -132,13 +129,25 @@ def bound_of(monitor: Monitor) -> Array:
     return np.asarray(engine.healthy.bound if hasattr(engine, "healthy") else engine.engine.unmodelled)
 
 
-def _with_fault(recording: Recording, bound: Array, rng: np.random.Generator) -> Samples:
-    """Return a recording with a real fault at its end, on a joint that moves then."""
-    begin = round(FAULT_AT * RATE)
-    speed = np.abs(recording.speed)
-    moving = np.flatnonzero(speed[begin:].mean(axis=0) > MOVING * speed.max(axis=0))
-    j = int(rng.choice(moving))
-    return recording.with_friction(j, SIZE * bound[j], begin)
+def _with_fault(arm: str, engine: str, motion: int, rng: np.random.Generator) -> Samples:
+    """Return a recording with a real fault at its end, on a joint where the engine sees it without bad samples."""
+    recording, bound = recordings(arm)[1][motion], bound_of(monitor_of(arm, engine))
+    j = int(rng.choice(visible(arm, engine, motion)))
+    return recording.with_friction(j, SIZE * bound[j], round(FAULT_AT * RATE))
+
+
+@lru_cache(maxsize=8)
+def visible(arm: str, engine: str, motion: int) -> tuple[int, ...]:
+    """Return the joints on which an engine sees the fault if all samples are good."""
+    recording, monitor = recordings(arm)[1][motion], monitor_of(arm, engine)
+    begin, bound = round(FAULT_AT * RATE), bound_of(monitor)
+    seen = []
+    for j in range(len(bound)):
+        watch = _Watch(np.full(len(bound), np.inf))
+        watch.replay(monitor, recording.with_friction(j, SIZE * bound[j], begin))
+        if np.isfinite(watch.seen_after):
+            seen.append(j)
+    return tuple(seen)
 
 
 def _place(recording: Recording, rng: np.random.Generator, fastest: Array, strongest: Array) -> Spoil:

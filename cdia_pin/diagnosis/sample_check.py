@@ -33,6 +33,9 @@ SENSOR_TIME = 0.3  # [s] of bad samples after which a sensor is called faulty; a
 EVIDENT_TIME = 0.1  # [s], the same where the evidence is of many samples already
 YOUNG_TICKS = 10  # good samples from the start on, before which the first ones may be those that were bad
 HELD_TICKS = 5  # samples with nothing but a step of the torque that are held back before they are called bad
+MOST_SPIKES = (
+    5.0  # within about the recovery time; what lies near the last good sample among more is there by chance
+)
 MANY_TIME = (
     1.0  # [s], for which samples must follow from each other after several signals have jumped at once
 )
@@ -106,6 +109,10 @@ class SampleCheck:
         self._accepted, self._bad, self._chain, self._steps = 0, 0, 0, 0
         self._entry, self._since, self._broken, self._is_evident = codes.GOOD, 0.0, False, False
         self._has_many_jumps = False
+        self._spikes, self._last_spike = (
+            0.0,
+            0,
+        )  # spikes within about the recovery time, and sample of the last one
         self._quiet = np.inf  # ticks since the last bad sample
 
     def __call__(self, t: float, q: Array, v: Array | None, tau: Array) -> Outcome:
@@ -188,7 +195,10 @@ class SampleCheck:
             return False
         since = self._since_good(self._limits, self._state, self._scalars, q, v, tau, t)
         if since == codes.GOOD:
-            return True
+            ticks = self._accepted - self._last_spike
+            self._spikes = 1.0 + self._spikes * float(np.exp(-ticks / self._recovery_ticks))
+            self._last_spike = self._accepted
+            return self._spikes < MOST_SPIKES
         if since != codes.JUMP + codes.TORQUE:
             return False
         if code == codes.GOOD:
