@@ -98,9 +98,9 @@ def step_between(bounds, state, scalars, q0, v0, tau0, q, v, tau, dt):
     n = len(q)
     late = max(1.0, dt / scalars[PERIOD])
     code = GOOD
-    uneven = abs(
-        dt - np.rint(dt / scalars[PERIOD]) * scalars[PERIOD]
-    )  # the clock may be off, and not the arm
+    # The clock may be off, and not the arm; an interval of nearly two ticks may be one.
+    ticks = np.rint(dt / scalars[PERIOD]) if dt > 1.9 * scalars[PERIOD] else 1.0
+    uneven = abs(dt - ticks * scalars[PERIOD])
     measured = scalars[HAS_VELOCITY] > 0.0
     moved_q = moved_v = moved_tau = False
     zeros_q = zeros_v = zeros_tau = 0

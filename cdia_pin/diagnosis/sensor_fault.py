@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
 
 class SensorSignal(StrEnum):
@@ -66,13 +65,3 @@ class SensorFault:
             SensorCondition.ERRATIC: "jumps as no motion does",
         }[self.condition]
         return f"{self.name} {said}"
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fault as files of the schema cdia-events/1 have it."""
-        return {
-            "joint": self.joint,
-            "signal": str(self.signal),
-            "condition": str(self.condition),
-            "since": self.since,
-            "offset": self.offset,
-        }

@@ -61,6 +61,15 @@ def test_good_samples_pass(velocity):
     assert not checked.faults
 
 
+def test_times_that_are_off_do_not_accuse_encoders():
+    s, checked = signals(2.0), check()
+    s[0][500:1000] += np.random.default_rng(5).uniform(-0.4, 0.4, 500) * TICK
+    outcomes, _ = feed(checked, *s)
+    assert checked.faults == ()
+    assert outcomes[500:1000].count(Outcome.BAD) < 50
+    assert outcomes[-1] is Outcome.ACCEPTED
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e200, 100.0, -1e6])
 @pytest.mark.parametrize("signal", [1, 2, 3])
 def test_an_absurd_value_is_dropped_and_the_next_sample_is_good(signal, value):
