@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 JOBS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1  # small matrices: threads only cost
 
-.PHONY: install test lint docs demo bench bench-discovery bench-real bench-cdia bench-sensitivity clean help
+.PHONY: install test lint docs demo bench bench-discovery bench-real bench-cdia bench-samples bench-sensitivity clean help
 
 help:  ## show this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -41,6 +41,9 @@ bench-real: $(VENV)/.installed-dev  ## measure known effects in measured logs; h
 
 bench-cdia: $(VENV)/.installed-dev  ## measure the monitor in closed loop; an hour, an interrupted run goes on
 	$(BIN)/python -m benchmarks.online --jobs $(JOBS)
+
+bench-samples: $(VENV)/.installed-dev  ## give the monitor samples that cannot be; hours, an interrupted run goes on
+	$(BIN)/python -m benchmarks.fault_injection --jobs $(JOBS)
 
 bench-sensitivity: $(VENV)/.installed-dev  ## halve and double each number that decides; an hour, an interrupted run goes on
 	$(BIN)/python -m benchmarks.sensitivity --jobs $(JOBS)

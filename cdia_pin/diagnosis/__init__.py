@@ -4,6 +4,7 @@ from cdia_pin.diagnosis.bank import DEFAULT_BANK, Bank
 from cdia_pin.diagnosis.monitor import Monitor
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.record import MonitorRun, Recorder, replay
+from cdia_pin.diagnosis.sensor_fault import SensorCondition, SensorFault, SensorSignal
 from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
 
 __all__ = [
@@ -15,6 +16,9 @@ __all__ = [
     "MonitorRun",
     "MonitorSettings",
     "Recorder",
+    "SensorCondition",
+    "SensorFault",
+    "SensorSignal",
     "Stage",
     "Status",
     "Verdict",

@@ -57,6 +57,7 @@ class Alignment:
 
     Attributes:
         lag: Ticks that a state waits.
+        is_direct: Whether samples are passed on as they are.
     """
 
     def __init__(self, dt: float, delay: float = 0.0, position_only: bool = False) -> None:
@@ -70,7 +71,7 @@ class Alignment:
         self._states: deque[tuple[float, Array, Array | None]] = deque(maxlen=self.lag + half + 1)
         self._efforts: deque[Array] = deque(maxlen=self._whole + 2)
         self._half = half
-        self._direct = self.lag == 0 and self._whole == 0 and self._part < NEGLIGIBLE
+        self.is_direct = self.lag == 0 and self._whole == 0 and self._part < NEGLIGIBLE
 
     def reset(self) -> None:
         """Forget all samples."""
@@ -88,7 +89,7 @@ class Alignment:
             v: Velocities [rad/s or m/s], shape (n,); None if they are derived.
             tau: Torque since the last tick [N·m or N], shape (n,).
         """
-        if self._direct and v is not None:
+        if self.is_direct and v is not None:
             return t, q, v, tau
         self._states.append((t, q, v))
         self._efforts.append(tau)

@@ -69,6 +69,15 @@ class Engine(Protocol):
         """The last decision on each joint, None before its first; empty for an engine without such decisions."""
         ...
 
+    @property
+    def needs_even_ticks(self) -> bool:
+        """Whether a tick left out is to be filled, because signals are shifted or differentiated by ticks."""
+        ...
+
+    def pause(self) -> None:
+        """Forget past samples: the next one starts the filters again. Beliefs stay."""
+        ...
+
     def reset(self) -> None:
         """Return to the start; what healthy runs taught stays."""
         ...

@@ -1,4 +1,7 @@
-"""A guard for an engine that raises on bad samples: nominal control and one event instead of an exception."""
+"""A guard for an engine that raises on samples that it cannot compute with: one event instead of an exception.
+
+`SafeEngine` keeps bad samples from both engines. What is left for this guard is a computation that fails all the same.
+"""
 
 from __future__ import annotations
 
@@ -67,6 +70,17 @@ class GuardedEngine:
         """Return to the start; what healthy runs taught stays."""
         self.engine.reset()
         self._forget()
+
+    @property
+    def needs_even_ticks(self) -> bool:
+        """No: its observers take any interval."""
+        return False
+
+    def pause(self) -> None:
+        """Forget past samples; the next one starts again. Beliefs stay, a detection without a decision does not."""
+        self.engine.pause()
+        self.engine.drop_detection()
+        self._bad, self._good_since = True, None
 
     def update(self, t: float, q: Array, v: Array | None, tau: Array) -> Status:
         """Take one tick; see `Engine.update`."""

@@ -310,10 +310,19 @@ class MomentumEngine:
             )
             self.events += event
         self._bad = True
+        self.pause()
+        return self._status(t, event)
+
+    @property
+    def needs_even_ticks(self) -> bool:
+        """Whether a tick left out is to be filled, because signals are shifted or differentiated by ticks."""
+        return not self._alignment.is_direct
+
+    def pause(self) -> None:
+        """Forget past samples: the next one starts the filters again. Beliefs stay."""
         self._quiet_until = np.inf
         self.observer.time = -np.inf
         self._alignment.reset()
-        return self._status(t, event)
 
     @property
     def _corrects(self) -> bool:

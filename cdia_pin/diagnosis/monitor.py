@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from cdia_pin.diagnosis.bank import DEFAULT_BANK, Bank
 from cdia_pin.diagnosis.engines import ENGINES, Knowledge
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.safe_engine import SafeEngine
+from cdia_pin.diagnosis.sample_bounds import SampleBounds
+from cdia_pin.diagnosis.sensor_fault import SensorFault
 from cdia_pin.diagnosis.sight import JointSight
 from cdia_pin.diagnosis.status import Event, Status
 from cdia_pin.dynamics.dynamics import Dynamics
@@ -29,6 +32,7 @@ Array = NDArray[np.float64]
 # [1], largest ratio of two rates that count as one: the medians of one recorder's rates differ by less, and noise of a
 # residual changes by 2 %
 SAME_RATE = 1.05
+ASSUMED_RATE = 1000.0  # [Hz], where the engine needs none and none is given
 PROGRESS_EVERY = 500  # samples between two reports of a replay's progress
 
 
@@ -133,9 +137,14 @@ class Monitor:
             if run is not given
         ]
         self._shape = (model.robot.n,)
-        self._limit = model.robot.limits.effort
         known = Knowledge(tuple(runs), threshold, self.rate, position_only)
         self.engine, used = ENGINES[engine](model, self.bank, settings, known)
+        robot, self._has_velocity = model.robot, not position_only
+        if healthy:
+            bounds, self._has_velocity = SampleBounds.learned(robot, runs), runs[0].velocity is not None
+        else:
+            bounds = SampleBounds.assumed(robot, self.rate or ASSUMED_RATE)
+        self._safe = SafeEngine(self.engine, robot, bounds, self._has_velocity)
         self.record: MonitorRecord = {
             "version": __version__,
             "engine": str(engine),
@@ -155,8 +164,9 @@ class Monitor:
     def update(self, t: float, q: ArrayLike, v: ArrayLike | None, tau: ArrayLike) -> Status:
         """Take one tick and return the diagnosis.
 
-        A sample that is not finite, or not later than the last, switches to nominal control: nothing is corrected
-        until samples have been good for a while. A bad sensor raises no exception in the control loop.
+        A sample that cannot be is dropped, and corrections are faded out until samples are good again: not finite,
+        beyond the limits of the arm, a jump that no acceleration makes, a signal that stays the same while the arm
+        moves, or a time that is not later than the last. A bad sensor raises no exception in the control loop.
 
         Args:
             t: Time [s].
@@ -165,17 +175,24 @@ class Monitor:
             tau: Torque that has acted since the last tick [N·m or N], shape (n,).
 
         Raises:
-            ModelError: If a signal has another shape.
+            ModelError: If a signal has another shape, or velocities are missing that the healthy runs have.
         """
         q, tau = np.asarray(q, float), np.asarray(tau, float)
         v = None if v is None else np.asarray(v, float)
         if q.shape != self._shape or tau.shape != self._shape or (v is not None and v.shape != self._shape):
             given = ", ".join(str(np.shape(s)) for s in (q, v, tau) if s is not None)
             raise ModelError(f"a tick takes signals of shape {self._shape}, given {given}")
-        return self.engine.update(t, q, v, tau)
+        if v is None and self._has_velocity:
+            raise ModelError(
+                "a tick without velocities: give them, or let the monitor learn from runs without velocities"
+            )
+        return self._safe.update(float(t), q, v, tau)
 
     def correct(self, tau: ArrayLike, v_desired: ArrayLike | None = None) -> Array:
         """Return the torque to command instead of a nominal one, within the effort limits [N·m or N], shape (n,).
+
+        What is added is finite, and bounded in size, rate and power; it is faded in and out. A nominal torque that
+        is not finite is replaced by the last finite one of its joint, by zero before any.
 
         Args:
             tau: The nominal torque [N·m or N], shape (n,).
@@ -190,12 +207,27 @@ class Monitor:
         if nominal.shape != self._shape or (asked is not None and asked.shape != self._shape):
             given = ", ".join(str(s.shape) for s in (nominal, asked) if s is not None)
             raise ModelError(f"a correction takes signals of shape {self._shape}, given {given}")
-        return np.minimum(np.maximum(self.engine.correct(nominal, asked), -self._limit), self._limit)
+        return self._safe.correct(nominal, asked)
+
+    def allow_correction(self, allowed: bool) -> None:
+        """Allow or veto corrections, of `correct` and of `Status.torque_correction`; diagnosis goes on.
+
+        They are faded in and out within 0.1 s. A veto stays through `reset`.
+
+        Args:
+            allowed: Whether torques may be corrected; they may from the start.
+        """
+        self._safe.allow_correction(allowed)
 
     @property
     def events(self) -> tuple[Event, ...]:
         """All events so far."""
-        return tuple(self.engine.events)
+        return tuple(self._safe.events)
+
+    @property
+    def sensor_faults(self) -> tuple[SensorFault, ...]:
+        """Sensors that are at fault."""
+        return self._safe.sensor_faults
 
     @property
     def faults(self) -> tuple[Term, ...]:
@@ -213,7 +245,7 @@ class Monitor:
 
     def reset(self) -> None:
         """Return to the start; what healthy runs taught stays."""
-        self.engine.reset()
+        self._safe.reset()
 
     def at_rate(self, log: Log, *, healthy: bool = False) -> Log:
         """Return a log at the rate of the ticks: itself, or resampled, which its last note says.

@@ -9,6 +9,7 @@ from typing import Any, NotRequired, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.sensor_fault import SensorFault
 from cdia_pin.effects import Term
 from cdia_pin.robot.model import RobotModel
 
@@ -45,6 +46,7 @@ class EventStage(StrEnum):
     ISOLATION = "isolation"
     ACCOMMODATION = "accommodation"
     IDLE = "idle"  # a fault has cleared, or is present only in a region of the motion
+    SENSOR = "sensor"  # a sensor is at fault, or can be trusted again; the arm is not concerned
 
 
 class FaultDict(TypedDict):
@@ -75,7 +77,7 @@ class Event:
 
     Attributes:
         time: Time of the change [s].
-        stage: Stage of the scheme: detection, isolation, accommodation, or idle for a cleared fault.
+        stage: Stage of the scheme: detection, isolation, accommodation, idle for a cleared fault; or sensor.
         joints: Names of the joints concerned.
         verdict: Result of isolation.
         faults: The effects with parameters and intervals; of equal combinations the likeliest.
@@ -132,6 +134,7 @@ class Status:
         faults: Believed faults with their parameters.
         events: Changes at this tick; mostly none.
         blind: Names of the joints whose threshold is too wide to see a fault of 30 % of their torque.
+        sensors: Sensors that are at fault.
     """
 
     time: float
@@ -142,6 +145,7 @@ class Status:
     faults: tuple[Term, ...] = ()
     events: tuple[Event, ...] = ()
     blind: tuple[str, ...] = ()
+    sensors: tuple[SensorFault, ...] = ()
 
     def __repr__(self) -> str:
         return (

@@ -97,6 +97,15 @@ class ThesisEngine:
                 observers.error[:] = 0.0
         self._samples_beyond, self._time_beyond = 0, 0.0
 
+    def drop_detection(self) -> None:
+        """End an isolation that has not come to a decision: the samples that it began with may have been bad."""
+        if not self._estimate.learning or self._announced is not OPEN:
+            return
+        self._estimate.learning, self._bank = False, None
+        self._estimate.restart_neurons()
+        acting = self._estimate.isolated.acting()
+        self._log.concerned &= acting if self._estimate.isolated.filter is not None else False
+
     def update(self, t: float, q: ArrayLike, v: ArrayLike | None, tau: ArrayLike) -> Status:
         """Take a sample and return the diagnosis.
 

@@ -1,0 +1,82 @@
+"""`CorrectionLimits`: what a correction may do to an arm, whatever an engine asks for."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+RISE_TIME = 0.02  # [s], in which a correction may rise to the effort limit: friction reverses as quickly
+RAMP_TIME = 0.1  # [s], in which corrections are faded in and out, so that neither is felt as a blow
+POWER_SHARE = (
+    0.5  # [1], of the largest effort times the largest speed, that a correction may put into a joint
+)
+
+
+class CorrectionLimits:
+    """Bounds the torque that is added to a nominal one: finite, and within effort, rate and power.
+
+    Args:
+        effort: Largest effort of each joint [N·m or N], shape (n,); ``inf`` where it is not known.
+        speed: Largest speed of each joint [rad/s or m/s], shape (n,).
+        period: Usual time between ticks [s].
+
+    Attributes:
+        share: Share of a correction that is let through now, from 0 to 1 [1].
+        is_wanted: Whether corrections are let through at all; the share follows within `RAMP_TIME`.
+        asked: The torque that an engine asked for last [N·m or N], shape (n,).
+    """
+
+    def __init__(self, effort: Array, speed: Array, period: float) -> None:
+        self._effort, self._period = effort, period
+        self._power = POWER_SHARE * effort * speed
+        self._nothing = np.zeros(len(effort))
+        self.is_wanted = True
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the start, without any correction; whether it is wanted stays."""
+        self.share = 0.0
+        self._before = self._now = self.asked = self._nothing
+        self._velocity, self._elapsed, self._active = self._nothing, self._period, False
+
+    def tick(self, elapsed: float, is_trusted: bool, velocity: Array | None) -> None:
+        """Begin a tick.
+
+        Args:
+            elapsed: Time since the last one [s]; the usual one if it is not above 0.
+            is_trusted: Whether the sample was good.
+            velocity: Velocities of the last good sample [rad/s or m/s], shape (n,); None where not known.
+        """
+        self._elapsed = elapsed if 0 < elapsed < np.inf else self._period
+        self._before, self._velocity = self._now, self._nothing if velocity is None else velocity
+        if is_trusted and self.is_wanted:
+            if self.share < 1.0:
+                self.share = min(1.0, self.share + min(self._elapsed, self._period) / RAMP_TIME)
+        elif self.share > 0.0:
+            self.share = max(0.0, self.share - self._elapsed / RAMP_TIME)
+
+    def __call__(self, asked: Array) -> Array:
+        """Return the torque that may be added [N·m or N], shape (n,).
+
+        Args:
+            asked: The torque that an engine wants to add [N·m or N], shape (n,).
+        """
+        if not self._active and not asked.any():
+            self.asked = self._nothing
+            return self._nothing
+        self.asked = asked
+        effort = self._effort
+        with np.errstate(invalid="ignore", over="ignore"):
+            added = self.share * np.where(np.isfinite(asked), asked, 0.0)
+            added = np.minimum(np.maximum(added, -effort), effort)
+            pushing = added * self._velocity > self._power
+            if pushing.any():
+                added[pushing] = self._power[pushing] / self._velocity[pushing]
+            step = effort * (self._elapsed / RISE_TIME)
+            added = np.minimum(np.maximum(added, self._before - step), self._before + step)
+        if self.share == 0.0:
+            added = added * 0.0
+        self._now, self._active = added, bool(added.any())
+        return added

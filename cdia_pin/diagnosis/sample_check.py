@@ -1,0 +1,364 @@
+"""The one place that decides whether a sample can be, before any engine sees it.
+
+A sample that cannot be is dropped whole. What happens then depends on what comes after it:
+
+- The next sample follows from the last good one: it was a spike, and the gap is bridged.
+- Samples follow from each other, but not from the last good one, for `RECOVERY_TIME`: they are the new normal, and
+  filters start again. If an encoder has shifted by then, it is named and the shift is subtracted.
+- Samples stay bad, or a signal stays the same while the arm moves: the sensor is named as faulty, and nothing is
+  passed on.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.diagnosis import sample_codes as codes
+from cdia_pin.diagnosis import sample_rows as rows
+from cdia_pin.diagnosis.sample_bounds import MEMORY_TIME, SampleBounds
+from cdia_pin.diagnosis.sample_words import SIGNALS, why_bad
+from cdia_pin.diagnosis.sensor_fault import SensorCondition, SensorFault, SensorSignal
+from cdia_pin.diagnosis.status import Event, EventStage, Verdict
+
+Array = NDArray[np.float64]
+
+RECOVERY_TIME = 0.1  # [s], for which samples must follow from each other to be the new normal
+RECOVERY_TICKS = 3  # the least of it at low rates
+QUIET_TIME = 0.2  # [s] of good samples after which the next bad one is an event of its own
+SENSOR_TIME = 0.3  # [s] of bad samples after which a sensor is called faulty; a shorter disturbance is none
+EVIDENT_TIME = 0.1  # [s], the same where the evidence is of many samples already
+YOUNG_TICKS = 10  # good samples from the start on, before which the first ones may be those that were bad
+HELD_TICKS = 5  # samples with nothing but a step of the torque that are held back before they are called bad
+MOST_SPIKES = (
+    5.0  # within about the recovery time; what lies near the last good sample among more is there by chance
+)
+MANY_TIME = (
+    1.0  # [s], for which samples must follow from each other after several signals have jumped at once
+)
+RETURN_SHARE = 0.1  # [1], of the largest speed: uncertainty of a mean velocity over bad samples
+CORRECTIONS = 8  # ticks whose corrections are remembered: drives and sensors are late by some ticks
+REVERSAL = (
+    2.5  # [1], step of the torque over the size of a correction that turns its sign, as that of friction does
+)
+CONDITIONS = {
+    codes.OUTSIDE: SensorCondition.OUTSIDE,
+    codes.JUMP: SensorCondition.ERRATIC,
+    codes.ZEROED: SensorCondition.ERRATIC,
+    codes.FROZEN: SensorCondition.FROZEN,
+    codes.kind_of(codes.DISAGREE): SensorCondition.BIASED,
+}
+
+
+class Outcome(IntEnum):
+    """What is to be done with a sample."""
+
+    ACCEPTED = 0  # pass it on
+    BRIDGED = 1  # pass it on; samples before it were dropped
+    RESTARTED = 2  # start the filters again and pass it on
+    HELD = 3  # drop it silently: the next sample shows whether the step of its torque was a spike
+    BAD = 4  # drop it, and correct nothing
+
+
+class SampleCheck:
+    """Decides whether samples can be, and names sensors whose samples cannot.
+
+    Args:
+        joints: Names of the joints.
+        bounds: What samples can be.
+        has_velocity: Whether velocities are measured.
+
+    Attributes:
+        offset: Shift of each encoder, to be subtracted from its readings [rad or m], shape (n,); None without any.
+        faults: Faults of sensors now known.
+        news: Events of the last sample.
+        corrections: Last corrections [N·m or N], shape (n,) each; their steps in the torque are no spikes.
+        missed: Ticks between the last good sample and the one that bridges the gap.
+    """
+
+    def __init__(self, joints: tuple[str, ...], bounds: SampleBounds, has_velocity: bool) -> None:
+        from cdia_pin.diagnosis.sample_kernel import judge, since_good  # needs numba
+
+        self.bounds, self._joints = bounds, joints
+        self._judge, self._since_good = judge, since_good
+        self._limits, n = bounds.array, len(joints)
+        self._state, self._scalars = np.zeros((rows.STATE_ROWS, n)), np.zeros(rows.SCALARS)
+        self._still = np.zeros(n)
+        self._has_velocity = has_velocity
+        self._recovery_ticks = max(RECOVERY_TICKS, RECOVERY_TIME / bounds.period)
+        self._many_ticks = max(RECOVERY_TICKS, MANY_TIME / bounds.period)
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the start; bounds stay."""
+        self._state[:], s = 0.0, self._scalars
+        s[:] = 0.0
+        s[rows.PREVIOUS] = s[rows.ACCEPTED] = -np.inf
+        s[rows.IS_GOOD], s[rows.HAS_VELOCITY] = 1.0, float(self._has_velocity)
+        s[rows.PERIOD], s[rows.MEMORY] = self.bounds.period, MEMORY_TIME
+        s[rows.SHORTEST], s[rows.LONGEST] = self.bounds.shortest, self.bounds.longest
+        self.offset: Array | None = None
+        self.faults: tuple[SensorFault, ...] = ()
+        self.news: tuple[Event, ...] = ()
+        self.corrections: deque[Array] = deque(maxlen=CORRECTIONS)
+        self.missed = 0
+        self._shifts, self._accused = np.zeros(len(self._joints)), dict[tuple[str | None, int], SensorFault]()
+        self._accepted, self._bad, self._chain, self._steps = 0, 0, 0, 0
+        self._entry, self._since, self._broken, self._is_evident = codes.GOOD, 0.0, False, False
+        self._has_many_jumps = False
+        self._spikes, self._last_spike = (
+            0.0,
+            0,
+        )  # spikes within about the recovery time, and sample of the last one
+        self._quiet = np.inf  # ticks since the last bad sample
+
+    def __call__(self, t: float, q: Array, v: Array | None, tau: Array) -> Outcome:
+        """Return what is to be done with a sample.
+
+        Args:
+            t: Time [s].
+            q: Positions [rad or m], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,); None where they are not measured.
+            tau: Torques [N·m or N], shape (n,).
+        """
+        self.news = ()
+        if v is None or not self._has_velocity:
+            v = self._still
+        code = self._judge(self._limits, self._state, self._scalars, q, v, tau, t)
+        self._accepted += 1
+        if code == codes.GOOD and not self._bad:
+            self._quiet += 1
+            return Outcome.ACCEPTED
+        if not self._bad and self._is_corrected(code):
+            self._scalars[rows.IS_GOOD] = 1.0
+            return Outcome.ACCEPTED
+        return self._enter(code, t, q, v, tau) if not self._bad else self._go_on(code, t, q, v, tau)
+
+    @property
+    def last_time(self) -> float:
+        """Time of the last good sample [s]; 0 before the first."""
+        s = self._scalars
+        t = float(s[rows.PREVIOUS] if s[rows.IS_GOOD] else s[rows.ACCEPTED])
+        return t if np.isfinite(t) else 0.0
+
+    # ------------------------------------------------------------- bad samples
+
+    def _enter(self, code: int, t: float, q: Array, v: Array, tau: Array) -> Outcome:
+        """Take the first bad sample."""
+        self._bad, self._chain, self._steps = 1, 0, 0
+        self._entry, self._since, self._is_evident = code, self._time(t), False
+        self._broken = codes.kind_of(code) not in (codes.JUMP, codes.ZEROED)
+        self._count_jumps()
+        if code == codes.JUMP + codes.TORQUE:
+            return Outcome.HELD
+        self._announce(code, t, q, v, tau)
+        self._accuse(code, t, q, v, tau)
+        return Outcome.BAD
+
+    def _go_on(self, code: int, t: float, q: Array, v: Array, tau: Array) -> Outcome:
+        """Take a sample after a bad one."""
+        self._bad += 1
+        kind = codes.kind_of(code)
+        if kind in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.TIME_BACK, codes.GAP, codes.OUTSIDE):
+            self._chain, self._broken = 0, True
+        if kind not in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.OUTSIDE) and not codes.is_evidence(
+            code
+        ):
+            if self._follows(code, t, q, v, tau):
+                self.missed = round((t - self._scalars[rows.ACCEPTED]) / self.bounds.period) - 1
+                return self._accept(Outcome.BRIDGED, t)
+            if code == codes.GOOD:
+                self._chain += 1
+                if self._chain >= self._recovery_ticks:
+                    stopped = self._stopped()
+                    if stopped:
+                        code = codes.FROZEN + codes.POSITION
+                        self._state[rows.ACCUSED, stopped] = code
+                    elif self._is_new_normal(t, q, v):
+                        return self._accept(Outcome.RESTARTED, t)
+            else:
+                self._chain = 0
+        else:
+            self._chain = 0
+        if self._steps == self._bad - 1 < HELD_TICKS:
+            return Outcome.HELD
+        self._announce(code, t, q, v, tau)
+        self._accuse(code, t, q, v, tau)
+        return Outcome.BAD
+
+    def _follows(self, code: int, t: float, q: Array, v: Array, tau: Array) -> bool:
+        """Whether a sample follows from the last good one."""
+        if self._is_evident:
+            return False
+        since = self._since_good(self._limits, self._state, self._scalars, q, v, tau, t)
+        if since == codes.GOOD:
+            ticks = self._accepted - self._last_spike
+            self._spikes = 1.0 + self._spikes * float(np.exp(-ticks / self._recovery_ticks))
+            self._last_spike = self._accepted
+            return self._spikes < MOST_SPIKES
+        if since != codes.JUMP + codes.TORQUE:
+            return False
+        if code == codes.GOOD:
+            return True  # the torque alone has changed, and stays so: it was no spike
+        self._steps += 1
+        return False
+
+    def _accept(self, outcome: Outcome, t: float) -> Outcome:
+        """Return to good samples."""
+        s = self._scalars
+        s[rows.IS_GOOD], self._bad = 1.0, 0
+        self._quiet = 0
+        if self._accused:
+            good = tuple(f.name for f in self._accused.values())
+            self._accused.clear()
+            self._tell(
+                t, EventStage.SENSOR, self._joints, f"{', '.join(good)}: readings can be trusted again"
+            )
+            self._list_faults()
+        return outcome
+
+    def _is_corrected(self, code: int) -> bool:
+        """Whether a step of the torque may be that of a correction."""
+        if code != codes.JUMP + codes.TORQUE or not self.corrections:
+            return False
+        largest = np.abs(np.array(self.corrections)).max(axis=0)
+        allowed = REVERSAL * largest + self._limits[rows.TORQUE_SLACK]
+        return bool((np.abs(self._state[rows.TORQUE_STEP]) <= allowed).all())
+
+    def _stopped(self) -> list[int]:
+        """Return the joints whose position stopped within a tick; velocities would show it, where they are measured."""
+        if self._has_velocity or self._entry != codes.JUMP + codes.POSITION:
+            return []
+        return np.flatnonzero(self._state[rows.HELD_POSITION] >= self._chain).tolist()
+
+    # ------------------------------------------------------------- sensors
+
+    def _is_new_normal(self, t: float, q: Array, v: Array) -> bool:
+        """Whether samples that follow from each other can be trusted; shifts of encoders are then subtracted."""
+        young = self._accepted - self._bad < YOUNG_TICKS
+        if young or self._broken or self._is_evident or codes.kind_of(self._entry) != codes.JUMP:
+            return True
+        state, bound = self._state, self._limits[rows.DRIFT_BOUND]
+        moved = q - state[rows.ACCEPTED_POSITION]
+        shift = moved - state[rows.TRAVELLED]
+        found = np.abs(shift) > bound
+        if not found.any():
+            return True
+        if self._entry == codes.JUMP + codes.POSITION and not self._has_many_jumps:
+            self._subtract(t, np.where(found, shift, 0.0))
+            return True
+        # Several signals have jumped, so that the velocities in between say nothing: is all as it was before?
+        span = t - self._scalars[rows.ACCEPTED]
+        if self._has_velocity:
+            moved = moved - 0.5 * (v + state[rows.ACCEPTED_VELOCITY]) * span
+        if (np.abs(moved) <= RETURN_SHARE * self.bounds.speed * span + bound).all():
+            return True
+        if self._chain < self._many_ticks:
+            return False
+        self._subtract(t, np.where(found, shift, 0.0))
+        return True
+
+    def _count_jumps(self) -> None:
+        """Note whether more than the position of one joint has jumped."""
+        step, error = np.abs(self._state[rows.VELOCITY_STEP]), np.abs(self._state[rows.ERROR])
+        b, period = self._limits, self.bounds.period
+        jumped = error > b[rows.POSITION_SLACK] + b[rows.ACCELERATION] * period**2
+        if not self._has_velocity:
+            self._has_many_jumps = bool(
+                (step > b[rows.VELOCITY_SLACK] + b[rows.ACCELERATION] * period).sum() > 1
+            )
+            return
+        turned = step > b[rows.VELOCITY_SLACK] + b[rows.ACCELERATION] * period
+        self._has_many_jumps = bool(jumped.sum() > 1 or turned.any())
+
+    def _subtract(self, t: float, shift: Array) -> None:
+        """Name encoders that are off since samples were good last."""
+        bound = self._limits[rows.DRIFT_BOUND]
+        self._shifts += shift
+        self._shifts[np.abs(self._shifts) <= bound] = 0.0
+        self.offset = self._shifts.copy() if self._shifts.any() else None
+        self._list_faults()
+        for j in np.flatnonzero(shift):
+            now = next(
+                (f for f in self.faults if f.joint == self._joints[j] and f.offset),
+                f"encoder of {self._joints[j]}: reads as before its jump",
+            )
+            self._tell(t, EventStage.SENSOR, (self._joints[j],), str(now))
+
+    def _accuse(self, code: int, t: float, q: Array, v: Array, tau: Array) -> None:
+        """Call sensors faulty once there is enough evidence."""
+        evident = codes.is_evidence(code)
+        self._is_evident |= evident
+        if self._bad * self.bounds.period < (EVIDENT_TIME if evident else SENSOR_TIME):
+            return
+        kind, signal = codes.kind_of(code), codes.signal_of(code)
+        if kind in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.TIME_BACK):
+            accused: list[tuple[str | None, int, int]] = [(None, codes.NO_SIGNAL, codes.OUTSIDE)]
+        elif evident:
+            flags = self._state[rows.ACCUSED].astype(int)
+            accused = [(self._joints[j], codes.signal_of(flags[j]), flags[j]) for j in np.flatnonzero(flags)]
+        elif kind == codes.OUTSIDE:
+            accused = [(self._joints[j], s, code) for s, j in self._outside(q, v, tau)]
+        elif kind in (codes.JUMP, codes.ZEROED):
+            accused = [(self._joints[int(self._scalars[rows.JOINT])], signal, code)]
+        else:
+            return
+        new, named = [], {joint for joint, _ in self._accused}
+        for joint, of_signal, why in accused:
+            # Position and velocity accuse each other; the first evidence is the better one.
+            known = (joint, of_signal) in self._accused if kind == codes.OUTSIDE else joint in named
+            if not known:
+                condition = CONDITIONS[codes.kind_of(why)]
+                fault = SensorFault(joint, SIGNALS[of_signal], condition, self._since)
+                self._accused[joint, of_signal] = fault
+                new.append(fault)
+        if new:
+            self._list_faults()
+            joints = tuple(dict.fromkeys(f.joint for f in new if f.joint)) or self._joints
+            self._tell(t, EventStage.SENSOR, joints, "; ".join(map(str, new)))
+
+    def _outside(self, q: Array, v: Array, tau: Array) -> list[tuple[int, int]]:
+        """Return signal and joint of each value that is not finite or beyond its bounds."""
+        b = self._limits
+        good = (
+            (b[rows.LOWER] <= q) & (q <= b[rows.UPPER]),
+            np.abs(v) <= b[rows.FASTEST],
+            np.abs(tau) <= b[rows.STRONGEST],
+        )
+        return [(s, int(j)) for s, one in enumerate(good) for j in np.flatnonzero(~one)]
+
+    def _list_faults(self) -> None:
+        shifted = tuple(
+            SensorFault(
+                self._joints[j], SensorSignal.POSITION, SensorCondition.SHIFTED, self._since, float(shift)
+            )
+            for j, shift in enumerate(self._shifts)
+            if shift
+        )
+        known = {f.joint: f for f in self.faults if f.condition is SensorCondition.SHIFTED}
+        kept = tuple(
+            known[f.joint] if f.joint in known and known[f.joint].offset == f.offset else f for f in shifted
+        )
+        self.faults = kept + tuple(self._accused.values())
+
+    # ------------------------------------------------------------- events
+
+    def _time(self, t: float) -> float:
+        return t if abs(t) < codes.LATEST else self.last_time
+
+    def _announce(self, code: int, t: float, q: Array, v: Array, tau: Array) -> None:
+        """Tell of the first bad sample; those that follow before data have been good for a while are the same event."""
+        if self._quiet * self.bounds.period < QUIET_TIME:
+            self._quiet = 0
+            return
+        self._quiet = 0
+        j = int(self._scalars[rows.JOINT])
+        value = (q, v, tau, q)[codes.signal_of(code)][j]
+        said = why_bad(code or self._entry, self._joints[j], float(value), self.last_time, t)
+        self._tell(t, EventStage.ACCOMMODATION, self._joints, f"{said}; nominal control")
+
+    def _tell(self, t: float, stage: EventStage, joints: tuple[str, ...], reason: str) -> None:
+        self.news += (Event(self._time(t), stage, joints, Verdict.NONE, reason=reason),)
