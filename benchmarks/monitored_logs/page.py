@@ -39,6 +39,8 @@ def _says_wrong(o: Outcome) -> bool:
 
 
 def _weight_error(outcomes: Sequence[Outcome]) -> Figure:
+    if not outcomes:
+        return Figure(nan, 0, "–")
     o = outcomes[0]
     text = f"{o.mass:.2f} ± {o.mass_half:.2f} kg, {o.mass_after:.1f} s after the first detection"
     return Figure(

@@ -36,6 +36,9 @@ ASSUMED_MEMORY = 0.1  # [s], correlation time of a healthy residual where it was
 ASSUMED_SIGN_WIDTH = 0.005  # [rad/s or m/s], smoothing of sgn where noise was not measured
 LEVEL_WINDOW = 1.0  # [s], over which the RMS of the healthy level is taken
 NOISE_WIDTHS = 2.0  # [1], standard deviations of the velocity's noise over which sgn q̇ is smoothed
+# [s], most that samples count as alike in a decision. A model's error follows the posture for seconds, but not in the
+# shape of a fault's columns; counted in full it would hide faults twice its size.
+LONGEST_ALIKE = 0.5
 TINY = 1e-12  # keeps a residual that is zero from dividing by zero
 
 
@@ -66,6 +69,11 @@ class HealthyArm:
     velocity_range: Array
     torque: Array
     notes: tuple[str, ...] = ()
+
+    @property
+    def independent(self) -> Array:
+        """Time for which samples of a joint count as alike in a decision [s], shape (n,)."""
+        return np.minimum(self.memory, np.maximum(LONGEST_ALIKE, 1.0 / self.bandwidth))
 
     @property
     def sight(self) -> Sight:

@@ -100,6 +100,7 @@ class Isolator:
         required: int = 0,
         prior: Array | None = None,
         centre: Array | None = None,
+        caused: bool = False,
     ) -> Decision:
         """Decide on a joint.
 
@@ -113,6 +114,7 @@ class Isolator:
             required: Effects that every combination contains, one bit each.
             prior: Precision of the parameters that are believed already, shape (P,); none if omitted.
             centre: Parameters that are believed already, shape (P,).
+            caused: Whether it is certain that something is there, so that no effect at all is no answer.
         """
         s, weight = self.settings, max(weight, 1.0)
         noise2 = level**2 + s.mismatch**2 * float(gram[-1, -1]) / weight
@@ -125,7 +127,9 @@ class Isolator:
         noise = math.sqrt(noise2)
         if not count:
             return Decision(None, self._zero.copy(), noise=noise)
-        order = self._order[:count].tolist()
+        order = [m for m in self._order[:count].tolist() if m or not caused]
+        if not order:
+            return Decision(None, self._zero.copy(), noise=noise)
         best = next((m for m in order if self._is_distinct(m)), order[0])
         rivals = []
         for m in order[: 4 * MOST_RIVALS]:

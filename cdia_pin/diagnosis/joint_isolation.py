@@ -86,11 +86,12 @@ class JointIsolation:
         self.drop_prior()
         self.observer.end_decision(self.j)
 
-    def decide(self, required: int = 0) -> Decision:
+    def decide(self, required: int = 0, caused: bool = False) -> Decision:
         """Decide between the combinations that contain the required effects.
 
         Args:
             required: The effects, one bit each.
+            caused: Whether it is certain that something is there.
         """
         self.last = self.isolator.decide(
             self.j,
@@ -101,6 +102,7 @@ class JointIsolation:
             required=required,
             prior=self._prior,
             centre=self._centre,
+            caused=caused,
         )
         return self.last
 

@@ -47,6 +47,7 @@ class JointMonitor:
         stage: Stage of the joint.
         since: Time at which the stage began [s].
         waits: Whether the joint must not decide, because something of the whole arm is in question.
+        lasts: Whether an effect of the bank has explained more of late than a healthy arm shows.
     """
 
     def __init__(
@@ -69,7 +70,7 @@ class JointMonitor:
         self.beliefs = BeliefState(self.j, self.observer, self.bank, self.unknown)
         self.isolation.reset()
         self.stage = Stage.HEALTHY
-        self.waits = False
+        self.waits = self.lasts = False
         self.since = self.last_alarm = -np.inf
         self._votes = Votes(self.settings.votes)
         self._failures = 0
@@ -103,6 +104,11 @@ class JointMonitor:
     def is_undecided(self) -> bool:
         """Whether the joint has left its threshold, and its own decision is open."""
         return self.stage is Stage.DETECTED and self._doubted == np.inf
+
+    @property
+    def is_calm(self) -> bool:
+        """Whether the joint is not being decided on."""
+        return self.stage is not Stage.DETECTED and self.beliefs.now.verdict is not Verdict.UNKNOWN
 
     def excuse(self) -> None:
         """Take back what is undecided, because something of the whole arm was the cause."""
@@ -148,7 +154,7 @@ class JointMonitor:
         Args:
             t: Time [s].
         """
-        if self.observer.state.exceeded[self.j] >= self.settings.debounce:
+        if self.lasts or self.observer.state.exceeded[self.j] >= self.settings.debounce:
             self.last_alarm = t
         self.beliefs.look()
         if self.waits:
@@ -168,9 +174,9 @@ class JointMonitor:
                 t, replace(returned, verdict=Verdict.UNIQUE), "a remembered fault has returned"
             )
         mask = self.beliefs.now.mask
-        decision = self.isolation.decide(required=mask)
+        decision = self.isolation.decide(required=mask, caused=self.lasts)
         if decision.mask is None and mask:
-            decision = self.isolation.decide()
+            decision = self.isolation.decide(caused=self.lasts)
         self._votes.add(decision)
         if not self._votes.agree:
             return []

@@ -43,6 +43,7 @@ class LastingDetector:
 
     Attributes:
         limit: Explained torque of a healthy arm [N·m or N], shape (n, N); infinite until it is learned.
+        weight: Duration of the motion seen, old samples discounted [s], shape (n,).
     """
 
     def __init__(self, bank: Bank, n: int, memory: float) -> None:
@@ -50,7 +51,7 @@ class LastingDetector:
         self._width, self._memory = bank.width, memory
         self._rows = np.zeros((n, bank.width + 1))
         self._gram = np.zeros((n, bank.width + 1, bank.width + 1))
-        self._weight = np.zeros(n)
+        self.weight = np.zeros(n)
         self.limit = np.full((n, len(bank)), np.inf)
 
     def reset(self, joints: Sequence[int] | None = None) -> None:
@@ -60,7 +61,7 @@ class LastingDetector:
             joints: Of these joints only; of all if omitted.
         """
         which = slice(None) if joints is None else list(joints)
-        self._gram[which], self._weight[which] = 0.0, 0.0
+        self._gram[which], self.weight[which] = 0.0, 0.0
 
     def add(self, dt: float, columns: Array, remainder: Array, counts: NDArray[np.bool_]) -> None:
         """Add a sample.
@@ -75,17 +76,17 @@ class LastingDetector:
         keep = np.where(counts, np.exp(-dt / self._memory), 1.0)
         self._gram *= keep[:, None, None]
         self._gram += (dt * counts)[:, None, None] * self._rows[:, :, None] * self._rows[:, None, :]
-        self._weight *= keep
-        self._weight += dt * counts
+        self.weight *= keep
+        self.weight += dt * counts
 
     def explained(self) -> Array:
         """Return the RMS torque that each effect explains [N·m or N], zero without enough motion, shape (n, N)."""
         out = np.zeros_like(self.limit)
-        filled = self._weight >= FILLED * self._memory
+        filled = self.weight >= FILLED * self._memory
         for i, span in enumerate(self._spans):
             A, b = self._gram[:, span, span], self._gram[:, span, -1]
             gain = np.einsum("jp,jpk,jk->j", b, ridge_inverse(A), b)
-            out[:, i] = np.sqrt(np.maximum(gain, 0.0) / np.maximum(self._weight, TINY))
+            out[:, i] = np.sqrt(np.maximum(gain, 0.0) / np.maximum(self.weight, TINY))
         return np.where(filled[:, None], out, 0.0)
 
     def beyond(self) -> NDArray[np.bool_]:

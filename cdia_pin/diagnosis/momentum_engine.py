@@ -89,10 +89,6 @@ class MomentumEngine:
         self.observer.state.bound = self.healthy.bound
         lower, upper = _parameter_bounds(bank, nominal)
         isolator = Isolator(bank, lower, upper, settings)
-        self.joint_monitors = [
-            JointMonitor(j, self.observer, isolator, self.healthy, unknown[j], settings)
-            for j in range(robot.n)
-        ]
         self._alignment = Alignment(self.dt, nominal.delay, position_only)
         self.lasting = LastingDetector(bank, robot.n, settings.memory)
         if healthy:
@@ -103,11 +99,15 @@ class MomentumEngine:
                 healthy,
                 settings.false_alarm_every,
                 settings.margin,
-                self.healthy.memory,
+                self.healthy,
             )
         else:
-            learned = assumed(robot.n, len(bank), self.healthy.bound)
+            learned = assumed(robot.n, len(bank), self.healthy)
         self.lasting.limit = learned.lasting
+        self.joint_monitors = [
+            JointMonitor(j, self.observer, isolator, self.healthy, unknown[j], settings)
+            for j in range(robot.n)
+        ]
         self.arm = ArmMonitor(self.observer, bank, self.healthy, learned.contact, settings)
         self._offset = nominal.offset if nominal.offset.any() else None
         self._limit, self._least = robot.limits.effort, -robot.limits.effort
@@ -204,7 +204,10 @@ class MomentumEngine:
         self.lasting.add(dt, o.filtered, o.remainder, o.state.moving > 1.0 - RESTING)
         if then >= self._next_lasting:
             self._next_lasting = then + LASTING_EVERY
-            self._lasts = np.flatnonzero(self.lasting.beyond()).tolist()
+            beyond = self.lasting.beyond()
+            for monitor in self.joint_monitors:
+                monitor.lasts = bool(beyond[monitor.j])
+            self._lasts = [m.j for m in self.joint_monitors if m.lasts and m.is_calm]
         if self.arm.believed and self._corrects:
             tau = o.carried.nonlinear_effects(o.q, o.v) - o.nominal.robot.nonlinear_effects(o.q, o.v)
             self._carried_torque = tau
@@ -222,7 +225,7 @@ class MomentumEngine:
                     if o.state.exceeded[monitor.j] >= self.settings.debounce:
                         new += monitor.alarm(t)
             for j in self._lasts:
-                new += self._answer_lasting(j, t)
+                new += self.joint_monitors[j].alarm(t, "small, but it lasts")
         self._lasts = []
         if asks & ABSENT:
             for monitor in self._busy:
@@ -236,7 +239,10 @@ class MomentumEngine:
                 late = monitor.j / len(self.joint_monitors) * self.settings.decide_every
                 steps = np.floor((then - late) / self.settings.decide_every) + 1
                 self._next[monitor.j] = float(steps) * self.settings.decide_every + late
-                new += monitor.look(t)
+                said = monitor.look(t)
+                if said:
+                    self.lasting.reset([monitor.j])
+                new += said
         self._busy = [m for m in self.joint_monitors if m.stage is not Stage.HEALTHY]
         looks = [self._next[m.j] for m in self._busy]
         self._next_look = min([*looks, self._next_arm_look] if self.arm.is_busy else looks, default=np.inf)
@@ -247,15 +253,6 @@ class MomentumEngine:
         self._faults = self.faults if self._busy or self.arm.is_busy else ()
         self.events += new
         return tuple(new)
-
-    def _answer_lasting(self, j: int, t: float) -> list[Event]:
-        """Answer what is below the threshold of a joint, but lasts."""
-        monitor = self.joint_monitors[j]
-        monitor.last_alarm = t
-        if monitor.stage not in (Stage.HEALTHY, Stage.IDLE, Stage.ACCOMMODATED, Stage.ISOLATED):
-            return []
-        self.lasting.reset([j])
-        return monitor.alarm(t, "small, but it lasts")
 
     def _look_at_arm(self, t: float, then: float) -> list[Event]:
         """Ask whether something of the whole arm explains what joints show."""

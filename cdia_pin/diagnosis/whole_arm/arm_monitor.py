@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 LONGEST_CONTACT = (
     10.0  # [s], after which joints decide by themselves: nobody leans on a moving arm for longer
 )
-REFINED_FOR = 10.0  # [s] after its isolation, for which an effect's parameters are updated
+TRIAL = 10.0  # [s] after its isolation, for which an effect is updated, and withdrawn if joints alarm again
 REFINED_EVERY = 1.0  # [s] between two updates: each makes a robot model, in a fraction of a millisecond
 GONE_SHARE = 0.15  # [1], share of an effect that may be left when it counts as cleared
 
@@ -58,6 +58,23 @@ class Contact:
     def term(self) -> Term:
         """The contact as an effect."""
         return Term(ExternalWrench(self.joint), (*self.force, 0.0, 0.0, 0.0))
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """An effect that was believed in of late.
+
+    Attributes:
+        index: Of its hypothesis.
+        before: What was believed before.
+        moved: By how much its parameters have changed since, shape (shown,).
+        since: When [s].
+    """
+
+    index: int
+    before: tuple[Term, ...]
+    moved: Array
+    since: float
 
 
 class ArmMonitor:
@@ -94,8 +111,8 @@ class ArmMonitor:
         self.contact: Contact | None = None
         self.observer.carry(self.observer.nominal.robot)
         self._since = np.inf  # [s], when the present evidence began
-        self._believed_at = -np.inf
         self._refined_at = -np.inf
+        self._trial: _Trial | None = None
         self.restart()
 
     def restart(self) -> None:
@@ -178,7 +195,9 @@ class ArmMonitor:
             joints |= {self.observer.nominal.robot.joint_index(j) for j in self.contact.joints}
         if not joints:
             return self._refine(t)
-        if not self.evidence.is_active or (self._since == np.inf):
+        if self._trial is not None:
+            self._take_back(t)
+        elif not self.evidence.is_active or self._since == np.inf:
             self.evidence.start(self.observer.time)
             self._since = t
             self._votes.clear()
@@ -194,6 +213,7 @@ class ArmMonitor:
 
     def _commit(self, t: float, found: ArmDecision, joints: tuple[str, ...]) -> list[Event]:
         assert found.index is not None
+        self._trial = _Trial(found.index, self.believed, np.zeros_like(found.theta), t)
         before = self._believe(found)
         term = next((b for b in self.believed if b.label == before.label), None)
         self.contact = None
@@ -213,22 +233,31 @@ class ArmMonitor:
         self._since = np.inf
         self._decision = UNDECIDED
         self._votes.clear()
-        if not self.believed or t - self._believed_at > REFINED_FOR:
+        if self._trial is None or t - self._trial.since > TRIAL:
+            self._trial = None
             self.evidence.stop()
             return []
         if not self.evidence.is_active or t - self._refined_at < REFINED_EVERY:
             return []
         self._refined_at = t
         found = decide(self.evidence, self.bank, (), self.settings)
-        names = {b.effect.name for b in self.believed}
-        if found.index is not None and HYPOTHESES[found.index].name in names:
+        if found.index == self._trial.index and self.believed != self._trial.before:
             self._believe(found)
         return []
+
+    def _take_back(self, t: float) -> None:
+        """Withdraw what was believed on trial: joints have left their thresholds again, so it was wrong or not all."""
+        assert self._trial is not None
+        trial, self._trial = self._trial, None
+        self._move(trial.index, -trial.moved)
+        self._become(trial.before)
+        self._since = t
+        self._votes.clear()
 
     def _believe(self, found: ArmDecision) -> Term:
         """Add a change to what is believed; return the effect as it is now, or as it was if it is gone."""
         assert found.index is not None
-        hypothesis, o = HYPOTHESES[found.index], self.observer
+        hypothesis = HYPOTHESES[found.index]
         old = next((b for b in self.believed if b.effect == hypothesis.effect), None)
         shown = np.zeros(hypothesis.shown) if old is None else np.array(old.theta[: hypothesis.shown])
         others = tuple(b for b in self.believed if b is not old)
@@ -236,13 +265,26 @@ class ArmMonitor:
         after = shown + found.theta
         gone = old is not None and _is_gone(shown[main], after[main], found.half[main])
         term = hypothesis.term(after, found.half)
+        moved = -shown if gone else found.theta
         self.believed = others if gone else (*others, term)
-        o.state.residual = o.residual - self._columns(found.index) @ (-shown if gone else found.theta)
-        self.evidence.shift(found.index, -shown if gone else found.theta)
-        o.carry(carried(o.nominal, self.believed))
+        self._move(found.index, moved)
+        self._become(self.believed)
+        if self._trial is not None:
+            self._trial = replace(self._trial, moved=self._trial.moved + moved)
+        return term if old is None or not gone else old
+
+    def _move(self, k: int, theta: Array) -> None:
+        """Take a change of a hypothesis out of the present residual, and out of what was collected."""
+        o = self.observer
+        o.state.residual = o.residual - self._columns(k) @ theta
+        self.evidence.shift(k, theta)
+
+    def _become(self, believed: tuple[Term, ...]) -> None:
+        """Believe in effects of the whole arm, and compute the arm as it is with them from now on."""
+        self.believed, o = believed, self.observer
+        o.carry(carried(o.nominal, believed))
         for j in range(o.nominal.robot.n):
             o.refresh(j)
-        return term if old is None or not gone else old
 
     def _columns(self, k: int) -> Array:
         """Return the filtered columns of a hypothesis, shape (n, shown)."""
@@ -250,7 +292,7 @@ class ArmMonitor:
         return self.evidence.columns[:, first:end]
 
     def _end(self, t: float) -> None:
-        self._believed_at = self._refined_at = t
+        self._refined_at = t
         self._since = np.inf
         self._decision = UNDECIDED
         self._votes.clear()

@@ -41,7 +41,7 @@ class ArmEvidence:
 
         self.observer, self.width, self.hypotheses = observer, width, tuple(hypotheses)
         self._moving_share = MOVING_SHARE
-        self.level, self.independent = healthy.level, healthy.memory
+        self.level, self.independent = healthy.level, healthy.independent
         self.ends = np.cumsum([width, *(h.shown for h in hypotheses)])
         size = int(self.ends[-1]) + 1
         self.gram = np.zeros((observer.nominal.robot.n, size, size))

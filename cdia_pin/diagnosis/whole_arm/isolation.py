@@ -13,7 +13,7 @@ its threshold, and pay for each further joint: that it fails within the same sec
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 COINCIDENCE = (
     9.0  # [1], log-odds against a joint that fails within seconds of another one: once in ten thousand times
 )
+UNUSUAL = 5.0  # [1], log-odds against an effect that arms in use hardly ever have
 NORMAL_95 = 1.96  # [1], standard deviations to either side of a 95 % interval
 LEAST_NOISE = (
     0.25  # [1], least variance of what is left over that of a healthy residual: few samples say little
@@ -45,7 +46,8 @@ class ArmDecision:
         index: Of the hypothesis; None if there is too little motion.
         theta: Its parameters, shape (shown,).
         half: Half widths of their 95 % intervals, shape (shown,).
-        lead: Log-likelihood by which it leads the joints' own effects, penalties included [1].
+        lead: Log-likelihood by which it leads the joints' own effects and the other effects of the whole arm, penalties
+            included [1].
         explained: Share of the remainder's energy that it explains [1].
     """
 
@@ -85,17 +87,13 @@ def decide(
     noise2 = evidence.level[used] ** 2 + settings.mismatch**2 * mean
     unit = 2.0 * noise2 * evidence.independent[used]  # of a gain of log-likelihood [(N·m)² s]
     joints = _of_joints(G, bank, [k for k, j in enumerate(used) if j in alarmed], unit, settings)
-    best = UNDECIDED
-    for i in range(len(evidence.hypotheses)):
-        found = _of_arm(evidence, i, G, unit)
-        gain = found.lead - settings.price * len(found.theta)
-        if best.index is None or gain - joints > best.lead:
-            best = ArmDecision(i, found.theta, found.half, gain - joints, found.explained)
-    return best
+    found = [_of_arm(evidence, i, G, unit, settings) for i in range(len(evidence.hypotheses))]
+    first, second = sorted(found, key=lambda d: d.lead, reverse=True)[:2]
+    return replace(first, lead=first.lead - max(joints, second.lead))
 
 
-def _of_arm(evidence: ArmEvidence, i: int, G: Array, unit: Array) -> ArmDecision:
-    """Fit a hypothesis to all joints together; its lead is its gain, without penalties."""
+def _of_arm(evidence: ArmEvidence, i: int, G: Array, unit: Array, settings: MonitorSettings) -> ArmDecision:
+    """Fit a hypothesis to all joints together; its lead is that over no cause at all."""
     part = np.s_[int(evidence.ends[i]) : int(evidence.ends[i + 1])]
     A = np.einsum("jab,j->ab", G[:, part, part], 2.0 / unit)
     b = np.einsum("ja,j->a", G[:, part, -1], 2.0 / unit)
@@ -107,7 +105,10 @@ def _of_arm(evidence: ArmEvidence, i: int, G: Array, unit: Array) -> ArmDecision
     explained = float(np.sum(less / unit) / max(np.sum(energy / unit), TINY))
     left = np.sum((energy - less) * 2.0 / unit) / max(len(energy), 1)
     half = NORMAL_95 * np.sqrt(np.diag(inverse) * max(LEAST_NOISE, float(left)))
-    return ArmDecision(i, theta, half, float(np.sum(less / unit)), explained)
+    penalty = settings.price * len(theta)
+    if evidence.hypotheses[i].effect.plausibility.unusual:
+        penalty += UNUSUAL
+    return ArmDecision(i, theta, half, float(np.sum(less / unit)) - penalty, explained)
 
 
 def _of_joints(G: Array, bank: Bank, alarmed: Sequence[int], unit: Array, settings: MonitorSettings) -> float:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.alignment import Alignment
 from cdia_pin.diagnosis.growth import growth
+from cdia_pin.diagnosis.healthy_arm import HealthyArm
 from cdia_pin.diagnosis.lasting import LastingDetector, limit_of
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.residuals import SETTLING, pooled
@@ -43,7 +44,7 @@ def learn(
     runs: Sequence[Log],
     false_alarm_every: float,
     margin: float,
-    memory: Array,
+    healthy: HealthyArm,
 ) -> Learned:
     """Watch the detectors along runs of the healthy arm.
 
@@ -54,7 +55,7 @@ def learn(
         runs: Logs of the healthy arm.
         false_alarm_every: Mean time between false alarms that the user accepts [s].
         margin: Limit over the largest deviation of long runs [1]; from short ones it is wider.
-        memory: Correlation time of each joint's residual [s], shape (n,).
+        healthy: What else is known of the healthy arm.
     """
     n = observer.nominal.robot.n
     rest, moving, resting, moved = (np.zeros(n) for _ in range(4))
@@ -80,23 +81,24 @@ def learn(
     lasting.reset()
     torque = pooled([run.effort for run in runs])
     least = LEAST_DEVIATION * torque
-    moving = np.maximum(margin * growth(moved, memory) * moving, least)
-    known = np.maximum(margin * growth(resting, memory) * rest, least)
+    moving = np.maximum(margin * growth(moved, healthy.memory) * moving, least)
+    known = np.maximum(margin * growth(resting, healthy.memory) * rest, least)
     rest = np.where(resting >= LEAST_REST, known, moving)
     duration = sum(run.duration for run in runs)
     limit = limit_of(largest, duration, observer.settings.memory, false_alarm_every, torque)
     return Learned(ContactLimits(rest, moving, friction), limit)
 
 
-def assumed(n: int, width: int, threshold: Array) -> Learned:
+def assumed(n: int, width: int, healthy: HealthyArm) -> Learned:
     """Return what a given threshold says: a joint is off its course beyond it, and nothing is known of what lasts.
 
     Args:
         n: Number of joints.
         width: Number of effects of the bank.
-        threshold: Largest healthy residual of each joint [N·m or N], shape (n,).
+        healthy: What the threshold says of the arm.
     """
-    return Learned(ContactLimits(threshold, threshold, np.zeros(n)), np.full((n, width), np.inf))
+    limits = ContactLimits(healthy.bound, healthy.bound, np.zeros(n))
+    return Learned(limits, np.full((n, width), np.inf))
 
 
 def _along(observer: MomentumObserver, alignment: Alignment, run: Log) -> Iterator[tuple[float, bool]]:
