@@ -44,7 +44,8 @@ def uniform(log: Log) -> Log:
     even = log.time[0] + mean_period * np.arange(len(log.time))
     if np.abs(log.time - even).max() <= UNIFORM_TOLERANCE * mean_period:
         return log
-    time = log.time[0] + period * np.arange(count)
+    # the last time of the grid passes the last sample by a rounding error, where nothing can be interpolated
+    time = np.minimum(log.time[0] + period * np.arange(count), log.time[-1])
     velocity, temperature = (
         None if s is None else _linear(time, log.time, s) for s in (log.velocity, log.temperature)
     )
