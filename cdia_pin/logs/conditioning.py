@@ -18,6 +18,7 @@ from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.motion import Motion, MotionRecord
 from cdia_pin.logs.resolution import quantum
+from cdia_pin.logs.wild_samples import without_wild_samples
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -65,7 +66,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         Motion and torque on a uniform grid.
 
     Raises:
-        LogError: If the log is too short, or the cut-off too high for its rate.
+        LogError: If the log is too short, too many of its samples are wild, or the cut-off is too high for its rate.
     """
     settings = settings or Conditioning()
     if log.joints != robot.joints:
@@ -76,6 +77,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         raise LogError(
             f"{log.source}: {log.duration:.2g} s is too short to compare, at least {SHORTEST:g} s are needed"
         )
+    log = without_wild_samples(log)
     even = uniform(log)
     rate = (len(even.time) - 1) / even.duration
     cutoff = choose_cutoff(even, robot) if settings.cutoff is None else settings.cutoff

@@ -47,14 +47,14 @@ def uniform(log: Log) -> Log:
     # the last time of the grid passes the last sample by a rounding error, where nothing can be interpolated
     time = np.minimum(log.time[0] + period * np.arange(count), log.time[-1])
     velocity, temperature = (
-        None if s is None else _linear(time, log.time, s) for s in (log.velocity, log.temperature)
+        None if s is None else linear(time, log.time, s) for s in (log.velocity, log.temperature)
     )
     return replace(
         log,
         time=time,
-        position=_akima(time, log.time, log.position),
+        position=akima(time, log.time, log.position),
         velocity=velocity,
-        effort=_linear(time, log.time, log.effort),
+        effort=linear(time, log.time, log.effort),
         temperature=temperature,
     ).noted(f"resampled from {len(log.time)} samples to a uniform grid of {count} at {log.rate:.4g} Hz")
 
@@ -119,13 +119,33 @@ def differentiate(signal: ArrayLike, rate: float) -> Array:
     return np.asarray(np.gradient(x, 1.0 / rate, axis=0, edge_order=2))
 
 
-def _linear(time: Array, given: Array, signal: Array) -> Array:
+def linear(time: Array, given: Array, signal: Array) -> Array:
+    """Interpolate a signal linearly; beyond its ends it is constant.
+
+    Args:
+        time: Times that are wanted [s], shape (K,).
+        given: Times of the samples [s], shape (N,).
+        signal: Samples in any unit, shape (N, n).
+
+    Returns:
+        In the unit of the signal, shape (K, n).
+    """
     return np.column_stack([np.interp(time, given, column) for column in signal.T])
 
 
-def _akima(time: Array, given: Array, signal: Array) -> Array:
+def akima(time: Array, given: Array, signal: Array) -> Array:
+    """Interpolate a signal by Akima's cubic; of fewer than five samples linearly.
+
+    Args:
+        time: Times that are wanted [s], within the samples, shape (K,).
+        given: Times of the samples [s], shape (N,).
+        signal: Samples in any unit, shape (N, n).
+
+    Returns:
+        In the unit of the signal, shape (K, n).
+    """
     if len(given) < 5:
-        return _linear(time, given, signal)
+        return linear(time, given, signal)
     from scipy.interpolate import Akima1DInterpolator
 
     return np.asarray(Akima1DInterpolator(given, signal, axis=0)(time))

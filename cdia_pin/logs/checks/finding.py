@@ -29,6 +29,7 @@ class Topic(StrEnum):
     JITTER = "jitter"
     DUPLICATES = "duplicates"
     FROZEN = "frozen"
+    WILD = "wild"  # single samples that no motion makes
     RESOLUTION = "resolution"
     LIMITS = "limits"
     SATURATION = "saturation"
