@@ -148,6 +148,14 @@ def require_unseen(held_out: Sequence[Path], logs: Sequence[Path]) -> None:
             raise CommandError(f"{path} is fitted, it cannot be held out too: give another log to --holdout")
 
 
+def _left_out(log: Log) -> list[str]:
+    """Return what is said of the samples of a log that are left out of what is computed."""
+    from cdia_pin.logs.wild_samples import said_of, wild_samples
+
+    found = wild_samples(log)
+    return [f"{said_of(found, log)}; left out of what is computed"] if found else []
+
+
 def _warn_of(check: LogCheck, path: Path) -> None:
     if check.ok:
         return
@@ -199,7 +207,7 @@ def show_inputs(
         for log in given:
             said = f"{log.source}: {len(log.time)} samples in {log.duration:.4g} s, {log.rate:.4g} Hz"
             table.add_row(what, Text(said))
-            for note in log.notes if notes else ():
+            for note in (*log.notes, *_left_out(log)) if notes else ():
                 table.add_row("", Text(note, style="dim"))
     console.print(table)
     console.print()

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 
 # [1], largest error of a sample's time over the period without resampling: below the jitter of any clock
 UNIFORM_TOLERANCE = 1e-3
+LONGEST_GAP = 0.5  # [s], a trajectory cannot be interpolated across a longer gap
 LARGEST_GROWTH = 4.0  # [1], samples of the grid over those of the log; above it most of the log is gaps
 
 
@@ -49,6 +50,13 @@ def uniform(log: Log) -> Log:
     velocity, temperature = (
         None if s is None else linear(time, log.time, s) for s in (log.velocity, log.temperature)
     )
+    notes = [f"resampled from {len(log.time)} samples to a uniform grid of {count} at {log.rate:.4g} Hz"]
+    step = np.diff(log.time)
+    if step.max() > LONGEST_GAP:
+        notes.append(
+            f"the clock has {int((step > LONGEST_GAP).sum())} gap(s) of up to {step.max():.3g} s, the longest after "
+            f"t = {log.time[step.argmax()]:.4g} s: what lies between is interpolated; split the log there (Log.slice)"
+        )
     return replace(
         log,
         time=time,
@@ -56,7 +64,7 @@ def uniform(log: Log) -> Log:
         velocity=velocity,
         effort=linear(time, log.time, log.effort),
         temperature=temperature,
-    ).noted(f"resampled from {len(log.time)} samples to a uniform grid of {count} at {log.rate:.4g} Hz")
+    ).noted(*notes)
 
 
 def zero_phase(signal: ArrayLike, cutoff: float, rate: float, *, order: int = 4) -> Array:

@@ -95,7 +95,7 @@ def repaired(log: Log, found: Sequence[WildSample]) -> Log:
         log: The log.
         found: Its wild samples.
     """
-    changed = {}
+    changed: dict[str, Array] = {}
     for signal, between in (("position", akima), ("effort", linear)):
         values = getattr(log, signal)
         for k, joint in enumerate(log.joints):
