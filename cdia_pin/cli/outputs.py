@@ -9,9 +9,10 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cdia_pin.cli.console import close_stdout
-from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.console import close_stdout, warn
+from cdia_pin.cli.failures import CommandError, one_line
 from cdia_pin.extras import require
+from cdia_pin.whole_files import require_place, write_whole
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -49,11 +50,8 @@ def _probe(path: Path) -> None:
     """Open a file for writing without changing what is there."""
     if path.is_dir():
         raise CommandError(f"cannot write {path}: it is a directory")
-    is_new = not path.exists()
     try:
-        path.open("ab").close()
-        if is_new:
-            path.unlink()
+        require_place(path)
     except FileNotFoundError:
         raise CommandError(f"cannot write {path}: there is no directory {path.parent}") from None
     except OSError as error:
@@ -92,7 +90,7 @@ def write_json(document: Mapping[str, object], file: str) -> None:
             close_stdout()
         return
     try:
-        Path(file).write_text(text, encoding="utf-8")
+        write_whole(file, text)
     except OSError as error:
         raise CommandError(f"cannot write {file}: {error.strerror}") from None
 
@@ -133,6 +131,8 @@ def write_all(console: Console, *writers: tuple[str | Path | None, Callable[[str
         try:
             write(str(file))
         except Exception as error:
+            if failure:
+                warn(one_line(error))
             failure = failure or error
             continue
         if str(file) != STDOUT:

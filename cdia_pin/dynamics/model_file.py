@@ -15,6 +15,7 @@ from cdia_pin.logs.motion_file import MotionDocument, motion_document, motion_fr
 from cdia_pin.robot import catalogue
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.version import __version__
+from cdia_pin.whole_files import write_whole
 
 
 class ModelDocument(TypedDict):
@@ -69,7 +70,7 @@ def save_model(model: Dynamics, path: str | Path, *, record: Mapping[str, Any] |
     except (TypeError, ValueError) as error:
         raise ModelError(f"the record of a model must be plain JSON: {error}") from None
     try:
-        path.write_text(text + "\n", encoding="utf-8")
+        write_whole(path, text + "\n")
     except OSError as error:
         raise ModelError(f"cannot write the model to {path}: {error.strerror}") from None
     return path

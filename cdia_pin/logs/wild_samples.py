@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,7 +96,7 @@ def repaired(log: Log, found: Sequence[WildSample]) -> Log:
         log: The log.
         found: Its wild samples.
     """
-    changed: dict[str, Array] = {}
+    changed: dict[str, Any] = {}
     for signal, between in (("position", akima), ("effort", linear)):
         values = getattr(log, signal)
         for k, joint in enumerate(log.joints):
