@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
+NO_BREAK = "\N{NO-BREAK SPACE}"
+
 
 def some(names: Sequence[str], most: int = 12) -> str:
     """Return names separated by commas; a long list is cut and its length is stated.
@@ -31,6 +33,22 @@ def shortened(text: str, most: int = 40) -> str:
         The text in single quotes.
     """
     return f"'{clipped(text, most)}'"
+
+
+def printable(text: str, also: str = "") -> str:
+    """Return a text without characters that control a terminal or turn its direction around.
+
+    Args:
+        text: Any text, such as a name from a file.
+        also: More characters that are kept, such as the end of a line.
+
+    Returns:
+        The text with a replacement character for each of them.
+    """
+    if text.isprintable():
+        return text
+    keep = {*also, NO_BREAK}
+    return "".join(c if c.isprintable() or c in keep else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
 def clipped(text: str, most: int = 40) -> str:

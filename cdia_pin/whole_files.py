@@ -71,7 +71,7 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
         OSError: If it cannot be written; the old file is then as it was.
     """
     with whole_file(path) as file:
-        file.write(content.encode() if isinstance(content, str) else content)
+        file.write(content.encode(errors="replace") if isinstance(content, str) else content)
     return Path(path)
 
 

@@ -70,12 +70,17 @@ def load_inputs(robot: str, model: Path | None) -> Dynamics:
         model: File of the model; None for the URDF alone.
     """
     from cdia_pin.dynamics import Dynamics, load_model
+    from cdia_pin.dynamics.physical import unphysical
     from cdia_pin.robot import load_robot
 
     arm = load_robot(robot)
     for sentence in arm.warnings:
         warn(f"{arm.name}: {sentence}")
-    return load_model(model, arm) if model else Dynamics(arm)
+    known = load_model(model, arm) if model else Dynamics(arm)
+    for why in (unphysical(term, arm) for term in known.terms):
+        if why:
+            warn(f"{model}: {why}: no arm has this")
+    return known
 
 
 def read_logs(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 STDOUT = "-"
+# characters that json leaves as they are and that control a terminal, turn its direction, or are no text at all
+UNPRINTABLE = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
 
 def require_writable(*files: str | Path | None, inputs: Iterable[str | Path] = ()) -> None:
@@ -82,6 +85,7 @@ def write_json(document: Mapping[str, object], file: str) -> None:
         CommandError: If the file cannot be written.
     """
     text = json.dumps(plain(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    text = UNPRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
     if file == STDOUT:
         try:
             sys.stdout.write(text)

@@ -28,6 +28,7 @@ from cdia_pin.cli.export import export
 from cdia_pin.cli.failures import CommandError, one_line
 from cdia_pin.cli.identify import identify
 from cdia_pin.cli.interrupts import insistent
+from cdia_pin.cli.last_net import UNEXPECTED, describe, is_caught, mend_streams
 from cdia_pin.cli.monitor import monitor
 from cdia_pin.cli.options import examples
 from cdia_pin.cli.robots import robots
@@ -35,6 +36,7 @@ from cdia_pin.cli.simulate import simulate
 from cdia_pin.cli.study import study
 from cdia_pin.cli.view import view
 from cdia_pin.errors import CdiaError, unknown_name
+from cdia_pin.phrases import printable
 from cdia_pin.version import __version__
 
 BAD_INPUT, INTERRUPTED = 2, 130  # exit codes
@@ -175,38 +177,49 @@ def main(arguments: Sequence[str] | None = None) -> int:
         arguments: What follows ``cdia``; the process's own arguments if omitted.
 
     Returns:
-        Exit code: 0, 2 for bad input, 130 if interrupted.
+        Exit code: 0, 2 for bad input, 70 for a fault of the program, 130 if interrupted.
     """
+    mend_streams()
     given = list(sys.argv[1:] if arguments is None else arguments)
     for name in THREADS:  # before NumPy is imported: an arm's matrices are small, threads only cost
         os.environ.setdefault(name, "1")
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
+    command = shlex.join(["cdia", *given])
     try:
         with insistent():
             code = typer.main.get_command(app).main(
-                given, prog_name="cdia", standalone_mode=False, obj=shlex.join(["cdia", *given])
+                given, prog_name="cdia", standalone_mode=False, obj=command
             )
         sys.stdout.flush()
         if code == INTERRUPTED:  # what typer makes of Ctrl-C
             raise KeyboardInterrupt
-    except UsageError as error:
-        return _fail(_usage(error))
-    except (CdiaError, MemoryError) as error:
-        return _fail(one_line(error))
     except BrokenPipeError:
         close_stdout()
         return 0
-    except OSError as error:
-        where = f"{error.filename}: " if error.filename else ""
-        return _fail(f"{where}{error.strerror or one_line(error)}")
-    except (KeyboardInterrupt, typer.Abort):
-        return _fail("interrupted", INTERRUPTED)
+    except BaseException as error:
+        if not is_caught(error) and not isinstance(error, KeyboardInterrupt):
+            raise
+        return _fail(*_said_of(error, command))
     return code if isinstance(code, int) else 0
 
 
-def _fail(message: str, code: int = BAD_INPUT) -> int:
-    print(f"cdia: error: {message}", file=sys.stderr)
+def _said_of(error: BaseException, command: str) -> tuple[str, int]:
+    """Return the line that is printed for an error, and the exit code."""
+    if isinstance(error, UsageError):
+        return _usage(error), BAD_INPUT
+    if isinstance(error, CdiaError | MemoryError):
+        return one_line(error), BAD_INPUT
+    if isinstance(error, OSError):
+        where = f"{error.filename}: " if error.filename else ""
+        return f"{where}{error.strerror or one_line(error)}", BAD_INPUT
+    if isinstance(error, KeyboardInterrupt | typer.Abort):
+        return "interrupted", INTERRUPTED
+    return describe(error, command), UNEXPECTED
+
+
+def _fail(message: str, code: int) -> int:
+    print(f"cdia: error: {printable(message)}", file=sys.stderr)
     return code
 
 

@@ -104,7 +104,7 @@ def load_model(path: str | Path, robot: RobotModel) -> Dynamics:
         return Dynamics(robot, terms, tuple(motion_from(m) for m in document.get("learned_from", [])))
     except CdiaError as error:
         raise ModelError(f"{path}: {error}") from None
-    except (KeyError, TypeError, AttributeError, ValueError, IndexError) as error:
+    except (KeyError, TypeError, AttributeError, ValueError, IndexError, OverflowError) as error:
         raise ModelError(f"{path}: a term is not valid ({error!r})") from None
 
 

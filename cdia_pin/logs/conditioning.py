@@ -16,6 +16,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs.cutoff import LOWEST_CUTOFF, choose_cutoff
 from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.magnitudes import require_magnitudes
 from cdia_pin.logs.motion import Motion, MotionRecord
 from cdia_pin.logs.resolution import quantum
 from cdia_pin.logs.wild_samples import without_wild_samples
@@ -78,6 +79,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             f"{log.source}: {log.duration:.2g} s is too short to compare, at least {SHORTEST:g} s are needed"
         )
     log = without_wild_samples(log)
+    require_magnitudes(log)
     even = uniform(log)
     rate = (len(even.time) - 1) / even.duration
     cutoff = choose_cutoff(even, robot) if settings.cutoff is None else settings.cutoff
@@ -145,7 +147,7 @@ def _effort_step(effort: Array) -> float:
 
 def _busiest(a: Array, rate: float) -> Array:
     """Return the power of each acceleration in the part of the log where it is largest [(rad/s²)²], shape (n,)."""
-    count = max(1, int(len(a) / (STRETCH * rate)))
+    count = max(1, min(len(a), int(len(a) / (STRETCH * rate))))
     return np.asarray(np.max([np.mean(part**2, axis=0) for part in np.array_split(a, count)], axis=0))
 
 

@@ -21,6 +21,7 @@ from cdia_pin.logs.checks.torque_side import check_torque_side
 from cdia_pin.logs.checks.velocity import check_velocity
 from cdia_pin.logs.checks.wild import check_wild
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.magnitudes import require_magnitudes
 from cdia_pin.logs.wild_samples import repaired, wild_samples
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ def check_log(log: Log, robot: RobotModel) -> LogCheck:
         The findings; ``ok`` is True if none is a warning or an error.
 
     Raises:
-        LogError: If the joints of the log are not those of the robot.
+        LogError: If the joints of the log are not those of the robot, or its numbers are beyond all units.
     """
     if log.joints != robot.joints:
         raise LogError(
@@ -62,6 +63,7 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     wild = wild_samples(log)
     yield from check_wild(log, wild)
     log = repaired(log, wild)
+    require_magnitudes(log)
     motion = motion_of(log, robot.is_prismatic)
     yield from check_repeats(log, motion)
     yield from check_held(log)

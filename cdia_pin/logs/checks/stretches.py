@@ -57,6 +57,8 @@ def check_copied(log: Log) -> Iterator[Finding]:
     changes = (
         np.flatnonzero(np.any(np.diff(rows, axis=0) != 0, axis=1)) + 1
     )  # an arm at rest repeats its rows
+    if len(changes) <= FEWEST_ROWS:
+        return
     hashes = _hashes(rows[changes])
     order = np.argsort(hashes, kind="stable")
     again = np.flatnonzero(np.diff(hashes[order]) == 0)
@@ -64,10 +66,9 @@ def check_copied(log: Log) -> Iterator[Finding]:
     shift[order[again + 1]] = order[again + 1] - order[again]
     runs = (np.diff(shift) == 0) & (shift[1:] > 0)
     start, stop = longest_run(runs)
-    first, last = changes[start], changes[stop] if len(changes) else 0
-    earlier = changes[start - shift[start]] if len(changes) else 0
     if stop - start < FEWEST_ROWS:
         return
+    first, last, earlier = changes[start], changes[stop], changes[start - shift[start]]
     count = int(last - first) + 1
     if not np.array_equal(rows[earlier : earlier + count], rows[first : first + count]):
         return
