@@ -170,7 +170,9 @@ def exciting_trajectory(
         RobotError: If a setting is out of its range.
     """
     if not SHORTEST <= duration <= LONGEST:
-        raise RobotError(f"an exciting motion lasts {SHORTEST:g} s to {LONGEST:g} s, given {duration:g} s")
+        raise RobotError(
+            f"an exciting motion needs a duration of {SHORTEST:g} to {LONGEST:g} s, given {duration:g} s"
+        )
     if not (duration > 0 and base > 0 and harmonics >= 1 and 0 <= speed <= 1 and 0 < reach <= 1):
         raise RobotError(
             "an exciting motion needs duration > 0 s, base > 0 Hz, harmonics ≥ 1, 0 ≤ speed ≤ 1 and "

@@ -15,6 +15,11 @@ Array = NDArray[np.float64]
 # [1], largest error of a sample's time over the period without resampling: below the jitter of any clock
 UNIFORM_TOLERANCE = 1e-3
 LONGEST_GAP = 0.5  # [s], a trajectory cannot be interpolated across a longer gap
+# A longer signal is filtered in blocks: memory does not grow, and transforms of 2^18 values are fast.
+BLOCK = 2**17 + 1  # [samples], of a block with its margins
+MARGIN = (
+    15.0  # [periods of the cut-off], after which the filter's impulse response is below 10⁻¹⁵ of its peak
+)
 LARGEST_GROWTH = 4.0  # [1], samples of the grid over those of the log; above it most of the log is gaps
 
 
@@ -92,19 +97,34 @@ def zero_phase(signal: ArrayLike, cutoff: float, rate: float, *, order: int = 4)
     if not 0.0 < cutoff < 0.5 * rate:
         raise LogError(f"cutoff {cutoff:g} Hz must lie between 0 and half the sampling rate {rate:g} Hz")
     x = np.asarray(signal, dtype=np.float64)
+    margin = int(np.ceil(MARGIN * rate / cutoff))
+    if len(x) <= BLOCK or 4 * margin > BLOCK:
+        return _filtered(x, cutoff, rate, order)
+    out = np.empty_like(x)
+    for first in range(0, len(x), BLOCK - 2 * margin):
+        start = min(max(first - margin, 0), len(x) - BLOCK)
+        last = min(first + BLOCK - 2 * margin, len(x))
+        block = _filtered(x[start : start + BLOCK], cutoff, rate, order)
+        out[first:last] = block[first - start : last - start]
+    return out
+
+
+def _filtered(x: Array, cutoff: float, rate: float, order: int) -> Array:
+    """Filter a signal as `zero_phase` says, in one piece, column by column."""
+    if x.ndim > 1:
+        return np.column_stack([_filtered(column, cutoff, rate, order) for column in x.T]).reshape(x.shape)
     count = len(x)
     if count < 3:
         return x.copy()
-    share = np.linspace(0.0, 1.0, count).reshape(-1, *([1] * (x.ndim - 1)))
+    share = np.linspace(0.0, 1.0, count)
     line = x[0] + share * (x[-1] - x[0])
     inside = x - line
     odd = np.concatenate([inside, -inside[-2:0:-1]])  # one period of the odd extension, (2 N − 2, …)
-    spectrum = np.fft.rfft(odd, axis=0)
+    spectrum = np.fft.rfft(odd)
     angle = np.pi * np.fft.rfftfreq(len(odd))  # π f / rate, up to π/2
     with np.errstate(over="ignore"):
         gain = 1.0 / (1.0 + (np.tan(angle) / np.tan(np.pi * cutoff / rate)) ** (2 * order))
-    gain = gain.reshape(-1, *([1] * (x.ndim - 1)))
-    smooth = np.fft.irfft(spectrum * gain, n=len(odd), axis=0)
+    smooth = np.fft.irfft(spectrum * gain, n=len(odd))
     return np.asarray(line + smooth[:count])
 
 

@@ -119,3 +119,12 @@ def test_a_gap_in_the_clock_is_said_where_it_is_interpolated():
     time[600:] += 2.0
     even = uniform(make_log(time, np.zeros((1000, 2))))
     assert any("gap" in note and "2.01 s" in note for note in even.notes)
+
+
+@pytest.mark.parametrize("count", [2050, 2100, 4100, 20_001])
+@pytest.mark.parametrize("shape", [(), (2,)])
+def test_a_long_signal_is_filtered_in_blocks_to_the_same_values(monkeypatch, count, shape):
+    x = np.cumsum(np.random.default_rng(0).normal(size=(count, *shape)), axis=0)
+    whole = zero_phase(x, 25.0, 250.0)
+    monkeypatch.setattr("cdia_pin.logs.derivatives.BLOCK", 2049)
+    np.testing.assert_allclose(zero_phase(x, 25.0, 250.0), whole, atol=1e-9)
