@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
+LONGEST_NAME = 80  # characters of a name that are shown in a list
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
@@ -19,7 +20,9 @@ def some(names: Sequence[str], most: int = 12) -> str:
     Returns:
         One line, such as ``a, b, … (14 in all)``.
     """
-    return ", ".join(names[:most]) + (f", … ({len(names)} in all)" if len(names) > most else "")
+    return ", ".join(n if len(n) <= LONGEST_NAME else clipped(n, LONGEST_NAME) for n in names[:most]) + (
+        f", … ({len(names)} in all)" if len(names) > most else ""
+    )
 
 
 def shortened(text: str, most: int = 40) -> str:

@@ -36,10 +36,11 @@ from cdia_pin.cli.simulate import simulate
 from cdia_pin.cli.study import study
 from cdia_pin.cli.view import view
 from cdia_pin.errors import CdiaError, unknown_name
-from cdia_pin.phrases import printable
+from cdia_pin.phrases import clipped, printable
 from cdia_pin.version import __version__
 
 BAD_INPUT, INTERRUPTED = 2, 130  # exit codes
+LONGEST_MESSAGE = 2000  # characters; names in files may be of any length
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # typer does not name it itself
@@ -219,7 +220,7 @@ def _said_of(error: BaseException, command: str) -> tuple[str, int]:
 
 
 def _fail(message: str, code: int) -> int:
-    print(f"cdia: error: {printable(message)}", file=sys.stderr)
+    print(f"cdia: error: {printable(clipped(message, LONGEST_MESSAGE))}", file=sys.stderr)
     return code
 
 

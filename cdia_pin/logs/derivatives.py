@@ -111,6 +111,8 @@ def zero_phase(signal: ArrayLike, cutoff: float, rate: float, *, order: int = 4)
 
 def _filtered(x: Array, cutoff: float, rate: float, order: int) -> Array:
     """Filter a signal as `zero_phase` says, in one piece, column by column."""
+    if x.ndim > 1 and not x.shape[1]:
+        return x.copy()
     if x.ndim > 1:
         return np.column_stack([_filtered(column, cutoff, rate, order) for column in x.T]).reshape(x.shape)
     count = len(x)

@@ -115,7 +115,9 @@ def check_repeats(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]:
         One finding on repeated samples, and one per frozen signal.
     """
     signals = [log.position, log.effort] if log.velocity is None else [log.position, log.effort, log.velocity]
-    held = np.all([np.all(np.diff(s, axis=0) == 0, axis=1) for s in signals], axis=0)
+    held = np.ones(len(log.time) - 1, dtype=bool)
+    for column in (c for s in signals for c in s.T):
+        held &= column[1:] == column[:-1]
     share = float(held.mean())
     if share > 0.005:
         source_rate = (1.0 - share) * (len(log.time) - 1) / log.duration

@@ -26,7 +26,7 @@ def check_held(log: Log) -> Iterator[Finding]:
     Yields:
         One finding, or none.
     """
-    start, stop = longest_run(np.all(np.diff(_rows(log), axis=0) == 0, axis=1))
+    start, stop = longest_run(~_changes(log))
     seconds = float(log.time[stop] - log.time[start])
     if start == 0 or seconds <= FROZEN:
         return
@@ -53,13 +53,10 @@ def check_copied(log: Log) -> Iterator[Finding]:
     Yields:
         One finding, or none.
     """
-    rows = _rows(log)
-    changes = (
-        np.flatnonzero(np.any(np.diff(rows, axis=0) != 0, axis=1)) + 1
-    )  # an arm at rest repeats its rows
+    changes = np.flatnonzero(_changes(log)) + 1  # an arm at rest repeats its rows
     if len(changes) <= FEWEST_ROWS:
         return
-    hashes = _hashes(rows[changes])
+    hashes = _hashes(log)[changes]
     order = np.argsort(hashes, kind="stable")
     again = np.flatnonzero(np.diff(hashes[order]) == 0)
     shift = np.zeros(len(changes), dtype=np.intp)
@@ -70,7 +67,8 @@ def check_copied(log: Log) -> Iterator[Finding]:
         return
     first, last, earlier = changes[start], changes[stop], changes[start - shift[start]]
     count = int(last - first) + 1
-    if not np.array_equal(rows[earlier : earlier + count], rows[first : first + count]):
+    before, after = np.s_[earlier : earlier + count], np.s_[first : first + count]
+    if any(not np.array_equal(x[before], x[after]) for x in _columns(log)):
         return
     yield Finding(
         Topic.COPIED,
@@ -82,13 +80,25 @@ def check_copied(log: Log) -> Iterator[Finding]:
     )
 
 
-def _rows(log: Log) -> Array:
-    return np.hstack([log.position, log.effort])
+def _columns(log: Log) -> list[Array]:
+    return [*log.position.T, *log.effort.T]
 
 
-def _hashes(rows: Array) -> NDArray[np.uint64]:
+def _changes(log: Log) -> NDArray[np.bool_]:
+    """Tell for each sample but the first whether any signal differs from the sample before, shape (N − 1,)."""
+    changes = np.zeros(len(log.time) - 1, dtype=bool)
+    for column in _columns(log):
+        changes |= column[1:] != column[:-1]
+    return changes
+
+
+def _hashes(log: Log) -> NDArray[np.uint64]:
     """Return a number for each row; equal rows have equal numbers, and others hardly ever."""
-    bits = np.ascontiguousarray(rows + 0.0).view(np.uint64)  # + 0.0: of two zeros, one sign
-    odd = np.random.default_rng(0).integers(1, 2**63, rows.shape[1], dtype=np.uint64) | np.uint64(1)
-    mixed = (bits ^ (bits >> np.uint64(29))) * odd
-    return np.asarray((mixed ^ (mixed >> np.uint64(32))).sum(axis=1, dtype=np.uint64))
+    columns = _columns(log)
+    odd = np.random.default_rng(0).integers(1, 2**63, len(columns), dtype=np.uint64) | np.uint64(1)
+    out = np.zeros(len(log.time), dtype=np.uint64)
+    for column, factor in zip(columns, odd, strict=True):
+        bits = (column + 0.0).view(np.uint64)  # + 0.0: of two zeros, one sign
+        mixed = (bits ^ (bits >> np.uint64(29))) * factor
+        out += mixed ^ (mixed >> np.uint64(32))
+    return out

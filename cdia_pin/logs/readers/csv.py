@@ -37,7 +37,7 @@ def read_csv(data: bytes, source: str) -> Table:
     header, text = _header(text, source, notes)
     delimiter = _delimiter(header)
     if delimiter == " ":
-        text = re.sub(rb"[ \t]+", b" ", re.sub(rb"(?m)^[ \t]+|[ \t]+(?=\r?$)", b"", text))
+        text = re.sub(rb"(?m)^ | (?=\r?$)", b"", re.sub(rb"[ \t]+", b" ", text))  # each in one pass
     names = [name.strip().strip("\"'").strip() for name in header.strip().split(delimiter)]
     names = [n for n in names if n] if delimiter == " " else names
     if all(_is_number(n) for n in names):

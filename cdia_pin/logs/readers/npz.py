@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import ALIASES
+from cdia_pin.logs.readers.bounds import require_bounded
 from cdia_pin.logs.readers.table import Table
 
 _JOINT_KEYS = ("joints", "joint_names", "names", "name")
@@ -80,6 +81,8 @@ def _arrays(data: bytes, source: str) -> dict[str, NDArray[Any]]:
         if not isinstance(loaded, np.lib.npyio.NpzFile):
             raise LogError(f"{source}: one bare array, expected an .npz archive with named arrays")
         with loaded as archive:
+            entries = archive.zip.infolist() if archive.zip is not None else []
+            require_bounded(sum(int(entry.file_size) for entry in entries), len(data), source)
             return {key: archive[key] for key in archive.files}
     except (OSError, ValueError, EOFError, KeyError, AttributeError, zipfile.BadZipFile, zlib.error) as error:
         raise LogError(f"{source}: not readable as .npz ({' '.join(str(error).split())[:160]})") from None
