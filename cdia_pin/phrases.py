@@ -20,9 +20,8 @@ def some(names: Sequence[str], most: int = 12) -> str:
     Returns:
         One line, such as ``a, b, … (14 in all)``.
     """
-    return ", ".join(n if len(n) <= LONGEST_NAME else clipped(n, LONGEST_NAME) for n in names[:most]) + (
-        f", … ({len(names)} in all)" if len(names) > most else ""
-    )
+    shown = [name if len(name) <= LONGEST_NAME else clipped(name, LONGEST_NAME) for name in names[:most]]
+    return ", ".join(shown) + (f", … ({len(names)} in all)" if len(names) > most else "")
 
 
 def shortened(text: str, most: int = 40) -> str:
