@@ -213,6 +213,8 @@ def _parse(path: Path) -> etree._ElementTree:
         tree = etree.parse(str(path), etree.XMLParser(resolve_entities=False, no_network=True))
     except etree.XMLSyntaxError as error:
         raise RobotError(f"{path}: not an XML file ({error.msg})") from None
+    except OSError as error:  # also bytes that are not of the stated encoding
+        raise RobotError(f"{path}: cannot be read ({error})") from None
     root = tree.getroot()
     if root.tag != "robot":
         raise RobotError(f"{path}: a URDF begins with <robot>, this file with <{root.tag}>")
