@@ -29,7 +29,17 @@ ORDER = (
     "cli",
 )
 # Below everything: leaves.
-COMMON = ("version", "schemas", "errors", "extras", "phrases", "progress", "resources", "whole_files")
+COMMON = (
+    "version",
+    "schemas",
+    "errors",
+    "extras",
+    "phrases",
+    "progress",
+    "resources",
+    "whole_files",
+    "input_files",
+)
 DOORS = ("__init__", "__main__", "ipython")  # lead into the package from outside
 
 MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] != "_data")

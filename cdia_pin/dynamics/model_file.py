@@ -11,6 +11,7 @@ from cdia_pin import schemas
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.errors import CdiaError, ModelError
+from cdia_pin.input_files import read_text
 from cdia_pin.logs.motion_file import MotionDocument, motion_document, motion_from
 from cdia_pin.robot import catalogue
 from cdia_pin.robot.model import RobotModel
@@ -91,7 +92,7 @@ def load_model(path: str | Path, robot: RobotModel) -> Dynamics:
     """
     path = Path(path)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = json.loads(read_text(path))
     except OSError as error:
         raise ModelError(f"cannot read the model {path}: {error.strerror}") from None
     except (ValueError, RecursionError) as error:

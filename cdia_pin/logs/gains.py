@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
+from cdia_pin.input_files import read_text
 
 Array = NDArray[np.float64]
 Gains = Mapping[str, Any] | str | Path
@@ -59,7 +60,7 @@ def read_gains(gains: Gains, joints: Sequence[str]) -> DriveGains:
     if not isinstance(gains, Mapping):
         where = str(gains)
         try:
-            gains = json.loads(Path(gains).read_text(encoding="utf-8"))
+            gains = json.loads(read_text(gains))
         except (OSError, ValueError, RecursionError) as error:
             raise LogError(f"{where}: not readable as JSON {{joint: N·m/A}} ({error})") from None
     if not isinstance(gains, Mapping):

@@ -15,6 +15,7 @@ from pathlib import Path
 from lxml import etree
 
 from cdia_pin.errors import RobotError
+from cdia_pin.input_files import require_small_file
 from cdia_pin.phrases import shortened, some
 from cdia_pin.robot.urdf_values import Array, axis_of, inertial_of, number, pose_of
 
@@ -209,6 +210,7 @@ def _parse(path: Path) -> etree._ElementTree:
     if path.suffix == ".xacro":
         raise RobotError(f"{path}: xacro must be expanded first: xacro {path.name} > {path.stem}")
     try:
+        require_small_file(path)
         # An entity or an address in a robot's file must not make this process read something else.
         tree = etree.parse(str(path), etree.XMLParser(resolve_entities=False, no_network=True))
     except etree.XMLSyntaxError as error:
