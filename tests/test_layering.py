@@ -39,6 +39,7 @@ COMMON = (
     "resources",
     "whole_files",
     "input_files",
+    "fault_report",
 )
 DOORS = ("__init__", "__main__", "ipython")  # lead into the package from outside
 

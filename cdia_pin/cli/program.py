@@ -28,18 +28,19 @@ from cdia_pin.cli.export import export
 from cdia_pin.cli.failures import CommandError, one_line
 from cdia_pin.cli.identify import identify
 from cdia_pin.cli.interrupts import insistent
-from cdia_pin.cli.last_net import UNEXPECTED, describe, is_caught, mend_streams
 from cdia_pin.cli.monitor import monitor
 from cdia_pin.cli.options import examples
 from cdia_pin.cli.robots import robots
 from cdia_pin.cli.simulate import simulate
+from cdia_pin.cli.streams import mend_streams
 from cdia_pin.cli.study import study
 from cdia_pin.cli.view import view
 from cdia_pin.errors import CdiaError, unknown_name
+from cdia_pin.fault_report import fault_sentence, is_fault
 from cdia_pin.phrases import clipped, printable
 from cdia_pin.version import __version__
 
-BAD_INPUT, INTERRUPTED = 2, 130  # exit codes
+BAD_INPUT, FAULT, INTERRUPTED = 2, 70, 130  # exit codes; 70 is EX_SOFTWARE of sysexits.h
 LONGEST_MESSAGE = 2000  # characters; names in files may be of any length
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -199,7 +200,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         close_stdout()
         return 0
     except BaseException as error:
-        if not is_caught(error) and not isinstance(error, KeyboardInterrupt):
+        if not is_fault(error) and not isinstance(error, KeyboardInterrupt):
             raise
         return _fail(*_said_of(error, command))
     return code if isinstance(code, int) else 0
@@ -216,7 +217,7 @@ def _said_of(error: BaseException, command: str) -> tuple[str, int]:
         return f"{where}{error.strerror or one_line(error)}", BAD_INPUT
     if isinstance(error, KeyboardInterrupt | typer.Abort):
         return "interrupted", INTERRUPTED
-    return describe(error, command), UNEXPECTED
+    return fault_sentence(error, command), FAULT
 
 
 def _fail(message: str, code: int) -> int:
