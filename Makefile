@@ -5,7 +5,8 @@ BIN := $(VENV)/bin
 JOBS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1  # small matrices: threads only cost
 
-.PHONY: install test lint docs demo bench bench-discovery bench-real bench-cdia bench-samples bench-sensitivity clean help
+.PHONY: install test lint docs demo lock bench bench-discovery bench-real bench-cdia bench-samples
+.PHONY: bench-logs bench-sensitivity clean help
 
 help:  ## show this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -48,6 +49,11 @@ bench-samples: $(VENV)/.installed-dev  ## give the monitor samples that cannot b
 bench-sensitivity: $(VENV)/.installed-dev  ## halve and double each number that decides; an hour, an interrupted run goes on
 	$(BIN)/python -m benchmarks.sensitivity --jobs $(JOBS)
 
+lock: | $(BIN)/python  ## choose the versions of make install again, within the ranges of pyproject.toml
+	$(BIN)/python -m pip install --quiet uv
+	$(BIN)/uv pip compile pyproject.toml --quiet --extra all --universal --python-version 3.11 --upgrade \
+		--generate-hashes --no-emit-index-url --no-annotate --custom-compile-command "make lock" -o requirements.lock
+
 clean:  ## remove the environment and what tools leave behind
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis dist build out
 
@@ -56,8 +62,10 @@ $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
 # The stamps keep the set-up from being done again; a changed pyproject.toml renews it.
-$(VENV)/.installed: pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable ".[all]"
+# What runs here was tested in exactly these versions, and a file that was exchanged on its way is refused.
+$(VENV)/.installed: pyproject.toml requirements.lock | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --require-hashes --requirement requirements.lock
+	$(BIN)/python -m pip install --quiet --no-deps --editable .
 	@touch $@
 
 $(VENV)/.installed-docs: pyproject.toml | $(BIN)/python

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.outcomes import tell
+from cdia_pin.whole_files import write_whole
 
 
 def stated(parser: argparse.ArgumentParser, options: argparse.Namespace, deciding: Sequence[str]) -> str:
@@ -34,5 +35,5 @@ def publish(text: str, path: Path | None) -> None:
     if path is None:
         print(text)
         return
-    path.write_text(text, encoding="utf-8")
+    write_whole(path, text)
     tell(f"wrote {path}")

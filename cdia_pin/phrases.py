@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
+LONGEST_NAME = 80  # characters of a name that are shown in a list
+NO_BREAK = "\N{NO-BREAK SPACE}"
+
 
 def some(names: Sequence[str], most: int = 12) -> str:
     """Return names separated by commas; a long list is cut and its length is stated.
@@ -17,7 +20,8 @@ def some(names: Sequence[str], most: int = 12) -> str:
     Returns:
         One line, such as ``a, b, … (14 in all)``.
     """
-    return ", ".join(names[:most]) + (f", … ({len(names)} in all)" if len(names) > most else "")
+    shown = [name if len(name) <= LONGEST_NAME else clipped(name, LONGEST_NAME) for name in names[:most]]
+    return ", ".join(shown) + (f", … ({len(names)} in all)" if len(names) > most else "")
 
 
 def shortened(text: str, most: int = 40) -> str:
@@ -31,6 +35,22 @@ def shortened(text: str, most: int = 40) -> str:
         The text in single quotes.
     """
     return f"'{clipped(text, most)}'"
+
+
+def printable(text: str, also: str = "") -> str:
+    """Return a text without characters that control a terminal or turn its direction around.
+
+    Args:
+        text: Any text, such as a name from a file.
+        also: More characters that are kept, such as the end of a line.
+
+    Returns:
+        The text with a replacement character for each of them.
+    """
+    if text.isprintable():
+        return text
+    keep = {*also, NO_BREAK}
+    return "".join(c if c.isprintable() or c in keep else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
 def clipped(text: str, most: int = 40) -> str:

@@ -29,7 +29,18 @@ ORDER = (
     "cli",
 )
 # Below everything: leaves.
-COMMON = ("version", "schemas", "errors", "extras", "phrases", "progress", "resources")
+COMMON = (
+    "version",
+    "schemas",
+    "errors",
+    "extras",
+    "phrases",
+    "progress",
+    "resources",
+    "whole_files",
+    "input_files",
+    "fault_report",
+)
 DOORS = ("__init__", "__main__", "ipython")  # lead into the package from outside
 
 MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] != "_data")

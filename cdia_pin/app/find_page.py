@@ -18,9 +18,10 @@ from cdia_pin.app.result_steps import check_step, compare_step, export_step
 from cdia_pin.app.runner import Runner
 from cdia_pin.app.session import Session
 from cdia_pin.app.tiles import tiles
+from cdia_pin.phrases import NO_BREAK
 from cdia_pin.progress import Progress
 from cdia_pin.viewers.scene import Scene, SceneDocument, TimelineDocument
-from cdia_pin.viewers.words import NO_BREAK, percent
+from cdia_pin.viewers.words import percent
 
 FILES: dict[str, tuple[Callable[[Session], bytes], str]] = {
     "model": (exports.model_file, "model.json"),

@@ -15,6 +15,7 @@ from cdia_pin.diagnosis import Monitor, MonitorSettings
 from cdia_pin.diagnosis.healthy_part import parted
 from cdia_pin.diagnosis.sight import blind_advice, blind_joints
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.dynamics.physical import require_physical
 from cdia_pin.dynamics.trajectories import Repeated
 from cdia_pin.effects import Term, parse_term
 from cdia_pin.errors import EffectError
@@ -69,6 +70,7 @@ def simulated(robot: str, faults: Sequence[str], accommodate: bool, tell: Progre
     terms = tuple(parse_term(text, loop.robot) for text in faults or usual_faults(loop))
     if len(set(terms)) < len(terms):
         raise EffectError("a fault is given twice")
+    require_physical(terms, loop.robot)
     motion = Repeated(loop.motion(0, MOTION))
     monitor = loop.monitor(
         settings=MonitorSettings(accommodate=accommodate), progress=lambda s, x: tell(s, 0.1 + 0.85 * x)

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from cdia_pin.app.job import Cancelled, Job
 from cdia_pin.app.parts import button, node
 from cdia_pin.errors import CdiaError
+from cdia_pin.fault_report import fault_sentence, is_fault
 from cdia_pin.progress import Progress
 
 T = TypeVar("T")
@@ -70,6 +71,13 @@ class Runner:
             return None
         except CdiaError as error:
             self.said.text, self.wrong.text = "", " ".join(str(error).split())
+            return None
+        except BaseException as error:
+            if not is_fault(error):
+                raise
+            fault = fault_sentence(error, f"cdia app: {sentence}")
+            self.said.text = ""
+            self.wrong.text = f"{fault}. Nothing has changed: go on with other settings or another log."
             return None
         finally:
             if self.job is job:

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import signal
 import socket
+import sys
+import tempfile
+import webbrowser
 from collections.abc import Callable
 from importlib import import_module
+from pathlib import Path
+from types import FrameType
 
 from fastapi import Response
 from nicegui import app, ui
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 
+from cdia_pin.app.door import Door, entrance, new_token
 from cdia_pin.app.inputs import Request
 from cdia_pin.app.page_files import SERVED, served
 from cdia_pin.app.parts import node
@@ -40,7 +48,15 @@ def serve(start: Request | None = None, *, port: int | None = None, show: bool =
     """
     chosen = free_port(port)
     build(start)
-    app.on_startup(lambda: asyncio.create_task(_announce(chosen)))
+    token = new_token()
+    app.add_middleware(Door, token=token, name=f"cdia-{chosen}")
+    address = f"http://{HOST}:{chosen}/?token={token}"
+    folder = tempfile.TemporaryDirectory(prefix="cdia-app-")
+    app.on_startup(
+        lambda: asyncio.create_task(_announce(chosen, address, Path(folder.name) if show else None))
+    )
+    app.on_shutdown(folder.cleanup)
+    _end_in_order()
     ui.run(
         host=HOST,
         port=chosen,
@@ -49,7 +65,7 @@ def serve(start: Request | None = None, *, port: int | None = None, show: bool =
         dark=None,
         language="en-US",
         reload=False,
-        show=show,
+        show=False,
         tailwind=False,
         show_welcome_message=False,
         reconnect_timeout=RECONNECT,
@@ -57,8 +73,19 @@ def serve(start: Request | None = None, *, port: int | None = None, show: bool =
     )
 
 
-async def _announce(port: int) -> None:
-    """Print the address once the app answers, and import the pages."""
+def _end_in_order() -> None:
+    """Let SIGTERM, and a terminal that is closed, end the process as Ctrl-C does: temporary folders are removed."""
+
+    def leave(number: int, frame: FrameType | None) -> None:  # called again by the server when it has ended
+        sys.exit(128 + signal.SIGTERM)
+
+    with contextlib.suppress(AttributeError, ValueError):  # no such signal, or not the main thread
+        signal.signal(signal.SIGTERM, leave)
+        signal.signal(signal.SIGHUP, lambda *_: signal.raise_signal(signal.SIGTERM))
+
+
+async def _announce(port: int, address: str, opened_in: Path | None) -> None:
+    """Print the address once the app answers, open it in a browser, and import the pages."""
     while True:
         try:
             _, writer = await asyncio.open_connection(HOST, port)
@@ -66,7 +93,9 @@ async def _announce(port: int) -> None:
             await asyncio.sleep(0.02)
             continue
         writer.close()
-        print(f"cdia app: http://{HOST}:{port}  (Ctrl-C ends it)", flush=True)
+        print(f"cdia app: {address}  (Ctrl-C ends it)", flush=True)
+        if opened_in is not None:
+            await asyncio.to_thread(webbrowser.open, entrance(address, opened_in).as_uri())
         for page in ("find_page", "live_page"):  # the first tab need not wait for the import
             await asyncio.to_thread(import_module, f"cdia_pin.app.{page}")
         return

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
+
+from cdia_pin.phrases import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -22,19 +25,33 @@ def stdout(json: str | None = None) -> Console:
     Args:
         json: Value of the option ``--json``; with ``-`` stdout carries JSON and the console is silent.
     """
-    from rich.console import Console
+    return _console(quiet=json == "-")
+
+
+def _console(*, quiet: bool = False, stderr: bool = False) -> Console:
+    """Return a console that prints no character of a file that controls the terminal."""
+    from rich.console import Console, ConsoleOptions, RenderableType
+    from rich.segment import Segment
 
     class Results(Console):
+        def render(
+            self, renderable: RenderableType, options: ConsoleOptions | None = None
+        ) -> Iterator[Segment]:
+            for segment in super().render(renderable, options):
+                plain = segment.control or segment.text.isprintable()
+                yield segment if plain else segment._replace(text=printable(segment.text, also="\n"))
+
         def on_broken_pipe(self) -> None:
             self.quiet = True
             close_stdout()
 
-    return Results(quiet=json == "-", highlight=False, emoji=False)
+    return Results(highlight=False, emoji=False, quiet=quiet, stderr=stderr)
 
 
 def close_stdout() -> None:
     """Send what is still to be printed nowhere, once the reader of stdout is gone."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    with contextlib.suppress(OSError, ValueError):  # a stream without a file, as tests have
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def warn(message: str) -> None:
@@ -43,7 +60,7 @@ def warn(message: str) -> None:
     Args:
         message: The warning.
     """
-    print(f"cdia: warning: {' '.join(message.split())}", file=sys.stderr)
+    print(f"cdia: warning: {printable(' '.join(message.split()))}", file=sys.stderr)
 
 
 @contextmanager
@@ -52,10 +69,9 @@ def progress() -> Iterator[Tell]:
     if not sys.stderr.isatty():
         yield lambda sentence, share: None
         return
-    from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    console = Console(stderr=True, highlight=False, emoji=False)
+    console = _console(stderr=True)
     columns = (BarColumn(24), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("", total=None)  # moves to and fro until a share is known

@@ -16,7 +16,7 @@ from cdia_pin.cli.circumstances import (
     expected_effects,
 )
 from cdia_pin.cli.conditions import Conditions, PerLog, parse_conditions, parse_per_log
-from cdia_pin.cli.console import progress, stdout
+from cdia_pin.cli.console import progress, stdout, warn
 from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, doubts, load_inputs, read_logs, require_unseen, show_inputs
@@ -37,6 +37,7 @@ from cdia_pin.cli.options import (
     Topic,
     TorqueSide,
 )
+from cdia_pin.cli.unfinished import Unfinished
 
 if TYPE_CHECKING:
     from cdia_pin.effects import Effect
@@ -135,7 +136,20 @@ def discover(
         )
         given, checks = read(logs)
         held_out, later = read(unseen)
-        found = discovery.discover(known, given, holdout=held_out or None, settings=settings, progress=tell)
+        unfinished = Unfinished.beside(save, ctx.obj or "", model, [*given, *held_out])
+        start = unfinished.read(known.robot)
+        if start is not None:
+            warn(f"going on from {unfinished.path}, which an interrupted run left")
+        with unfinished.kept():
+            found = discovery.discover(
+                known,
+                given,
+                holdout=held_out or None,
+                settings=settings,
+                progress=tell,
+                start=start,
+                keep=unfinished.keep,
+            )
     from cdia_pin.viewers import discovery_table
     from cdia_pin.viewers.short_answer import next_step
     from cdia_pin.viewers.text_ranking import ranking_table
@@ -146,6 +160,7 @@ def discover(
     console.print(discovery_table(found, everything))
     console.print(next_step(found, save is not None, everything), style="dim")
     files.write(console, found, known, given, conditioning=conditioning, checks=checks, command=ctx.obj)
+    unfinished.forget()
     for doubt in doubts([*checks, *later]):
         console.print(f"This result is doubtful. {doubt}.", style="yellow", markup=False)
 

@@ -70,12 +70,17 @@ def load_inputs(robot: str, model: Path | None) -> Dynamics:
         model: File of the model; None for the URDF alone.
     """
     from cdia_pin.dynamics import Dynamics, load_model
+    from cdia_pin.dynamics.physical import unphysical
     from cdia_pin.robot import load_robot
 
     arm = load_robot(robot)
     for sentence in arm.warnings:
         warn(f"{arm.name}: {sentence}")
-    return load_model(model, arm) if model else Dynamics(arm)
+    known = load_model(model, arm) if model else Dynamics(arm)
+    for why in (unphysical(term, arm) for term in known.terms):
+        if why:
+            warn(f"{model}: {why}: no arm has this")
+    return known
 
 
 def read_logs(
@@ -148,6 +153,14 @@ def require_unseen(held_out: Sequence[Path], logs: Sequence[Path]) -> None:
             raise CommandError(f"{path} is fitted, it cannot be held out too: give another log to --holdout")
 
 
+def _left_out(log: Log) -> list[str]:
+    """Return what is said of the samples of a log that are left out of what is computed."""
+    from cdia_pin.logs.wild_samples import said_of, wild_samples
+
+    found = wild_samples(log)
+    return [f"{said_of(found, log)}; left out of what is computed"] if found else []
+
+
 def _warn_of(check: LogCheck, path: Path) -> None:
     if check.ok:
         return
@@ -199,7 +212,7 @@ def show_inputs(
         for log in given:
             said = f"{log.source}: {len(log.time)} samples in {log.duration:.4g} s, {log.rate:.4g} Hz"
             table.add_row(what, Text(said))
-            for note in log.notes if notes else ():
+            for note in (*log.notes, *_left_out(log)) if notes else ():
                 table.add_row("", Text(note, style="dim"))
     console.print(table)
     console.print()

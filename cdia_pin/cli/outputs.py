@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cdia_pin.cli.console import close_stdout
-from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.console import close_stdout, warn
+from cdia_pin.cli.failures import CommandError, one_line
 from cdia_pin.extras import require
+from cdia_pin.whole_files import require_place, write_whole
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 STDOUT = "-"
+# characters that json leaves as they are and that control a terminal, turn its direction, or are no text at all
+UNPRINTABLE = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
 
 def require_writable(*files: str | Path | None, inputs: Iterable[str | Path] = ()) -> None:
@@ -49,11 +53,8 @@ def _probe(path: Path) -> None:
     """Open a file for writing without changing what is there."""
     if path.is_dir():
         raise CommandError(f"cannot write {path}: it is a directory")
-    is_new = not path.exists()
     try:
-        path.open("ab").close()
-        if is_new:
-            path.unlink()
+        require_place(path)
     except FileNotFoundError:
         raise CommandError(f"cannot write {path}: there is no directory {path.parent}") from None
     except OSError as error:
@@ -84,6 +85,7 @@ def write_json(document: Mapping[str, object], file: str) -> None:
         CommandError: If the file cannot be written.
     """
     text = json.dumps(plain(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    text = UNPRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
     if file == STDOUT:
         try:
             sys.stdout.write(text)
@@ -92,7 +94,7 @@ def write_json(document: Mapping[str, object], file: str) -> None:
             close_stdout()
         return
     try:
-        Path(file).write_text(text, encoding="utf-8")
+        write_whole(file, text)
     except OSError as error:
         raise CommandError(f"cannot write {file}: {error.strerror}") from None
 
@@ -133,6 +135,8 @@ def write_all(console: Console, *writers: tuple[str | Path | None, Callable[[str
         try:
             write(str(file))
         except Exception as error:
+            if failure:
+                warn(one_line(error))
             failure = failure or error
             continue
         if str(file) != STDOUT:

@@ -32,12 +32,16 @@ from cdia_pin.cli.monitor import monitor
 from cdia_pin.cli.options import examples
 from cdia_pin.cli.robots import robots
 from cdia_pin.cli.simulate import simulate
+from cdia_pin.cli.streams import mend_streams
 from cdia_pin.cli.study import study
 from cdia_pin.cli.view import view
 from cdia_pin.errors import CdiaError, unknown_name
+from cdia_pin.fault_report import fault_sentence, is_fault
+from cdia_pin.phrases import clipped, printable
 from cdia_pin.version import __version__
 
-BAD_INPUT, INTERRUPTED = 2, 130  # exit codes
+BAD_INPUT, FAULT, INTERRUPTED = 2, 70, 130  # exit codes; 70 is EX_SOFTWARE of sysexits.h
+LONGEST_MESSAGE = 2000  # characters; names in files may be of any length
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # typer does not name it itself
@@ -175,38 +179,49 @@ def main(arguments: Sequence[str] | None = None) -> int:
         arguments: What follows ``cdia``; the process's own arguments if omitted.
 
     Returns:
-        Exit code: 0, 2 for bad input, 130 if interrupted.
+        Exit code: 0, 2 for bad input, 70 for a fault of the program, 130 if interrupted.
     """
+    mend_streams()
     given = list(sys.argv[1:] if arguments is None else arguments)
     for name in THREADS:  # before NumPy is imported: an arm's matrices are small, threads only cost
         os.environ.setdefault(name, "1")
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
+    command = shlex.join(["cdia", *given])
     try:
         with insistent():
             code = typer.main.get_command(app).main(
-                given, prog_name="cdia", standalone_mode=False, obj=shlex.join(["cdia", *given])
+                given, prog_name="cdia", standalone_mode=False, obj=command
             )
         sys.stdout.flush()
         if code == INTERRUPTED:  # what typer makes of Ctrl-C
             raise KeyboardInterrupt
-    except UsageError as error:
-        return _fail(_usage(error))
-    except (CdiaError, MemoryError) as error:
-        return _fail(one_line(error))
     except BrokenPipeError:
         close_stdout()
         return 0
-    except OSError as error:
-        where = f"{error.filename}: " if error.filename else ""
-        return _fail(f"{where}{error.strerror or one_line(error)}")
-    except (KeyboardInterrupt, typer.Abort):
-        return _fail("interrupted", INTERRUPTED)
+    except BaseException as error:
+        if not is_fault(error) and not isinstance(error, KeyboardInterrupt):
+            raise
+        return _fail(*_said_of(error, command))
     return code if isinstance(code, int) else 0
 
 
-def _fail(message: str, code: int = BAD_INPUT) -> int:
-    print(f"cdia: error: {message}", file=sys.stderr)
+def _said_of(error: BaseException, command: str) -> tuple[str, int]:
+    """Return the line that is printed for an error, and the exit code."""
+    if isinstance(error, UsageError):
+        return _usage(error), BAD_INPUT
+    if isinstance(error, CdiaError | MemoryError):
+        return one_line(error), BAD_INPUT
+    if isinstance(error, OSError):
+        where = f"{error.filename}: " if error.filename else ""
+        return f"{where}{error.strerror or one_line(error)}", BAD_INPUT
+    if isinstance(error, KeyboardInterrupt | typer.Abort):
+        return "interrupted", INTERRUPTED
+    return fault_sentence(error, command), FAULT
+
+
+def _fail(message: str, code: int) -> int:
+    print(f"cdia: error: {printable(clipped(message, LONGEST_MESSAGE))}", file=sys.stderr)
     return code
 
 

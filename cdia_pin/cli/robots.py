@@ -113,7 +113,7 @@ def _show_one(console: Console, robot: RobotModel) -> None:
         x, effort = ("m", "N") if robot.is_prismatic[j] else ("rad", "N·m")
         units = (x, x, f"{x}/s", effort)
         values = (limits.lower[j], limits.upper[j], limits.velocity[j], limits.effort[j])
-        table.add_row(joint, kind, *(_limit(v, u) for v, u in zip(values, units, strict=True)))
+        table.add_row(Text(joint), kind, *(_limit(v, u) for v, u in zip(values, units, strict=True)))
     console.print(table)
     for locked, how in list(robot.locked.items())[:8]:
         console.print(Text(f"held: {locked} at {how.position:g} ({how.reason})", style="dim"))

@@ -93,6 +93,7 @@ def simulate(
     import numpy as np
 
     from cdia_pin.dynamics import Dynamics
+    from cdia_pin.dynamics.physical import require_physical
     from cdia_pin.dynamics.sensors import Sensors
     from cdia_pin.dynamics.simulate import simulate as run
     from cdia_pin.dynamics.trajectories import exciting_trajectory
@@ -109,6 +110,7 @@ def simulate(
     console = stdout(json)
     arm = load_inputs(robot, None).robot
     plant = Dynamics(arm, tuple(parse_term(text) for text in fault or []))
+    require_physical(plant.terms, arm)
     if accommodate is not None:
         from cdia_pin.campaigns.closed_loop import LoopSettings
         from cdia_pin.cli.simulate_loop import LoopRequest, simulate_loop

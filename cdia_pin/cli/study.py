@@ -16,6 +16,7 @@ from cdia_pin.cli.outputs import require_writable, write_all, write_json
 from cdia_pin.errors import unknown_name
 from cdia_pin.extras import require
 from cdia_pin.version import __version__
+from cdia_pin.whole_files import write_whole
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -132,7 +133,7 @@ def _thesis(console: Console, asked: StudyRequest) -> None:
     document = {**found.to_dict(), "record": _record()}
     write_all(
         console,
-        *((out / f"{p.name}.png", lambda f, png=p.png: Path(f).write_bytes(png)) for p in pictures),
+        *((out / f"{p.name}.png", lambda f, png=p.png: write_whole(f, png)) for p in pictures),
         (out / REPORT, lambda f: write_study_report(f, found, pictures, asked.command)),
         (asked.json, lambda f: write_json(document, f)),
     )
@@ -187,7 +188,7 @@ def _arms(console: Console, asked: StudyRequest) -> None:
     document = {**to_dict(found), "record": {**_record(), "loop": vars(found[0].compared.loop.settings)}}
     write_all(
         console,
-        *((out / f"{p.name}.png", lambda f, png=p.png: Path(f).write_bytes(png)) for p in pictures),
+        *((out / f"{p.name}.png", lambda f, png=p.png: write_whole(f, png)) for p in pictures),
         (out / ARMS_REPORT, lambda f: write_arm_report(f, found, pictures, asked.command)),
         (asked.json, lambda f: write_json(document, f)),
     )

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from cdia_pin.phrases import printable
+
 if TYPE_CHECKING:
     from cdia_pin.viewers.live import LiveView
     from cdia_pin.viewers.scene import Scene
@@ -37,9 +39,9 @@ class Page:
         from cdia_pin.viewers.live import LiveView
 
         with LiveView(scene, port=self.port, **options) as live:
-            print(f"{scene.robot.name} moves at {live.address}  (Ctrl-C ends it)", flush=True)
+            print(f"{printable(scene.robot.name)} moves at {live.address}  (Ctrl-C ends it)", flush=True)
             for note in scene.notes:
-                print(f"drawn in part: {note}", flush=True)
+                print(f"drawn in part: {printable(note)}", flush=True)
             if self.browser:
                 webbrowser.open(live.address)
             yield live

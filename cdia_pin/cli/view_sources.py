@@ -133,12 +133,14 @@ def show_simulation(page: Page, robot: str, model: Path | None, asked: Simulatio
     from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
     from cdia_pin.diagnosis import DEFAULT_BANK, Bank, MonitorSettings
     from cdia_pin.dynamics import Dynamics
+    from cdia_pin.dynamics.physical import require_physical
     from cdia_pin.effects import parse_term
     from cdia_pin.viewers.live import FrameMaker
     from cdia_pin.viewers.scene import Scene, monitor_stages
 
     known = load_inputs(robot, model)
     faults = Dynamics(known.robot, tuple(parse_term(text) for text in asked.faults)).terms
+    require_physical(faults, known.robot, known.terms)
     bank = Bank.of(known.robot, asked.bank or DEFAULT_BANK)
     loop = ClosedLoop(known, LoopSettings(asked.rate, seed=asked.seed))
     motion = loop.motion(0, asked.duration)

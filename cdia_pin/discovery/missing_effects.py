@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from cdia_pin.changes.conditions import changes_between, effects_that_differ, with_parameters_per_log
 from cdia_pin.changes.phenomenon import Phenomenon
@@ -32,6 +32,8 @@ def discover(
     holdout: Log | Sequence[Log] | None = None,
     settings: DiscoverySettings | None = None,
     progress: Progress | None = None,
+    start: Dynamics | None = None,
+    keep: Callable[[Dynamics], None] | None = None,
 ) -> Discovery:
     """Find the effects that a model lacks in measured logs, add them, and decide whether structure is left.
 
@@ -44,6 +46,8 @@ def discover(
         holdout: Logs that are only predicted; without them, each block of time is predicted from the others.
         settings: What to search for, and how.
         progress: Called with a sentence and the share done, from 0 to 1.
+        start: What an interrupted discovery of the same logs last gave to ``keep``: the search begins there.
+        keep: Called with each better model that the search finds, which is not yet the result.
 
     Returns:
         The verdict, the steps, and the improved model.
@@ -62,7 +66,7 @@ def discover(
     changes = changes_between(model, given, settings, part(report, 0.0, 0.05))
     problem = problem.around(model).with_parts(effects_that_differ(changes))
     findings = tuple(f for c in changes for f in c.findings)
-    return discover_in(problem, model, report, findings=findings)
+    return discover_in(problem, model, report, findings=findings, start=start, keep=keep)
 
 
 def discover_in(
@@ -71,6 +75,8 @@ def discover_in(
     progress: Progress | None = None,
     *,
     findings: tuple[Phenomenon, ...] = (),
+    start: Dynamics | None = None,
+    keep: Callable[[Dynamics], None] | None = None,
 ) -> Discovery:
     """Find missing effects as `discover` does, in logs that are already conditioned.
 
@@ -79,13 +85,15 @@ def discover_in(
         model: The model as it is known.
         progress: Called with a sentence and the share done, from 0 to 1.
         findings: Phenomena that are already known; they are added to the result.
+        start: Model at which the search begins; the model as it is known if None.
+        keep: Called with each better model that the search finds.
     """
     report = progress or silent
     apart = (*problem.settings.per_log, *problem.differing)
     model = with_parameters_per_log(model, problem.experiment.logs, apart)
     report("estimating the noise", 0.05)
     first = problem.without_rest_of(t.effect for t in model.terms).with_first_noise(model)
-    whitened, found = _searched(first, model, part(report, 0.1, 0.6))
+    whitened, found = _searched(first, start or model, part(report, 0.1, 0.6), keep)
     with_links = with_every_link(whitened, found)
     if with_links is not None:
         answer = _answer(model, *_searched(whitened, with_links, part(report, 0.6, 0.8)), report, findings)
@@ -109,14 +117,17 @@ def _answer(
 
 
 def _searched(
-    problem: WhitenedProblem, found: Dynamics, report: Progress
+    problem: WhitenedProblem,
+    found: Dynamics,
+    report: Progress,
+    keep: Callable[[Dynamics], None] | None = None,
 ) -> tuple[WhitenedProblem, Dynamics]:
     """Search from a model several times, each time with the noise that the search before left."""
     futile = Swaps()
     for k in range(PASSES):
         before = {t.label for t in found.terms}
         problem = problem.with_drift(found)
-        found = search(problem, found, futile, part(report, k / PASSES, (k + 1) / PASSES))
+        found = search(problem, found, futile, part(report, k / PASSES, (k + 1) / PASSES), keep)
         problem = problem.with_noise_left_by(found)
         if k > 0 and {t.label for t in found.terms} == before:
             break

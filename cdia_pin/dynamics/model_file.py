@@ -11,10 +11,12 @@ from cdia_pin import schemas
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.errors import CdiaError, ModelError
+from cdia_pin.input_files import read_text
 from cdia_pin.logs.motion_file import MotionDocument, motion_document, motion_from
 from cdia_pin.robot import catalogue
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.version import __version__
+from cdia_pin.whole_files import write_whole
 
 
 class ModelDocument(TypedDict):
@@ -69,7 +71,7 @@ def save_model(model: Dynamics, path: str | Path, *, record: Mapping[str, Any] |
     except (TypeError, ValueError) as error:
         raise ModelError(f"the record of a model must be plain JSON: {error}") from None
     try:
-        path.write_text(text + "\n", encoding="utf-8")
+        write_whole(path, text + "\n")
     except OSError as error:
         raise ModelError(f"cannot write the model to {path}: {error.strerror}") from None
     return path
@@ -90,7 +92,7 @@ def load_model(path: str | Path, robot: RobotModel) -> Dynamics:
     """
     path = Path(path)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = json.loads(read_text(path))
     except OSError as error:
         raise ModelError(f"cannot read the model {path}: {error.strerror}") from None
     except (ValueError, RecursionError) as error:
@@ -103,7 +105,7 @@ def load_model(path: str | Path, robot: RobotModel) -> Dynamics:
         return Dynamics(robot, terms, tuple(motion_from(m) for m in document.get("learned_from", [])))
     except CdiaError as error:
         raise ModelError(f"{path}: {error}") from None
-    except (KeyError, TypeError, AttributeError, ValueError, IndexError) as error:
+    except (KeyError, TypeError, AttributeError, ValueError, IndexError, OverflowError) as error:
         raise ModelError(f"{path}: a term is not valid ({error!r})") from None
 
 

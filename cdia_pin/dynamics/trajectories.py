@@ -25,6 +25,7 @@ WIDEST = 2.0  # [rad], largest half range of a joint: cables of real arms do not
 LONGEST_SLIDE = 0.3  # [m], the same for a prismatic joint
 FASTEST = 3.0  # [rad/s], largest speed of a joint, whatever its limit: a safe speed for most arms
 FASTEST_SLIDE = 0.5  # [m/s], the same for a prismatic joint
+SHORTEST, LONGEST = 0.01, 1e5  # [s], of an exciting motion: a hundredth of a second to a day
 GRID = 0.002  # [s], step of the times at which the largest speed and position are evaluated
 SAFE = 0.999  # [1], factor that covers larger values between the times of that grid
 
@@ -168,6 +169,10 @@ def exciting_trajectory(
     Raises:
         RobotError: If a setting is out of its range.
     """
+    if not SHORTEST <= duration <= LONGEST:
+        raise RobotError(
+            f"an exciting motion needs a duration of {SHORTEST:g} to {LONGEST:g} s, given {duration:g} s"
+        )
     if not (duration > 0 and base > 0 and harmonics >= 1 and 0 <= speed <= 1 and 0 < reach <= 1):
         raise RobotError(
             "an exciting motion needs duration > 0 s, base > 0 Hz, harmonics ≥ 1, 0 ≤ speed ≤ 1 and "

@@ -9,6 +9,7 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.dynamics.physical import unphysical
 from cdia_pin.effects import (
     ALWAYS,
     CoulombFriction,
@@ -18,9 +19,14 @@ from cdia_pin.effects import (
     Term,
     ViscousFriction,
 )
+from cdia_pin.errors import ModelError
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
+
+BOUNDARY = (
+    0.01  # [1], by which a fit may pass a bound, relative to its largest parameter; the URDF gets the bound
+)
 
 
 class UrdfChanges(TypedDict):
@@ -65,6 +71,9 @@ class UrdfValues:
 
         Returns:
             Values for the URDF, and the labels of all terms.
+
+        Raises:
+            ModelError: If no arm can have a term that would be written.
         """
         out = cls()
         for term in terms:
@@ -72,6 +81,8 @@ class UrdfValues:
                 out.left_out[term.label] = "it is present only at times or in a region"
             elif not out._take(term, robot):
                 out.left_out[term.label] = "a URDF has no element for it"
+            elif why := unphysical(term, robot, BOUNDARY):
+                raise ModelError(f"no arm can be written with {why}")
             else:
                 out.written.append(term.label)
         return out
@@ -91,16 +102,16 @@ class UrdfValues:
         theta = term.effect.nearest_physical(np.array(term.theta), robot)
         match term.effect:
             case ViscousFriction(joint=joint):
-                self.damping[joint] = float(theta[0])
+                self.damping[joint] = self.damping.get(joint, 0.0) + float(theta[0])
             case CoulombFriction(joint=joint):
-                self.friction[joint] = float(theta[0])
+                self.friction[joint] = self.friction.get(joint, 0.0) + float(theta[0])
             case LinkInertia() | LinkInertias() as effect:
                 for body, part in effect.by_body(theta):
                     joint = robot.joints[body.carrier(robot)]
                     known = self.inertial.get(joint, robot.inertial_parameters[robot.joint_index(joint)])
                     self.inertial[joint] = known + body.in_joint_frame(part, robot)
             case Payload():
-                self.payload = theta
+                self.payload = theta if self.payload is None else self.payload + theta
             case _:
                 return False
         return True

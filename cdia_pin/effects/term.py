@@ -20,6 +20,7 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
+LARGEST = 1e12  # [unit of the parameter], above it a torque overflows
 SHOWN = 6  # parameters in a repr, which is one line
 
 
@@ -48,6 +49,10 @@ class Term:
             raise EffectError(f"{self.effect.label} takes {names}; given {len(self.theta)} number(s)")
         if not np.isfinite(self.theta).all():
             raise EffectError(f"{self.effect.label}: parameters must be finite, given {self.theta}")
+        if any(abs(v) > LARGEST for v in self.theta):
+            raise EffectError(
+                f"{self.effect.label}: parameters must be below {LARGEST:g}, given {self.theta}"
+            )
 
     def __repr__(self) -> str:
         shown = [f"{name}={value:.4g}" for name, value in self.values.items()]

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.errors import LogError
 from cdia_pin.identification.base import base_parameters
 from cdia_pin.identification.block_validation import choose_strength, held_out_rms
 from cdia_pin.identification.estimate import Fitter
@@ -19,6 +22,7 @@ from cdia_pin.progress import Progress, part, silent
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.version import __version__
 
+LEAST_TORQUE = 1e-9  # [1], largest torque over the largest error of the model; below it none was recorded
 FIRST_STRENGTH = 10.0  # strength of the prior [1] while the friction laws are found, before it is chosen
 
 
@@ -61,6 +65,9 @@ def identify(
         for side in (given, unseen)
     )
     assert experiment is not None
+    torque, expected = np.abs(experiment.measured).max(), np.abs(experiment.predict(model).residual).max()
+    if torque <= LEAST_TORQUE * expected:
+        raise LogError(f"{given[0].source}: the torque is {torque:.3g} N·m at most: it was not recorded")
     fitter = Fitter(experiment, settings)
     report("fitting links, friction and rotors", 0.1)
     estimate = fitter.fit(full_model(model, experiment, settings), settings.strength or FIRST_STRENGTH)

@@ -16,8 +16,10 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs.cutoff import LOWEST_CUTOFF, choose_cutoff
 from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.magnitudes import require_magnitudes
 from cdia_pin.logs.motion import Motion, MotionRecord
 from cdia_pin.logs.resolution import quantum
+from cdia_pin.logs.wild_samples import without_wild_samples
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -65,7 +67,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         Motion and torque on a uniform grid.
 
     Raises:
-        LogError: If the log is too short, or the cut-off too high for its rate.
+        LogError: If the log is too short, too many of its samples are wild, or the cut-off is too high for its rate.
     """
     settings = settings or Conditioning()
     if log.joints != robot.joints:
@@ -76,6 +78,8 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         raise LogError(
             f"{log.source}: {log.duration:.2g} s is too short to compare, at least {SHORTEST:g} s are needed"
         )
+    log = without_wild_samples(log)
+    require_magnitudes(log)
     even = uniform(log)
     rate = (len(even.time) - 1) / even.duration
     cutoff = choose_cutoff(even, robot) if settings.cutoff is None else settings.cutoff
@@ -143,7 +147,7 @@ def _effort_step(effort: Array) -> float:
 
 def _busiest(a: Array, rate: float) -> Array:
     """Return the power of each acceleration in the part of the log where it is largest [(rad/s²)²], shape (n,)."""
-    count = max(1, int(len(a) / (STRETCH * rate)))
+    count = max(1, min(len(a), int(len(a) / (STRETCH * rate))))
     return np.asarray(np.max([np.mean(part**2, axis=0) for part in np.array_split(a, count)], axis=0))
 
 

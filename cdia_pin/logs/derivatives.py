@@ -14,6 +14,12 @@ Array = NDArray[np.float64]
 
 # [1], largest error of a sample's time over the period without resampling: below the jitter of any clock
 UNIFORM_TOLERANCE = 1e-3
+LONGEST_GAP = 0.5  # [s], a trajectory cannot be interpolated across a longer gap
+# A longer signal is filtered in blocks: memory does not grow, and transforms of 2^18 values are fast.
+BLOCK = 2**17 + 1  # [samples], of a block with its margins
+MARGIN = (
+    15.0  # [periods of the cut-off], after which the filter's impulse response is below 10⁻¹⁵ of its peak
+)
 LARGEST_GROWTH = 4.0  # [1], samples of the grid over those of the log; above it most of the log is gaps
 
 
@@ -44,9 +50,16 @@ def uniform(log: Log) -> Log:
     even = log.time[0] + mean_period * np.arange(len(log.time))
     if np.abs(log.time - even).max() <= UNIFORM_TOLERANCE * mean_period:
         return log
-    time = log.time[0] + period * np.arange(count)
-    said = f"resampled from {len(log.time)} samples to a uniform grid of {count} at {log.rate:.4g} Hz"
-    return sampled_at(log, time).noted(said)
+    # the last time of the grid passes the last sample by a rounding error, where nothing can be interpolated
+    time = np.minimum(log.time[0] + period * np.arange(count), log.time[-1])
+    notes = [f"resampled from {len(log.time)} samples to a uniform grid of {count} at {log.rate:.4g} Hz"]
+    step = np.diff(log.time)
+    if step.max() > LONGEST_GAP:
+        notes.append(
+            f"the clock has {int((step > LONGEST_GAP).sum())} gap(s) of up to {step.max():.3g} s, the longest after "
+            f"t = {log.time[step.argmax()]:.4g} s: what lies between is interpolated; split the log there (Log.slice)"
+        )
+    return sampled_at(log, time).noted(*notes)
 
 
 def sampled_at(log: Log, time: Array) -> Log:
@@ -57,14 +70,14 @@ def sampled_at(log: Log, time: Array) -> Log:
         time: Times within the log, increasing [s], shape (K,).
     """
     velocity, temperature = (
-        None if s is None else _linear(time, log.time, s) for s in (log.velocity, log.temperature)
+        None if s is None else linear(time, log.time, s) for s in (log.velocity, log.temperature)
     )
     return replace(
         log,
         time=time,
-        position=_akima(time, log.time, log.position),
+        position=akima(time, log.time, log.position),
         velocity=velocity,
-        effort=_linear(time, log.time, log.effort),
+        effort=linear(time, log.time, log.effort),
         temperature=temperature,
     )
 
@@ -94,19 +107,36 @@ def zero_phase(signal: ArrayLike, cutoff: float, rate: float, *, order: int = 4)
     if not 0.0 < cutoff < 0.5 * rate:
         raise LogError(f"cutoff {cutoff:g} Hz must lie between 0 and half the sampling rate {rate:g} Hz")
     x = np.asarray(signal, dtype=np.float64)
+    margin = int(np.ceil(MARGIN * rate / cutoff))
+    if len(x) <= BLOCK or 4 * margin > BLOCK:
+        return _filtered(x, cutoff, rate, order)
+    out = np.empty_like(x)
+    for first in range(0, len(x), BLOCK - 2 * margin):
+        start = min(max(first - margin, 0), len(x) - BLOCK)
+        last = min(first + BLOCK - 2 * margin, len(x))
+        block = _filtered(x[start : start + BLOCK], cutoff, rate, order)
+        out[first:last] = block[first - start : last - start]
+    return out
+
+
+def _filtered(x: Array, cutoff: float, rate: float, order: int) -> Array:
+    """Filter a signal as `zero_phase` says, in one piece, column by column."""
+    if x.ndim > 1 and not x.shape[1]:
+        return x.copy()
+    if x.ndim > 1:
+        return np.column_stack([_filtered(column, cutoff, rate, order) for column in x.T]).reshape(x.shape)
     count = len(x)
     if count < 3:
         return x.copy()
-    share = np.linspace(0.0, 1.0, count).reshape(-1, *([1] * (x.ndim - 1)))
+    share = np.linspace(0.0, 1.0, count)
     line = x[0] + share * (x[-1] - x[0])
     inside = x - line
     odd = np.concatenate([inside, -inside[-2:0:-1]])  # one period of the odd extension, (2 N − 2, …)
-    spectrum = np.fft.rfft(odd, axis=0)
+    spectrum = np.fft.rfft(odd)
     angle = np.pi * np.fft.rfftfreq(len(odd))  # π f / rate, up to π/2
     with np.errstate(over="ignore"):
         gain = 1.0 / (1.0 + (np.tan(angle) / np.tan(np.pi * cutoff / rate)) ** (2 * order))
-    gain = gain.reshape(-1, *([1] * (x.ndim - 1)))
-    smooth = np.fft.irfft(spectrum * gain, n=len(odd), axis=0)
+    smooth = np.fft.irfft(spectrum * gain, n=len(odd))
     return np.asarray(line + smooth[:count])
 
 
@@ -129,13 +159,33 @@ def differentiate(signal: ArrayLike, rate: float) -> Array:
     return np.asarray(np.gradient(x, 1.0 / rate, axis=0, edge_order=2))
 
 
-def _linear(time: Array, given: Array, signal: Array) -> Array:
+def linear(time: Array, given: Array, signal: Array) -> Array:
+    """Interpolate a signal linearly; beyond its ends it is constant.
+
+    Args:
+        time: Times that are wanted [s], shape (K,).
+        given: Times of the samples [s], shape (N,).
+        signal: Samples in any unit, shape (N, n).
+
+    Returns:
+        In the unit of the signal, shape (K, n).
+    """
     return np.column_stack([np.interp(time, given, column) for column in signal.T])
 
 
-def _akima(time: Array, given: Array, signal: Array) -> Array:
+def akima(time: Array, given: Array, signal: Array) -> Array:
+    """Interpolate a signal by Akima's cubic; of fewer than five samples linearly.
+
+    Args:
+        time: Times that are wanted [s], within the samples, shape (K,).
+        given: Times of the samples [s], shape (N,).
+        signal: Samples in any unit, shape (N, n).
+
+    Returns:
+        In the unit of the signal, shape (K, n).
+    """
     if len(given) < 5:
-        return _linear(time, given, signal)
+        return linear(time, given, signal)
     from scipy.interpolate import Akima1DInterpolator
 
     return np.asarray(Akima1DInterpolator(given, signal, axis=0)(time))

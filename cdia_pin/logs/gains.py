@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
+from cdia_pin.input_files import read_text
 
 Array = NDArray[np.float64]
 Gains = Mapping[str, Any] | str | Path
@@ -19,6 +20,7 @@ Gains = Mapping[str, Any] | str | Path
 # Relative tolerance of a gain from a data sheet, 95 % [1]. Magnets and gears of one type differ by 5 % and more, and
 # known weights on a measured arm came out 3 to 10 % heavy by nominal gains.
 NOMINAL_TOLERANCE = 0.1
+LARGEST = 1e12  # [N·m/A], above it a product with a current overflows
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,8 @@ def read_gains(gains: Gains, joints: Sequence[str]) -> DriveGains:
     if not isinstance(gains, Mapping):
         where = str(gains)
         try:
-            gains = json.loads(Path(gains).read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
+            gains = json.loads(read_text(gains))
+        except (OSError, ValueError, RecursionError) as error:
             raise LogError(f"{where}: not readable as JSON {{joint: N·m/A}} ({error})") from None
     if not isinstance(gains, Mapping):
         raise LogError(f"{where}: expected {{joint: N·m/A}}, found {type(gains).__name__}")
@@ -87,4 +89,6 @@ def _value_and_tolerance(given: Any, joint: str, where: str) -> tuple[float, flo
 
 
 def _is_number(given: Any) -> bool:
-    return isinstance(given, (int, float)) and not isinstance(given, bool) and bool(np.isfinite(given))
+    if isinstance(given, bool) or not isinstance(given, (int, float)):
+        return False
+    return abs(given) < LARGEST  # also of an integer that no float can hold

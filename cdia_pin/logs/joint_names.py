@@ -7,8 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cdia_pin.errors import LogError, unknown_name
+from cdia_pin.phrases import some
 
-_NUMBERED = re.compile(r"^(.*?)(\d+)$")
+_DIGITS = "0123456789"
+MOST_DIGITS = 9  # of a joint's number
 _COUNTING_STEMS = {"", "j", "joint", "axis", "a"}  # the last word before the number of a counted joint
 _NOT_MEASURED = {"d", "des", "desired", "target", "cmd", "command", "ref", "reference", "set", "goal"}
 
@@ -58,7 +60,7 @@ def match_joints(
         )
     missing = [j for j in joints if j not in by_name]
     raise LogError(
-        f"no column for joint(s) {', '.join(missing)}; the log has {', '.join(given) or 'none'}, "
+        f"no column for joint(s) {', '.join(missing)}; the log has {some(list(given)) or 'none'}, "
         f"the robot has {', '.join(joints)}; name them with --joint-map name=joint,…"
     )
 
@@ -119,10 +121,11 @@ def _same_but_for_a_prefix(given: Sequence[str], joints: Sequence[str]) -> tuple
             prefix = joints[0].removesuffix(label)
             if all(j.startswith(prefix) for j in joints):
                 readings.append(tuple(j.removeprefix(prefix) for j in joints))
-    possible = [r for r in readings if all(label in given for label in r)]
+    known = set(given)
+    possible = [r for r in readings if all(label in known for label in r)]
     measured = [r for r in possible if not _words(r[0].removesuffix(joints[0])) & _NOT_MEASURED]
     if len(measured) > 1:
-        starts = ", ".join(f"'{r[0]}' …" for r in measured)
+        starts = some([f"'{r[0]}' …" for r in measured])
         raise LogError(f"joint {joints[0]} could be {starts}; choose one with --joint-map name=joint,…")
     return measured[0] if measured else None
 
@@ -131,8 +134,10 @@ def _counted(given: Sequence[str], joints: Sequence[str]) -> tuple[str, ...] | N
     """Match labels of one stem with the numbers 0 … n−1 or 1 … n, by number."""
     groups: dict[str, dict[int, str]] = {}
     for label in given:
-        if match := _NUMBERED.match(label):
-            groups.setdefault(match.group(1), {})[int(match.group(2))] = label
+        stem = label.rstrip(_DIGITS)
+        digits = label[len(stem) :]
+        if 0 < len(digits) <= MOST_DIGITS:
+            groups.setdefault(stem, {})[int(digits)] = label
     fitting = []
     for stem, members in groups.items():
         numbers = sorted(members)

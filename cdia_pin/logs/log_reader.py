@@ -87,6 +87,8 @@ def read_log(
     time, time_notes = in_seconds(pick.time(), unit, path.name)
     signals = [s for s in (position, effort, velocity, temperature) if s is not None]
     keep, repeat_notes = _once(time, signals, path.name)
+    if not repeat_notes:
+        keep = np.s_[:]  # without copies
     return Log(
         joints=robot.joints,
         time=time[keep],
@@ -143,7 +145,7 @@ def _temperature(pick: SignalPicker) -> Array | None:
     return None
 
 
-def _once(time: Array, signals: list[Array], source: str) -> tuple[NDArray[np.bool_], list[str]]:
+def _once(time: Array, signals: list[Array], source: str) -> tuple[Any, list[str]]:
     """Return the mask of samples to keep: a repeated row counts once, and raises LogError if its values differ."""
     keep = np.ones(len(time), dtype=bool)
     again = np.flatnonzero(np.diff(time) == 0) + 1

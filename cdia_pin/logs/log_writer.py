@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
+from cdia_pin.whole_files import whole_file
 
 Array = NDArray[np.float64]
 
@@ -76,11 +77,12 @@ def _write_arrow(log: Log, path: Path, suffix: str) -> None:
     if suffix == ".parquet":
         from pyarrow import parquet
 
-        parquet.write_table(table, path)
+        with whole_file(path) as file:
+            parquet.write_table(table, file)
         return
     from pyarrow import csv
 
-    with path.open("wb") as file:
+    with whole_file(path) as file:
         file.write((",".join(table.column_names) + "\n").encode())  # pyarrow would put the names in quotes
         csv.write_csv(table, file, csv.WriteOptions(include_header=False))
 
@@ -91,5 +93,5 @@ def _write_npz(log: Log, path: Path) -> None:
         signals["velocity"] = log.velocity
     if log.temperature is not None:
         signals["temperature"] = log.temperature
-    with path.open("wb") as file:
+    with whole_file(path) as file:
         np.savez_compressed(file, allow_pickle=False, time=log.time, joints=np.array(log.joints), **signals)

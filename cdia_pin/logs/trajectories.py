@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
+from cdia_pin.whole_files import write_whole
 
 Array = NDArray[np.float64]
 
@@ -77,7 +78,7 @@ def write_joint_trajectory(
 def _write(path: str | Path, lines: Iterable[str]) -> Path:
     path = Path(path)
     try:
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        write_whole(path, "\n".join(lines) + "\n")
     except OSError as error:
         raise LogError(f"{path}: cannot be written ({error.strerror or error})") from None
     return path

@@ -7,7 +7,7 @@ joints. The checks here name each error.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
@@ -15,7 +15,8 @@ from pathlib import Path
 from lxml import etree
 
 from cdia_pin.errors import RobotError
-from cdia_pin.phrases import shortened
+from cdia_pin.input_files import require_small_file
+from cdia_pin.phrases import shortened, some
 from cdia_pin.robot.urdf_values import Array, axis_of, inertial_of, number, pose_of
 
 
@@ -29,6 +30,8 @@ class JointKind(StrEnum):
     FLOATING = "floating"
     PLANAR = "planar"
 
+
+MOST_JOINTS = 500  # of a file; humanoids with hands have about a hundred
 
 MOVABLE = (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC)
 """Kinds with one degree of freedom."""
@@ -124,10 +127,13 @@ class Urdf:
         Yields:
             The joints that are carried by it, each before those that it carries.
         """
-        for j in self.joints.values():
-            if j.parent == self.joints[joint].child:
-                yield j
-                yield from self.joints_below(j.name)
+        waiting = [self.joints[joint].child]
+        while waiting:
+            link = waiting.pop(0)
+            for j in self.joints.values():
+                if j.parent == link:
+                    yield j
+                    waiting.append(j.child)
 
     def link_parameters(self, link: str) -> Array | None:
         """Read the inertial parameters of a link.
@@ -168,6 +174,10 @@ def read_urdf(path: Path) -> Urdf:
                 raise RobotError(
                     f"{path}: joint '{j.name}' has the {role} link '{link}', which is not defined"
                 )
+    if len(joints) > MOST_JOINTS:
+        raise RobotError(
+            f"{path}: {len(joints)} joints, an arm has {MOST_JOINTS} at most, fixed ones included"
+        )
     children = [j.child for j in joints.values()]
     for link in links:
         if children.count(link) > 1:
@@ -176,10 +186,22 @@ def read_urdf(path: Path) -> Urdf:
     if len(roots) != 1:
         held = ", ".join(roots) if roots else "none"
         raise RobotError(f"{path}: a URDF has exactly one link without a parent joint, found {held}")
+    _require_one_tree(path, roots[0], joints)
     urdf = Urdf(path, tree, links, joints)
     for link in links:
         urdf.link_parameters(link)  # raises with the reason; Pinocchio would read an invalid inertia as none
     return urdf
+
+
+def _require_one_tree(path: Path, root: str, joints: Mapping[str, UrdfJoint]) -> None:
+    """Refuse joints that nothing connects with the root, because they carry each other in a circle."""
+    reached, left = {root}, list(joints.values())
+    while left:
+        further = [j for j in left if j.parent not in reached]
+        if len(further) == len(left):
+            raise RobotError(f"{path}: joints {some([j.name for j in left])} carry each other in a circle")
+        reached.update(j.child for j in left if j.parent in reached)
+        left = further
 
 
 def _parse(path: Path) -> etree._ElementTree:
@@ -188,10 +210,13 @@ def _parse(path: Path) -> etree._ElementTree:
     if path.suffix == ".xacro":
         raise RobotError(f"{path}: xacro must be expanded first: xacro {path.name} > {path.stem}")
     try:
+        require_small_file(path)
         # An entity or an address in a robot's file must not make this process read something else.
         tree = etree.parse(str(path), etree.XMLParser(resolve_entities=False, no_network=True))
     except etree.XMLSyntaxError as error:
         raise RobotError(f"{path}: not an XML file ({error.msg})") from None
+    except OSError as error:  # also bytes that are not of the stated encoding
+        raise RobotError(f"{path}: cannot be read ({error})") from None
     root = tree.getroot()
     if root.tag != "robot":
         raise RobotError(f"{path}: a URDF begins with <robot>, this file with <{root.tag}>")

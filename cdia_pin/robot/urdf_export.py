@@ -34,6 +34,7 @@ from cdia_pin.robot.urdf_edit import (
 )
 from cdia_pin.robot.urdf_values import homogeneous
 from cdia_pin.version import __version__
+from cdia_pin.whole_files import write_whole
 
 Array = NDArray[np.float64]
 
@@ -86,7 +87,7 @@ def write_corrected_urdf(
         allow_unphysical=allow_unphysical,
     )
     try:
-        path.write_text(text, encoding="utf-8")
+        write_whole(path, text)
     except OSError as error:
         raise RobotError(f"cannot write {path}: {error.strerror or error}") from None
     return path

@@ -12,9 +12,12 @@ from lxml import etree
 from numpy.typing import NDArray
 
 from cdia_pin.errors import RobotError
+from cdia_pin.phrases import shortened
 from cdia_pin.robot.inertia import parameters_of
 
 Array = NDArray[np.float64]
+
+LARGEST = 1e12  # [unit of the file], larger numbers are no lengths or masses, and overflow in a product
 
 
 def inertial_of(link: etree._Element, where: str) -> Array | None:
@@ -139,6 +142,8 @@ def number(text: str | None, where: str, what: str) -> float:
         value = float(text or "")
     except ValueError:
         raise RobotError(f"{where}: {what} must be a number, given '{text}'") from None
+    if math.isfinite(value) and abs(value) > LARGEST:
+        raise RobotError(f"{where}: {what} must be below {LARGEST:g}, given '{shortened(text or '')[1:-1]}'")
     if not math.isfinite(value) and what not in {"lower", "upper"}:
         raise RobotError(f"{where}: {what} must be finite, given '{text}'")
     return value

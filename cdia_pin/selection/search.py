@@ -35,7 +35,13 @@ MOST_MOVES = 120  # moves [1]; a guard, because the cost falls at every move
 MOST_REJECTED = 6  # moves in a row [1] that the refit rejects, after which the search ends
 
 
-def search(problem: WhitenedProblem, model: Dynamics, futile: Swaps, report: Progress) -> Dynamics:
+def search(
+    problem: WhitenedProblem,
+    model: Dynamics,
+    futile: Swaps,
+    report: Progress,
+    keep: Callable[[Dynamics], None] | None = None,
+) -> Dynamics:
     """Add, drop and exchange effects. The model is fitted and linearised again after each move.
 
     A move is kept only if the cost falls at its own optimum, not just in the normal equations that proposed it. The
@@ -47,6 +53,7 @@ def search(problem: WhitenedProblem, model: Dynamics, futile: Swaps, report: Pro
         model: Model at which the search starts; its terms may be dropped.
         futile: Swaps that failed before; swaps that fail here are added.
         report: Called with what changed and the share done [1].
+        keep: Called with each better model, so that an interrupted search is not lost.
 
     Returns:
         The model that no move improves.
@@ -103,6 +110,8 @@ def search(problem: WhitenedProblem, model: Dynamics, futile: Swaps, report: Pro
             futile.update(s for s in _swaps(present, frozenset(_labels(trial))) if s[0] in driven)
             continue
         now, rejected = then, 0
+        if keep is not None:
+            keep(now.model)
         allowed, exchanges = beyond(now)
     return now.model
 

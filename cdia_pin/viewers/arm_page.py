@@ -25,6 +25,7 @@ from cdia_pin.viewers.scene import (
     timeline_of_log,
     timeline_of_run,
 )
+from cdia_pin.whole_files import write_whole
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
@@ -85,7 +86,7 @@ class ArmPage:
         path = Path(path)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(self.html, encoding="utf-8")
+            write_whole(path, self.html)
         except OSError as error:
             raise CdiaError(f"the picture cannot be written to {path}: {error.strerror}") from None
         return path

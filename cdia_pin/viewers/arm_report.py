@@ -14,6 +14,7 @@ from cdia_pin.errors import CdiaError
 from cdia_pin.viewers.study_figures import Picture
 from cdia_pin.viewers.study_report import PAGE, figure_blocks, page_style
 from cdia_pin.viewers.words import number, percent
+from cdia_pin.whole_files import write_whole
 
 if TYPE_CHECKING:
     from cdia_pin.campaigns.arm_study import ArmCase
@@ -84,7 +85,7 @@ def write_arm_report(
     path = Path(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(page, encoding="utf-8")
+        write_whole(path, page)
     except OSError as error:
         raise CdiaError(f"the report cannot be written to {path}: {error.strerror}") from None
     return path

@@ -8,7 +8,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from cdia_pin.viewers.words import NO_BREAK
+from cdia_pin.phrases import NO_BREAK, printable
 
 
 def new_table(*heads: str, left: Sequence[int]) -> Table:
@@ -44,6 +44,4 @@ def clean(text: str, style: str = "") -> Text:
         text: The text.
         style: As `rich` names it.
     """
-    text = text.replace(NO_BREAK, " ")
-    plain = (c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
-    return Text("".join(plain), style)
+    return Text(printable(text.replace(NO_BREAK, " "), also="\n"), style)

@@ -11,6 +11,7 @@ import numpy as np
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.diagnosis import MonitorRun, Stage
 from cdia_pin.discovery import Comparison, Discovery, Step
+from cdia_pin.phrases import NO_BREAK
 from cdia_pin.viewers import sparks
 from cdia_pin.viewers.effect_groups import MOST_RIVALS, effect_groups, rivals, term_of
 from cdia_pin.viewers.event_words import event_rows, fault_words
@@ -22,7 +23,6 @@ from cdia_pin.viewers.stage_colours import STAGE_COLOURS
 from cdia_pin.viewers.text_monitor import run_summary
 from cdia_pin.viewers.verdict import comparison_sentence, mean_share, verdict_sentences
 from cdia_pin.viewers.words import (
-    NO_BREAK,
     confusion_words,
     effect_name,
     few,

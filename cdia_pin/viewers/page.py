@@ -11,6 +11,7 @@ from string import Template
 
 from cdia_pin.errors import CdiaError
 from cdia_pin.viewers.scene import scene_assets
+from cdia_pin.whole_files import write_whole
 
 LARGEST = 6_000_000  # bytes
 CHART_SCRIPTS = ("base.js", "charts.js", "charts_joint.js")  # after uPlot, in this order
@@ -44,7 +45,7 @@ def write_page(
     path = Path(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(page)
+        write_whole(path, page)
     except OSError as error:
         raise CdiaError(f"the report cannot be written to {path}: {error.strerror}") from None
     return path

@@ -12,6 +12,7 @@ from cdia_pin.campaigns.scara_run import UNITS
 from cdia_pin.campaigns.thesis_study import Case, Isolation, ThesisStudy
 from cdia_pin.errors import CdiaError
 from cdia_pin.viewers.study_figures import Picture
+from cdia_pin.whole_files import write_whole
 
 PAGE = """<!doctype html>
 <html lang="en">
@@ -56,7 +57,7 @@ def write_study_report(
     page = study_page(study, pictures, command)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(page, encoding="utf-8")
+        write_whole(path, page)
     except OSError as error:
         raise CdiaError(f"the report cannot be written to {path}: {error.strerror}") from None
     return path

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from cdia_pin.discovery.comparison import signal_units
 from cdia_pin.effects import Varying
 from cdia_pin.identifiability.distinguishing_motions import NO_MOTION
+from cdia_pin.phrases import NO_BREAK
 
 if TYPE_CHECKING:
     from cdia_pin.discovery.comparison import ResidualRegion
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 
 VARYING = {"log": "per log", "time": "(drifting)"}
 MOST_JOINTS = 2  # that are named; of more, only their number is said
-NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
 # ------------------------------------------------------------------ numbers

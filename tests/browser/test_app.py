@@ -28,7 +28,7 @@ class Served:
     """The app in a process of its own."""
 
     def __init__(self, *arguments: str) -> None:
-        self.address, self.said = "", []
+        self.address, self.entry, self.said = "", "", []
         command = python("-m", "cdia_pin", "app", "--no-open", "--port", "0", *arguments)
         # NiceGUI serves its own tests otherwise.
         environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST")} | {"NO_COLOR": "1"}
@@ -40,8 +40,8 @@ class Served:
         def listen() -> None:
             for line in self.process.stdout or ():
                 self.said.append(line)
-                if found := re.search(r"http://127\.0\.0\.1:\d+", line):
-                    self.address = found[0]
+                if found := re.search(r"(http://127\.0\.0\.1:\d+)/\?token=\S+", line):
+                    self.entry, self.address = found[0], found[1]
                     ready.set()
             ready.set()  # it has ended
 
@@ -68,7 +68,7 @@ def app() -> Iterator[Served]:
 def tab(page: Any, app: Served) -> Iterator[Any]:
     """A tab of the app; at its end nothing may be wrong with it."""
     page.set_default_timeout(PATIENCE)
-    page.goto(app.address)
+    page.goto(app.entry)
     page.wait_for_selector("[data-mark=load]")
     yield page
     quiet(page, app)
@@ -323,7 +323,7 @@ def test_wrong_units_are_found_and_put_right(tab, tmp_path):
 def test_two_tabs_do_not_disturb_each_other(tab, chromium, app):
     other = chromium.new_context().new_page()
     other.set_default_timeout(PATIENCE)
-    other.goto(app.address)
+    other.goto(app.entry)
     load_demo(tab)
     assert mark(other, "loaded").count() == 0
     load_demo(other)
@@ -356,7 +356,7 @@ def test_what_is_missing_is_added_to_a_minute(page, minute):
     served = Served(str(minute), "--robot", "ur5")
     try:
         page.set_default_timeout(PATIENCE)
-        page.goto(served.address)
+        page.goto(served.entry)
         mark(page, "verdict").wait_for()
         mark(page, f"add-{COULOMB}").click()
         page.locator('[data-mark="version-1"][aria-pressed="true"]').wait_for()
@@ -371,6 +371,7 @@ def test_what_is_missing_is_added_to_a_minute(page, minute):
 def test_faults_switched_while_an_arm_moves(page, app, screenshots):
     page.set_default_timeout(PATIENCE)
     page.set_viewport_size({"width": 1180, "height": 900})
+    page.goto(app.entry)
     page.goto(app.address + "/live")
     mark(page, "begin").click()
     mark(page, "fault-0").wait_for()
@@ -400,6 +401,7 @@ def test_faults_switched_while_an_arm_moves(page, app, screenshots):
 
 def test_a_log_is_replayed(page, app, minute):
     page.set_default_timeout(PATIENCE)
+    page.goto(app.entry)
     page.goto(app.address + "/live")
     mark(page, "what-replay").click()
     page.get_by_role("textbox", name="Log", exact=True).fill(str(minute))
@@ -415,6 +417,7 @@ def test_a_log_is_replayed(page, app, minute):
 def test_ctrl_c_ends_the_app_though_an_arm_moves_in_a_tab(page):
     served = Served()
     page.set_default_timeout(PATIENCE)
+    page.goto(served.entry)
     page.goto(served.address + "/live")
     mark(page, "begin").click()
     mark(page, "fault-0").wait_for()

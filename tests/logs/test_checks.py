@@ -220,6 +220,39 @@ def test_a_gap_is_found_and_only_the_longest_stretch_is_checked(ur5, ur5_log):
     assert found.value["longest_s"] == pytest.approx(0.804)
 
 
+def test_what_is_not_checked_behind_a_gap_is_counted(ur5, ur5_log):
+    time = ur5_log.time.copy()
+    time[4000:] += 3.0
+    (found,) = check_log(replace(ur5_log, time=time), ur5).about("gaps")
+    assert "1000 samples" in found.message and found.value["not_checked"] == 1000
+
+
+def test_a_stretch_in_which_every_signal_stands_still_is_named(ur5, ur5_log):
+    held = {s: getattr(ur5_log, s).copy() for s in ("position", "velocity", "effort")}
+    for x in held.values():
+        x[1000:1100] = x[1000]  # 0.4 s, 2 % of the log
+    found, *_ = check_log(replace(ur5_log, **held), ur5).about("frozen")
+    assert found.severity == "warning" and found.joint is None
+    assert "t = 4 s" in found.message and found.value["seconds"] == pytest.approx(0.396)
+
+
+def test_rows_that_come_twice_are_named(ur5, ur5_log):
+    copied = {s: getattr(ur5_log, s).copy() for s in ("position", "velocity", "effort")}
+    for x in copied.values():
+        x[3000:3200] = x[500:700]
+    (found,) = check_log(replace(ur5_log, **copied), ur5).about("copied")
+    assert found.severity == "warning"
+    assert found.value == {"rows": 200, "from_s": 2.0, "again_s": 12.0}
+
+
+def test_an_arm_at_rest_has_no_copied_rows(ur5, ur5_log):
+    still = {s: getattr(ur5_log, s).copy() for s in ("position", "velocity", "effort")}
+    for x in still.values():
+        x[:1000] = x[1000]
+        x[3000:] = x[1000]
+    assert not check_log(replace(ur5_log, **still), ur5).about("copied")
+
+
 def test_a_slow_rate_is_a_problem(ur5, ur5_log):
     parts = {s: getattr(ur5_log, s)[::10] for s in ("time", "position", "velocity", "effort")}
     assert "rate" in {f.topic for f in problems(replace(ur5_log, **parts), ur5)}

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
 from scipy.signal import butter, filtfilt
 
 from cdia_pin.errors import LogError
@@ -87,3 +89,42 @@ def test_a_log_that_is_mostly_gaps_is_refused():
     time = np.concatenate([np.arange(100) * 0.01, 1000.0 + np.arange(100) * 0.01])
     with pytest.raises(LogError, match="gaps"):
         uniform(make_log(time, np.zeros((200, 2))))
+
+
+@given(
+    rate=st.one_of(st.sampled_from([40.0, 100.0, 125.0, 250.0, 500.0, 1000.0]), st.floats(5.0, 5000.0)),
+    start=st.floats(-1e6, 1e6),
+    count=st.integers(20, 3000),
+    dropped=st.lists(st.integers(1, 2998), max_size=40),
+)
+@settings(max_examples=300, deadline=None)
+@example(rate=125.0, start=0.0, count=1000, dropped=[500])
+@example(rate=500.0, start=123.456, count=2001, dropped=[7])
+def test_rows_may_be_missing_at_any_rate_and_offset_of_the_clock(rate, start, count, dropped):
+    kept = np.ones(count, dtype=bool)
+    kept[[k for k in dropped if k < count - 1]] = False
+    time = (start + np.arange(count) / rate)[kept]
+    assume(len(time) > 0.5 * count)  # else another period is the most frequent one
+    slope = np.column_stack([time - start, 2.0 - (time - start)])
+    even = uniform(Log(("a", "b"), time, slope, slope, slope))
+    assert np.isfinite(even.position).all() and np.isfinite(even.effort).all()
+    assert even.time[0] == time[0]
+    assert time[-1] - 1.01 / even.rate <= even.time[-1] <= time[-1]
+    np.testing.assert_allclose(even.position[:, 0], even.time - start, atol=1e-6 / rate + 1e-9)
+    np.testing.assert_allclose(even.effort[:, 0], even.time - start, atol=1e-6 / rate + 1e-9)
+
+
+def test_a_gap_in_the_clock_is_said_where_it_is_interpolated():
+    time = np.arange(1000) / 100.0
+    time[600:] += 2.0
+    even = uniform(make_log(time, np.zeros((1000, 2))))
+    assert any("gap" in note and "2.01 s" in note for note in even.notes)
+
+
+@pytest.mark.parametrize("count", [2050, 2100, 4100, 20_001])
+@pytest.mark.parametrize("shape", [(), (2,)])
+def test_a_long_signal_is_filtered_in_blocks_to_the_same_values(monkeypatch, count, shape):
+    x = np.cumsum(np.random.default_rng(0).normal(size=(count, *shape)), axis=0)
+    whole = zero_phase(x, 25.0, 250.0)
+    monkeypatch.setattr("cdia_pin.logs.derivatives.BLOCK", 2049)
+    np.testing.assert_allclose(zero_phase(x, 25.0, 250.0), whole, atol=1e-9)

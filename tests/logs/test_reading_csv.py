@@ -194,6 +194,34 @@ def test_a_last_row_that_is_cut_off_is_left_out_with_a_note(ur5, tmp_path):
     assert any("cut off" in note for note in log.notes)
 
 
+@pytest.mark.parametrize("left", [1, 3, 8])
+def test_a_last_number_that_is_cut_off_is_noticed(ur5, tmp_path, left):
+    lines = text_of(ur5.joints).splitlines()
+    *cells, last = lines[-1].split(",")
+    for rest in (last[:left], "", "-", "3e", "3e-"):
+        text = "\n".join([*lines[:-1], ",".join([*cells, rest])])
+        log = read_log(write(tmp_path / "a.csv", text), ur5)
+        assert any("cut off" in note for note in log.notes), rest
+        assert len(log.time) == (ROWS if rest == last[:left] else ROWS - 1)
+
+
+@given(row=st.integers(1, ROWS - 2), column=st.integers(0, 18), after=st.booleans())
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_a_stray_quote_is_refused_and_swallows_no_rows(ur5, tmp_path, row, column, after):
+    lines = text_of(ur5.joints).splitlines()
+    cells = lines[row].split(",")
+    cells[column] = cells[column] + '"' if after else '"' + cells[column]
+    lines[row] = ",".join(cells)
+    with pytest.raises(LogError, match=f"line {row + 1}.*quot"):
+        read_log(write(tmp_path / "a.csv", "\n".join(lines) + "\n"), ur5)
+
+
+def test_numbers_in_quotes_are_read(ur5, tmp_path, plain):
+    lines = text_of(ur5.joints).splitlines()
+    quoted = [",".join(f'"{cell}"' for cell in line.split(",")) for line in lines]
+    assert same(read_log(write(tmp_path / "a.csv", "\n".join(quoted) + "\n"), ur5), plain)
+
+
 def broken(text: str, kind: str) -> str:
     lines = text.splitlines()
     row = lines[8].split(",")

@@ -16,9 +16,13 @@ from cdia_pin.logs.checks.limits import check_limits, check_saturation
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import check_gaps, check_rate, check_repeats, check_resolution
 from cdia_pin.logs.checks.sign_and_order import check_conventions
+from cdia_pin.logs.checks.stretches import check_copied, check_held
 from cdia_pin.logs.checks.torque_side import check_torque_side
 from cdia_pin.logs.checks.velocity import check_velocity
+from cdia_pin.logs.checks.wild import check_wild
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.magnitudes import require_magnitudes
+from cdia_pin.logs.wild_samples import repaired, wild_samples
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
@@ -27,7 +31,8 @@ if TYPE_CHECKING:
 def check_log(log: Log, robot: RobotModel) -> LogCheck:
     """Infer what a log holds, and whether it can be used for this robot.
 
-    Sampling, resolution, limits, saturation and excitation are checked. Efforts are compared with the URDF's
+    Sampling, resolution, limits, saturation and excitation are checked. Single samples that no motion makes are named,
+    and left out of the other checks. Efforts are compared with the URDF's
     rigid-body torque and friction of unknown size. This checks units, signs, the order of joints, the kind of
     effort and its lag. A bundled arm that explains the efforts clearly better is named. A finding states where the
     evidence is weak. It is *not* checked whether the zero of each position is the URDF's, or whether drive gains are
@@ -41,7 +46,7 @@ def check_log(log: Log, robot: RobotModel) -> LogCheck:
         The findings; ``ok`` is True if none is a warning or an error.
 
     Raises:
-        LogError: If the joints of the log are not those of the robot.
+        LogError: If the joints of the log are not those of the robot, or its numbers are beyond all units.
     """
     if log.joints != robot.joints:
         raise LogError(
@@ -55,8 +60,14 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     yield from (Finding(Topic.READING, Severity.INFO, note) for note in log.notes)
     yield from check_rate(log)
     yield from check_gaps(log)
+    wild = wild_samples(log)
+    yield from check_wild(log, wild)
+    log = repaired(log, wild)
+    require_magnitudes(log)
     motion = motion_of(log, robot.is_prismatic)
     yield from check_repeats(log, motion)
+    yield from check_held(log)
+    yield from check_copied(log)
     yield from check_resolution(log, robot, motion)
     yield from check_limits(log, robot)
     yield from check_saturation(log, robot, motion)

@@ -28,7 +28,9 @@ class Topic(StrEnum):
     GAPS = "gaps"
     JITTER = "jitter"
     DUPLICATES = "duplicates"
+    COPIED = "copied"  # a stretch of samples that an earlier one equals
     FROZEN = "frozen"
+    WILD = "wild"  # single samples that no motion makes
     RESOLUTION = "resolution"
     LIMITS = "limits"
     SATURATION = "saturation"

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
+from cdia_pin.logs.derivatives import LONGEST_GAP, differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
@@ -19,7 +19,6 @@ SAMPLES = 800  # [samples], enough to separate hypotheses, few enough for a hund
 STANDSTILL = 0.02  # [rad], a joint that covers less is held by its brake or its controller
 STANDSTILL_PRISMATIC = 0.005  # [m], the same for a prismatic joint
 SLOWEST = 0.02  # [rad/s or m/s], smoothing width of the velocity's sign, well below working speeds
-LONGEST_GAP = 0.5  # [s], a trajectory cannot be interpolated across a longer gap
 SHORTEST = 2.0  # [s], a shorter stretch has too few reversals and accelerations
 
 

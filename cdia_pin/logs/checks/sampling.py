@@ -9,7 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
-from cdia_pin.logs.checks.motion import CUTOFF, LONGEST_GAP, SHORTEST, SmoothedMotion
+from cdia_pin.logs.checks.motion import (
+    CUTOFF,
+    SHORTEST,
+    SmoothedMotion,
+    longest_stretch,
+)
+from cdia_pin.logs.derivatives import LONGEST_GAP
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.resolution import quantum
 
@@ -64,14 +70,18 @@ def check_gaps(log: Log) -> Iterator[Finding]:
     if len(gaps):
         longest = float(step[gaps].max())
         at = float(log.time[gaps[step[gaps].argmax()]])
-        split = f"; only the longest stretch without a gap over {LONGEST_GAP:g} s is checked further"
+        left_out = len(log.time) - len(longest_stretch(log).time)
+        split = (
+            f"; only the longest stretch without a gap over {LONGEST_GAP:g} s is checked further, "
+            f"{left_out} samples are not"
+        )
         yield Finding(
             Topic.GAPS,
             Severity.WARNING if longest > LONG_GAP else Severity.INFO,
             f"{len(gaps)} gap(s), the longest {longest * 1e3:.3g} ms after t = {at:.4g} s"
             + (split if longest > LONGEST_GAP else ""),
             advice="cut the log there (Log.slice) if the arm moved meanwhile" if longest > LONG_GAP else "",
-            value={"count": len(gaps), "longest_s": longest, "after_s": at},
+            value={"count": len(gaps), "longest_s": longest, "after_s": at, "not_checked": left_out},
         )
     else:
         yield Finding(Topic.GAPS, Severity.OK, "no gaps", value={"count": 0})
@@ -105,7 +115,9 @@ def check_repeats(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]:
         One finding on repeated samples, and one per frozen signal.
     """
     signals = [log.position, log.effort] if log.velocity is None else [log.position, log.effort, log.velocity]
-    held = np.all([np.all(np.diff(s, axis=0) == 0, axis=1) for s in signals], axis=0)
+    held = np.ones(len(log.time) - 1, dtype=bool)
+    for column in (c for s in signals for c in s.T):
+        held &= column[1:] == column[:-1]
     share = float(held.mean())
     if share > 0.005:
         source_rate = (1.0 - share) * (len(log.time) - 1) / log.duration

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import sort_names
 from cdia_pin.logs.readers.table import Table
+from cdia_pin.phrases import some
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -32,9 +34,9 @@ def table_from_arrow(arrow: pa.Table, source: str, notes: tuple[str, ...] = ()) 
     import pyarrow as pa
 
     names = list(arrow.column_names)
-    twice = sorted({n for n in names if names.count(n) > 1})
+    twice = sorted(n for n, count in Counter(names).items() if count > 1)
     if twice:
-        raise LogError(f"{source}: column(s) {', '.join(twice)} appear more than once")
+        raise LogError(f"{source}: column(s) {some(twice)} appear more than once")
     columns: dict[str, NDArray[Any]] = {}
     not_numbers: dict[str, str] = {}
     time_unit = None

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _BOMS = ((b"\xef\xbb\xbf", "utf-8"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
 _COMMENT = re.compile(rb"(?m)^[ \t]*#[^\r\n]*(?:\r\n|\r|\n|$)")
+_CUT_NUMBER = re.compile(r"^(?:[+-]?[0-9.,]*(?:[eE][+-]?)?)$")
 _DECIMAL_COMMA = re.compile(r"^-?\d+,\d+$")
 
 
@@ -32,10 +33,11 @@ def read_csv(data: bytes, source: str) -> Table:
         LogError: If it is empty, not text, has no header or rows of different lengths.
     """
     text, notes = _plain_text(data, source)
+    _refuse_stray_quotes(text, source)
     header, text = _header(text, source, notes)
     delimiter = _delimiter(header)
     if delimiter == " ":
-        text = re.sub(rb"[ \t]+", b" ", re.sub(rb"(?m)^[ \t]+|[ \t]+(?=\r?$)", b"", text))
+        text = re.sub(rb"(?m)^ | (?=\r?$)", b"", re.sub(rb"[ \t]+", b" ", text))  # each in one pass
     names = [name.strip().strip("\"'").strip() for name in header.strip().split(delimiter)]
     names = [n for n in names if n] if delimiter == " " else names
     if all(_is_number(n) for n in names):
@@ -45,6 +47,7 @@ def read_csv(data: bytes, source: str) -> Table:
         )
     if not text.strip():
         raise LogError(f"{source}: a header line but no samples")
+    text = _without_cut_row(text, delimiter, notes)
     arrow = _parse(text, names, delimiter, source, notes)
     return table_from_arrow(arrow, source, tuple(notes))
 
@@ -62,6 +65,29 @@ def _plain_text(data: bytes, source: str) -> tuple[bytes, list[str]]:
     if not data.strip():
         raise LogError(f"{source}: the file is empty")
     return data, []
+
+
+def _refuse_stray_quotes(data: bytes, source: str) -> None:
+    """Refuse a line with an odd number of quotes, which would swallow the lines after it."""
+    if b'"' not in data:
+        return
+    for number, line in enumerate(data.splitlines(), 1):
+        if line.count(b'"') % 2 and not line.lstrip().startswith(b"#"):
+            said = line[:60].decode(errors="replace")
+            raise LogError(f"{source}: line {number} has a quotation mark without its partner: {said}")
+
+
+def _without_cut_row(text: bytes, delimiter: str, notes: list[str]) -> bytes:
+    """Leave out a last row that ends in the middle; say so where it may end in the middle of a number."""
+    if text.endswith((b"\n", b"\r")):
+        return text
+    start = max(text.rfind(b"\n"), text.rfind(b"\r")) + 1
+    last = text[start:].decode(errors="replace").split(delimiter)[-1].strip().strip("\"'")
+    if start and not _is_number(last.replace(",", ".")) and _CUT_NUMBER.match(last):
+        notes.append("the last row is cut off and was left out")
+        return text[:start]
+    notes.append("the last line has no end: if the file was cut off, its last value is wrong")
+    return text
 
 
 def _header(data: bytes, source: str, notes: list[str]) -> tuple[str, bytes]:

@@ -33,6 +33,8 @@ def read_table(
     source = path.name
     if not path.exists():
         raise LogError(f"{path}: no such file")
+    if not (path.is_file() or path.is_dir()):
+        raise LogError(f"{path}: a pipe or a device, expected a file")
     suffix = path.suffix.lower()
     if path.is_dir() or suffix in BAG_SUFFIXES:
         return _bag(path, joints, joint_map, topic)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import ALIASES
+from cdia_pin.logs.readers.bounds import require_bounded
 from cdia_pin.logs.readers.table import Table
 
 _JOINT_KEYS = ("joints", "joint_names", "names", "name")
@@ -35,7 +36,7 @@ def read_npz(data: bytes, source: str) -> Table:
         LogError: If the bytes are not such an archive.
     """
     arrays = _arrays(data, source)
-    joints = next((arrays[k].astype(str).tolist() for k in _JOINT_KEYS if k in arrays), None)
+    joints = next((_names(arrays[k], k, source) for k in _JOINT_KEYS if k in arrays), None)
     columns: dict[str, NDArray[Any]] = {}
     not_numbers: dict[str, str] = {}
     for key, array in arrays.items():
@@ -61,11 +62,27 @@ def read_npz(data: bytes, source: str) -> Table:
     return Table(columns, not_numbers)
 
 
+def _names(array: NDArray[Any], key: str, source: str) -> list[str]:
+    if array.ndim != 1 or array.dtype.kind not in "US":
+        raise LogError(
+            f"{source}: {key} must be a list of names, found an array of {array.dtype}, shape {array.shape}"
+        )
+    if array.dtype.kind == "U":
+        return [str(name) for name in array]
+    try:
+        return [bytes(name).decode() for name in array]
+    except UnicodeDecodeError:
+        raise LogError(f"{source}: {key} must be names in UTF-8") from None
+
+
 def _arrays(data: bytes, source: str) -> dict[str, NDArray[Any]]:
     try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-            if not isinstance(archive, np.lib.npyio.NpzFile):
-                raise LogError(f"{source}: one bare array, expected an .npz archive with named arrays")
+        loaded = np.load(io.BytesIO(data), allow_pickle=False)
+        if not isinstance(loaded, np.lib.npyio.NpzFile):
+            raise LogError(f"{source}: one bare array, expected an .npz archive with named arrays")
+        with loaded as archive:
+            entries = archive.zip.infolist() if archive.zip is not None else []
+            require_bounded(sum(int(entry.file_size) for entry in entries), len(data), source)
             return {key: archive[key] for key in archive.files}
     except (OSError, ValueError, EOFError, KeyError, AttributeError, zipfile.BadZipFile, zlib.error) as error:
         raise LogError(f"{source}: not readable as .npz ({' '.join(str(error).split())[:160]})") from None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,22 @@ from numpy.typing import NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.extras import require
 from cdia_pin.logs.joint_names import match_joints
+from cdia_pin.logs.readers.bounds import require_bounded
+from cdia_pin.logs.readers.mcap import bounded_decompression, contents
 from cdia_pin.logs.readers.table import Table
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 _COMMANDS = ("command", "cmd", "desired", "target", "reference", "goal")
+
+
+class _Message(NamedTuple):
+    """A JointState message: names, stamp [ns] and signals; messages of one arm share their names."""
+
+    name: tuple[str, ...]
+    stamp: int
+    position: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    effort: NDArray[np.float64]
 
 
 @dataclass
@@ -25,11 +37,11 @@ class _Topic:
 
     name: str
     received: list[int] = field(default_factory=list)  # [ns]
-    messages: list[Any] = field(default_factory=list)
+    messages: list[_Message] = field(default_factory=list)
 
     @property
     def joint_lists(self) -> list[tuple[str, ...]]:
-        return sorted({tuple(m.name) for m in self.messages})
+        return sorted({m.name for m in self.messages})
 
     def covering(self, joints: Sequence[str], joint_map: Mapping[str, str] | None) -> set[tuple[str, ...]]:
         """Return the lists of joints in the messages that contain every joint of the robot."""
@@ -72,12 +84,12 @@ def read_rosbag(
         topics = _named(topics, topic, source)
     chosen = _choose(topics, joints, joint_map, source)
     usable = chosen.covering(joints, joint_map)
-    keep = [k for k, m in enumerate(chosen.messages) if tuple(m.name) in usable]
+    keep = [k for k, m in enumerate(chosen.messages) if m.name in usable]
     notes = [f"{len(keep)} messages of topic {chosen.name} read"]
     if len(keep) < len(chosen.messages):
         notes.append(f"{len(chosen.messages) - len(keep)} of its messages lack the robot's joints, left out")
     messages = [chosen.messages[k] for k in keep]
-    time = np.array([m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in messages], dtype=np.int64)
+    time = np.array([m.stamp for m in messages], dtype=np.int64)
     if not time.any():
         notes.append("header stamps are all zero; the times of reception are used")
         time = np.array([chosen.received[k] for k in keep], dtype=np.int64)
@@ -93,7 +105,7 @@ def read_rosbag(
 
 
 def _signal(
-    messages: list[Any], signal: str, source: str, notes: list[str]
+    messages: list[_Message], signal: str, source: str, notes: list[str]
 ) -> dict[str, NDArray[np.float64]]:
     """Return the columns ``signal.joint`` by name; the order of joints may differ between messages."""
     filled = [len(getattr(m, signal)) for m in messages]
@@ -101,7 +113,7 @@ def _signal(
         return {}
     orders: dict[tuple[str, ...], int] = {}
     for message, count in zip(messages, filled, strict=True):
-        names = tuple(message.name)
+        names = message.name
         if count != len(names):
             raise LogError(
                 f"{source}: a message names {len(names)} joints but holds {count} values of {signal}; "
@@ -112,10 +124,23 @@ def _signal(
         notes.append(f"messages list their joints in {len(orders)} different ways; read by name")
     shared = [j for j in next(iter(orders)) if all(j in names for names in orders)]
     pick = {names: [names.index(j) for j in shared] for names in orders}
-    values = np.array(
-        [np.asarray(getattr(m, signal), dtype=np.float64)[pick[tuple(m.name)]] for m in messages]
-    )
+    values = np.array([getattr(m, signal)[pick[m.name]] for m in messages])
     return {f"{signal}.{joint}": values[:, k] for k, joint in enumerate(shared)}
+
+
+def _light(message: Any, names: dict[tuple[str, ...], tuple[str, ...]]) -> _Message:
+    """Return what is needed of a message, which takes a tenth of its memory."""
+    name = tuple(message.name)
+    stamp = message.header.stamp
+    signals = (np.array(getattr(message, s), dtype=np.float64) for s in ("position", "velocity", "effort"))
+    return _Message(names.setdefault(name, name), stamp.sec * 10**9 + stamp.nanosec, *signals)
+
+
+def _require_bounded(path: Path) -> None:
+    """Refuse MCAP files whose chunks become too large."""
+    for file in sorted(path.iterdir()) if path.is_dir() else [path]:
+        if file.suffix == ".mcap":
+            require_bounded(contents(file), file.stat().st_size, file.name)
 
 
 def _named(topics: list[_Topic], wanted: str, source: str) -> list[_Topic]:
@@ -155,14 +180,16 @@ def _joint_states(path: Path, source: str) -> tuple[list[_Topic], list[str]]:
 
     store = get_typestore(Stores.ROS2_HUMBLE)  # JointState is the same in every ROS 2
     topics: dict[str, _Topic] = {}
+    names: dict[tuple[str, ...], tuple[str, ...]] = {}
+    _require_bounded(path)
     try:
-        with Reader(path) as bag:
+        with bounded_decompression(), Reader(path) as bag:
             wanted = [c for c in bag.connections if c.msgtype == JOINT_STATE]
             others = [f"{c.topic} ({c.msgtype})" for c in bag.connections if c.msgtype != JOINT_STATE]
             for connection, received, raw in bag.messages(wanted) if wanted else ():
                 topic = topics.setdefault(connection.topic, _Topic(connection.topic))
                 topic.received.append(received)
-                topic.messages.append(store.deserialize_cdr(raw, JOINT_STATE))
+                topic.messages.append(_light(store.deserialize_cdr(raw, JOINT_STATE), names))
     except Exception as error:  # rosbags, apsw, struct and lz4 each raise their own
         said = " ".join(str(error).split())[:160] or type(error).__name__
         raise LogError(

@@ -1,0 +1,95 @@
+"""What an interrupted search had found: kept beside the file of its result, and where the same command goes on."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cdia_pin.cli.console import warn
+from cdia_pin.errors import CdiaError
+
+if TYPE_CHECKING:
+    from cdia_pin.dynamics import Dynamics
+    from cdia_pin.logs import Log
+    from cdia_pin.robot import RobotModel
+
+SUFFIX = ".unfinished"
+
+
+@dataclass(frozen=True)
+class Unfinished:
+    """The last model of a search that has not ended.
+
+    Attributes:
+        path: Its file; None if no model is to be saved.
+        key: Hash of the command and its logs: a search of anything else does not go on from here.
+    """
+
+    path: Path | None
+    key: str
+
+    @classmethod
+    def beside(cls, save: Path | None, command: str, model: Path | None, logs: Sequence[Log]) -> Unfinished:
+        """Return what belongs to a command.
+
+        Args:
+            save: File of the result; None without one.
+            command: What the user typed.
+            model: File of the model at which the search starts.
+            logs: The logs that are fitted.
+        """
+        digest = hashlib.sha256(command.encode(errors="replace"))
+        digest.update(model.read_bytes() if model else b"")
+        for log in logs:
+            digest.update(log.sha256.encode())
+        return cls(save and save.with_name(save.name + SUFFIX), digest.hexdigest())
+
+    def read(self, robot: RobotModel) -> Dynamics | None:
+        """Return the model that an interrupted run of the same command left; None if there is none.
+
+        Args:
+            robot: Whose model it is.
+        """
+        import json
+
+        from cdia_pin.dynamics import load_model
+
+        if self.path is None or not self.path.is_file():
+            return None
+        with contextlib.suppress(CdiaError, OSError, ValueError, KeyError, TypeError):
+            if json.loads(self.path.read_text(encoding="utf-8"))["record"]["search"] == self.key:
+                return load_model(self.path, robot)
+        return None
+
+    def keep(self, model: Dynamics) -> None:
+        """Save a model that is better than those before; a full disk does not end the search.
+
+        Args:
+            model: The model.
+        """
+        from cdia_pin.dynamics import save_model
+
+        if self.path is not None:
+            with contextlib.suppress(CdiaError):
+                save_model(model, self.path, record={"search": self.key})
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Say where the last model is if the block is interrupted."""
+        try:
+            yield
+        except KeyboardInterrupt:
+            if self.path is not None and self.path.is_file():
+                warn(f"what was found so far is in {self.path}; the same command goes on from there")
+            raise
+
+    def forget(self) -> None:
+        """Remove the file, because the result is written."""
+        if self.path is not None:
+            with contextlib.suppress(OSError):
+                self.path.unlink(missing_ok=True)

@@ -1,0 +1,221 @@
+"""Wild samples: values that leave a signal and come back faster than any motion.
+
+A value is wild if both neighbours of its run lie on the same side of it, far away. A moving joint leaves and comes back
+only at a reversal, where its acceleration bounds the distance: a T² / 2 within ± T. Noise and the steps of an encoder
+leave and come back too, so they bound the distance as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs.derivatives import akima, linear
+from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+FASTEST = 1000.0  # [rad/s² or m/s²], fifty times what arms do; the joints of measured logs show up to 190 by rounding
+COARSEST = 0.02  # [rad or m], a smaller excursion may be a step of the encoder, and is lost in the filter
+POSITION_NOISE = 30.0  # [1], excursion over the first quartile of the second differences: 10 σ of white noise
+EFFORT_NOISE = 20.0  # [1], the same over their 90th percentile; measured efforts show up to 11
+EFFORT_SPANS = (
+    3.0  # [1], excursion over the range of the other efforts; an impact stays below 0.6 in measured logs
+)
+LONGEST = 4  # [samples] of a run; what lasts longer is no single sample
+END = 10.0  # [1], first or last step over the largest usual one: at an end there is one neighbour only
+USUAL = 99.5  # [%], of the steps are usual: a signal that is held for 0.1 s at 1 kHz changes in 1 %
+LARGEST_SHARE = 0.01  # [1], of the samples; above it something is wrong that leaving out does not mend
+JUDGED = 100_000  # [samples], by which noise and range are judged
+NAMED = 3  # samples that a note names before it counts them
+
+
+@dataclass(frozen=True)
+class WildSample:
+    """A value that no motion makes.
+
+    Attributes:
+        signal: ``position`` or ``effort``.
+        joint: Name of the joint.
+        row: Index of the sample.
+        time: Its time [s].
+        value: The value [rad, m, N·m or N].
+    """
+
+    signal: str
+    joint: str
+    row: int
+    time: float
+    value: float
+
+    def __str__(self) -> str:
+        return f"{self.signal} of {self.joint} is {self.value:.4g} at t = {self.time:.6g} s"
+
+
+def wild_samples(log: Log) -> tuple[WildSample, ...]:
+    """Find the values of positions and efforts that no motion makes.
+
+    Runs of up to four samples are found. Velocities are not looked at, because they are derived from positions.
+
+    Args:
+        log: The log.
+
+    Returns:
+        The values, by signal, joint and time; empty for nearly every log.
+    """
+    out = []
+    for signal, values in (("position", log.position), ("effort", log.effort)):
+        for k, joint in enumerate(log.joints):
+            x = values[:, k]
+            with np.errstate(over="ignore", invalid="ignore"):
+                rows = _wild_positions(x, log.time) if signal == "position" else _wild_efforts(x)
+            out += [WildSample(signal, joint, int(r), float(log.time[r]), float(x[r])) for r in rows]
+    return tuple(out)
+
+
+def share_of(found: Sequence[WildSample], log: Log) -> float:
+    """Return the share of the samples in which a joint has a wild value [1].
+
+    Args:
+        found: Its wild samples.
+        log: The log.
+    """
+    return len({s.row for s in found}) / len(log.time)
+
+
+def repaired(log: Log, found: Sequence[WildSample]) -> Log:
+    """Return a log without wild values: the others are interpolated at their times, as if they were missing.
+
+    Args:
+        log: The log.
+        found: Its wild samples.
+    """
+    changed: dict[str, Any] = {}
+    for signal, between in (("position", akima), ("effort", linear)):
+        values = getattr(log, signal)
+        for k, joint in enumerate(log.joints):
+            rows = [s.row for s in found if (s.signal, s.joint) == (signal, joint)]
+            if not rows:
+                continue
+            values = changed.setdefault(signal, values.copy())
+            kept = np.ones(len(log.time), dtype=bool)
+            kept[rows] = False
+            inside = np.clip(log.time[rows], *log.time[kept][[0, -1]])
+            values[rows, k] = between(inside, log.time[kept], values[kept, k : k + 1])[:, 0]
+    return replace(log, **changed) if changed else log
+
+
+def without_wild_samples(log: Log) -> Log:
+    """Return a log without its wild values, with a note that says how many there were.
+
+    Args:
+        log: The log.
+
+    Returns:
+        The log itself if it has none.
+
+    Raises:
+        LogError: If they are more than 1 % of the samples.
+    """
+    found = wild_samples(log)
+    if not found:
+        return log
+    if share_of(found, log) > LARGEST_SHARE:
+        raise LogError(f"{log.source}: {said_of(found, log)}; find out what went wrong when it was recorded")
+    return repaired(log, found).noted(f"{said_of(found, log)}; left out of all that is computed")
+
+
+def said_of(found: Sequence[WildSample], log: Log) -> str:
+    """Return what is said of wild samples: how many there are, and the first of them.
+
+    Args:
+        found: Wild samples, at least one.
+        log: Their log.
+    """
+    rows = len({s.row for s in found})
+    share = f" ({100 * share_of(found, log):.2g} % of the samples)" if rows > 1 else ""
+    counted = f"{rows} sample{'s' if rows > 1 else ''} that no motion makes{share}"
+    more = ", …" if len(found) > NAMED else ""
+    return f"{counted}: {', '.join(map(str, found[:NAMED]))}{more}"
+
+
+def _wild_positions(x: Array, time: Array) -> list[int]:
+    step = np.diff(x)
+    if not float(np.max(np.abs(step))) > COARSEST:  # nearly always
+        return []
+    large = max(COARSEST, POSITION_NOISE * _curvature(x, 25))
+    far = []
+    for first, last, distance in _excursions(x, step, large):
+        half = (time[min(last, len(x) - 1)] - time[max(first - 1, 0)]) / 2
+        if distance > FASTEST * half**2 / 2:
+            far.append((first, last))
+    return _farthest_first(x, far)
+
+
+def _wild_efforts(x: Array) -> list[int]:
+    thin = x[:: max(1, len(x) // JUDGED)]
+    span = float(np.subtract(*np.percentile(thin, [99.5, 0.5])))
+    noise = EFFORT_NOISE * _curvature(x, 90)
+    large = max(noise, 0.05 * span)  # a value lost as 0 may be near the others
+    beyond = max(noise, EFFORT_SPANS * span)
+    far = [
+        (first, last)
+        for first, last, distance in _excursions(x, np.diff(x), large)
+        if last - first == 1 and (distance > beyond or x[first] == 0)
+    ]
+    return _farthest_first(x, far)
+
+
+def _farthest_first(x: Array, runs: list[tuple[int, int]]) -> list[int]:
+    """Return the rows of runs, without those that are far only from another, wilder run beside them."""
+
+    def wildness(run: tuple[int, int]) -> float:
+        first, last = run
+        around = x[max(0, first - 2 * LONGEST) : last + 2 * LONGEST]
+        return float(np.min(np.abs(x[first:last] - np.median(around))))
+
+    wild: set[int] = set()
+    for first, last in sorted(runs, key=wildness, reverse=True):
+        if first - 1 not in wild and last not in wild:
+            wild.update(range(first, last))
+    return sorted(wild)
+
+
+def _curvature(x: Array, percent: float) -> float:
+    """Return a percentile of the absolute second differences [unit of x], of stretches all over a long signal."""
+    every = max(1, len(x) // JUDGED)
+    middle = np.arange(1, len(x) - 1, every)
+    if not len(middle):
+        return 0.0
+    bend = np.abs(x[middle - 1] - 2 * x[middle] + x[middle + 1])
+    return float(np.percentile(np.nan_to_num(bend, nan=np.inf), percent))
+
+
+def _excursions(x: Array, step: Array, large: float) -> Iterator[tuple[int, int, float]]:
+    """Yield first row, row after the last and distance of each short run that leaves by a large step and comes back."""
+    jumps = np.flatnonzero(~(np.abs(step) <= large))
+    for lag in range(1, LONGEST + 1):
+        i, j = jumps[:-lag], jumps[lag:]
+        back = (j - i <= LONGEST) & (np.sign(step[i]) == -np.sign(step[j]))
+        for before, last in zip(i[back].tolist(), j[back].tolist(), strict=True):
+            run, side = x[before + 1 : last + 1], np.sign(step[before])
+            distance = float(np.min(side * (run - side * max(side * x[before], side * x[last + 1]))))
+            if distance > large:
+                yield before + 1, last + 1, distance
+    yield from _at_the_ends(step, jumps)
+
+
+def _at_the_ends(step: Array, jumps: Rows) -> Iterator[tuple[int, int, float]]:
+    if not len(jumps):
+        return
+    usual = END * float(np.percentile(np.abs(step), USUAL))
+    count = len(step) + 1
+    for k, first, last in ((jumps[0], 0, int(jumps[0]) + 1), (jumps[-1], int(jumps[-1]) + 1, count)):
+        if last - first <= LONGEST and not abs(step[k]) <= usual:
+            yield first, last, float(abs(step[k]))

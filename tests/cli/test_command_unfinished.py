@@ -1,0 +1,77 @@
+"""An interrupted search is not lost: the same command goes on from what it had found."""
+
+import json
+
+import pytest
+
+from cdia_pin import Dynamics, load_robot, write_log
+from cdia_pin.discovery import discover
+from cdia_pin.selection import search as searching
+from tests.cli.conftest import HIDDEN, pendulum_log
+
+ROBOT = ("--robot", "double_pendulum")
+HIDDEN_TOO = "viscous_friction@joint1: coefficient=0.08"
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory):
+    """A log with two hidden effects."""
+    file = tmp_path_factory.mktemp("two") / "two.csv"
+    write_log(pendulum_log(5, HIDDEN, HIDDEN_TOO), file)
+    return file
+
+
+def effects(path) -> list[tuple[str, list[str]]]:
+    return [(t["effect"], t["joints"]) for t in json.loads(path.read_text())["terms"]]
+
+
+def interrupted_after(monkeypatch, moves: int) -> None:
+    """Press Ctrl-C in the search after some accepted moves."""
+    fitted, calls = searching.fitted, [0]
+
+    def counting(problem, model):
+        calls[0] += 1
+        if calls[0] > moves + 1:
+            raise KeyboardInterrupt
+        return fitted(problem, model)
+
+    monkeypatch.setattr(searching, "fitted", counting)
+
+
+def test_what_was_found_is_kept_and_the_same_command_goes_on(cdia, two, tmp_path, monkeypatch):
+    whole, save = tmp_path / "whole.json", tmp_path / "model.json"
+    assert cdia("discover", two, *ROBOT, "--save", whole).code == 0
+    assert not (tmp_path / "whole.json.unfinished").exists()
+    with monkeypatch.context() as patch:
+        interrupted_after(patch, 1)
+        done = cdia("discover", two, *ROBOT, "--save", save)
+    unfinished = tmp_path / "model.json.unfinished"
+    assert done.code == 130 and str(unfinished) in done.err and not save.exists()
+    assert effects(unfinished)
+    again = cdia("discover", two, *ROBOT, "--save", save)
+    assert again.code == 0 and "going on from" in again.err
+    assert effects(save) == effects(whole)
+    assert not unfinished.exists()
+
+
+def test_another_command_does_not_go_on_from_there(cdia, two, log, tmp_path, monkeypatch):
+    save = tmp_path / "model.json"
+    with monkeypatch.context() as patch:
+        interrupted_after(patch, 1)
+        assert cdia("discover", two, *ROBOT, "--save", save).code == 130
+    assert "going on" not in cdia("discover", log, *ROBOT, "--save", save).err
+    (tmp_path / "model.json.unfinished").write_text("{")
+    assert cdia("discover", two, *ROBOT, "--save", save).code == 0
+
+
+def test_without_a_file_nothing_is_kept(cdia, two, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    interrupted_after(monkeypatch, 1)
+    assert cdia("discover", two, *ROBOT).code == 130
+    assert not list(tmp_path.iterdir())
+
+
+def test_each_better_model_is_kept():
+    model, kept = Dynamics(load_robot("double_pendulum")), []
+    found = discover(model, pendulum_log(5, HIDDEN, HIDDEN_TOO), keep=kept.append)
+    assert kept and len(kept[-1].terms) >= len(found.model.terms)

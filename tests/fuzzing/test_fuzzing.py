@@ -1,0 +1,151 @@
+"""Files that were damaged at random are read or refused in one line: every kind of input, from a corpus.
+
+``CDIA_FUZZ=50 python -m pytest tests/fuzzing`` tries 50 times as many. What breaks is put into the corpus.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cdia_pin.dynamics import load_model
+from cdia_pin.effects import from_expression, parse_term
+from cdia_pin.errors import CdiaError
+from cdia_pin.logs import check_log, read_log
+from cdia_pin.logs.gains import read_gains
+from cdia_pin.robot import load_robot
+
+CORPUS = Path(__file__).parent / "corpus"
+EXAMPLES = 60 * int(os.environ.get("CDIA_FUZZ", "1"))
+ROBOT = load_robot("double_pendulum")
+# what often breaks a parser, beside single bytes
+TOKENS = (
+    *(
+        b"nan",
+        b"inf",
+        b"-inf",
+        b"1e400",
+        b"-1e308",
+        b"9" * 400,
+        b"0x10",
+        b"1_000",
+        b"true",
+        b"null",
+        b"{}",
+        b"[]",
+    ),
+    *(
+        b'"',
+        b"'",
+        b"\0",
+        b"\n",
+        b"\r\n",
+        b",",
+        b";",
+        b"\t",
+        b"#",
+        b"<",
+        b">",
+        b"&",
+        b"{",
+        b"[",
+        b"=",
+        b":",
+        b"@",
+    ),
+    *(
+        b"\xff\xfe",
+        b"\xef\xbb\xbf",
+        b"\x1b[2J",
+        b"\xe2\x80\xae",
+        b"time",
+        b"position",
+        b"joint1",
+        b" " * 3000,
+    ),
+)
+
+
+@st.composite
+def damaged(draw: st.DrawFn, kind: str) -> tuple[str, bytes]:
+    """The suffix and the bytes of a file of the corpus, with up to six changes."""
+    file = draw(st.sampled_from(sorted((CORPUS / kind).iterdir())))
+    data = file.read_bytes()
+    for _ in range(draw(st.integers(0, 6))):
+        start = draw(st.integers(0, len(data)))
+        stop = min(len(data), start + draw(st.integers(0, 40)))
+        change = draw(st.sampled_from(["flip", "delete", "token", "repeat", "cut", "bytes"]))
+        if change == "flip" and start < len(data):
+            data = data[:start] + bytes([data[start] ^ draw(st.integers(1, 255))]) + data[start + 1 :]
+        elif change == "delete":
+            data = data[:start] + data[stop:]
+        elif change == "token":
+            data = data[:start] + draw(st.sampled_from(TOKENS)) + data[stop:]
+        elif change == "repeat":
+            data = data[:stop] + data[start:stop] * draw(st.integers(1, 3)) + data[stop:]
+        elif change == "cut":
+            data = data[:start]
+        elif change == "bytes":
+            data = data[:start] + draw(st.binary(max_size=20)) + data[start:]
+    return file.suffix, data
+
+
+def read_and_check(file: Path) -> None:
+    check_log(read_log(file, ROBOT), ROBOT)
+
+
+def read_lines(read: Callable[[str], object]) -> Callable[[Path], None]:
+    """Each line of a file is an input of its own."""
+
+    def reading(file: Path) -> None:
+        for line in file.read_text(errors="replace").splitlines():
+            try:
+                read(line)
+            except CdiaError as error:
+                assert len(str(error)) < 20_000
+
+    return reading
+
+
+READERS: dict[str, Callable[[Path], object]] = {
+    "logs": read_and_check,
+    "models": lambda file: load_model(file, ROBOT),
+    "gains": lambda file: read_gains(file, ROBOT.joints),
+    "urdf": load_robot,
+    "expressions": read_lines(from_expression),
+    "terms": read_lines(lambda line: parse_term(line, ROBOT)),
+}
+
+
+@pytest.mark.parametrize("kind", READERS)
+def test_what_is_not_damaged_is_read(kind, tmp_path):
+    for file in sorted((CORPUS / kind).iterdir()):
+        if not file.name.startswith("broke_"):
+            READERS[kind](file)
+
+
+@pytest.mark.parametrize("kind", READERS)
+@given(data=st.data())
+@settings(
+    max_examples=EXAMPLES,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+def test_what_is_damaged_is_read_or_refused(kind, tmp_path, data):
+    suffix, content = data.draw(damaged(kind))
+    file = tmp_path / f"damaged{suffix}"
+    file.write_bytes(content)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            READERS[kind](file)
+        except CdiaError as error:
+            assert str(error).strip()
+            assert not re.search(r"Traceback \(most recent", str(error))

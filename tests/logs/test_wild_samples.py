@@ -1,0 +1,115 @@
+"""Single samples that no motion makes are named and left out; nothing that an arm did is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from cdia_pin.errors import LogError
+from cdia_pin.logs import Log, Severity, check_log
+from cdia_pin.logs.conditioning import condition
+from cdia_pin.logs.wild_samples import repaired, wild_samples, without_wild_samples
+
+
+def with_value(log: Log, signal: str, row: int | slice, joint: int, value: float) -> Log:
+    changed = getattr(log, signal).copy()
+    changed[row, joint] = value
+    return replace(log, **{signal: changed})
+
+
+def moving(rate: float, seed: int, noise: float, duration: float = 8.0) -> Log:
+    rng = np.random.default_rng(seed)
+    t = np.arange(int(duration * rate)) / rate
+    angle = 2 * np.pi * np.outer(t, rng.uniform(0.1, 1.0, 2)) + rng.uniform(0, 6, 2)
+    q = np.sin(angle) - 1.5 + noise * rng.normal(size=angle.shape)
+    effort = 10 * np.cos(angle) + rng.normal(size=angle.shape)
+    return Log(("a", "b"), t, q, effort)
+
+
+@pytest.mark.parametrize("row", [0, 1, 2500, 4998, 4999])
+@pytest.mark.parametrize("value", [100.0, -7.0, 0.0, 1e300, -1e308])
+def test_one_encoder_value_that_no_motion_makes_is_found_and_left_out(ur5_log, row, value):
+    joint = int(np.argmax(np.abs(ur5_log.position[row])))  # there a 0 is wild
+    found = wild_samples(with_value(ur5_log, "position", row, joint, value))
+    assert [(s.signal, s.joint, s.row) for s in found] == [("position", ur5_log.joints[joint], row)]
+
+
+def test_a_wild_sample_changes_the_conditioned_motion_no_more_than_its_absence(ur5, ur5_log):
+    wild = with_value(ur5_log, "position", 2500, 2, 100.0)
+    clean, left_out = condition(ur5_log, ur5), condition(wild, ur5)
+    assert left_out.cutoff == clean.cutoff
+    np.testing.assert_allclose(left_out.a, clean.a, atol=0.05)
+    assert "1 sample" in left_out.record["notes"][-1] and "100" in left_out.record["notes"][-1]
+
+
+def test_the_check_names_the_sample_and_judges_the_rest_without_it(ur5, ur5_log):
+    found = check_log(with_value(ur5_log, "position", 2500, 2, 100.0), ur5)
+    (wild,) = found.about("wild")
+    assert wild.severity is Severity.WARNING and "100" in wild.message and "t = 10" in wild.message
+    assert wild.joint == "elbow_joint"
+    expected = [
+        f.message for f in check_log(ur5_log, ur5).findings if f.topic in {"sign", "limits", "joint_order"}
+    ]
+    assert [f.message for f in found.findings if f.topic in {"sign", "limits", "joint_order"}] == expected
+
+
+def test_an_effort_of_zero_or_beyond_all_others_is_wild(ur5_log):
+    row = int(np.argmin(np.abs(ur5_log.effort[:, 1] - np.percentile(ur5_log.effort[:, 1], 5))))
+    for value in (0.0, 1e6, -1e6):
+        (found,) = wild_samples(with_value(ur5_log, "effort", row, 1, value))
+        assert (found.signal, found.row) == ("effort", row)
+
+
+def test_a_log_with_too_many_is_refused_with_their_share(ur5, ur5_log):
+    position = ur5_log.position.copy()
+    position[np.random.default_rng(0).choice(5000, 600, replace=False), 1] = 50.0
+    bad = replace(ur5_log, position=position)
+    with pytest.raises(LogError, match=r"1\d % of the samples"):
+        condition(bad, ur5)
+    (found,) = check_log(bad, ur5).about("wild")
+    assert found.severity is Severity.ERROR
+
+
+def test_a_log_without_them_is_returned_as_it_is(ur5_log, panda_log):
+    for log in (ur5_log, panda_log):
+        assert without_wild_samples(log) is log
+
+
+@given(
+    rate=st.sampled_from([50.0, 100.0, 250.0, 500.0, 1000.0]),
+    seed=st.integers(0, 2**32 - 1),
+    noise=st.sampled_from([0.0, 1e-5, 1e-3]),
+    rows=st.sets(st.integers(3, 396), max_size=3),
+    value=st.one_of(st.floats(2.0, 1e308), st.floats(-1e308, -5.0)),
+)
+@settings(max_examples=150, deadline=None)
+@example(rate=50.0, seed=0, noise=0.0, rows={3, 4, 5}, value=100.0)
+def test_exactly_the_values_that_were_broken_are_found(rate, seed, noise, rows, value):
+    log = moving(rate, seed, noise)
+    apart = {k for k in rows if not {k - 1, k + 1, k - 2, k + 2} & rows}
+    broken = with_value(log, "position", sorted(rows), 0, value) if rows else log
+    found = {s.row for s in wild_samples(broken)}
+    assert apart <= found <= {k + d for k in rows for d in (-1, 0, 1)}
+    mended = repaired(broken, wild_samples(broken))
+    assert np.abs(mended.position - log.position).max() < 0.5
+
+
+@given(seed=st.integers(0, 2**32 - 1), hold=st.integers(1, 100), step=st.sampled_from([0.0, 1e-4, 0.01]))
+@settings(max_examples=60, deadline=None)
+def test_nothing_that_a_joint_did_is_wild(seed, hold, step):
+    # noise, values that are held for up to 0.1 s, a coarse encoder
+    log = moving(1000.0, seed, 1e-4)
+    position = log.position[np.arange(len(log.time)) // hold * hold]
+    position = np.round(position / step) * step if step else position
+    assert wild_samples(replace(log, position=position)) == ()
+
+
+def test_measured_logs_hold_none(measured):
+    from cdia_pin.logs import read_log
+    from cdia_pin.robot import load_robot
+
+    for folder, robot in (("ur10", "ur10"), ("panda", "panda"), ("double_pendulum", "double_pendulum")):
+        for file in sorted((measured / folder).glob("*.csv")):
+            assert wild_samples(read_log(file, load_robot(robot))) == (), file.name
