@@ -29,6 +29,9 @@ LEAST_SHARE = (
 LEAST_WINDOWS = (
     2.0  # [1], number of windows that healthy runs count as at least, so that the logarithm is positive
 )
+MISSED_SHARE = (
+    0.2  # [1], share of a believed fault's torque that its formula may miss, as in `kernels.ROUGHNESS`
+)
 FILLED = 0.5  # [1], share of the window that must hold motion before it counts
 TINY = 1e-300  # keeps a column that was never excited from dividing by zero
 
@@ -89,9 +92,13 @@ class LastingDetector:
             out[:, i] = np.sqrt(np.maximum(gain, 0.0) / np.maximum(self.weight, TINY))
         return np.where(filled[:, None], out, 0.0)
 
-    def beyond(self) -> NDArray[np.bool_]:
-        """Return the joints on which an effect explains more than a healthy arm shows, shape (n,)."""
-        return np.asarray((self.explained() > self.limit).any(axis=1))
+    def beyond(self, believed: Array) -> NDArray[np.bool_]:
+        """Return the joints on which an effect explains more than a healthy arm shows, shape (n,).
+
+        Args:
+            believed: Largest torque of late of what is believed [N·m or N], shape (n,). Its formula may miss a share.
+        """
+        return np.asarray((self.explained() > self.limit + MISSED_SHARE * believed[:, None]).any(axis=1))
 
 
 def limit_of(

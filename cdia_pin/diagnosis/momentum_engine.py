@@ -204,13 +204,12 @@ class MomentumEngine:
         self.lasting.add(dt, o.filtered, o.remainder, o.state.moving > 1.0 - RESTING)
         if then >= self._next_lasting:
             self._next_lasting = then + LASTING_EVERY
-            beyond = self.lasting.beyond()
+            beyond = self.lasting.beyond(o.state.amplitude)
             for monitor in self.joint_monitors:
                 monitor.lasts = bool(beyond[monitor.j])
             self._lasts = [m.j for m in self.joint_monitors if m.lasts and m.is_calm]
         if self.arm.believed and self._corrects:
-            tau = o.carried.nonlinear_effects(o.q, o.v) - o.nominal.robot.nonlinear_effects(o.q, o.v)
-            self._carried_torque = tau
+            self._carried_torque = self.arm.carried_torque()
         changed = self.arm.sample(dt)
         return changed or bool(self._lasts)
 

@@ -43,9 +43,9 @@ def test_it_alarms_beyond_its_limit_alone() -> None:
     y, noise = series()
     noise[:, 1] += 0.4 * y[:, 1, 0]
     detector = shown(noise, y)
-    assert not detector.beyond().any()  # nothing has been learned
+    assert not detector.beyond(np.zeros(ROBOT.n)).any()  # nothing has been learned
     detector.limit[:] = 0.25
-    assert detector.beyond().tolist() == [j == 1 for j in range(ROBOT.n)]
+    assert detector.beyond(np.zeros(ROBOT.n)).tolist() == [j == 1 for j in range(ROBOT.n)]
 
 
 def test_a_joint_at_rest_says_nothing() -> None:

@@ -155,11 +155,19 @@ class ArmMonitor:
         """
         o = self.observer
         self.detector.add(o.time, dt, o.remainder, o.state.moving, o.state.nle)
+        if self.believed:  # its formula may miss a share for a moment, as those of the joints' effects may
+            o.state.amplitude = np.maximum(o.state.amplitude, np.abs(self.carried_torque()))
         if self.evidence.is_active:
             self.evidence.add(o.time, o.q, o.v)
         if self.contact is not None and self.detector.present:
             self.contact = self._touched(self.contact.since)
         return self.detector.present != (self.contact is not None)
+
+    def carried_torque(self) -> Array:
+        """Return what gravity and motion take of the joints by what is believed [N·m or N], shape (n,)."""
+        o = self.observer
+        now = np.array(o.carried.rigid_terms(o.q, o.v)[1])
+        return np.asarray(now - o.nominal.robot.rigid_terms(o.q, o.v)[1])
 
     def follow_contact(self, t: float) -> list[Event]:
         """Say that contact has begun or ended, if so.
@@ -195,10 +203,10 @@ class ArmMonitor:
             joints |= {self.observer.nominal.robot.joint_index(j) for j in self.contact.joints}
         if not joints:
             return self._refine(t)
-        if self._trial is not None:
-            self._take_back(t)
-        elif not self.evidence.is_active or self._since == np.inf:
+        if self._since == np.inf and not self._was_wrong(joints):
             self.evidence.start(self.observer.time)
+            self._trial = None
+        if self._since == np.inf:
             self._since = t
             self._votes.clear()
         self._decision = found = decide(self.evidence, self.bank, sorted(joints), self.settings)
@@ -245,14 +253,20 @@ class ArmMonitor:
             self._believe(found)
         return []
 
-    def _take_back(self, t: float) -> None:
-        """Withdraw what was believed on trial: joints have left their thresholds again, so it was wrong or not all."""
-        assert self._trial is not None
-        trial, self._trial = self._trial, None
+    def _was_wrong(self, joints: set[int]) -> bool:
+        """Withdraw what is on trial if another effect explains all since the detection better; return whether."""
+        if self._trial is None:
+            return False
+        trial = self._trial
+        self.evidence.shift(trial.index, -trial.moved)
+        found = decide(self.evidence, self.bank, sorted(joints), self.settings)
+        self.evidence.shift(trial.index, trial.moved)
+        if found.index == trial.index or not found.is_sure or found.lead < self.settings.lead:
+            return False
         self._move(trial.index, -trial.moved)
         self._become(trial.before)
-        self._since = t
-        self._votes.clear()
+        self._trial = None
+        return True
 
     def _believe(self, found: ArmDecision) -> Term:
         """Add a change to what is believed; return the effect as it is now, or as it was if it is gone."""
