@@ -158,7 +158,8 @@ def believed(joints: Sequence[str], events: Iterable[Event], at: float) -> froze
             continue
         names = {t.label.partition("@")[0] for t in e.faults}
         if names & set(OF_THE_ARM):
-            of_arm = of_arm - names if e.stage == "idle" else of_arm | names
+            # What is found in place of a contact ends it.
+            of_arm = of_arm - names if e.stage == "idle" else (of_arm - {"external_wrench"}) | names
         elif len(e.joints) == 1:
             of_joint[e.joints[0]] = frozenset() if e.stage == "idle" else frozenset(names)
     return frozenset(of_arm).union(*of_joint.values())

@@ -30,7 +30,9 @@ BEYOND_SEEN = 10.0  # [1], speed or torque over the largest healthy one, where t
 ANY_POSITION = 1e4  # [rad or m], of a joint without limits: 1600 turns
 ANY_SIGNAL = 1e6  # [rad/s, N·m, …], where neither a limit nor a healthy run is known
 USUAL_SPEED = 3.0  # [1], over the largest healthy speed, where the limit is higher still
-QUICKEST_START = 0.02  # [s], in which no joint reaches its largest speed, not even in a collision
+QUICKEST_START = (
+    0.005  # [s], in which no joint reaches its largest speed; a light wrist takes 20 ms in a collision
+)
 MARGIN = 4.0  # [1], over the largest healthy step: faster motions, and the largest of an hour
 ERROR_MARGIN = 2.0  # [1], over the largest healthy error of a position, most of which is the encoder's step
 SPEED_RESOLUTION = (
@@ -106,9 +108,9 @@ class SampleBounds:
         speed = np.where(
             np.isfinite(limits.velocity), limits.velocity, BEYOND_SEEN / BEYOND_LIMIT * seen_speed
         )
-        effort = np.where(
-            np.isfinite(limits.effort), limits.effort, BEYOND_SEEN / BEYOND_EFFORT * seen_effort
-        )
+        # A joint that carried nothing says little of its drive: a payload may ask it for what other joints give.
+        unstated = np.maximum(BEYOND_SEEN / BEYOND_EFFORT * seen_effort, seen_effort.max())
+        effort = np.where(np.isfinite(limits.effort), limits.effort, unstated)
         speed, effort = np.maximum(speed, seen_speed), np.maximum(effort, seen_effort)
         speed, effort = np.where(speed > 0, speed, ANY_SIGNAL), np.where(effort > 0, effort, ANY_SIGNAL)
         # Limits may be far beyond what the arm does, and then say nothing about its sensors.

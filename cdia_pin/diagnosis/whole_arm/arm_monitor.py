@@ -112,14 +112,15 @@ class ArmMonitor:
         self.observer.carry(self.observer.nominal.robot)
         self._since = np.inf  # [s], when the present evidence began
         self._refined_at = -np.inf
-        self._trial: _Trial | None = None
+        self._trial: _Trial | None
         self.restart()
 
     def restart(self) -> None:
         """Start the filters again after a gap in the data; what is believed stays."""
         self.detector.reset()
         self.evidence.stop()
-        self.contact = None
+        self.contact, self._trial = None, None
+        self._since = np.inf
         self._decision = UNDECIDED
         self._votes: deque[int | None] = deque(maxlen=self.settings.votes)
 
