@@ -25,6 +25,9 @@ from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
 
 Array = NDArray[np.float64]
 
+# Share of the remainder [1] that a formula may miss where noise is small: the arm that carries a body or is tilted has
+# masses of its own that are a few per cent wrong, and the joints' formulas fit as closely for a second or two.
+MISSED = 0.1
 COINCIDENCE = (
     9.0  # [1], log-odds against a joint that fails within seconds of another one: once in ten thousand times
 )
@@ -76,7 +79,7 @@ def decide(
         evidence: The normal equations.
         bank: Known effects of the joints.
         alarmed: Joints that have left their thresholds.
-        settings: Penalty, and the share of a fault that its formula need not explain.
+        settings: Penalty of a parameter.
     """
     used = np.flatnonzero(evidence.weight >= LEAST_WEIGHT)
     if not len(used):
@@ -84,7 +87,7 @@ def decide(
     G = evidence.gram[used]
     energy = G[:, -1, -1]
     mean = energy / evidence.weight[used]
-    noise2 = evidence.level[used] ** 2 + settings.mismatch**2 * mean
+    noise2 = evidence.level[used] ** 2 + MISSED**2 * mean
     unit = 2.0 * noise2 * evidence.independent[used]  # of a gain of log-likelihood [(N·m)² s]
     joints = _of_joints(G, bank, [k for k, j in enumerate(used) if j in alarmed], unit, settings)
     found = [_of_arm(evidence, i, G, unit, settings) for i in range(len(evidence.hypotheses))]
