@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,18 @@ class JointBelief:
             verdict: ``unknown`` if there is a fault nevertheless.
         """
         return cls(np.zeros(bank.width), verdict=verdict)
+
+    def is_certain(self, bank: Bank) -> bool:
+        """Tell whether every believed effect has a parameter whose interval does not hold zero.
+
+        Args:
+            bank: The known effects.
+        """
+        if self.ci95 is None:
+            return True
+        differs: NDArray[np.bool_] = np.prod(self.ci95, axis=1) > 0.0
+        ends = np.cumsum([0, *(bank.prototypes[i].size for i in bank.members(self.mask))])
+        return all(bool(differs[a:b].any()) for a, b in pairwise(ends))
 
     def parted(self, bank: Bank, effects: Sequence[int]) -> tuple[JointBelief, JointBelief]:
         """Return the belief in some of its effects, and the belief in the others.

@@ -37,6 +37,7 @@ class JointIsolation:
         self.j, self.observer, self.isolator = j, observer, isolator
         self.level = float(healthy.level[j])
         self.independent = float(healthy.memory[j]) / observer.dt  # [samples]
+        self._alike = float(healthy.independent[j]) / observer.dt  # [samples], for intervals
         self.last: Decision | None = None
         self.drop_prior()
 
@@ -114,9 +115,7 @@ class JointIsolation:
             verdict: Whether it is the only explanation.
         """
         assert decision.mask
-        ci95 = self.isolator.intervals(
-            decision.mask, decision.theta, self.gram, decision.noise, self.independent
-        )
+        ci95 = self.isolator.intervals(decision.mask, decision.theta, self.gram, decision.noise, self._alike)
         return JointBelief(decision.theta, decision.mask, verdict, ci95, decision.rivals)
 
 

@@ -185,7 +185,8 @@ class JointMonitor:
         if not self._votes.are_clear and t - self.since < self.settings.ambiguous_after:
             return []
         verdict = Verdict.AMBIGUOUS if decision.rivals else Verdict.UNIQUE
-        return self._commit(t, self.isolation.belief(decision, verdict))
+        belief = self.isolation.belief(decision, verdict)
+        return self._commit(t, belief) if belief.is_certain(self.bank) else []
 
     def _follow(self, t: float) -> list[Event]:
         """Update the parameters of what is believed; decide again if another combination explains more."""
@@ -209,8 +210,9 @@ class JointMonitor:
         if not sure or not decision.mask or (unknown and t - self.since < 2 * TRIAL_TIME):
             return []
         before = ", ".join(term.label for term in self.faults) or str(now.verdict)
-        return self._commit(
-            t, self.isolation.belief(decision, Verdict.UNIQUE), f"decided again; before: {before}"
+        found = self.isolation.belief(decision, Verdict.UNIQUE)
+        return (
+            self._commit(t, found, f"decided again; before: {before}") if found.is_certain(self.bank) else []
         )
 
     def _commit(self, t: float, belief: JointBelief, reason: str = "") -> list[Event]:

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from cdia_pin.viewers.parameter_rows import parameters, shape_parameters
 from cdia_pin.viewers.words import effect_name, listed, profile_words, short_names
 
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 VERDICTS = {"unique": "only explanation", "ambiguous": "one of several", "unknown": "no known effect"}
+
+MANY = 5  # parameters [1] of an effect, from which those that were not estimated are left out
 
 
 @dataclass(frozen=True)
@@ -77,7 +81,14 @@ def fault_words(term: Term, robot: RobotModel, *, joint: bool = False) -> str:
     where = f" on {listed(term.effect.scope)}" if joint and term.effect.scope else ""
     if term.effect.name == "unknown":
         return f"unknown fault{where}; its torque was learned"
-    numbers = [f"{p['name']} {p['text']}" for p in (*parameters(term, robot), *shape_parameters(term, robot))]
+    # What was not estimated follows from the rest: of a payload the inertia, of a contact the torque.
+    estimated = np.array(term.theta) != 0 if term.ci95 is None else term.half_widths > 0
+    shown = [
+        p
+        for p, is_own in zip(parameters(term, robot), estimated, strict=True)
+        if is_own or term.effect.size < MANY
+    ]
+    numbers = [f"{p['name']} {p['text']}" for p in (*shown, *shape_parameters(term, robot))]
     present = profile_words(term)
     return f"{effect_name(term.effect)}{where}: {', '.join(numbers)}" + (
         f"; present: {present}" if present else ""

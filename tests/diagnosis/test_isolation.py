@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cdia_pin.diagnosis import Bank, Monitor, MonitorSettings
+from cdia_pin.diagnosis.belief import JointBelief
 from cdia_pin.diagnosis.isolation import Decision, Isolator
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, Term
@@ -145,3 +146,31 @@ def test_on_other_joints_friction_may_not_decrease(with_friction) -> None:
     y = columns()
     gram = gram_of(y, -1.5 * y[:, 0] + noise(len(y)))
     assert with_friction.decide(1, gram, len(y), LEVEL, 100.0).mask != 1
+
+
+@pytest.mark.parametrize(
+    ("ends", "certain"),
+    [
+        ([(1.0, 3.0), (-2.0, -1.0)], True),
+        ([(1.0, 3.0), (-2.0, 1.0)], False),  # nothing may be left of the second effect
+        ([(-1.0, 3.0), (0.5, 1.0)], False),
+    ],
+)
+def test_an_effect_whose_interval_holds_zero_is_not_certain(ends, certain: bool) -> None:
+    belief = JointBelief(np.array([2.0, -1.0, 0.0, 0.0]), 0b11, ci95=np.array(ends))
+    assert belief.is_certain(BANK) is certain
+
+
+def test_of_an_effect_with_several_parameters_one_must_differ_from_zero() -> None:
+    bank = Bank.of(ROBOT, ["joint_spring"])
+    assert JointBelief(np.array([1.0, 5.0]), 1, ci95=np.array([(-1.0, 3.0), (4.0, 6.0)])).is_certain(bank)
+    assert not JointBelief(np.array([1.0, 5.0]), 1, ci95=np.array([(-1.0, 3.0), (-4.0, 6.0)])).is_certain(
+        bank
+    )
+
+
+def test_what_is_certain_to_be_there_is_not_explained_by_nothing() -> None:
+    y = columns()
+    r = noise(len(y))
+    assert decide(y, r).mask == 0
+    assert decide(y, r, caused=True).mask != 0

@@ -87,7 +87,8 @@ def decide(
     G = evidence.gram[used]
     energy = G[:, -1, -1]
     mean = energy / evidence.weight[used]
-    noise2 = evidence.level[used] ** 2 + MISSED**2 * mean
+    healthy2 = evidence.level[used] ** 2
+    noise2 = healthy2 + MISSED**2 * np.maximum(mean, healthy2 * np.mean(mean / healthy2))
     unit = 2.0 * noise2 * evidence.independent[used]  # of a gain of log-likelihood [(N·m)² s]
     joints = _of_joints(G, bank, [k for k, j in enumerate(used) if j in alarmed], unit, settings)
     found = [_of_arm(evidence, i, G, unit, settings) for i in range(len(evidence.hypotheses))]
