@@ -43,6 +43,9 @@ bench-real: $(VENV)/.installed-dev  ## measure known effects in measured logs; h
 bench-cdia: $(VENV)/.installed-dev  ## measure the monitor in closed loop; an hour, an interrupted run goes on
 	$(BIN)/python -m benchmarks.online --jobs $(JOBS)
 
+bench-logs: $(VENV)/.installed-dev  ## let the monitor watch measured logs; ten minutes, an interrupted run goes on
+	$(BIN)/python -m benchmarks.monitored_logs --jobs $(JOBS)
+
 bench-samples: $(VENV)/.installed-dev  ## give the monitor samples that cannot be; hours, an interrupted run goes on
 	$(BIN)/python -m benchmarks.fault_injection --jobs $(JOBS)
 
