@@ -96,12 +96,12 @@ PARTS = (
             Claim("detected", "≥ 95 %", of_cases(lambda o: not np.isnan(o.detected)), at_least(0.95)),
             Claim("delay of detection, median", "", _median("detected", " s")),  # type: ignore[arg-type]
             Claim(
-                "right: named first, or among those that fit alike",
+                "right: named at the end, or among those that fit alike",
                 "≥ 75 %",
                 of_cases(lambda o: o.holds),
                 at_least(0.75),
             ),
-            Claim("named first", "", of_cases(lambda o: o.is_right)),
+            Claim("named at the end", "", of_cases(lambda o: o.is_right)),
             Claim("named, and nothing else anywhere", "", of_cases(lambda o: o.is_alone)),
             Claim("a detection before it began", "", of_cases(lambda o: o.early > 0)),
         ),

@@ -118,13 +118,11 @@ def _given(case: Case) -> tuple[Log, Term | None, float]:
 
 def _with_mass(out: Outcome, monitor: Monitor, events: tuple[Event, ...], detections: list[float]) -> Outcome:
     found = next((t for t in monitor.faults if t.effect.name == "payload"), None)
-    if found is None:
+    times = [e.time for e in events if e.stage == "isolation" and "payload" in [t.label for t in e.faults]]
+    if found is None or not times or not detections:
         return out
-    named = next(
-        e.time for e in events if e.stage == "isolation" and "payload" in [t.label for t in e.faults]
-    )
     half = float(found.half_widths[0])
-    return replace(out, mass=found.theta[0], mass_half=half, mass_after=named - detections[0])
+    return replace(out, mass=found.theta[0], mass_half=half, mass_after=times[0] - detections[0])
 
 
 def _with_force(out: Outcome, contacts: list[tuple[float, Array]]) -> Outcome:
@@ -136,6 +134,8 @@ def _with_force(out: Outcome, contacts: list[tuple[float, Array]]) -> Outcome:
     size = np.interp(time, wrench["time"], np.linalg.norm(force, axis=1))
     pushed = size > PUSH
     both = pushed & (said > 0)
+    if not both.any():
+        return replace(out, force_error=np.inf, force_said=0.0)
     error = np.abs(said - size)[both] / size[both]
     return replace(out, force_error=float(np.median(error)), force_said=float(np.mean(said[pushed] > 0)))
 

@@ -186,7 +186,7 @@ class JointMonitor:
             return []
         verdict = Verdict.AMBIGUOUS if decision.rivals else Verdict.UNIQUE
         belief = self.isolation.belief(decision, verdict)
-        return self._commit(t, belief) if belief.is_certain(self.bank) else []
+        return self._commit(t, belief) if belief.is_certain(self.bank) else self._dismiss(t)
 
     def _follow(self, t: float) -> list[Event]:
         """Update the parameters of what is believed; decide again if another combination explains more."""

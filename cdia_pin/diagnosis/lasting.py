@@ -101,18 +101,17 @@ class LastingDetector:
         return np.asarray((self.explained() > self.limit + MISSED_SHARE * believed[:, None]).any(axis=1))
 
 
-def limit_of(
-    largest: Array, duration: float, memory: float, false_alarm_every: float, torque: Array
-) -> Array:
+def limit_of(largest: Array, moved: Array, memory: float, false_alarm_every: float, torque: Array) -> Array:
     """Return the limit of the explained torque [N·m or N], shape (n, N).
 
     Args:
         largest: Largest explained torque of healthy runs [N·m or N], shape (n, N).
-        duration: Their duration [s].
+        moved: How long each joint moved in them [s], shape (n,).
         memory: Time after which a sample counts 1/e [s].
         false_alarm_every: Mean time between false alarms that the user accepts [s].
         torque: RMS torque of the healthy runs [N·m or N], shape (n,).
     """
-    seen, asked = (max(x / memory, LEAST_WINDOWS) for x in (duration, false_alarm_every))
-    rise = max(1.0, float(np.sqrt(np.log(asked) / np.log(seen))))
-    return np.asarray(np.maximum(rise * largest, LEAST_SHARE * torque[:, None]))
+    seen = np.maximum(moved / memory, LEAST_WINDOWS)
+    asked = max(false_alarm_every / memory, LEAST_WINDOWS)
+    rise = np.maximum(1.0, np.sqrt(np.log(asked) / np.log(seen)))
+    return np.asarray(np.maximum(rise[:, None] * largest, LEAST_SHARE * torque[:, None]))

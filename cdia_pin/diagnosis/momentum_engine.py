@@ -208,8 +208,7 @@ class MomentumEngine:
             for monitor in self.joint_monitors:
                 monitor.lasts = bool(beyond[monitor.j])
             self._lasts = [m.j for m in self.joint_monitors if m.lasts and m.is_calm]
-        if self.arm.believed and self._corrects:
-            self._carried_torque = self.arm.carried_torque()
+        self._carried_torque = self.arm.carried_torque() if self.arm.believed else self._zero
         changed = self.arm.sample(dt)
         return changed or bool(self._lasts)
 
@@ -228,7 +227,7 @@ class MomentumEngine:
         self._lasts = []
         if asks & ABSENT:
             for monitor in self._busy:
-                new += monitor.absent(t)
+                new += self._heard(monitor, monitor.absent(t))
         if then >= self._next_arm_look:
             new += self._look_at_arm(t, then)
         for monitor in self._busy:
@@ -238,10 +237,7 @@ class MomentumEngine:
                 late = monitor.j / len(self.joint_monitors) * self.settings.decide_every
                 steps = np.floor((then - late) / self.settings.decide_every) + 1
                 self._next[monitor.j] = float(steps) * self.settings.decide_every + late
-                said = monitor.look(t)
-                if said:
-                    self.lasting.reset([monitor.j])
-                new += said
+                new += self._heard(monitor, monitor.look(t))
         self._busy = [m for m in self.joint_monitors if m.stage is not Stage.HEALTHY]
         looks = [self._next[m.j] for m in self._busy]
         self._next_look = min([*looks, self._next_arm_look] if self.arm.is_busy else looks, default=np.inf)
@@ -252,6 +248,12 @@ class MomentumEngine:
         self._faults = self.faults if self._busy or self.arm.is_busy else ()
         self.events += new
         return tuple(new)
+
+    def _heard(self, monitor: JointMonitor, said: list[Event]) -> list[Event]:
+        """Return what a joint said; the second detector then starts again on what is left."""
+        if said:
+            self.lasting.reset([monitor.j])
+        return said
 
     def _look_at_arm(self, t: float, then: float) -> list[Event]:
         """Ask whether something of the whole arm explains what joints show."""
@@ -265,7 +267,9 @@ class MomentumEngine:
         """Take back what joints had not decided, because the whole arm was the cause."""
         for monitor in self.joint_monitors:
             monitor.excuse()
+            monitor.lasts = False
         self.lasting.reset()
+        self._carried_torque = self.arm.carried_torque() if self.arm.believed else self._zero
 
     def _stage_of(self, monitor: JointMonitor) -> Stage:
         """Return the stage of a joint; one that is touched is isolated, and not compensated."""
@@ -287,6 +291,9 @@ class MomentumEngine:
         self.observer.reset()
         for monitor in self.joint_monitors:
             monitor.restart()
+            monitor.lasts = False
+        self._last_sample = self._next_sample = self._next_lasting = -np.inf
+        self._lasts = []
         self.arm.restart()
         self.lasting.reset()
         self._quiet_until = t + SETTLING / float(self.observer.bandwidth.min())
@@ -323,7 +330,7 @@ class MomentumEngine:
     @property
     def _corrects(self) -> bool:
         """Whether torques are corrected: never against whoever pushes the arm."""
-        if not self.settings.accommodate or self.arm.contact is not None:
+        if not self.settings.accommodate or self.arm.is_touched(self.observer.time):
             return False
         return bool(self._busy or self.arm.believed) and self.observer.time >= self._quiet_until
 

@@ -18,7 +18,7 @@ from cdia_pin.diagnosis.sensor_fault import SensorFault
 from cdia_pin.diagnosis.sight import JointSight
 from cdia_pin.diagnosis.status import Event, Status
 from cdia_pin.dynamics.dynamics import Dynamics
-from cdia_pin.effects import JointEffect, Term
+from cdia_pin.effects import ExternalWrench, JointEffect, Term
 from cdia_pin.errors import LogError, ModelError, unknown_name
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.resampling import resampled, thinned
@@ -235,9 +235,14 @@ class Monitor:
         return self.engine.faults
 
     def improved_model(self) -> Dynamics:
-        """Return the model with the believed faults as terms; parameters of the same effect are added."""
+        """Return the model with the believed faults as terms; parameters of the same effect are added.
+
+        A contact is no part of it.
+        """
         terms: list[Term] = []
         for term in self.faults:
+            if isinstance(term.effect, ExternalWrench):
+                continue  # it is gone with the contact
             same = next((t for t in self.model.terms if t.label == term.label), None)
             theta = np.array(term.theta) + (0 if same is None else np.array(same.theta))
             terms.append(Term(term.effect, tuple(theta), term.profile, term.ci95 if same is None else None))

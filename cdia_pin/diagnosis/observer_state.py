@@ -128,7 +128,7 @@ class ObserverState:
         """Set all that past samples left to zero; bounds, beliefs and learned weights stay."""
         for of_joint in (self.residual, self.threshold, self.remainder, self.exceeded, self.learned):
             of_joint[:] = 0.0
-        for of_joint in (self.amplitude, self.moving, self.addition, self.weight):
+        for of_joint in (self.amplitude, self.known_amplitude, self.moving, self.addition, self.weight):
             of_joint[:] = 0.0
         for past in (self.phi, self.filtered, self.activation, self.activated, self.gram, self.absent):
             past[:] = 0.0

@@ -55,7 +55,7 @@ def test_a_joint_at_rest_says_nothing() -> None:
 
 def test_the_limit_rises_with_the_time_between_false_alarms_that_is_asked_for() -> None:
     largest, torque = np.full((2, 2), 1.0), np.array([1.0, 100.0])
-    often, rarely = (limit_of(largest, 60.0, MEMORY, every, torque) for every in (60.0, 36000.0))
+    often, rarely = (limit_of(largest, np.full(2, 60.0), MEMORY, every, torque) for every in (60.0, 36000.0))
     assert often[0, 0] == pytest.approx(1.0)
     assert rarely[0, 0] == pytest.approx(np.sqrt(np.log(9000.0) / np.log(15.0)))
     assert (rarely[1] == 10.0).all()  # a tenth of the joint's torque

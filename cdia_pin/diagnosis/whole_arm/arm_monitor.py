@@ -134,6 +134,14 @@ class ArmMonitor:
         """Whether anything is believed, collected or in contact."""
         return bool(self.believed) or self.contact is not None or self.evidence.is_active
 
+    def is_touched(self, t: float) -> bool:
+        """Tell whether there is contact, or its end is not certain yet: then nothing must be corrected.
+
+        Args:
+            t: Time [s].
+        """
+        return self.contact is not None or self.detector.recovers(t)
+
     def holds_joints(self, t: float) -> bool:
         """Tell whether joints must wait with their own decisions.
 
@@ -210,7 +218,7 @@ class ArmMonitor:
         if self._since == np.inf:
             self._since = t
             self._votes.clear()
-        self._decision = found = decide(self.evidence, self.bank, sorted(joints), self.settings)
+        self._decision = found = self._decided(sorted(joints))
         leads = found.is_sure and found.lead > self.settings.lead
         self._votes.append(found.index if leads else None)
         agree = len(self._votes) == self._votes.maxlen and len(set(self._votes)) == 1
@@ -225,12 +233,16 @@ class ArmMonitor:
         self._trial = _Trial(found.index, self.believed, np.zeros_like(found.theta), t)
         before = self._believe(found)
         term = next((b for b in self.believed if b.label == before.label), None)
-        self.contact = None
-        self.detector.settle(self.observer.remainder)
+        events = []
+        if self.contact is not None:
+            last, self.contact = self.contact, None
+            said = "it was no contact"
+            events = [Event(t, EventStage.IDLE, last.joints, Verdict.NONE, (last.term,), reason=said)]
         self._end(t)
         if term is None:
-            return [Event(t, EventStage.IDLE, joints, Verdict.NONE, (before,), reason="cleared")]
-        events = [
+            self._trial = None
+            return [*events, Event(t, EventStage.IDLE, joints, Verdict.NONE, (before,), reason="cleared")]
+        events += [
             Event(t, EventStage.ISOLATION, joints, Verdict.UNIQUE, (term,), reason="one cause for all joints")
         ]
         if self.settings.accommodate:
@@ -249,10 +261,27 @@ class ArmMonitor:
         if not self.evidence.is_active or t - self._refined_at < REFINED_EVERY:
             return []
         self._refined_at = t
-        found = decide(self.evidence, self.bank, (), self.settings)
-        if found.index == self._trial.index and self.believed != self._trial.before:
+        found = self._decided(())
+        if found.index == self._trial.index and found.is_sure:
             self._believe(found)
         return []
+
+    def _decided(self, joints: Sequence[int]) -> ArmDecision:
+        """Return the present decision; none if the arm with what it says would be impossible."""
+        found = decide(self.evidence, self.bank, joints, self.settings)
+        if found.index is None:
+            return found
+        effect = HYPOTHESES[found.index].effect
+        possible = effect.is_physical(np.array(self._changed(found).theta), self.observer.nominal.robot)
+        return found if possible else UNDECIDED
+
+    def _changed(self, found: ArmDecision) -> Term:
+        """Return the effect of a decision as it would be with the change that was found."""
+        assert found.index is not None
+        hypothesis = HYPOTHESES[found.index]
+        old = next((b for b in self.believed if b.effect == hypothesis.effect), None)
+        shown = np.zeros(hypothesis.shown) if old is None else np.array(old.theta[: hypothesis.shown])
+        return hypothesis.term(shown + found.theta, found.half)
 
     def _was_wrong(self, joints: set[int]) -> bool:
         """Withdraw what is on trial if another effect explains all since the detection better; return whether."""
@@ -279,7 +308,7 @@ class ArmMonitor:
         main = np.s_[: hypothesis.main]
         after = shown + found.theta
         gone = old is not None and _is_gone(shown[main], after[main], found.half[main])
-        term = hypothesis.term(after, found.half)
+        term = self._changed(found)
         moved = -shown if gone else found.theta
         self.believed = others if gone else (*others, term)
         self._move(found.index, moved)
@@ -300,6 +329,7 @@ class ArmMonitor:
         o.carry(carried(o.nominal, believed))
         for j in range(o.nominal.robot.n):
             o.refresh(j)
+        self.detector.settle(o.time, o.remainder)
 
     def _columns(self, k: int) -> Array:
         """Return the filtered columns of a hypothesis, shape (n, shown)."""
@@ -318,7 +348,7 @@ class ArmMonitor:
         touch = located(d.deviation, d.limit, robot.link_end_jacobians(o.q))
         off = np.abs(d.deviation) > 0.5 * d.limit
         joints = tuple(j for j, is_off in zip(robot.joints, off, strict=True) if is_off)
-        x, y, z = map(float, touch.force)
+        x, y, z = map(float, np.nan_to_num(touch.force, posinf=0.0, neginf=0.0))
         return Contact(since, robot.joints[touch.link], (x, y, z), joints or robot.joints)
 
 

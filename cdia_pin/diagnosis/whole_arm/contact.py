@@ -75,15 +75,25 @@ class ContactDetector:
         self._slow_load = np.zeros(n)
         self.changing = np.zeros(n)
         self._begun = np.full(n, np.inf)
-        self._for, self._recovered = 0.0, -np.inf
+        self._for, self._recovered, self._ended = 0.0, -np.inf, -np.inf
         self._peak = np.zeros(n)
 
-    def settle(self, remainder: Array) -> None:
+    def recovers(self, t: float) -> bool:
+        """Tell whether joints may still be on their way back from a contact.
+
+        Args:
+            t: Time [s].
+        """
+        return t < self._ended + RECOVERY
+
+    def settle(self, t: float, remainder: Array) -> None:
         """Take the present remainder as the slow part, because something has been found that explains it.
 
         Args:
+            t: Time [s].
             remainder: [N·m or N], shape (n,).
         """
+        self._recovered = t + RECOVERY
         self._slow = remainder.copy()
         self.present, self.since, self._for = False, np.nan, 0.0
         self._peak = np.zeros_like(remainder)
@@ -113,12 +123,15 @@ class ContactDetector:
         if self.present:
             size = np.abs(self.deviation)
             self._peak = np.maximum(self._peak, size)
-            self._count(t, dt, bool((size < np.maximum(OVER * self.limit, HELD * self._peak)).all()))
+            held = np.minimum(HELD * self._peak, self.limit + self.limits.friction)
+            self._count(t, dt, bool((size < np.maximum(OVER * self.limit, held)).all()))
             if not self.present:
-                self._recovered = t + RECOVERY
+                self._ended, self._recovered = t, t + RECOVERY
         elif t < self._recovered:
-            self._slow += (1.0 - np.exp(-dt / QUICK)) * self.deviation
-            self._begun[:] = np.inf
+            calm = np.abs(self.deviation) < self.limit
+            self._slow += (1.0 - np.exp(-dt / np.where(calm, QUICK, SLOW))) * self.deviation
+            self._begun[calm] = np.inf
+            self._count(t, dt, self._is_sudden(ratio))
         else:
             self._slow += (1.0 - np.exp(-dt / SLOW)) * self.deviation
             self._count(t, dt, self._is_sudden(ratio))

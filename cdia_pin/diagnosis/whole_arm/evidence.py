@@ -14,6 +14,9 @@ from cdia_pin.effects import State
 
 Array = NDArray[np.float64]
 
+LIGHTEST = (
+    1e-3  # [1], least level of a joint over the largest of the arm, and of that one in N·m: noise may be zero
+)
 SETTLED = (
     2.0  # [1], time constants of the filter until its start is forgotten: it starts at the present columns
 )
@@ -41,7 +44,8 @@ class ArmEvidence:
 
         self.observer, self.width, self.hypotheses = observer, width, tuple(hypotheses)
         self._moving_share = MOVING_SHARE
-        self.level, self.independent = healthy.level, healthy.independent
+        self.level = np.maximum(healthy.level, LIGHTEST * max(float(healthy.level.max()), LIGHTEST))
+        self.independent = healthy.independent
         self.ends = np.cumsum([width, *(h.shown for h in hypotheses)])
         size = int(self.ends[-1]) + 1
         self.gram = np.zeros((observer.nominal.robot.n, size, size))

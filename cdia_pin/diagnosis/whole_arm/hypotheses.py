@@ -13,6 +13,7 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 
 BALL = 0.4  # [1], inertia of a ball about its centre over m r²
+REACH = 1.0  # [m], furthest that the centre of a payload can be from the tool
 RADIUS = 0.05  # [m], of the ball that stands for a payload: its size hardly shows in a torque
 
 
@@ -72,7 +73,9 @@ HYPOTHESES = (Hypothesis(Payload(), 4, 1), Hypothesis(BaseTilt(), 2, 2))
 def _second_moments(theta: Array) -> Array:
     """Return Ixx Ixy Iyy Ixz Iyz Izz [kg·m²] of a small ball with this mass and these first moments, shape (6,)."""
     mass, moment = float(theta[0]), np.asarray(theta[1:4])
-    if mass == 0.0:
+    if np.linalg.norm(moment) >= REACH * abs(
+        mass
+    ):  # the moments are those of noise, or of a change that is none
         return np.zeros(6)
     about_centre = BALL * mass * RADIUS**2
     inertia = (moment @ moment * np.eye(3) - np.outer(moment, moment)) / mass + about_centre * np.eye(3)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.alignment import Alignment
 from cdia_pin.diagnosis.growth import growth
-from cdia_pin.diagnosis.healthy_arm import HealthyArm
+from cdia_pin.diagnosis.healthy_arm import LEAST_MOTION, HealthyArm
 from cdia_pin.diagnosis.lasting import LastingDetector, limit_of
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.residuals import SETTLING, pooled
@@ -20,6 +20,8 @@ from cdia_pin.logs.log import Log
 Array = NDArray[np.float64]
 
 PERIOD = 0.01  # [s] between two samples of the detectors: an arm's filters let nothing faster through
+LIGHTEST = 1e-3  # [1], least torque of a joint that counts, over the largest of the arm: some carry nothing
+TINY = 1e-6  # [N·m or N], that of an arm that carries nothing
 LEAST_REST = 2.0  # [s] at rest, from which healthy runs say what a joint does there
 LEAST_DEVIATION = 0.02  # [1], least limit of a deviation over the RMS torque of the joint
 
@@ -80,12 +82,15 @@ def learn(
     alignment.reset()
     lasting.reset()
     torque = pooled([run.effort for run in runs])
-    least = LEAST_DEVIATION * torque
+    least = LEAST_DEVIATION * np.maximum(torque, LIGHTEST * max(float(torque.max()), TINY))
     moving = np.maximum(margin * growth(moved, healthy.memory) * moving, least)
+    is_known = moved >= LEAST_MOTION
+    moving = np.where(is_known, moving, np.maximum(moving, healthy.bound))
     known = np.maximum(margin * growth(resting, healthy.memory) * rest, least)
     rest = np.where(resting >= LEAST_REST, known, moving)
-    duration = sum(run.duration for run in runs)
-    limit = limit_of(largest, duration, observer.settings.memory, false_alarm_every, torque)
+    moving = np.maximum(moving, rest)
+    limit = limit_of(largest, moved, observer.settings.memory, false_alarm_every, torque)
+    limit[~is_known] = np.inf  # nothing is known of a joint that did not move
     return Learned(ContactLimits(rest, moving, friction), limit)
 
 
