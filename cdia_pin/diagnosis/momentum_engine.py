@@ -215,7 +215,7 @@ class MomentumEngine:
     def _attend(self, t: float, then: float, asks: int) -> tuple[Event, ...]:
         o = self.observer
         new: list[Event] = self.arm.follow_contact(t)
-        if any(e.stage is EventStage.IDLE for e in new):
+        if any(e.stage is EventStage.IDLE for e in new) and not self.arm.apart:
             self._excuse_joints()
         if then >= self._quiet_until and not (self.arm.contact and self.arm.holds_joints(t)):
             if asks & ALARM:

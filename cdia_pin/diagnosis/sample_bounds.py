@@ -31,7 +31,7 @@ ANY_POSITION = 1e4  # [rad or m], of a joint without limits: 1600 turns
 ANY_SIGNAL = 1e6  # [rad/s, N·m, …], where neither a limit nor a healthy run is known
 USUAL_SPEED = 3.0  # [1], over the largest healthy speed, where the limit is higher still
 QUICKEST_START = (
-    0.005  # [s], in which no joint reaches its largest speed; a light wrist takes 20 ms in a collision
+    0.01  # [s], in which no joint reaches its largest speed; a light wrist takes 20 ms in a collision
 )
 MARGIN = 4.0  # [1], over the largest healthy step: faster motions, and the largest of an hour
 ERROR_MARGIN = 2.0  # [1], over the largest healthy error of a position, most of which is the encoder's step

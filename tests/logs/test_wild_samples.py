@@ -110,6 +110,7 @@ def test_measured_logs_hold_none(measured):
     from cdia_pin.logs import read_log
     from cdia_pin.robot import load_robot
 
-    for folder, robot in (("ur10", "ur10"), ("panda", "panda"), ("double_pendulum", "double_pendulum")):
+    pendulum = measured / "double_pendulum" / "double_pendulum.urdf"
+    for folder, robot in (("ur10", "ur10"), ("panda", "panda"), ("double_pendulum", pendulum)):
         for file in sorted((measured / folder).glob("*.csv")):
             assert wild_samples(read_log(file, load_robot(robot))) == (), file.name

@@ -35,6 +35,7 @@ SIZES = {
     "payload": [0.05, 0.0, 0.002, 0.004, 1e-3, 0.0, 1e-3, 0.0, 0.0, 1e-3],
     "base_tilt": [0.8, -0.5],
     "tool_wrench": [0.3, -0.2, 0.5, 0.02, 0.01, -0.02],
+    "external_wrench": [0.3, -0.2, 0.5, 0.02, 0.01, -0.02],
     "viscous_medium": [0.5, 0.05],
     "encoder_offset": [0.05],
     "effort_delay": [0.01],

@@ -121,6 +121,7 @@ class ArmMonitor:
         self.evidence.stop()
         self.contact, self._trial = None, None
         self._since = np.inf
+        self.apart = False  # do joints by themselves explain what they show?
         self._decision = UNDECIDED
         self._votes: deque[int | None] = deque(maxlen=self.settings.votes)
 
@@ -170,7 +171,12 @@ class ArmMonitor:
             self.evidence.add(o.time, o.q, o.v)
         if self.contact is not None and self.detector.present:
             self.contact = self._touched(self.contact.since)
-        return self.detector.present != (self.contact is not None)
+        return self._is_in_contact != (self.contact is not None)
+
+    @property
+    def _is_in_contact(self) -> bool:
+        """Whether there is contact, and joints by themselves do not explain what they show."""
+        return self.detector.present and not self.apart
 
     def carried_torque(self) -> Array:
         """Return what gravity and motion take of the joints by what is believed [N·m or N], shape (n,)."""
@@ -184,7 +190,7 @@ class ArmMonitor:
         Args:
             t: Time [s].
         """
-        if self.detector.present == (self.contact is not None):
+        if self._is_in_contact == (self.contact is not None):
             return []
         if self.contact is None:
             self.contact = self._touched(t)
@@ -196,9 +202,8 @@ class ArmMonitor:
                 Event(t, EventStage.ISOLATION, joints, Verdict.UNIQUE, fault, reason=_in_words(self.contact)),
             ]
         gone, self.contact = self.contact, None
-        return [
-            Event(t, EventStage.IDLE, gone.joints, Verdict.NONE, (gone.term,), reason="the contact is gone")
-        ]
+        said = "it was no contact" if self.apart else "the contact is gone"
+        return [Event(t, EventStage.IDLE, gone.joints, Verdict.NONE, (gone.term,), reason=said)]
 
     def look(self, t: float, alarmed: Sequence[int]) -> list[Event]:
         """Decide whether one effect of the whole arm explains what joints show.
@@ -220,6 +225,7 @@ class ArmMonitor:
             self._votes.clear()
         self._decision = found = self._decided(sorted(joints))
         leads = found.is_sure and found.lead > self.settings.lead
+        self.apart = self.apart or (found.joints_explain and not leads)
         self._votes.append(found.index if leads else None)
         agree = len(self._votes) == self._votes.maxlen and len(set(self._votes)) == 1
         if not leads or not agree:
@@ -251,6 +257,7 @@ class ArmMonitor:
 
     def _refine(self, t: float) -> list[Event]:
         """Update the parameters of what was isolated of late; collect no more after a while."""
+        self.apart = False
         self._since = np.inf
         self._decision = UNDECIDED
         self._votes.clear()
@@ -273,7 +280,7 @@ class ArmMonitor:
             return found
         effect = HYPOTHESES[found.index].effect
         possible = effect.is_physical(np.array(self._changed(found).theta), self.observer.nominal.robot)
-        return found if possible else UNDECIDED
+        return found if possible else replace(UNDECIDED, joints_explain=found.joints_explain)
 
     def _changed(self, found: ArmDecision) -> Term:
         """Return the effect of a decision as it would be with the change that was found."""

@@ -24,8 +24,8 @@ FIRST, SECOND = (
 TOGETHER = 0.4  # [s], within which both must have begun: a push reaches all joints at once
 BEGUN = 0.35  # [1], deviation over its limit, from which it has begun
 OVER = 0.5  # [1], deviation over its limit, below which all joints must be for a contact to be gone
-# Deviation over the largest one of the contact [1], below which a joint counts as back: friction holds what is left.
-HELD = 0.35
+RELEASED = 0.15  # [1], deviation over the largest one of the contact, below which a joint counts as back
+HELD = 0.35  # [1], the same, where friction may hold what is left
 RECOVERY = (
     1.0  # [s] after a contact, in which another one does not count: friction lets joints go one after another
 )
@@ -124,6 +124,7 @@ class ContactDetector:
             size = np.abs(self.deviation)
             self._peak = np.maximum(self._peak, size)
             held = np.minimum(HELD * self._peak, self.limit + self.limits.friction)
+            held = np.maximum(held, RELEASED * self._peak)
             self._count(t, dt, bool((size < np.maximum(OVER * self.limit, held)).all()))
             if not self.present:
                 self._ended, self._recovered = t, t + RECOVERY

@@ -37,6 +37,12 @@ LEAST_NOISE = (
     0.25  # [1], least variance of what is left over that of a healthy residual: few samples say little
 )
 LEAST_EXPLAINED = 0.5  # [1], share of the remainder's energy that an effect of the whole arm must explain
+LONG_ENOUGH = (
+    1.0  # [s] of motion, for which no push follows the formula of a joint's effect on several joints
+)
+EXPLAINED_APART = (
+    0.9  # [1], share of each joint's remainder that one effect of its own must explain to rule out a push
+)
 LEAST_WEIGHT = 0.2  # [s] of motion of a joint, from which it counts
 TINY = 1e-300  # keeps a column that was never excited from dividing by zero
 
@@ -52,6 +58,7 @@ class ArmDecision:
         lead: Log-likelihood by which it leads the joints' own effects and the other effects of the whole arm, penalties
             included [1].
         explained: Share of the remainder's energy that it explains [1].
+        joints_explain: Whether effects of the joints explain nearly all of it for longer than a push keeps a shape.
     """
 
     index: int | None
@@ -59,6 +66,7 @@ class ArmDecision:
     half: Array
     lead: float
     explained: float
+    joints_explain: bool = False
 
     @property
     def is_sure(self) -> bool:
@@ -90,10 +98,13 @@ def decide(
     healthy2 = evidence.level[used] ** 2
     noise2 = healthy2 + MISSED**2 * np.maximum(mean, healthy2 * np.mean(mean / healthy2))
     unit = 2.0 * noise2 * evidence.independent[used]  # of a gain of log-likelihood [(N·m)² s]
-    joints = _of_joints(G, bank, [k for k, j in enumerate(used) if j in alarmed], unit, settings)
+    own = [k for k, j in enumerate(used) if j in alarmed]
+    joints, share = _of_joints(G, bank, own, unit, settings)
+    seen = bool(own) and float(evidence.weight[used][own].min()) >= LONG_ENOUGH
     found = [_of_arm(evidence, i, G, unit, settings) for i in range(len(evidence.hypotheses))]
     first, second = sorted(found, key=lambda d: d.lead, reverse=True)[:2]
-    return replace(first, lead=first.lead - max(joints, second.lead))
+    apart = len(own) == len(alarmed) and seen and share >= EXPLAINED_APART
+    return replace(first, lead=first.lead - max(joints, second.lead), joints_explain=apart)
 
 
 def _of_arm(evidence: ArmEvidence, i: int, G: Array, unit: Array, settings: MonitorSettings) -> ArmDecision:
@@ -115,17 +126,21 @@ def _of_arm(evidence: ArmEvidence, i: int, G: Array, unit: Array, settings: Moni
     return ArmDecision(i, theta, half, float(np.sum(less / unit)) - penalty, explained)
 
 
-def _of_joints(G: Array, bank: Bank, alarmed: Sequence[int], unit: Array, settings: MonitorSettings) -> float:
-    """Return what the best single effects of some joints gain together, penalties included.
+def _of_joints(
+    G: Array, bank: Bank, alarmed: Sequence[int], unit: Array, settings: MonitorSettings
+) -> tuple[float, float]:
+    """Return what the best single effects of some joints gain, penalties included, and the least share they explain.
 
     Each of these joints has left its threshold, so it must have a cause, even if that gains less than its penalty.
     """
-    total = 0.0
+    total, share = 0.0, 1.0
     for k in alarmed:
-        gain = -np.inf
+        gain, explained = -np.inf, 0.0
         for e in range(len(bank)):
             columns = bank.columns([e])
             A, b = G[k][np.ix_(columns, columns)], G[k][columns, -1]
-            gain = max(gain, float(b @ ridge_inverse(A) @ b) / unit[k] - settings.price * len(columns))
-        total += gain
-    return total - COINCIDENCE * max(len(alarmed) - 1, 0)
+            energy = float(b @ ridge_inverse(A) @ b)
+            explained = max(explained, energy / max(float(G[k][-1, -1]), TINY))
+            gain = max(gain, energy / unit[k] - settings.price * len(columns))
+        total, share = total + gain, min(share, explained)
+    return total - COINCIDENCE * max(len(alarmed) - 1, 0), share

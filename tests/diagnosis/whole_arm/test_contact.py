@@ -39,6 +39,15 @@ def test_a_push_on_two_joints_is_contact_at_once_and_gone_when_it_is_gone() -> N
     assert not any(said[205:])
 
 
+def test_a_hand_that_stays_after_an_impact_is_still_there() -> None:
+    series = np.full((900, 3), 0.1)
+    series[100:110, :2] += 60.0
+    series[110:500, :2] += 15.0
+    said = watched(series)
+    assert all(said[105:500])
+    assert not any(said[510:])
+
+
 @pytest.mark.parametrize("joints", [[0], [2]])
 def test_one_joint_alone_is_no_contact(joints: list[int]) -> None:
     assert not any(watched(pushed(joints, 5.0)))
