@@ -2,7 +2,7 @@
 
 Usage:
     python examples/monitor_libfranka.py --robot panda --udp 5005 --record healthy.csv
-    cdia discover healthy.csv --robot panda --save model.json
+    cdia discover healthy.csv --robot panda --torque-side link --save model.json
     python examples/monitor_libfranka.py --robot panda --udp 5005 --healthy healthy.csv --model model.json
 
 A loop that moves the arm through libfranka is C++, at 1 kHz, and libfranka reads no states beside it while such a
@@ -23,6 +23,7 @@ tau_J is measured behind the gear. A payload, a push or a tilted base show in it
 """
 
 import argparse
+import contextlib
 import socket
 import struct
 import time
@@ -116,7 +117,8 @@ def main() -> None:
     if monitor is None:
         record(arm, robot, asked.record, asked.seconds)
     else:
-        watch(arm, monitor)
+        with contextlib.suppress(KeyboardInterrupt):
+            watch(arm, monitor)
 
 
 if __name__ == "__main__":

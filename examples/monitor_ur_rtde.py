@@ -13,6 +13,7 @@ gains are only known roughly, `cdia discover` finds by how much they are off. --
 """
 
 import argparse
+import contextlib
 import json
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -96,7 +97,8 @@ def main() -> None:
     if monitor is None:
         record(arm, robot, asked.record, asked.seconds)
     else:
-        watch(arm, monitor)
+        with contextlib.suppress(KeyboardInterrupt):
+            watch(arm, monitor)
 
 
 if __name__ == "__main__":

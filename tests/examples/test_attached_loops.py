@@ -273,3 +273,44 @@ def test_a_recorded_run_is_read_as_it_was(loops, loop, log, tmp_path):
     assert again.duration == pytest.approx(1.0, abs=0.01)
     for name in ("position", "velocity", "effort"):
         np.testing.assert_array_equal(getattr(again, name), getattr(log, name)[: len(again.time)])
+
+
+def test_the_whole_programs_record_and_watch(monitor, log, monkeypatch, tmp_path, capsys):
+    """With stand-ins for the two libraries, whose joints are those of a small arm."""
+    gains = np.array([10.0, 0.5])
+    gains_file = tmp_path / "gains.json"
+    gains_file.write_text(json.dumps(dict(zip(log.joints, gains, strict=True))))
+
+    def robot(address, realtime):
+        states = (
+            SimpleNamespace(time=SimpleNamespace(to_sec=lambda t=t: t), q=q, dq=v, tau_J=tau)
+            for t, q, v, tau in ticks(log)
+        )
+        return SimpleNamespace(read_once=lambda: next(states, None) or ctrl_c())
+
+    def ctrl_c():
+        raise KeyboardInterrupt
+
+    stand_ins = {
+        "rtde_receive": {"RTDEReceiveInterface": lambda address: Receive(log, gains)},
+        "pylibfranka": {"Robot": robot, "RealtimeConfig": SimpleNamespace(kIgnore=1)},
+    }
+    programs = [(ur_rtde, ["here", "--gains", str(gains_file)]), (libfranka, ["--address", "here"])]
+    for (loops, given), (name, holds) in zip(programs, stand_ins.items(), strict=True):
+        module = ModuleType(name)
+        module.__dict__.update(holds)
+        monkeypatch.setitem(sys.modules, name, module)
+        monkeypatch.setattr(loops, "POLL", 0.0)
+        monkeypatch.setattr(loops, "Monitor", lambda model, healthy: monitor)
+        monitor.reset()
+        healthy = tmp_path / f"{name}.csv"
+        common = ["program", *given, "--robot", "double_pendulum"]
+        monkeypatch.setattr(sys, "argv", [*common, "--record", str(healthy), "--seconds", "1"])
+        loops.main()
+        monkeypatch.setattr(sys, "argv", [*common, "--healthy", str(healthy)])
+        loops.main()
+        assert "detection on joint2" in capsys.readouterr().out
+        monkeypatch.setattr(sys, "argv", common)
+        with pytest.raises(SystemExit):
+            loops.main()
+        assert "give --record, or --healthy" in capsys.readouterr().err
