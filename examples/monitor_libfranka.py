@@ -16,8 +16,8 @@ loop runs. So the loop itself sends its states to this process, which may be lat
     send(udp, sent, sizeof sent, MSG_DONTWAIT);
 
 With --address instead of --udp, states are read through pylibfranka (pip install pylibfranka), while no loop of
-libfranka moves the arm: it is guided by hand, for instance. A Python program that moves the arm through panda_py calls
-`watch(ticks(panda.get_state), monitor)` in a thread of its own.
+libfranka moves the arm. That is good for a first look, not for a healthy run: a hand that guides pushes. A Python
+program that moves the arm through panda_py calls `watch(ticks(panda.get_state), monitor)` in a thread of its own.
 
 tau_J is measured behind the gear. A payload, a push or a tilted base show in it. Friction of motor and gear do not.
 """
