@@ -250,9 +250,11 @@ class MomentumEngine:
         return tuple(new)
 
     def _heard(self, monitor: JointMonitor, said: list[Event]) -> list[Event]:
-        """Return what a joint said; the second detector then starts again on what is left."""
+        """Return what a joint said; the slower detectors then start again on what is left."""
         if said:
             self.lasting.reset([monitor.j])
+            if self.arm.contact is None:
+                self.arm.detector.settle(self.observer.time, self.observer.remainder)
         return said
 
     def _look_at_arm(self, t: float, then: float) -> list[Event]:

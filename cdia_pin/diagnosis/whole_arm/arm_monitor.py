@@ -225,7 +225,9 @@ class ArmMonitor:
             self._votes.clear()
         self._decision = found = self._decided(sorted(joints))
         leads = found.is_sure and found.lead > self.settings.lead
-        self.apart = self.apart or (found.joints_explain and not leads)
+        if found.joints_explain and not leads and not self.apart:
+            self.apart = True
+            self.detector.settle(self.observer.time, self.observer.remainder)
         self._votes.append(found.index if leads else None)
         agree = len(self._votes) == self._votes.maxlen and len(set(self._votes)) == 1
         if not leads or not agree:
