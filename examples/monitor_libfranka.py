@@ -23,21 +23,19 @@ tau_J is measured behind the gear. A payload, a push or a tilted base show in it
 """
 
 import argparse
-import contextlib
 import socket
 import struct
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
+from attached_arm import Tick, add_options, parsed, record_or_watch, taught
 
-from cdia_pin import Dynamics, Log, Monitor, RobotModel, load_model, load_robot, read_log, write_log
+from cdia_pin import load_robot
 
 POLL = 1e-4  # [s], wait for the next state; there are 1000 a second
 PACKET = struct.Struct("=22d")  # time, q, dq, tau_J
-
-Tick = tuple[float, np.ndarray, np.ndarray, np.ndarray]
 
 
 def ticks(read: Callable[[], Any]) -> Iterator[Tick]:
@@ -65,26 +63,6 @@ def ticks_from_udp(receiver: socket.socket) -> Iterator[Tick]:
         yield t, q, v, tau
 
 
-def record(arm: Iterator[Tick], robot: RobotModel, path: str, seconds: float) -> None:
-    """Write some seconds of ticks as a log."""
-    kept = [next(arm)]
-    while kept[-1][0] - kept[0][0] < seconds:
-        kept.append(next(arm))
-    t, q, v, tau = (np.array(signal) for signal in zip(*kept, strict=True))
-    write_log(Log(robot.joints, t, q, tau, velocity=v), path)
-
-
-def watch(arm: Iterable[Tick], monitor: Monitor, say: Callable[[str], None] = print) -> None:
-    """Feed ticks to a monitor, and say what it finds."""
-    for t, q, v, tau in arm:
-        for event in monitor.update(t, q, v, tau).events:
-            faults = ", ".join(f"{term.label} {term.values}" for term in event.faults)
-            joints = ", ".join(event.joints)
-            say(
-                f"{event.time:.3f} s  {event.stage} on {joints}: {event.verdict} {faults} {event.reason}".strip()
-            )
-
-
 def main() -> None:
     """Read the command line; record, or learn and watch."""
     parser = argparse.ArgumentParser(description="Watch a Franka arm.")
@@ -92,19 +70,10 @@ def main() -> None:
     source.add_argument("--udp", type=int, help="port to which a C++ loop sends states")
     source.add_argument("--address", help="of the robot, read through pylibfranka")
     parser.add_argument("--robot", default="panda", help="name or URDF file")
-    parser.add_argument("--record", help="write a log of the healthy arm, instead of watching")
-    parser.add_argument("--seconds", type=float, default=120.0, help="length of that log")
-    parser.add_argument("--healthy", help="log of the healthy arm")
-    parser.add_argument("--model", help="model.json of cdia discover; the URDF alone if omitted")
-    asked = parser.parse_args()
-    if not (asked.record or asked.healthy):
-        parser.error("give --record, or --healthy")
+    add_options(parser)
+    asked = parsed(parser)
     robot = load_robot(asked.robot)
-    monitor = None
-    if not asked.record:
-        model = load_model(asked.model, robot) if asked.model else Dynamics(robot)
-        monitor = Monitor(model, healthy=[read_log(asked.healthy, robot)])
-        print(*monitor.record["notes"], sep="\n")
+    monitor = None if asked.record else taught(robot, asked.healthy, asked.model)
     if asked.udp:
         receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         receiver.bind(("127.0.0.1", asked.udp))
@@ -114,11 +83,7 @@ def main() -> None:
 
         # Reading alone needs no realtime kernel.
         arm = ticks(Robot(asked.address, RealtimeConfig.kIgnore).read_once)
-    if monitor is None:
-        record(arm, robot, asked.record, asked.seconds)
-    else:
-        with contextlib.suppress(KeyboardInterrupt):
-            watch(arm, monitor)
+    record_or_watch(arm, robot, asked, monitor)
 
 
 if __name__ == "__main__":

@@ -17,8 +17,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from attached_arm import sentence, taught
 
-from cdia_pin import CdiaError, Dynamics, Event, Monitor, load_model, load_robot, read_log
+from cdia_pin import CdiaError, Monitor, load_robot
 
 EVERY = 1.0  # [s], between two messages of which nothing is new
 
@@ -87,13 +88,6 @@ class JointStateWatch:
         return abs(t - last) >= EVERY  # a clock may be set back
 
 
-def sentence(event: Event) -> str:
-    """Return an event in words."""
-    faults = ", ".join(f"{term.label} {term.values}" for term in event.faults)
-    said = f"{event.stage} on {', '.join(event.joints)}: {event.verdict}"
-    return said + (f", {faults}" if faults else "") + (f" ({event.reason})" if event.reason else "")
-
-
 def run(watch: JointStateWatch) -> None:
     """Spin the node until it is interrupted."""
     import rclpy
@@ -130,10 +124,7 @@ def main() -> None:
     asked, _ = parser.parse_known_args()  # what is left is of ROS
     robot = load_robot(asked.robot)
     gains = json.loads(Path(asked.gains).read_text(encoding="utf-8")) if asked.gains else None
-    model = load_model(asked.model, robot) if asked.model else Dynamics(robot)
-    monitor = Monitor(model, healthy=[read_log(asked.healthy, robot, gains=gains)])
-    print(*monitor.record["notes"], sep="\n")
-    run(JointStateWatch(monitor, gains))
+    run(JointStateWatch(taught(robot, asked.healthy, asked.model, gains), gains))
 
 
 if __name__ == "__main__":
