@@ -19,10 +19,11 @@ from benchmarks.measured_logs import folder
 from benchmarks.monitored_logs.cases import DRAWS, EFFECT, HEALTHY, PUSHED, WEIGHT, planned
 from benchmarks.monitored_logs.outcome import Outcome
 from benchmarks.monitored_logs.page import page
-from benchmarks.monitored_logs.trial import FOLDER, run_case
+from benchmarks.monitored_logs.trial import run_case
 from benchmarks.outcomes import CHECKOUT, Store, package_text, tell, text_hash
 from benchmarks.publishing import publish, stated
 
+FOLDER = CHECKOUT / ".cache" / "monitored-logs"
 PAGE = CHECKOUT / "docs" / "results-monitored-logs.md"
 KINDS = (HEALTHY, WEIGHT, PUSHED, EFFECT)
 WITHOUT = ("cli", "viewers", "app", "campaigns")  # parts of the package that no outcome needs

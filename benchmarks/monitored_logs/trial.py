@@ -2,47 +2,29 @@
 
 from __future__ import annotations
 
-import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from math import nan
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.monitored_logs.cases import EFFECT, PUSHED, SHARE, WEIGHT, Case
 from benchmarks.monitored_logs.outcome import Outcome
-from benchmarks.outcomes import CHECKOUT, JsonLine, Store, package_text, text_hash
+from benchmarks.real_residuals.bases import Base, BaseCase, run_base
 from benchmarks.real_residuals.draws import NoSizeError, drawn
 from benchmarks.real_residuals.failures import failed
 from benchmarks.real_residuals.filtered import FilteredLog
 from benchmarks.real_residuals.insertion import Insertion
 from benchmarks.real_residuals.recordings import Recording, data_folder
-from cdia_pin import Dynamics, discover, load_model, save_model
+from benchmarks.real_residuals.running import store_of
 from cdia_pin.diagnosis import Event, Monitor
 from cdia_pin.effects import ExternalWrench, Term
 from cdia_pin.logs import Log
 
 Array = NDArray[np.float64]
 
-FOLDER = CHECKOUT / ".cache" / "monitored-logs"
-# Parts of the package that no discovery needs: a model is kept as long as the others stay as they are.
-WITHOUT = ("cli", "viewers", "app", "campaigns", "diagnosis")
 PUSH = 10.0  # [N], force of a sensor from which the arm is pushed
-
-
-@dataclass(frozen=True)
-class Found(JsonLine):
-    """The model of a healthy log.
-
-    Attributes:
-        id: Of the log.
-        model: Text of its model file.
-    """
-
-    id: str
-    model: str
 
 
 def run_case(case: Case) -> Outcome:
@@ -59,6 +41,7 @@ def run_case(case: Case) -> Outcome:
         return replace(out, failure=failed(why))
     events, start = monitor.events, float(log.time[0])
     detections = [e.time for e in events if e.stage == "detection"]
+    isolations = [e for e in events if e.stage == "isolation"]
     after = [t for t in detections if t >= begin]
     out = replace(
         out,
@@ -66,22 +49,14 @@ def run_case(case: Case) -> Outcome:
         detected=after[0] - begin if after and term else nan,
         early=sum(t < begin for t in detections),
         named=tuple(sorted(t.label for t in monitor.faults)),
-        sets=_sets(events),
-        contacts=sum(
-            any(isinstance(t.effect, ExternalWrench) for t in e.faults)
-            for e in events
-            if e.stage == "isolation"
-        ),
-        ever=tuple(
-            sorted(
-                {t.label for e in events if e.stage == "isolation" for t in e.faults if not _is_contact(t)}
-            )
-        ),
+        sets=_sets(isolations),
+        contacts=sum(any(map(_is_contact, e.faults)) for e in isolations),
+        ever=tuple(sorted({t.label for e in isolations for t in e.faults if not _is_contact(t)})),
         kept=log.duration,
         said=tuple(_in_words(e, start) for e in events if e.stage != "accommodation"),
     )
     if case.kind == WEIGHT:
-        out = _with_mass(out, monitor, events, detections)
+        out = _with_mass(out, monitor, isolations, detections)
     if case.kind == PUSHED and case.after.file == "pushed_at_rest":
         out = _with_force(out, contacts)
     return out
@@ -90,17 +65,12 @@ def run_case(case: Case) -> Outcome:
 @lru_cache(maxsize=2)
 def monitor_of(before: Recording) -> Monitor:
     """Return a monitor that knows the model of a healthy log and has learned from it."""
-    store = Store(FOLDER / f"models-{text_hash(package_text(WITHOUT))}.jsonl", Found.from_json)
-    known = store.read().get(before.id)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "model.json"
-        if known is None:
-            save_model(discover(Dynamics(before.robot), before.read()).model, path)
-            known = Found(before.id, path.read_text(encoding="utf-8"))
-            store.add(known)
-        path.write_text(known.model, encoding="utf-8")
-        model = load_model(path, before.robot)
-    return Monitor(model, healthy=[before.read()])
+    store, case = store_of("bases", Base.from_json), BaseCase(before)
+    base = store.read().get(case.id)
+    if base is None:
+        base = run_base(case)
+        store.add(base)
+    return Monitor(base.load(before.robot), healthy=[before.read()])
 
 
 def _given(case: Case) -> tuple[Log, Term | None, float]:
@@ -116,9 +86,9 @@ def _given(case: Case) -> tuple[Log, Term | None, float]:
     return replace(log, effort=np.where(later, changed.effort, log.effort)), term, begin
 
 
-def _with_mass(out: Outcome, monitor: Monitor, events: tuple[Event, ...], detections: list[float]) -> Outcome:
+def _with_mass(out: Outcome, monitor: Monitor, isolations: list[Event], detections: list[float]) -> Outcome:
     found = next((t for t in monitor.faults if t.effect.name == "payload"), None)
-    times = [e.time for e in events if e.stage == "isolation" and "payload" in [t.label for t in e.faults]]
+    times = [e.time for e in isolations if "payload" in [t.label for t in e.faults]]
     if found is None or not times or not detections:
         return out
     half = float(found.half_widths[0])
@@ -148,12 +118,9 @@ def _is_contact(term: Term) -> bool:
     return isinstance(term.effect, ExternalWrench)
 
 
-def _sets(events: tuple[Event, ...]) -> tuple[tuple[tuple[str, ...], ...], ...]:
+def _sets(isolations: list[Event]) -> tuple[tuple[tuple[str, ...], ...], ...]:
     """Return the sets of labels of the last isolation of each place."""
-    last: dict[tuple[str, ...], Event] = {}
-    for e in events:
-        if e.stage == "isolation":
-            last[e.joints] = e
+    last = {e.joints: e for e in isolations}
     return tuple(
         tuple(tuple(t.label for t in one) for one in (e.faults, *e.alternatives)) for e in last.values()
     )

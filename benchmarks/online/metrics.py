@@ -143,11 +143,10 @@ def isolation(
 OF_THE_ARM = ("payload", "base_tilt", "external_wrench")  # effects of the whole arm that a monitor names
 
 
-def believed(joints: Sequence[str], events: Iterable[Event], at: float) -> frozenset[str]:
+def believed(events: Iterable[Event], at: float) -> frozenset[str]:
     """Return the names of the effects that were believed in at a time, of the whole arm and of joints.
 
     Args:
-        joints: Names of the arm's joints.
         events: What was said.
         at: When [s].
     """

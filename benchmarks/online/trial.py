@@ -131,7 +131,7 @@ def run_case(case: Case, settings: MonitorSettings | None = None, minutes: int =
         for joint, since in _begun(case).items()
     )
     if case.suite == "arm":
-        joints = (_arm(case, run, events),)
+        joints = (_arm(case, events),)
     drop = again = np.nan
     if case.suite == "return":
         first, second = case.faults
@@ -181,6 +181,8 @@ def _ran_away(case: Case, b: Bench, alone: OnlineRun | None) -> Outcome:
         for joint, since in _begun(case).items()
         for detected_at in [metrics.detection_time(b.monitor.events, joint, since)]
     )
+    if case.suite == "arm":
+        joints = (replace(_arm(case, b.monitor.events), verdict="the arm ran away"),)
     return replace(_nothing_seen(case, b.monitor), joints=joints)
 
 
@@ -252,7 +254,7 @@ def _joint(
     )
 
 
-def _arm(case: Case, run: OnlineRun, events: Sequence[Event]) -> JointOutcome:
+def _arm(case: Case, events: Sequence[Event]) -> JointOutcome:
     """Return what was said of a fault of the whole arm; its joint is ``arm``."""
     (fault,) = case.faults
     since = fault.after
@@ -260,7 +262,7 @@ def _arm(case: Case, run: OnlineRun, events: Sequence[Event]) -> JointOutcome:
     true = "external_wrench" if fault.effect == "tool_wrench" else fault.effect
     # A push is asked for while it lasts; the others some time after their detection.
     at = fault.until if true == "external_wrench" else detected_at + metrics.TIME_TO_DECIDE
-    named = metrics.believed(run.joints, events, at)
+    named = metrics.believed(events, at)
     of_joints = frozenset(n for n in named if n not in metrics.OF_THE_ARM)
     gone = metrics.cleared(events, true, fault.until) - fault.until
     return JointOutcome(
