@@ -79,6 +79,7 @@ class JointMonitor:
 
     def restart(self) -> None:
         """Start the present stage again after a gap in the data; beliefs stay."""
+        self.lasts = False
         self._votes.clear()
         if self.stage not in (Stage.HEALTHY, Stage.IDLE):
             self.isolation.restart()
@@ -112,6 +113,7 @@ class JointMonitor:
 
     def excuse(self) -> None:
         """Take back what is undecided, because something of the whole arm was the cause."""
+        self.lasts = False
         if not self.is_undecided:
             return
         self._votes.clear()

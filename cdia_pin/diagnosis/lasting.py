@@ -20,17 +20,13 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.joint_gram import ridge_inverse
+from cdia_pin.diagnosis.kernels import ROUGHNESS
 
 Array = NDArray[np.float64]
 
-LEAST_SHARE = (
-    0.1  # [1], least limit over the RMS torque of the joint: how far a model may be off on other motions
-)
+LEAST_SHARE = 0.1  # [1], least limit over the joint's RMS torque: how far a model may be off on other motions
 LEAST_WINDOWS = (
-    2.0  # [1], number of windows that healthy runs count as at least, so that the logarithm is positive
-)
-MISSED_SHARE = (
-    0.2  # [1], share of a believed fault's torque that its formula may miss, as in `kernels.ROUGHNESS`
+    2.0  # [1], number of windows that healthy runs count as at least: its logarithm must be positive
 )
 FILLED = 0.5  # [1], share of the window that must hold motion before it counts
 TINY = 1e-300  # keeps a column that was never excited from dividing by zero
@@ -98,7 +94,7 @@ class LastingDetector:
         Args:
             believed: Largest torque of late of what is believed [N·m or N], shape (n,). Its formula may miss a share.
         """
-        return np.asarray((self.explained() > self.limit + MISSED_SHARE * believed[:, None]).any(axis=1))
+        return np.asarray((self.explained() > self.limit + ROUGHNESS * believed[:, None]).any(axis=1))
 
 
 def limit_of(largest: Array, moved: Array, memory: float, false_alarm_every: float, torque: Array) -> Array:

@@ -92,15 +92,7 @@ class MomentumEngine:
         self._alignment = Alignment(self.dt, nominal.delay, position_only)
         self.lasting = LastingDetector(bank, robot.n, settings.memory)
         if healthy:
-            learned = learn(
-                self.observer,
-                self._alignment,
-                self.lasting,
-                healthy,
-                settings.false_alarm_every,
-                settings.margin,
-                self.healthy,
-            )
+            learned = learn(self.observer, self._alignment, self.lasting, healthy, self.healthy)
         else:
             learned = assumed(robot.n, len(bank), self.healthy)
         self.lasting.limit = learned.lasting
@@ -130,7 +122,6 @@ class MomentumEngine:
         self._next_look = np.inf
         self._next_sample = self._last_sample = self._next_lasting = self._next_arm_look = -np.inf
         self._lasts: list[int] = []
-        self._carried_torque = self._zero
         self.observer.state.muted = 0.0
         self.observer.correct_from_now(False)
         self._bad = False
@@ -208,7 +199,6 @@ class MomentumEngine:
             for monitor in self.joint_monitors:
                 monitor.lasts = bool(beyond[monitor.j])
             self._lasts = [m.j for m in self.joint_monitors if m.lasts and m.is_calm]
-        self._carried_torque = self.arm.carried_torque() if self.arm.believed else self._zero
         changed = self.arm.sample(dt)
         return changed or bool(self._lasts)
 
@@ -230,8 +220,9 @@ class MomentumEngine:
                 new += self._heard(monitor, monitor.absent(t))
         if then >= self._next_arm_look:
             new += self._look_at_arm(t, then)
+        waits = self.arm.holds_joints(t)
         for monitor in self._busy:
-            monitor.waits = self.arm.holds_joints(t)
+            monitor.waits = waits
             if then >= self._next[monitor.j]:
                 # Joints take turns, so that no tick decides on several.
                 late = monitor.j / len(self.joint_monitors) * self.settings.decide_every
@@ -269,9 +260,7 @@ class MomentumEngine:
         """Take back what joints had not decided, because the whole arm was the cause."""
         for monitor in self.joint_monitors:
             monitor.excuse()
-            monitor.lasts = False
         self.lasting.reset()
-        self._carried_torque = self.arm.carried_torque() if self.arm.believed else self._zero
 
     def _stage_of(self, monitor: JointMonitor) -> Stage:
         """Return the stage of a joint; one that is touched is isolated, and not compensated."""
@@ -293,7 +282,6 @@ class MomentumEngine:
         self.observer.reset()
         for monitor in self.joint_monitors:
             monitor.restart()
-            monitor.lasts = False
         self._last_sample = self._next_sample = self._next_lasting = -np.inf
         self._lasts = []
         self.arm.restart()
@@ -340,7 +328,9 @@ class MomentumEngine:
         o = self.observer
         correction = self._zero
         if self._corrects:
-            correction = np.minimum(np.maximum(o.addition + self._carried_torque, self._least), self._limit)
+            correction = np.minimum(
+                np.maximum(o.addition + self.arm.carried_torque, self._least), self._limit
+            )
         residual, threshold = o.residual.copy(), o.threshold.copy()
         return Status(t, self._stages, residual, threshold, correction, self._faults, events, self._blind)
 

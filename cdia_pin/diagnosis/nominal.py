@@ -60,8 +60,7 @@ class Nominal:
             effect, theta = term.effect, np.array(term.theta)
             always = term.profile.kind == "always"
             if always and effect.bodies and not isinstance(effect, Varying):
-                for body, part in effect.by_body(theta):
-                    pi[body.carrier(robot)] += body.in_joint_frame(part, robot)
+                pi += effect.on_links(theta, robot)
             elif always and isinstance(effect, BaseTilt):
                 g = g + effect.tilt(robot, theta)
             elif always and isinstance(effect, EncoderOffset):

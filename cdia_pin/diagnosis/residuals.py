@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,9 +52,22 @@ def residual_along(observer: MomentumObserver, alignment: Alignment, run: Log) -
         alignment: Returned to its start first.
         run: At the rate of the alignment.
     """
+    out = [observer.residual.copy() for _, is_settled in along(observer, alignment, run) if is_settled]
+    return np.array(out).reshape(
+        -1, run.position.shape[1]
+    )  # also of a run that ends before the filter settles
+
+
+def along(observer: MomentumObserver, alignment: Alignment, run: Log) -> Iterator[tuple[float, bool]]:
+    """Let an observer see a run, and yield the time of each tick [s] and whether its filters have settled.
+
+    Args:
+        observer: Returned to its start first.
+        alignment: Returned to its start first.
+        run: At the rate of the alignment.
+    """
     observer.reset()
     alignment.reset()
-    out: list[Array] = []
     begin: float | None = None
     for k in range(len(run.time)):
         v = None if run.velocity is None else run.velocity[k]
@@ -64,11 +77,7 @@ def residual_along(observer: MomentumObserver, alignment: Alignment, run: Log) -
         t, q, v, tau = sample
         observer.step(t, q + observer.nominal.offset, v, tau)
         begin = t if begin is None else begin
-        if t - begin > SETTLING / observer.bandwidth.min():
-            out.append(observer.residual.copy())
-    return np.array(out).reshape(
-        -1, run.position.shape[1]
-    )  # also of a run that ends before the filter settles
+        yield t, t - begin > SETTLING / observer.bandwidth.min()
 
 
 def velocity_noise(runs: Sequence[Log], dt: float) -> Array:

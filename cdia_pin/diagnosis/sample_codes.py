@@ -16,7 +16,7 @@ DISAGREE = 41  # velocity and position contradict each other, a little at each s
 ZEROED = 50  # + signal: zero on all joints at once
 NO_SIGNAL = 3  # a signal of the codes of time
 
-CODES_PER_KIND = 10
+CODES_PER_KIND = 10  # codes [1] from one kind to the next: the last digit is the signal
 LATEST = 1e10  # [s], 300 years: a later time is none, and numbers near it could not tell two ticks apart
 
 

@@ -20,7 +20,7 @@ HOLD_TORQUE = 13  # ticks for which the torque of a joint in motion may stay the
 REST_SPEED = 14  # speed below which a joint may be at rest [rad/s or m/s]
 SATURATED = 15  # torque from which it may stay the same because it is at its limit [N·m or N]
 DRIFT_BOUND = 16  # largest sum of the distances within the memory [rad or m]
-BOUND_ROWS = 17
+BOUND_ROWS = 17  # their number [1]
 
 # Rows of `state`.
 PREVIOUS_POSITION = 0  # of the sample before, whether it was good or not [rad or m]
@@ -40,7 +40,7 @@ TRAVELLED = 13  # distance since the last good sample, by the velocity [rad or m
 VELOCITY_STEP = 14  # of this sample [rad/s or m/s]
 ERROR = 15  # distance of this sample's position from where the velocity leads [rad or m]
 TORQUE_STEP = 16  # of this sample [N·m or N]
-STATE_ROWS = 17
+STATE_ROWS = 17  # their number [1]
 
 # Entries of `scalars`.
 PREVIOUS = 0  # time of the sample before [s]; −∞ before the first
@@ -52,4 +52,4 @@ PERIOD = 5  # usual time between ticks [s]
 SHORTEST = 6  # least time between ticks [s]
 LONGEST = 7  # largest time between ticks that may be bridged [s]
 MEMORY = 8  # time over which distances are summed [s]
-SCALARS = 9
+SCALARS = 9  # their number [1]

@@ -142,8 +142,7 @@ def carrying(robot: RobotModel, terms: Sequence[Term], share: Sequence[float]) -
     """
     pi = robot.inertial_parameters.copy()
     for term, there in zip(terms, share, strict=True):
-        for body, part in term.effect.by_body(np.array(term.theta)):
-            pi[body.carrier(robot)] += there * body.in_joint_frame(part, robot)
+        pi += there * term.effect.on_links(np.array(term.theta), robot)
     if np.array_equal(pi, robot.inertial_parameters):
         return robot
     return robot.with_inertial_parameters(pi) if all(is_physical(p, ROUNDING) for p in pi) else None

@@ -127,6 +127,18 @@ class Effect(Scoped, ABC):
         if self.bodies:
             yield from zip(self.bodies, theta.reshape(len(self.bodies), -1), strict=True)
 
+    def on_links(self, theta: Array, robot: RobotModel) -> Array:
+        """Return what the bodies of the effect add to the inertial parameters of the links, shape (n, 10).
+
+        Args:
+            theta: Parameters θ, shape (p,).
+            robot: The arm, n joints.
+        """
+        out = np.zeros((robot.n, 10))
+        for body, part in self.by_body(theta):
+            out[body.carrier(robot)] += body.in_joint_frame(part, robot)
+        return out
+
     # ------------------------------------------------------------- parameters
 
     @property

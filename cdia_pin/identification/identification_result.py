@@ -67,8 +67,7 @@ class Identification:
         robot = self.model.robot
         out = robot.inertial_parameters.copy()
         for term in self.bodies:
-            assert isinstance(term.effect, Body)
-            out[term.effect.carrier(robot)] += term.effect.in_joint_frame(np.array(term.theta), robot)
+            out += term.effect.on_links(np.array(term.theta), robot)
         return out
 
     @property

@@ -23,16 +23,14 @@ from cdia_pin.diagnosis.status import Event, EventStage, Verdict
 from cdia_pin.diagnosis.whole_arm.belief import carried
 from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
 from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
-from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES
+from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES, Hypothesis
 from cdia_pin.diagnosis.whole_arm.isolation import UNDECIDED, ArmDecision, decide
 from cdia_pin.diagnosis.whole_arm.wrench import located
 from cdia_pin.effects import ExternalWrench, Term
 
 Array = NDArray[np.float64]
 
-LONGEST_CONTACT = (
-    10.0  # [s], after which joints decide by themselves: nobody leans on a moving arm for longer
-)
+LONGEST_CONTACT = 10.0  # [s], after which joints decide by themselves: nobody leans on an arm for longer
 TRIAL = 10.0  # [s] after its isolation, for which an effect is updated, and withdrawn if joints alarm again
 REFINED_EVERY = 1.0  # [s] between two updates: each makes a robot model, in a fraction of a millisecond
 GONE_SHARE = 0.15  # [1], share of an effect that may be left when it counts as cleared
@@ -90,6 +88,8 @@ class ArmMonitor:
     Attributes:
         believed: Effects of the whole arm that are present, with their numbers.
         contact: Contact of the moment; None without.
+        apart: Whether joints by themselves explain what they show, so that it is no contact.
+        carried_torque: What gravity and motion take of the joints by what is believed [N·m or N], shape (n,).
     """
 
     def __init__(
@@ -103,27 +103,27 @@ class ArmMonitor:
         self.observer, self.bank, self.settings = observer, bank, settings
         self.evidence = ArmEvidence(observer, bank.width, HYPOTHESES, healthy)
         self.detector = ContactDetector(limits)
+        self._since: float = np.inf  # [s], when the present evidence began
         self.reset()
 
     def reset(self) -> None:
         """Return to the healthy arm."""
         self.believed: tuple[Term, ...] = ()
         self.contact: Contact | None = None
+        self.carried_torque = np.zeros(self.observer.nominal.robot.n)
         self.observer.carry(self.observer.nominal.robot)
-        self._since = np.inf  # [s], when the present evidence began
         self._refined_at = -np.inf
-        self._trial: _Trial | None
         self.restart()
 
     def restart(self) -> None:
         """Start the filters again after a gap in the data; what is believed stays."""
         self.detector.reset()
         self.evidence.stop()
-        self.contact, self._trial = None, None
-        self._since = np.inf
-        self.apart = False  # do joints by themselves explain what they show?
-        self._decision = UNDECIDED
+        self.contact = None
+        self.apart = False
+        self._trial: _Trial | None = None
         self._votes: deque[int | None] = deque(maxlen=self.settings.votes)
+        self._close()
 
     @property
     def faults(self) -> tuple[Term, ...]:
@@ -166,7 +166,8 @@ class ArmMonitor:
         o = self.observer
         self.detector.add(o.time, dt, o.remainder, o.state.moving, o.state.nle)
         if self.believed:  # its formula may miss a share for a moment, as those of the joints' effects may
-            o.state.amplitude = np.maximum(o.state.amplitude, np.abs(self.carried_torque()))
+            self._carry_torque()
+            o.state.amplitude = np.maximum(o.state.amplitude, np.abs(self.carried_torque))
         if self.evidence.is_active:
             self.evidence.add(o.time, o.q, o.v)
         if self.contact is not None and self.detector.present:
@@ -178,11 +179,10 @@ class ArmMonitor:
         """Whether there is contact, and joints by themselves do not explain what they show."""
         return self.detector.present and not self.apart
 
-    def carried_torque(self) -> Array:
-        """Return what gravity and motion take of the joints by what is believed [N·m or N], shape (n,)."""
+    def _carry_torque(self) -> None:
         o = self.observer
         now = np.array(o.carried.rigid_terms(o.q, o.v)[1])
-        return np.asarray(now - o.nominal.robot.rigid_terms(o.q, o.v)[1])
+        self.carried_torque = now - o.nominal.robot.rigid_terms(o.q, o.v)[1]
 
     def follow_contact(self, t: float) -> list[Event]:
         """Say that contact has begun or ended, if so.
@@ -217,10 +217,10 @@ class ArmMonitor:
             joints |= {self.observer.nominal.robot.joint_index(j) for j in self.contact.joints}
         if not joints:
             return self._refine(t)
-        if self._since == np.inf and not self._was_wrong(joints):
-            self.evidence.start(self.observer.time)
-            self._trial = None
         if self._since == np.inf:
+            if not self._was_wrong(joints):
+                self.evidence.start(self.observer.time)
+                self._trial = None
             self._since = t
             self._votes.clear()
         self._decision = found = self._decided(sorted(joints))
@@ -246,7 +246,8 @@ class ArmMonitor:
             last, self.contact = self.contact, None
             said = "it was no contact"
             events = [Event(t, EventStage.IDLE, last.joints, Verdict.NONE, (last.term,), reason=said)]
-        self._end(t)
+        self._refined_at = t
+        self._close()
         if term is None:
             self._trial = None
             return [*events, Event(t, EventStage.IDLE, joints, Verdict.NONE, (before,), reason="cleared")]
@@ -260,9 +261,7 @@ class ArmMonitor:
     def _refine(self, t: float) -> list[Event]:
         """Update the parameters of what was isolated of late; collect no more after a while."""
         self.apart = False
-        self._since = np.inf
-        self._decision = UNDECIDED
-        self._votes.clear()
+        self._close()
         if self._trial is None or t - self._trial.since > TRIAL:
             self._trial = None
             self.evidence.stop()
@@ -288,9 +287,13 @@ class ArmMonitor:
         """Return the effect of a decision as it would be with the change that was found."""
         assert found.index is not None
         hypothesis = HYPOTHESES[found.index]
-        old = next((b for b in self.believed if b.effect == hypothesis.effect), None)
-        shown = np.zeros(hypothesis.shown) if old is None else np.array(old.theta[: hypothesis.shown])
+        _, shown = self._known(hypothesis)
         return hypothesis.term(shown + found.theta, found.half)
+
+    def _known(self, hypothesis: Hypothesis) -> tuple[Term | None, Array]:
+        """Return what is believed of a hypothesis, and its estimated parameters; zero if it is not believed."""
+        old = next((b for b in self.believed if b.effect == hypothesis.effect), None)
+        return old, np.zeros(hypothesis.shown) if old is None else np.array(old.theta[: hypothesis.shown])
 
     def _was_wrong(self, joints: set[int]) -> bool:
         """Withdraw what is on trial if another effect explains all since the detection better; return whether."""
@@ -311,17 +314,13 @@ class ArmMonitor:
         """Add a change to what is believed; return the effect as it is now, or as it was if it is gone."""
         assert found.index is not None
         hypothesis = HYPOTHESES[found.index]
-        old = next((b for b in self.believed if b.effect == hypothesis.effect), None)
-        shown = np.zeros(hypothesis.shown) if old is None else np.array(old.theta[: hypothesis.shown])
+        old, shown = self._known(hypothesis)
         others = tuple(b for b in self.believed if b is not old)
         main = np.s_[: hypothesis.main]
-        after = shown + found.theta
-        gone = old is not None and _is_gone(shown[main], after[main], found.half[main])
-        term = self._changed(found)
-        moved = -shown if gone else found.theta
-        self.believed = others if gone else (*others, term)
+        gone = old is not None and _is_gone(shown[main], (shown + found.theta)[main], found.half[main])
+        term, moved = self._changed(found), -shown if gone else found.theta
         self._move(found.index, moved)
-        self._become(self.believed)
+        self._become(others if gone else (*others, term))
         if self._trial is not None:
             self._trial = replace(self._trial, moved=self._trial.moved + moved)
         return term if old is None or not gone else old
@@ -338,6 +337,7 @@ class ArmMonitor:
         o.carry(carried(o.nominal, believed))
         for j in range(o.nominal.robot.n):
             o.refresh(j)
+        self._carry_torque()
         self.detector.settle(o.time, o.remainder)
 
     def _columns(self, k: int) -> Array:
@@ -345,8 +345,8 @@ class ArmMonitor:
         first, end = (int(e) - self.bank.width for e in self.evidence.ends[k : k + 2])
         return self.evidence.columns[:, first:end]
 
-    def _end(self, t: float) -> None:
-        self._refined_at = t
+    def _close(self) -> None:
+        """Take the present question as answered."""
         self._since = np.inf
         self._decision = UNDECIDED
         self._votes.clear()

@@ -1,4 +1,4 @@
-"""What is believed of the whole arm, and the arm as it is then: the terms that a monitor computes every tick."""
+"""The arm with what it is believed to carry, and the torque that this takes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 def carried(nominal: Nominal, terms: tuple[Term, ...]) -> RobotModel:
-    """Return the healthy arm with what it carries and as it stands now; itself if nothing is believed.
+    """Return the arm with its load and its tilt; the healthy arm itself if nothing is believed.
 
     Args:
         nominal: The healthy arm.
@@ -26,8 +26,7 @@ def carried(nominal: Nominal, terms: tuple[Term, ...]) -> RobotModel:
         theta = np.array(term.theta)
         if isinstance(term.effect, BaseTilt):
             g = g + term.effect.tilt(robot, theta)
-        for body, part in term.effect.by_body(theta):
-            pi[body.carrier(robot)] += body.in_joint_frame(part, robot)
+        pi += term.effect.on_links(theta, robot)
     return robot.with_inertial_parameters(pi).with_gravity(g)
 
 

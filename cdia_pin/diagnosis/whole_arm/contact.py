@@ -17,18 +17,14 @@ Array = NDArray[np.float64]
 SLOW = 2.0  # [s], time constant of the part that is followed: a push rises and falls within it
 RESTING = 0.05  # [1], share of the filter's memory in motion, below which a joint rests
 CHANGING = 0.02  # [1], the same share: between it and one less it, a joint starts or stops
-FIRST, SECOND = (
-    1.0,
-    0.7,
-)  # [1], deviation over its limit that the joint with the largest, and the next one, must have
+FIRST = 1.0  # [1], deviation over its limit that the joint with the largest one must have
+SECOND = 0.7  # [1], the same of the next joint: a push reaches two at least, if not alike
 TOGETHER = 0.4  # [s], within which both must have begun: a push reaches all joints at once
 BEGUN = 0.35  # [1], deviation over its limit, from which it has begun
 OVER = 0.5  # [1], deviation over its limit, below which all joints must be for a contact to be gone
 RELEASED = 0.15  # [1], deviation over the largest one of the contact, below which a joint counts as back
 HELD = 0.35  # [1], the same, where friction may hold what is left
-RECOVERY = (
-    1.0  # [s] after a contact, in which another one does not count: friction lets joints go one after another
-)
+RECOVERY = 1.0  # [s] after a contact, in which joints come back one after another, as friction lets them go
 QUICK = 0.2  # [s], time constant of the part that is followed in that time
 DEBOUNCE = 0.02  # [s] for which a contact must be there, or gone, before it counts
 
@@ -57,9 +53,7 @@ class ContactDetector:
     Attributes:
         deviation: The remainder less its slow part [N·m or N], shape (n,).
         limit: Its limit now [N·m or N], shape (n,).
-        changing: Whether each joint has started or stopped of late; 1 at that moment, then falling [1], shape (n,).
         present: Whether there is contact.
-        since: Time since when [s]; NaN without contact.
     """
 
     def __init__(self, limits: ContactLimits) -> None:
@@ -70,10 +64,12 @@ class ContactDetector:
         """Return to the start: the next sample is the slow part."""
         n = len(self.limits.rest)
         self.deviation, self.limit = np.zeros(n), self.limits.moving.copy()
-        self.present, self.since = False, np.nan
+        self.present = False
         self._slow: Array | None = None
         self._slow_load = np.zeros(n)
-        self.changing = np.zeros(n)
+        self._changing = np.zeros(
+            n
+        )  # have joints started or stopped of late? 1 at that moment, then falling [1]
         self._begun = np.full(n, np.inf)
         self._for, self._recovered, self._ended = 0.0, -np.inf, -np.inf
         self._peak = np.zeros(n)
@@ -95,7 +91,7 @@ class ContactDetector:
         """
         self._recovered = t + RECOVERY
         self._slow = remainder.copy()
-        self.present, self.since, self._for = False, np.nan, 0.0
+        self.present, self._for = False, 0.0
         self._peak = np.zeros_like(remainder)
         self._begun[:] = np.inf
 
@@ -113,11 +109,11 @@ class ContactDetector:
             self._slow, self._slow_load = remainder.copy(), load.copy()
         self.deviation = remainder - self._slow
         changes = (moving > CHANGING) & (moving < 1.0 - CHANGING)
-        self.changing = np.where(changes, 1.0, self.changing * np.exp(-dt / SLOW))
+        self._changing = np.where(changes, 1.0, self._changing * np.exp(-dt / SLOW))
         self._slow_load += (1.0 - np.exp(-dt / SLOW)) * (load - self._slow_load)
         held = np.minimum(np.abs(load - self._slow_load), self.limits.friction)
         self.limit = np.where(moving < RESTING, self.limits.rest + held, self.limits.moving)
-        self.limit = self.limit + self.changing * self.limits.friction
+        self.limit = self.limit + self._changing * self.limits.friction
         ratio = np.abs(self.deviation) / self.limit
         self._begun = np.where(ratio < BEGUN, np.inf, np.minimum(self._begun, t))
         if self.present:
@@ -125,17 +121,14 @@ class ContactDetector:
             self._peak = np.maximum(self._peak, size)
             held = np.minimum(HELD * self._peak, self.limit + self.limits.friction)
             held = np.maximum(held, RELEASED * self._peak)
-            self._count(t, dt, bool((size < np.maximum(OVER * self.limit, held)).all()))
+            self._count(dt, bool((size < np.maximum(OVER * self.limit, held)).all()))
             if not self.present:
                 self._ended, self._recovered = t, t + RECOVERY
-        elif t < self._recovered:
-            calm = np.abs(self.deviation) < self.limit
-            self._slow += (1.0 - np.exp(-dt / np.where(calm, QUICK, SLOW))) * self.deviation
-            self._begun[calm] = np.inf
-            self._count(t, dt, self._is_sudden(ratio))
         else:
-            self._slow += (1.0 - np.exp(-dt / SLOW)) * self.deviation
-            self._count(t, dt, self._is_sudden(ratio))
+            returns = (ratio < 1.0) & (t < self._recovered)
+            self._slow += (1.0 - np.exp(-dt / np.where(returns, QUICK, SLOW))) * self.deviation
+            self._begun[returns] = np.inf
+            self._count(dt, self._is_sudden(ratio))
 
     def _is_sudden(self, ratio: Array) -> bool:
         """Tell whether two joints at least are off their course, and left it at the same time."""
@@ -146,10 +139,9 @@ class ContactDetector:
             return False
         return bool(abs(self._begun[first] - self._begun[second]) < TOGETHER)
 
-    def _count(self, t: float, dt: float, changed: bool) -> None:
+    def _count(self, dt: float, changed: bool) -> None:
         self._for = self._for + dt if changed else 0.0
         if self._for < DEBOUNCE:
             return
         self.present, self._for = not self.present, 0.0
-        self.since = t if self.present else np.nan
         self._peak = np.zeros_like(self._peak)

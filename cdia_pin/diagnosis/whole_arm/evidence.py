@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.healthy_arm import HealthyArm
+from cdia_pin.diagnosis.kernels import MOVING_SHARE
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.whole_arm.hypotheses import Hypothesis
 from cdia_pin.effects import State
@@ -15,11 +16,9 @@ from cdia_pin.effects import State
 Array = NDArray[np.float64]
 
 LIGHTEST = (
-    1e-3  # [1], least level of a joint over the largest of the arm, and of that one in N·m: noise may be zero
+    1e-3  # [1], least level of a joint over the largest of the arm; [N·m or N], least of the largest one
 )
-SETTLED = (
-    2.0  # [1], time constants of the filter until its start is forgotten: it starts at the present columns
-)
+SETTLED = 2.0  # [1], time constants until the start of a filter is forgotten, which is the present columns
 
 
 class ArmEvidence:
@@ -40,10 +39,7 @@ class ArmEvidence:
     def __init__(
         self, observer: MomentumObserver, width: int, hypotheses: Sequence[Hypothesis], healthy: HealthyArm
     ) -> None:
-        from cdia_pin.diagnosis.kernels import MOVING_SHARE
-
         self.observer, self.width, self.hypotheses = observer, width, tuple(hypotheses)
-        self._moving_share = MOVING_SHARE
         self.level = np.maximum(healthy.level, LIGHTEST * max(float(healthy.level.max()), LIGHTEST))
         self.independent = healthy.independent
         self.ends = np.cumsum([width, *(h.shown for h in hypotheses)])
@@ -69,14 +65,13 @@ class ArmEvidence:
         Args:
             t: Time [s].
         """
-        self.gram[:], self.weight[:] = 0.0, 0.0
+        self.stop()
         self._since = t
-        self._previous: tuple[float, Array, Array] | None = None  # time, velocity, columns
 
     def stop(self) -> None:
         """Collect no more."""
         self._since = np.nan
-        self._previous = None
+        self._previous: tuple[float, Array, Array] | None = None  # time, velocity, columns
         self.gram[:], self.weight[:] = 0.0, 0.0
 
     def add(self, t: float, q: Array, v: Array) -> None:
@@ -100,7 +95,7 @@ class ArmEvidence:
         self._previous = (t, v.copy(), phi)
         self._rows[:, : self.width] = o.filtered[:, : self.width]
         self._rows[:, -1] = o.remainder
-        counts = (o.state.moving > self._moving_share) & (t - self._since > SETTLED / o.bandwidth)
+        counts = (o.state.moving > MOVING_SHARE) & (t - self._since > SETTLED / o.bandwidth)
         forget = np.where(counts, np.exp(-dt / o.settings.memory), 1.0)
         rows = self._rows * counts[:, None]
         self.gram *= forget[:, None, None]

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.effects import BaseTilt, Effect, Payload, State, Term
+from cdia_pin.robot.inertia import parameters_of
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -30,11 +31,6 @@ class Hypothesis:
     effect: Effect
     shown: int
     main: int
-
-    @property
-    def name(self) -> str:
-        """Name of the effect."""
-        return self.effect.name
 
     def columns(self, x: State) -> Array:
         """Return the torque per unit of each estimated parameter near zero, shape (n, shown).
@@ -62,7 +58,7 @@ class Hypothesis:
         whole = np.zeros(self.effect.size)
         whole[: self.shown] = theta
         if isinstance(self.effect, Payload):
-            whole[4:] = _second_moments(theta)
+            whole = _ball(theta)
         term = Term(self.effect, tuple(whole))
         return term.with_intervals(np.concatenate([half, np.zeros(self.effect.size - self.shown)]))
 
@@ -70,13 +66,9 @@ class Hypothesis:
 HYPOTHESES = (Hypothesis(Payload(), 4, 1), Hypothesis(BaseTilt(), 2, 2))
 
 
-def _second_moments(theta: Array) -> Array:
-    """Return Ixx Ixy Iyy Ixz Iyz Izz [kg·m²] of a small ball with this mass and these first moments, shape (6,)."""
+def _ball(theta: Array) -> Array:
+    """Return the ten parameters of a small ball with this mass and these first moments, shape (10,)."""
     mass, moment = float(theta[0]), np.asarray(theta[1:4])
-    if np.linalg.norm(moment) >= REACH * abs(
-        mass
-    ):  # the moments are those of noise, or of a change that is none
-        return np.zeros(6)
-    about_centre = BALL * mass * RADIUS**2
-    inertia = (moment @ moment * np.eye(3) - np.outer(moment, moment)) / mass + about_centre * np.eye(3)
-    return inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
+    if np.linalg.norm(moment) >= REACH * abs(mass):  # moments of noise, or of a change that is none
+        return np.concatenate([theta, np.zeros(6)])
+    return parameters_of(mass, moment / mass, BALL * mass * RADIUS**2 * np.eye(3))

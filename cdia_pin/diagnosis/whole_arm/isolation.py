@@ -25,24 +25,18 @@ from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
 
 Array = NDArray[np.float64]
 
-# Share of the remainder [1] that a formula may miss where noise is small: the arm that carries a body or is tilted has
-# masses of its own that are a few per cent wrong, and the joints' formulas fit as closely for a second or two.
+# [1], share of the remainder that a formula may miss where noise is small: the arm's own masses are a few per cent
+# wrong, and the joints' formulas fit as closely for a second or two
 MISSED = 0.1
-COINCIDENCE = (
-    9.0  # [1], log-odds against a joint that fails within seconds of another one: once in ten thousand times
-)
+COINCIDENCE = 9.0  # [1], log-odds against a joint that fails within seconds of another one: 10⁻⁴
 UNUSUAL = 5.0  # [1], log-odds against an effect that arms in use hardly ever have
 NORMAL_95 = 1.96  # [1], standard deviations to either side of a 95 % interval
 LEAST_NOISE = (
     0.25  # [1], least variance of what is left over that of a healthy residual: few samples say little
 )
 LEAST_EXPLAINED = 0.5  # [1], share of the remainder's energy that an effect of the whole arm must explain
-LONG_ENOUGH = (
-    1.0  # [s] of motion, for which no push follows the formula of a joint's effect on several joints
-)
-EXPLAINED_APART = (
-    0.9  # [1], share of each joint's remainder that one effect of its own must explain to rule out a push
-)
+LONG_ENOUGH = 1.0  # [s] of motion, for which no push follows the formulas of effects of several joints
+EXPLAINED_APART = 0.9  # [1], share of each joint's remainder that one effect must explain to rule out a push
 LEAST_WEIGHT = 0.2  # [s] of motion of a joint, from which it counts
 TINY = 1e-300  # keeps a column that was never excited from dividing by zero
 

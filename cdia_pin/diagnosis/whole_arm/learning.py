@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from cdia_pin.diagnosis.growth import growth
 from cdia_pin.diagnosis.healthy_arm import LEAST_MOTION, HealthyArm
 from cdia_pin.diagnosis.lasting import LastingDetector, limit_of
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
-from cdia_pin.diagnosis.residuals import SETTLING, pooled
+from cdia_pin.diagnosis.residuals import along, pooled
 from cdia_pin.diagnosis.whole_arm.contact import RESTING, ContactDetector, ContactLimits
 from cdia_pin.logs.log import Log
 
@@ -44,8 +44,6 @@ def learn(
     alignment: Alignment,
     lasting: LastingDetector,
     runs: Sequence[Log],
-    false_alarm_every: float,
-    margin: float,
     healthy: HealthyArm,
 ) -> Learned:
     """Watch the detectors along runs of the healthy arm.
@@ -55,18 +53,20 @@ def learn(
         alignment: The same.
         lasting: The second detector; it forgets the runs.
         runs: Logs of the healthy arm.
-        false_alarm_every: Mean time between false alarms that the user accepts [s].
-        margin: Limit over the largest deviation of long runs [1]; from short ones it is wider.
         healthy: What else is known of the healthy arm.
     """
-    n = observer.nominal.robot.n
+    n, settings = observer.nominal.robot.n, observer.settings
     rest, moving, resting, moved = (np.zeros(n) for _ in range(4))
     largest, friction = np.zeros_like(lasting.limit), np.zeros(n)
     for run in runs:
         detector = ContactDetector(_without_limits(n))
         lasting.reset()
-        for dt, settled in _along(observer, alignment, run):
-            if not settled:
+        last = -np.inf
+        for t, is_settled in along(observer, alignment, run):
+            if t < last + PERIOD:
+                continue
+            dt, last = (t - last if last > -np.inf else 0.0), t
+            if not is_settled:
                 continue
             share = observer.state.moving
             friction = np.maximum(friction, observer.state.known_amplitude)
@@ -83,13 +83,13 @@ def learn(
     lasting.reset()
     torque = pooled([run.effort for run in runs])
     least = LEAST_DEVIATION * np.maximum(torque, LIGHTEST * max(float(torque.max()), TINY))
-    moving = np.maximum(margin * growth(moved, healthy.memory) * moving, least)
+    moving = np.maximum(settings.margin * growth(moved, healthy.memory) * moving, least)
     is_known = moved >= LEAST_MOTION
     moving = np.where(is_known, moving, np.maximum(moving, healthy.bound))
-    known = np.maximum(margin * growth(resting, healthy.memory) * rest, least)
+    known = np.maximum(settings.margin * growth(resting, healthy.memory) * rest, least)
     rest = np.where(resting >= LEAST_REST, known, moving)
     moving = np.maximum(moving, rest)
-    limit = limit_of(largest, moved, observer.settings.memory, false_alarm_every, torque)
+    limit = limit_of(largest, moved, settings.memory, settings.false_alarm_every, torque)
     limit[~is_known] = np.inf  # nothing is known of a joint that did not move
     return Learned(ContactLimits(rest, moving, friction), limit)
 
@@ -104,25 +104,6 @@ def assumed(n: int, width: int, healthy: HealthyArm) -> Learned:
     """
     limits = ContactLimits(healthy.bound, healthy.bound, np.zeros(n))
     return Learned(limits, np.full((n, width), np.inf))
-
-
-def _along(observer: MomentumObserver, alignment: Alignment, run: Log) -> Iterator[tuple[float, bool]]:
-    """Yield the time since the last sample [s], and whether the filters have settled, along a run."""
-    observer.reset()
-    alignment.reset()
-    begin: float | None = None
-    last: float | None = None
-    for k in range(len(run.time)):
-        v = None if run.velocity is None else run.velocity[k]
-        sample = alignment(float(run.time[k]), run.position[k], v, run.effort[k])
-        if sample is None:
-            continue
-        t, q, v, tau = sample
-        observer.step(t, q + observer.nominal.offset, v, tau)
-        begin = t if begin is None else begin
-        if last is None or t >= last + PERIOD:
-            yield (0.0 if last is None else t - last), t - begin > SETTLING / observer.bandwidth.min()
-            last = t
 
 
 def _without_limits(n: int) -> ContactLimits:

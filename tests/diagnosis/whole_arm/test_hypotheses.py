@@ -20,9 +20,9 @@ PAYLOAD, TILT = HYPOTHESES
 NUMBERS = {"payload": np.array([1.3, 0.05, -0.02, 0.06]), "base_tilt": np.array([0.01, -0.02])}
 
 
-@pytest.mark.parametrize("hypothesis", HYPOTHESES, ids=lambda h: h.name)
+@pytest.mark.parametrize("hypothesis", HYPOTHESES, ids=lambda h: h.effect.name)
 def test_columns_are_the_torque_of_the_arm_that_carries_it(hypothesis) -> None:
-    theta = NUMBERS[hypothesis.name]
+    theta = NUMBERS[hypothesis.effect.name]
     x = State.of(ROBOT, Q[None], V[None], A[None])
     now = carried(Nominal.of(Dynamics(ROBOT)), (hypothesis.term(theta, np.zeros(hypothesis.shown)),))
     lacking = ROBOT.inverse_dynamics(Q, V, A) - now.inverse_dynamics(Q, V, A)
