@@ -1,7 +1,6 @@
 """The questions that a user asks of two logs, and what the program names.
 
-A fourth one belongs here: the monitor on the second log, healthy on the first, with the effect from its middle on.
-It takes an `Insertion` with a beginning, and faults of the whole arm in ``cdia-events/1``.
+`benchmarks.monitored_logs` asks the monitor: healthy on the first log, with the effect from the middle of the second.
 """
 
 from __future__ import annotations
