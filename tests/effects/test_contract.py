@@ -481,6 +481,7 @@ def test_a_name_is_taken_once():
 DERIVED = {
     "size",
     "by_body",
+    "on_links",
     "from_scope",
     "scopes",
 }  # from other parts of the contract, or of the class alone
