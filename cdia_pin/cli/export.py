@@ -10,7 +10,7 @@ import typer
 
 from cdia_pin import schemas
 from cdia_pin.cli.console import stdout, warn
-from cdia_pin.cli.export_lines import NO_MOTION, show_contents, show_ranges
+from cdia_pin.cli.export_lines import NO_MOTION, TORQUES, show_contents, show_ranges
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs
 from cdia_pin.cli.options import Json, Robot
@@ -92,8 +92,8 @@ def export(
     if ranges is not None:
         document["ranges"] = {"file": str(ranges), **show_ranges(console, known)}
         console.print()
-    if any(one.values.beyond for one in made.values()) and not known.learned_from:
-        console.print(f"{NO_MOTION}\n")
+    if any(one.values.beyond for one in made.values()):
+        console.print(f"{TORQUES if known.learned_from else NO_MOTION}\n")
     write_all(
         console,
         *((one.file, one.write) for one in made.values()),

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 IN, OUT = "in the ", "not in the "
 SHOWN = 0.01  # share of a term's largest torque [1] below which a joint is not named
+TORQUES = "The torques are RMS over the motion that the model remembers."
 NO_MOTION = "The torque of what is not in a file is unknown: the model remembers no motion. One of cdia discover does."
 
 
@@ -33,8 +34,6 @@ def show_contents(
 
     torque = torque_left_out(values, model)
     console.print(_grid(_lines(title, values, torque, model.robot)))
-    if any(torque.values()):
-        console.print("RMS torque over the motion that the model remembers", style="dim")
     return {
         "written": values.written,
         "approximated": values.approximated,
@@ -61,13 +60,14 @@ def show_ranges(console: Console, model: Dynamics) -> dict[str, object]:
 
 def _grid(rows: Iterable[tuple[str, str]]) -> Table:
     from rich.table import Table
-    from rich.text import Text
+
+    from cdia_pin.viewers.cells import clean
 
     grid = Table.grid(padding=(0, 2))
     grid.add_column(no_wrap=True)
-    grid.add_column(overflow="fold")
+    grid.add_column()
     for head, line in rows:
-        grid.add_row(head, Text(line))
+        grid.add_row(head, clean(line))
     return grid
 
 

@@ -76,13 +76,12 @@ def _entry(robot: RobotModel) -> RobotEntry:
 
 
 def _show_all(console: Console, entries: list[RobotEntry]) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
+    from cdia_pin.viewers.whole_table import WholeTable
 
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    table = WholeTable()
     table.add_column("name", style="bold", no_wrap=True)
     table.add_column("joints", justify="right")
-    table.add_column("what it is", overflow="fold")
+    table.add_column("what it is")
     for e in entries:
         table.add_row(e["name"], str(len(e["joints"])), e["description"])
     console.print(table)
@@ -91,9 +90,9 @@ def _show_all(console: Console, entries: list[RobotEntry]) -> None:
 
 
 def _show_one(console: Console, robot: RobotModel) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
     from rich.text import Text
+
+    from cdia_pin.viewers.whole_table import WholeTable
 
     entry = _entry(robot)
     console.print(Text(f"{robot.name}: {entry['description'] or 'read from a URDF file'}", style="bold"))
@@ -103,8 +102,8 @@ def _show_one(console: Console, robot: RobotModel) -> None:
             Text(f"licence {entry['licence']}; from {entry['origin']}", style="dim"), soft_wrap=True
         )
     console.print(Text(str(robot.urdf), style="dim"), soft_wrap=True)
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    table.add_column("joint", style="bold", overflow="fold")
+    table = WholeTable()
+    table.add_column("joint", style="bold")
     for heading in ("kind", "from", "to", "speed", "effort"):
         table.add_column(heading, justify="left" if heading == "kind" else "right")
     limits = robot.limits

@@ -155,12 +155,12 @@ def simulate(
 
 def _show(console: Console, plant: Dynamics, log: Log, tracking: dict[str, float]) -> None:
     import numpy as np
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
     from rich.text import Text
 
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    table.add_column("joint", style="bold", overflow="fold")
+    from cdia_pin.viewers.whole_table import WholeTable
+
+    table = WholeTable()
+    table.add_column("joint", style="bold")
     for heading in ("moves over", "fastest", "torque RMS", "tracking error RMS"):
         table.add_column(heading, justify="right")
     travel, fastest = (

@@ -73,24 +73,33 @@ def simplified(term: Term) -> Simplified | None:
     effect, values = term.effect, term.values
     if type(effect) in QUANTITIES:
         return Simplified((term,))
+    if isinstance(effect, Varying):
+        return _mean(effect, term)
     match effect:
         case AsymmetricFriction(joint=joint):
             level = (values["level_positive"] + values["level_negative"]) / 2
             coefficient = (values["coefficient_positive"] + values["coefficient_negative"]) / 2
-            return Simplified(_friction(joint, level, coefficient), "its mean over both directions")
+            terms, how = _friction(joint, level, coefficient), "its mean over both directions"
         case StribeckFriction(joint=joint):
-            return Simplified(_friction(joint, values["level"]), "its level at speed, without the breakaway")
+            terms, how = _friction(joint, values["level"]), "its level at speed, without the breakaway"
         case PreslidingFriction(joint=joint):
-            return Simplified(_friction(joint, values["level"]), "Coulomb friction, without the bristles")
+            terms, how = _friction(joint, values["level"]), "Coulomb friction, without the bristles"
         case ThermalFriction(joint=joint):
-            return Simplified(_friction(joint, values["level"], values["coefficient"]), "its size at 20 °C")
-        case Varying():
-            mean = np.reshape(term.theta, (len(effect.parts), effect.effect.size)).mean(axis=0)
-            plain = simplified(Term(effect.effect, tuple(mean), term.profile))
-            if plain and all(isinstance(t.effect, CoulombFriction | ViscousFriction) for t in plain.terms):
-                how = f"its mean over {PARTS[effect.kind]}" + (plain.how and f", and {plain.how}")
-                return Simplified(plain.terms, how)
-    return None
+            terms, how = _friction(joint, values["level"], values["coefficient"]), "its size at 20 °C"
+        case _:
+            return None
+    return Simplified(terms, how)
+
+
+def _mean(effect: Varying, term: Term) -> Simplified | None:
+    """Return friction that varies as its mean; None for other effects, such as a payload that was exchanged."""
+    theta = np.reshape(term.theta, (len(effect.parts), effect.effect.size)).mean(axis=0)
+    plain = simplified(Term(effect.effect, tuple(theta), term.profile))
+    if plain is None or not all(isinstance(t.effect, CoulombFriction | ViscousFriction) for t in plain.terms):
+        return None
+    return Simplified(
+        plain.terms, f"its mean over {PARTS[effect.kind]}" + (plain.how and f", and {plain.how}")
+    )
 
 
 def _friction(joint: str, level: float, coefficient: float | None = None) -> tuple[Term, ...]:

@@ -130,7 +130,7 @@ class SimulatorValues:
             if isinstance(term.effect, StribeckFriction):
                 out.breakaway[term.effect.joint] = term.values["breakaway"]
             lost = [str(QUANTITIES[type(t.effect)]) for t in simple.terms if t not in held]
-            how = ", ".join(filter(None, [simple.how, lost and f"without its {' and '.join(lost)}"]))
+            how = ", ".join(filter(None, [simple.how, f"without its {' and '.join(lost)}" if lost else ""]))
             if how:
                 out.approximated[term.label] = how
                 out.beyond[term.label] = Beyond(term, held)

@@ -62,7 +62,7 @@ def _flange(robot: RobotModel) -> tuple[str, Array]:
     joint, pose = robot.links.get(FLANGE, (None, np.eye(4)))
     if joint != robot.tool_joint:
         return robot.tool_frame, np.eye(4)
-    return FLANGE, np.linalg.solve(pose, robot.tool_placement)
+    return FLANGE, np.asarray(np.linalg.solve(pose, robot.tool_placement))
 
 
 def _list(values: Array) -> str:

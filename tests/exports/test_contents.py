@@ -12,8 +12,8 @@ from cdia_pin import Dynamics, load_robot
 from cdia_pin.effects import EFFECTS, Drift, PerLog, Term, parse_effect, parse_term
 from cdia_pin.errors import ModelError
 from cdia_pin.exports import FORMATS, ranges_document, torque_left_out
-from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs import Log
+from cdia_pin.logs.conditioning import condition
 
 ELBOW = "elbow_joint"
 ASYMMETRIC = (
@@ -154,16 +154,16 @@ class Plant:
         self.joints = {j: Part(j) for j in joints}
         self.actuators = [Part("motor_of_the_elbow", self.joints[ELBOW])]
 
-    def GetJointActuatorIndices(self):  # noqa: N802
+    def GetJointActuatorIndices(self):
         return range(len(self.actuators))
 
     def get_joint_actuator(self, index):
         return self.actuators[index]
 
-    def GetJointByName(self, name):  # noqa: N802
+    def GetJointByName(self, name):
         return self.joints[name]
 
-    def AddJointActuator(self, name, joint, limit):  # noqa: N802
+    def AddJointActuator(self, name, joint, limit):
         self.actuators.append(Part(name, joint))
         return self.actuators[-1]
 
