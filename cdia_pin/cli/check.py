@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import typer
+
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
+from cdia_pin.cli.next_command import follow, show_next
 from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Robot, Topic, TorqueSide
 from cdia_pin.cli.outputs import require_writable, write_json
 
 
 def check(
+    ctx: typer.Context,
     log: OneLog,
     *,
     robot: Robot,
@@ -39,3 +43,5 @@ def check(
     console.print(check_table(found))
     if json:
         write_json(found.to_dict(), json)
+    if not found.obstacles:
+        show_next(console, follow(ctx, "compare", log))

@@ -11,6 +11,7 @@ import typer
 
 from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
+from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_json
 
@@ -68,6 +69,7 @@ def effects(
         _show_all(console, entries)
     if json:
         write_json({"schema": schemas.EFFECTS, "effects": entries}, json)
+    show_next(console, f"cdia add {name} LOG --robot R" if name else f"cdia effects {next(iter(EFFECTS))}")
 
 
 def describe(kind: type[Effect]) -> EffectEntry:

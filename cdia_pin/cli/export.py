@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,6 +14,7 @@ from cdia_pin.cli.console import stdout, warn
 from cdia_pin.cli.export_lines import NO_MOTION, TORQUES, show_contents, show_ranges
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs
+from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import Json, Robot
 from cdia_pin.cli.outputs import require_writable, write_all, write_json, write_text
 
@@ -94,15 +96,14 @@ def export(
         console.print()
     if any(one.values.beyond for one in made.values()):
         console.print(f"{TORQUES if known.learned_from else NO_MOTION}\n")
+    result = {"schema": schemas.EXPORT, "robot": known.robot.name, "files": document}
     write_all(
         console,
         *((one.file, one.write) for one in made.values()),
         (ranges, lambda f: _write_ranges(known, f)),
-        (
-            json,
-            lambda f: write_json({"schema": schemas.EXPORT, "robot": known.robot.name, "files": document}, f),
-        ),
+        (json, lambda f: write_json(result, f)),
     )
+    show_next(console, shlex.join(["cdia", "compare", "LOG", "--robot", robot, "--model", str(model)]))
 
 
 def _write_ranges(known: Dynamics, file: str) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from typing import TYPE_CHECKING, Annotated, TypedDict
 
 import typer
 
 from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
+from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_json
 
@@ -55,6 +57,10 @@ def robots(
         _show_all(console, entries)
     if json:
         write_json({"schema": schemas.ROBOTS, "robots": entries}, json)
+    chosen = (
+        shlex.join(["cdia", "check", "LOG", "--robot", name]) if name else f"cdia robots {entries[0]['name']}"
+    )
+    show_next(console, chosen)
 
 
 def _entry(robot: RobotModel) -> RobotEntry:
@@ -86,7 +92,6 @@ def _show_all(console: Console, entries: list[RobotEntry]) -> None:
         table.add_row(e["name"], str(len(e["joints"])), e["description"])
     console.print(table)
     console.print("--robot takes one of these names, or the path of any fixed-base arm's URDF file.")
-    console.print("cdia robots NAME shows its joints and limits.")
 
 
 def _show_one(console: Console, robot: RobotModel) -> None:

@@ -11,6 +11,7 @@ import typer
 
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 from cdia_pin.errors import unknown_name
@@ -77,7 +78,10 @@ def study(
     """Repeat a numerical study of the thesis, with figures and the numbers that were measured."""
     if name not in STUDIES:
         raise CommandError(unknown_name("study", name, STUDIES))
-    STUDIES[name](stdout(json), StudyRequest(preset, out, json, ctx.obj or f"cdia study {name}"))
+    console = stdout(json)
+    STUDIES[name](console, StudyRequest(preset, out, json, ctx.obj or f"cdia study {name}"))
+    later = [*STUDIES][[*STUDIES].index(name) + 1 :]
+    show_next(console, f"cdia study {later[0]}" if later else "cdia demo")
 
 
 def _scara_model(console: Console, asked: StudyRequest) -> None:

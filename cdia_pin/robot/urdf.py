@@ -231,7 +231,9 @@ def _parse(path: Path) -> etree._ElementTree:
     except etree.XMLSyntaxError as error:
         raise RobotError(f"{path}: not an XML file ({error.msg})") from None
     except OSError as error:  # also bytes that are not of the stated encoding
-        raise RobotError(f"{path}: cannot be read ({error})") from None
+        raise RobotError(
+            f"{path}: cannot be read ({error.strerror or 'its bytes are not of the encoding that it states'})"
+        ) from None
     root = tree.getroot()
     if root.tag != "robot":
         raise RobotError(f"{path}: a URDF begins with <robot>, this file with <{root.tag}>")

@@ -174,7 +174,7 @@ def _set_body(robot: RobotModel, urdf: Urdf, joint: str, total: Array, allow_unp
     if not allow_unphysical and not is_physical(total):
         raise RobotError(
             f"joint '{joint}': no body can have these inertial parameters (mass {total[0]:.4g} kg, margin "
-            f"{physical_margin(total):.2g} < 0); fit with physical bounds, or give allow_unphysical=True"
+            f"{physical_margin(total):.2g} < 0); simulators refuse them; fit within physical bounds"
         )
     link = urdf.joints[joint].child
     stated = urdf.link_parameters(link)
@@ -193,7 +193,7 @@ def _set_body(robot: RobotModel, urdf: Urdf, joint: str, total: Array, allow_unp
     if not allow_unphysical and not is_physical(left):
         raise RobotError(
             f"joint '{joint}': its total is possible, but the rest for link '{link}' beside the locked "
-            "joints is not; remove the links of these joints from the file, or give allow_unphysical=True"
+            "joints is not; remove the links of these joints from the file"
         )
     write_inertial(urdf.links[link], left)
 
