@@ -163,7 +163,7 @@ def discover(
     files.write(console, found, known, given, conditioning=conditioning, checks=checks, command=ctx.obj)
     unfinished.forget()
     if found.steps and not everything:
-        console.print("--all shows every number.", style="dim")
+        console.print("--all shows the numbers.", style="dim")
     for doubt in doubts([*checks, *later]):
         console.print(f"This result is doubtful. {doubt}.", style="yellow", markup=False)
     show_next(console, _following(ctx, found, logs, save))

@@ -15,6 +15,7 @@ from rich.text import Text
 from cdia_pin.viewers.whole_words import WholeWords
 
 BESIDE = 2  # characters that each column takes beside its contents
+LONG_WORD = 16  # characters; longer words of a text that wraps may be broken
 NAMES_SHARE = 3  # long names in the first column wrap, rather than take more than this part of the width
 
 
@@ -30,10 +31,12 @@ class WholeTable(Table):
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield the table, in parts where it is too wide."""
-        parts = list(self._parts(options.max_width))
-        for k, part in enumerate(parts):
-            last = k == len(parts) - 1
-            yield from console.render(self._part(part, options.max_width, last), options)
+        for part in self._parts(options.max_width):
+            yield self._part(part, options.max_width)
+        if self.caption:
+            caption = _whole(self.caption)
+            caption.stylize("table.caption")
+            yield caption
 
     def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
         every = [self._widths(c) for c in self.columns]
@@ -53,7 +56,7 @@ class WholeTable(Table):
             part.append(k)
         yield part
 
-    def _part(self, part: Sequence[int], width: int, last: bool) -> Table:
+    def _part(self, part: Sequence[int], width: int) -> Table:
         """Return the columns of a part as a table of `rich`."""
         columns = [self.columns[k] for k in part]
         shown = Table(
@@ -61,10 +64,8 @@ class WholeTable(Table):
             pad_edge=False,
             collapse_padding=True,
             header_style=self.header_style,
-            caption_justify="left",
             title=self.title,
             title_justify=self.title_justify,
-            caption=_whole(self.caption) if last and self.caption else None,
         )
         widths = self._shared(columns, width - BESIDE * len(part))
         for column, size in zip(columns, widths, strict=True):
@@ -92,7 +93,7 @@ class WholeTable(Table):
     def _widths(self, column: Column) -> tuple[int, int]:
         """Return the narrowest and the widest a column can sensibly be [characters]; any heading may wrap."""
         head, cells = _whole(column.header), [_whole(t) for t in column.cells]
-        narrow = [t.widest if column.no_wrap else t.narrowest for t in cells]
+        narrow = [t.widest if column.no_wrap else min(t.narrowest, LONG_WORD) for t in cells]
         return max([head.narrowest, *narrow]), max(t.widest for t in (head, *cells))
 
 
