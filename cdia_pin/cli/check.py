@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import shlex
+
 import typer
 
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.next_command import follow, show_next
+from cdia_pin.cli.next_command import follow, show_next, with_words
 from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Robot, Topic, TorqueSide
 from cdia_pin.cli.outputs import require_writable, write_json
 
@@ -43,5 +45,5 @@ def check(
     console.print(check_table(found))
     if json:
         write_json(found.to_dict(), json)
-    if not found.obstacles:
-        show_next(console, follow(ctx, "compare", log))
+    mending = [word for f in found.obstacles if f.advice.startswith("--") for word in shlex.split(f.advice)]
+    show_next(console, with_words(ctx, *mending) if found.obstacles else follow(ctx, "compare", log))

@@ -164,9 +164,9 @@ def discover(
     unfinished.forget()
     if found.steps and not everything:
         console.print("--all shows the numbers.", style="dim")
+    show_next(console, _following(ctx, found, logs, save))
     for doubt in doubts([*checks, *later]):
         console.print(f"This result is doubtful. {doubt}.", style="yellow", markup=False)
-    show_next(console, _following(ctx, found, logs, save))
 
 
 def _following(ctx: typer.Context, found: Discovery, logs: list[Path], save: Path | None) -> str:

@@ -79,9 +79,12 @@ def _lines(
     for label, how in values.approximated.items():
         lacking = _torque_words(torque.get(label, {}), robot)
         yield IN + title, f"{label}: {how}" + (lacking and f"; it lacks {lacking}")
+    by_reason: dict[str, list[str]] = {}
     for label, why in values.left_out.items():
         lacking = _torque_words(torque.get(label, {}), robot)
-        yield OUT + title, f"{label}: {why}" + (lacking and f"; {lacking}")
+        by_reason.setdefault(why, []).append(label + (lacking and f" ({lacking})"))
+    for why, labels in by_reason.items():
+        yield OUT + title, f"{', '.join(labels)}: {why}"
 
 
 def _torque_words(rms: Mapping[str, float], robot: RobotModel) -> str:

@@ -53,9 +53,20 @@ def again(ctx: typer.Context, **options: Any) -> str:
         ctx: Of the present command.
         **options: Options by parameter name.
     """
+    return with_words(
+        ctx, *(word for p in ctx.command.params for word in _words(p, options.get(p.name or "")))
+    )
+
+
+def with_words(ctx: typer.Context, *words: str) -> str:
+    """Return the command that the user typed, with more words before its arguments.
+
+    Args:
+        ctx: Of the present command.
+        *words: Such as ``--convert``, ``angle=deg``.
+    """
     typed = shlex.split(ctx.obj or f"cdia {ctx.info_name}")
-    more = [word for p in ctx.command.params for word in _words(p, options.get(p.name or ""))]
-    return shlex.join([*typed[:2], *more, *typed[2:]])
+    return shlex.join([*typed[:2], *words, *typed[2:]])
 
 
 def free(name: str) -> Path:

@@ -174,11 +174,11 @@ def _possible(term: Term, robot: RobotModel) -> Term:
 def _reason(term: Term, wanted: FileFormat) -> str:
     """Return why a format cannot hold a term."""
     if term.profile != ALWAYS:
-        return "it is present only at times or in a region"
+        return "present only at times or in a region"
     simple = simplified(term)
     belongs = [wanted.instead.get(QUANTITIES[type(t.effect)], "") for t in simple.terms] if simple else []
     if belongs and all(belongs):
         return belongs[0]
     if term.effect.traits.channel is not Channel.JOINT_TORQUE:
-        return "it is of a sensor, not of the arm"
-    return f"{wanted.noun} has no element for it"
+        return "of a sensor, not of the arm"
+    return f"{wanted.noun} has no such element"

@@ -122,7 +122,8 @@ def _check(node: ast.expr, text: str, depth: int) -> None:  # noqa: PLR0912  (on
             raise EffectError(f"expression '{text}': the functions are {', '.join((*FUNCTIONS, SIGN))}")
         case _:
             raise EffectError(
-                f"expression '{text}': this is not arithmetic, which has numbers, names, + - * / **, brackets and functions"
+                f"expression '{text}': this is not arithmetic, which has numbers, names, + - * / **, brackets and "
+                "functions"
             )
 
 

@@ -7,7 +7,7 @@ from cdia_pin.dynamics.simple_terms import Quantity
 from cdia_pin.dynamics.simulator_values import FileFormat, SimulatorValues
 from cdia_pin.exports.head import head
 
-IN_URDF = "it belongs in the corrected URDF, --urdf"
+IN_URDF = "belongs in the corrected URDF, --urdf"
 DRAKE = FileFormat(
     "a joint of Drake",
     frozenset({Quantity.DAMPING, Quantity.ARMATURE}),

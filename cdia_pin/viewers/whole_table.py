@@ -81,8 +81,10 @@ class WholeTable(Table):
     def _shared(self, columns: Sequence[Column], room: int) -> list[int]:
         """Return the width of each column: its widest if there is room, else headings and long texts wrap."""
         least, out = ([w[k] for w in map(self._widths, columns)] for k in (0, 1))
-        if sum(out) > room:
-            out = [low if c.no_wrap else most for c, low, most in zip(columns, least, out, strict=True)]
+        numbers = [k for k, c in enumerate(columns) if c.no_wrap]
+        for k in sorted(numbers, key=lambda k: least[k] - out[k]):  # the longest heading wraps first
+            if sum(out) > room:
+                out[k] = least[k]
         while sum(out) > max(room, len(out)):
             able = [k for k, size in enumerate(out) if size > least[k]] or [
                 0 if out[0] > 1 else int(np.argmax(out))
