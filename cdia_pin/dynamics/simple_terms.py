@@ -71,6 +71,8 @@ def simplified(term: Term) -> Simplified | None:
         term: An effect with numbers.
     """
     effect, values = term.effect, term.values
+    if isinstance(effect, JointSpring) and values["stiffness"] <= 0:
+        return None  # what is left is an offset
     if type(effect) in QUANTITIES:
         return Simplified((term,))
     if isinstance(effect, Varying):

@@ -128,7 +128,7 @@ class SimulatorValues:
             for t in held:
                 out._take(t, robot)
             if isinstance(term.effect, StribeckFriction):
-                out.breakaway[term.effect.joint] = term.values["breakaway"]
+                out.breakaway[term.effect.joint] = max(term.values["breakaway"], 0.0)
             lost = [str(QUANTITIES[type(t.effect)]) for t in simple.terms if t not in held]
             how = ", ".join(filter(None, [simple.how, f"without its {' and '.join(lost)}" if lost else ""]))
             if how:

@@ -15,7 +15,7 @@ from cdia_pin.exports.head import head
 from cdia_pin.robot.inertia import at_centre_of_mass, is_physical
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.robot.urdf import JointKind, Urdf, UrdfJoint, urdf_of
-from cdia_pin.robot.urdf_edit import text_of
+from cdia_pin.robot.urdf_edit import add_note, text_of
 from cdia_pin.robot.urdf_export import corrected_tree
 from cdia_pin.robot.urdf_values import axis_of, homogeneous, welded
 
@@ -59,7 +59,7 @@ def mjcf_text(model: Dynamics, values: SimulatorValues) -> str:
         motor = etree.SubElement(motors, "motor", name=joint, joint=joint)
         if np.isfinite(most):
             motor.set("ctrlrange", _numbers([-most, most]))
-    root.addprevious(etree.Comment(f" {head(model, 'MJCF').replace('--', '-')} "))
+    add_note(root.getroottree(), head(model, "MJCF"))
     etree.indent(root)
     return text_of(root.getroottree())
 

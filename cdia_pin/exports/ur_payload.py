@@ -10,6 +10,7 @@ from cdia_pin.dynamics.simple_terms import Quantity
 from cdia_pin.dynamics.simulator_values import FileFormat, SimulatorValues
 from cdia_pin.errors import ModelError
 from cdia_pin.exports.head import head
+from cdia_pin.phrases import printable
 from cdia_pin.robot.inertia import at_centre_of_mass, is_physical, transform_parameters
 from cdia_pin.robot.model import RobotModel
 
@@ -44,7 +45,7 @@ def ur_payload_text(model: Dynamics, values: SimulatorValues) -> str:
         )
     mass, centre, tensor = at_centre_of_mass(payload)
     arguments = [_text(mass), _list(centre)]
-    said = f"Centre of gravity [m] in the frame {frame}"
+    said = f"Centre of gravity [m] in the frame {printable(frame)}"
     if is_physical(payload) and np.abs(tensor).max() <= LARGEST:
         arguments.append(_list(tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]))
         said += "; inertia [kg·m²] about it as xx, yy, zz, xy, xz, yz, along the axes of this frame"

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rich.cells import cell_len
 from rich.console import Console
 
 from cdia_pin.cli import main
@@ -21,30 +20,9 @@ from cdia_pin.viewers.cells import add_row, new_table
 from cdia_pin.viewers.text_changes import errors_by_log
 from cdia_pin.viewers.text_identification import identification_table
 from cdia_pin.viewers.whole_words import WholeWords
+from tests.narrow_terminals import NARROW, WIDE, characters, loses_nothing
 
-WIDE, NARROW = 2000, (200, 80, 60)  # characters
-RULES = set("─ \n")
 NAME = "left_arm_shoulder_flexion_and_extension_{}_joint"
-
-
-def printed(table, width: int) -> str:
-    console = Console(file=io.StringIO(), width=width, color_system=None)
-    console.print(table)
-    text = console.file.getvalue()
-    assert max(map(cell_len, text.splitlines())) <= width
-    return text
-
-
-def characters(text: str) -> Counter:
-    return Counter(c for c in text if c not in RULES)
-
-
-def loses_nothing(table) -> None:
-    whole = characters(printed(table, WIDE))
-    for width in NARROW:
-        narrow = characters(printed(table, width))
-        assert not whole - narrow
-        assert narrow["…"] == whole["…"]  # the sign of what was cut
 
 
 TEXTS = st.text(st.sampled_from("ab_+@9.,−% \N{NO-BREAK SPACE}\n关"), min_size=1, max_size=50)
