@@ -2,16 +2,19 @@
 
 import re
 import shlex
+from dataclasses import replace
 
+import numpy as np
 import pytest
 import typer
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cdia_pin import Dynamics, load_robot, save_model
+from cdia_pin import Dynamics, load_robot, read_log, save_model, write_log
 from cdia_pin.cli.next_command import again, follow, free
 from cdia_pin.cli.program import app
 from cdia_pin.effects import parse_term
+from cdia_pin.resources import logs_dir
 
 ROBOT = ["--robot", "double_pendulum"]
 COMMANDS = typer.main.get_command(app)
@@ -137,3 +140,13 @@ def test_a_command_ends_with_the_next_one(cdia, log, tmp_path, typed, then):
     assert program == "cdia"
     assert line[0] == then
     context(line)
+
+
+def test_after_a_check_that_finds_degrees_the_next_command_reads_degrees(cdia, tmp_path):
+    robot = load_robot("ur5")
+    log = read_log(logs_dir() / "demo_ur5.csv", robot)
+    write_log(replace(log, position=np.degrees(log.position), velocity=None), tmp_path / "degrees.csv")
+    done = cdia("check", tmp_path / "degrees.csv", "--robot", "ur5")
+    _, *line = next_line(done.out)
+    assert line[0] == "check" and context(line).params["convert"] == ["angle=deg"]
+    assert next_line(cdia(*line).out)[1] == "compare"
