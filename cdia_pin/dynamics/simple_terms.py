@@ -83,7 +83,7 @@ def simplified(term: Term) -> Simplified | None:
             coefficient = (values["coefficient_positive"] + values["coefficient_negative"]) / 2
             terms, how = _friction(joint, level, coefficient), "its mean over both directions"
         case StribeckFriction(joint=joint):
-            terms, how = _friction(joint, values["level"]), "its level at speed, without the breakaway"
+            terms, how = _friction(joint, values["level"]), "its level at speed"
         case PreslidingFriction(joint=joint):
             terms, how = _friction(joint, values["level"]), "Coulomb friction, without the bristles"
         case ThermalFriction(joint=joint):
