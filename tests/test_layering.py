@@ -15,6 +15,7 @@ ORDER = (
     "effects",
     "logs",
     "dynamics",
+    "exports",
     "regression",
     "selection",
     "identifiability",

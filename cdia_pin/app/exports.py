@@ -36,7 +36,7 @@ def urdf_file(session: Session) -> bytes:
     """
     robot = session.inputs.robot
     values = UrdfValues.of(session.present.model.terms, robot)
-    if not values.written:
+    if not values.held:
         have = ", ".join(values.left_out) or "no terms"
         raise ModelError(f"nothing of the model has a place in a URDF; it has {have}")
     return corrected_urdf(robot, robot.urdf.parent, **values.arguments).encode()

@@ -59,7 +59,7 @@ def _writing(session: Session) -> Iterator[str]:
     record = ", record=found.record" if session.history.at else ""
     yield f'save_model(model, "model.json"{record})'
     model = session.present.model
-    if UrdfValues.of(model.terms, model.robot).written:
+    if UrdfValues.of(model.terms, model.robot).held:
         arguments = "**UrdfValues.of(model.terms, robot).arguments"
         yield f'write_corrected_urdf(robot, "corrected.urdf", {arguments})'
     yield 'write_report("report.html", given, improved=improved)'

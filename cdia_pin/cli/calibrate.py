@@ -10,11 +10,13 @@ import typer
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
+from cdia_pin.cli.next_command import again, follow, free, show_next
 from cdia_pin.cli.options import Convert, Cutoff, Gains, JointMap, Json, Robot, Topic
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 
 
 def calibrate(
+    ctx: typer.Context,
     loaded: Annotated[
         Path, typer.Argument(metavar="LOADED", show_default=False, help="Log with the payload on the tool.")
     ],
@@ -74,3 +76,5 @@ def calibrate(
         (save, lambda file: write_json(found.gains(nominal), file)),
         (json, lambda file: write_json(found.to_dict(nominal), file)),
     )
+    calibrated = follow(ctx, "discover", *unloaded, gains=save) if save else ""
+    show_next(console, calibrated or again(ctx, save=free("gains.json")))

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import re
+
+import typer
+
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
+from cdia_pin.cli.next_command import follow, show_next, with_words
 from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Robot, Topic, TorqueSide
 from cdia_pin.cli.outputs import require_writable, write_json
 
+MENDING = re.compile(r"--(?:convert|joint-map) [^\s;,]+(?:,[^\s;,]+)*")  # options that an advice names
+
 
 def check(
+    ctx: typer.Context,
     log: OneLog,
     *,
     robot: Robot,
@@ -39,3 +47,6 @@ def check(
     console.print(check_table(found))
     if json:
         write_json(found.to_dict(), json)
+    mending = dict.fromkeys(option for f in found.obstacles for option in MENDING.findall(f.advice))
+    again_with = [word for option in mending for word in option.split()]
+    show_next(console, with_words(ctx, *again_with) if found.obstacles else follow(ctx, "compare", log))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -11,11 +12,13 @@ from cdia_pin import schemas
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
+from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Robot, Topic
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 
 
 def convert(
+    ctx: typer.Context,
     log: OneLog,
     out: Annotated[
         Path, typer.Argument(metavar="OUT", show_default=False, help="File to write: .csv, .parquet or .npz.")
@@ -55,3 +58,4 @@ def convert(
         "notes": list(read.notes),
     }
     write_all(console, (out, lambda f: write_log(read, f)), (json, lambda f: write_json(document, f)))
+    show_next(console, shlex.join(["cdia", "check", str(out), "--robot", robot]))

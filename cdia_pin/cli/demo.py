@@ -12,6 +12,7 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs
+from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import Json, Report
 from cdia_pin.extras import missing_modules
 
@@ -89,8 +90,9 @@ def _tell_the_story(console: Console, log: Path, files: DiscoveryFiles) -> None:
     console.print(
         f"One effect at a time: cdia add {strongest} {name} --robot {ROBOT}", markup=False, soft_wrap=True
     )
-    console.print("Your own log: cdia check LOG --robot R, with R from cdia robots or a URDF file")
     console.print(f"\n{_last_words(files.report)}", markup=False, soft_wrap=True)
+    console.print("Your own log next: LOG is its file, R a name from cdia robots or a URDF file.")
+    show_next(console, "cdia check LOG --robot R")
 
 
 def _last_words(report: Path | None) -> str:

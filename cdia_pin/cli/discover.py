@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -20,6 +21,7 @@ from cdia_pin.cli.console import progress, stdout, warn
 from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, doubts, load_inputs, read_logs, require_unseen, show_inputs
+from cdia_pin.cli.next_command import again, follow, free, show_next
 from cdia_pin.cli.options import (
     OUTPUT,
     Check,
@@ -40,6 +42,7 @@ from cdia_pin.cli.options import (
 from cdia_pin.cli.unfinished import Unfinished
 
 if TYPE_CHECKING:
+    from cdia_pin.discovery import Discovery
     from cdia_pin.effects import Effect
     from cdia_pin.robot import RobotModel
 
@@ -151,18 +154,30 @@ def discover(
                 keep=unfinished.keep,
             )
     from cdia_pin.viewers import discovery_table
-    from cdia_pin.viewers.short_answer import next_step
     from cdia_pin.viewers.text_ranking import ranking_table
 
     show_inputs(console, known, given, held_out)
     if everything and found.ranking:
         console.print(ranking_table(found, everything))
     console.print(discovery_table(found, everything))
-    console.print(next_step(found, save is not None, everything), style="dim")
     files.write(console, found, known, given, conditioning=conditioning, checks=checks, command=ctx.obj)
     unfinished.forget()
+    if found.steps and not everything:
+        console.print("--all shows the numbers.", style="dim")
+    show_next(console, _following(ctx, found, logs, save))
     for doubt in doubts([*checks, *later]):
         console.print(f"This result is doubtful. {doubt}.", style="yellow", markup=False)
+
+
+def _following(ctx: typer.Context, found: Discovery, logs: list[Path], save: Path | None) -> str:
+    """Return the command to type next: keep the model, use it, or drive a motion that shows more."""
+    if not found.steps:
+        return follow(ctx, "monitor", logs[0])
+    if save is None:
+        return again(ctx, save=free("model.json"))
+    if found.verdict == "unexplained":
+        return follow(ctx, "excite", model=save, out=free("motion.csv"))
+    return follow(ctx, "export", model=save, urdf=free("corrected.urdf"))
 
 
 def named_effects(text: str | None) -> tuple[str, ...] | None:

@@ -11,6 +11,7 @@ import typer
 
 from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
+from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_json
 
@@ -68,6 +69,7 @@ def effects(
         _show_all(console, entries)
     if json:
         write_json({"schema": schemas.EFFECTS, "effects": entries}, json)
+    show_next(console, f"cdia add {name} LOG --robot R" if name else f"cdia effects {next(iter(EFFECTS))}")
 
 
 def describe(kind: type[Effect]) -> EffectEntry:
@@ -117,14 +119,14 @@ def _first_paragraphs(kind: type[Effect]) -> str:
 
 
 def _show_all(console: Console, entries: list[EffectEntry]) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
     from rich.text import Text
 
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    from cdia_pin.viewers.whole_table import WholeTable
+
+    table = WholeTable()
     table.add_column("effect", style="bold", no_wrap=True)
-    table.add_column("torque it adds", overflow="fold")
-    table.add_column("parameters", overflow="fold")
+    table.add_column("torque it adds")
+    table.add_column("parameters")
     for e in entries:
         table.add_row(Text(e["effect"]), Text(e["equation"]), Text(_brief(e["parameters"])))
     console.print(Text("M q̈ + nle = τ + f;  f of each effect:"))
@@ -140,22 +142,22 @@ def _brief(parameters: list[ParameterEntry]) -> str:
     for unit, group in itertools.groupby(parameters, key=lambda p: p["unit"]):
         names = [str(p["name"]) for p in group]
         if len(names) > 4:
-            names = [names[0], "…", names[-1]]
+            names = [f"{names[0]} to {names[-1]}"]
         groups.append(f"{', '.join(names)} [{unit}]")
     return ", ".join(groups)
 
 
 def _show_one(console: Console, entry: EffectEntry) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
     from rich.text import Text
+
+    from cdia_pin.viewers.whole_table import WholeTable
 
     console.print(Text(entry["effect"], style="bold"))
     console.print(Text(entry["says"]))
     console.print()
     console.print(Text(f"f = {entry['equation']}"))
     console.print(Text(f"written {entry['write']}", style="dim"))
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    table = WholeTable()
     for heading in ("parameter", "unit", "on a sliding joint", "from", "to"):
         table.add_column(heading, style="bold" if heading == "parameter" else None)
     for p in entry["parameters"]:

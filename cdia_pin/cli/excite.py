@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -10,6 +11,7 @@ import typer
 from cdia_pin.cli.console import progress, stdout, warn
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
+from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import OUTPUT, Gains, Json, Model, Robot
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from cdia_pin.robot import RobotModel
 
 LIMITS = "Limits"
+RECORDED = "run.csv"  # name of the log in the advice
 QUESTION = "Purpose"
 
 
@@ -170,6 +173,8 @@ def excite(
         (ros, motion.to_ros),
         (json, lambda file: write_json(motion.to_dict() | {"command": ctx.obj}, file)),
     )
+    console.print(f"Drive {out} on the arm, and record it as {RECORDED}.", markup=False, soft_wrap=True)
+    show_next(console, shlex.join(["cdia", "check", RECORDED, "--robot", robot]))
 
 
 def named(text: str, robot: RobotModel) -> list[Effect]:

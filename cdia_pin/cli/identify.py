@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cdia_pin.cli.console import progress, stdout
+from cdia_pin.cli.export import Export
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, require_unseen, show_inputs
+from cdia_pin.cli.next_command import again, follow, free, show_next
 from cdia_pin.cli.options import (
     OUTPUT,
     Check,
@@ -27,12 +29,15 @@ from cdia_pin.cli.options import (
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from cdia_pin.identification import Identification
 
 FITTING = "Fitting"
 
 
 def identify(
+    ctx: typer.Context,
     logs: Logs,
     *,
     robot: Robot,
@@ -77,6 +82,7 @@ def identify(
     require_unseen(unseen, logs)
     console = stdout(json)
     known = load_inputs(robot, model)
+    require_writable(urdf, inputs=[known.robot.urdf])
     with progress() as tell:
         from cdia_pin import identification
         from cdia_pin.logs.conditioning import Conditioning
@@ -98,14 +104,14 @@ def identify(
     write_all(
         console,
         (save, lambda file: save_model(found.model, file, record=found.record)),
-        (urdf, lambda file: _write_urdf(found, file)),
+        (urdf, lambda file: _write_urdf(found, console, file)),
         (json, lambda file: write_json(found.to_dict(), file)),
     )
+    following = follow(ctx, "compare", *logs, model=save) if save else again(ctx, save=free("model.json"))
+    show_next(console, following)
 
 
-def _write_urdf(found: Identification, file: str) -> Any:
-    from cdia_pin.dynamics.urdf_terms import UrdfValues
-    from cdia_pin.robot import write_corrected_urdf
-
-    values = UrdfValues.of(found.model.terms, found.model.robot)
-    return write_corrected_urdf(found.model.robot, file, **values.arguments)
+def _write_urdf(found: Identification, console: Console, file: str) -> None:
+    one = Export.of("urdf", Path(file), found.model)
+    one.show(console, found.model)
+    one.write(file)

@@ -10,6 +10,7 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.monitor_options import MONITOR, Bank, Engine, Healthy, Threshold, thresholds
+from cdia_pin.cli.next_command import again, follow, free, show_next
 from cdia_pin.cli.options import (
     Check,
     Convert,
@@ -127,6 +128,10 @@ def monitor(
         (json, lambda f: write_json(found.to_dict(), f)),
         (report, write_report_to),
     )
+    following = (
+        follow(ctx, "view", log, healthy=healthy) if report else again(ctx, report=free("monitor.html"))
+    )
+    show_next(console, following)
 
 
 def show_run(console: Console, found: MonitorRun) -> None:

@@ -93,6 +93,19 @@ def write_json(document: Mapping[str, object], file: str) -> None:
         except BrokenPipeError:
             close_stdout()
         return
+    write_text(text, file)
+
+
+def write_text(text: str, file: str) -> None:
+    """Write a text.
+
+    Args:
+        text: The text.
+        file: Where.
+
+    Raises:
+        CommandError: If the file cannot be written.
+    """
     try:
         write_whole(file, text)
     except OSError as error:

@@ -156,7 +156,14 @@ for command, panel, example in (
             "--save gains.json"
         ],
     ),
-    (export, MODELS, ["cdia export --robot ur5 --model model.json --urdf corrected.urdf"]),
+    (
+        export,
+        MODELS,
+        [
+            "cdia export --robot ur5 --model model.json --urdf corrected.urdf --mjcf corrected.xml",
+            "cdia export --robot ur5 --model model.json --ur-payload payload.script --ranges ranges.json",
+        ],
+    ),
     (
         simulate,
         MODELS,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from typing import TYPE_CHECKING, Annotated, TypedDict
 
 import typer
 
 from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
+from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_json
 
@@ -55,6 +57,10 @@ def robots(
         _show_all(console, entries)
     if json:
         write_json({"schema": schemas.ROBOTS, "robots": entries}, json)
+    chosen = (
+        shlex.join(["cdia", "check", "LOG", "--robot", name]) if name else f"cdia robots {entries[0]['name']}"
+    )
+    show_next(console, chosen)
 
 
 def _entry(robot: RobotModel) -> RobotEntry:
@@ -76,24 +82,22 @@ def _entry(robot: RobotModel) -> RobotEntry:
 
 
 def _show_all(console: Console, entries: list[RobotEntry]) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
+    from cdia_pin.viewers.whole_table import WholeTable
 
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    table = WholeTable()
     table.add_column("name", style="bold", no_wrap=True)
     table.add_column("joints", justify="right")
-    table.add_column("what it is", overflow="fold")
+    table.add_column("what it is")
     for e in entries:
         table.add_row(e["name"], str(len(e["joints"])), e["description"])
     console.print(table)
     console.print("--robot takes one of these names, or the path of any fixed-base arm's URDF file.")
-    console.print("cdia robots NAME shows its joints and limits.")
 
 
 def _show_one(console: Console, robot: RobotModel) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
     from rich.text import Text
+
+    from cdia_pin.viewers.whole_table import WholeTable
 
     entry = _entry(robot)
     console.print(Text(f"{robot.name}: {entry['description'] or 'read from a URDF file'}", style="bold"))
@@ -103,8 +107,8 @@ def _show_one(console: Console, robot: RobotModel) -> None:
             Text(f"licence {entry['licence']}; from {entry['origin']}", style="dim"), soft_wrap=True
         )
     console.print(Text(str(robot.urdf), style="dim"), soft_wrap=True)
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    table.add_column("joint", style="bold", overflow="fold")
+    table = WholeTable()
+    table.add_column("joint", style="bold")
     for heading in ("kind", "from", "to", "speed", "effort"):
         table.add_column(heading, justify="left" if heading == "kind" else "right")
     limits = robot.limits

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,6 +13,7 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs, show_inputs
 from cdia_pin.cli.monitor_options import MONITOR, Bank, Engine
+from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import Json, Report, Robot
 from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
 from cdia_pin.cli.simulation_options import SIMULATION, Duration, Fault, Seed
@@ -120,6 +122,7 @@ def simulate(
             settings, duration, accommodate, engine, tuple(bank or ()), out, report, json, ctx.obj or ""
         )
         simulate_loop(console, plant, asked)
+        show_next(console, shlex.join(["cdia", "monitor", str(out), "--robot", robot]))
         return
     if bank or report:
         raise CommandError("--bank and --report need a monitor: add --accommodate or --no-accommodate")
@@ -151,16 +154,17 @@ def simulate(
         },
     }
     write_all(console, (out, lambda f: write_log(log, f)), (json, lambda f: write_json(document, f)))
+    show_next(console, shlex.join(["cdia", "discover", str(out), "--robot", robot]))
 
 
 def _show(console: Console, plant: Dynamics, log: Log, tracking: dict[str, float]) -> None:
     import numpy as np
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
     from rich.text import Text
 
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    table.add_column("joint", style="bold", overflow="fold")
+    from cdia_pin.viewers.whole_table import WholeTable
+
+    table = WholeTable()
+    table.add_column("joint", style="bold")
     for heading in ("moves over", "fastest", "torque RMS", "tracking error RMS"):
         table.add_column(heading, justify="right")
     travel, fastest = (

@@ -11,6 +11,7 @@ import typer
 
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 from cdia_pin.errors import unknown_name
@@ -77,21 +78,22 @@ def study(
     """Repeat a numerical study of the thesis, with figures and the numbers that were measured."""
     if name not in STUDIES:
         raise CommandError(unknown_name("study", name, STUDIES))
-    STUDIES[name](stdout(json), StudyRequest(preset, out, json, ctx.obj or f"cdia study {name}"))
+    console = stdout(json)
+    STUDIES[name](console, StudyRequest(preset, out, json, ctx.obj or f"cdia study {name}"))
+    later = [*STUDIES][[*STUDIES].index(name) + 1 :]
+    show_next(console, f"cdia study {later[0]}" if later else "cdia demo")
 
 
 def _scara_model(console: Console, asked: StudyRequest) -> None:
     """M, V and G of the URDF against the closed form, as it should be and as it is printed."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
     from cdia_pin.campaigns.scara_model import scara_model_study
+    from cdia_pin.viewers.whole_table import WholeTable
 
     if asked.preset or asked.out:
         raise CommandError("the study scara-model takes neither --preset nor --out")
     require_writable(asked.json)
     found = scara_model_study()
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    table = WholeTable()
     table.add_column("term", style="bold")
     for heading in ("closed form", "as printed", ""):
         table.add_column(heading, justify="left" if not heading else "right")
@@ -140,15 +142,11 @@ def _thesis(console: Console, asked: StudyRequest) -> None:
 
 
 def _show_thesis(console: Console, found: ThesisStudy) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
     from cdia_pin.campaigns.scara_run import UNITS
+    from cdia_pin.viewers.whole_table import WholeTable
 
     for name, cases in found.cases.items():
-        table = Table(
-            box=SIMPLE_HEAD, pad_edge=False, title=f"preset {name}, RMS of q − q_d", title_justify="left"
-        )
+        table = WholeTable(title=f"preset {name}, RMS of q − q_d", title_justify="left")
         table.add_column("fault", style="bold")
         table.add_column("run", no_wrap=True)
         for joint, unit in zip(found.joints, UNITS, strict=True):
@@ -161,12 +159,10 @@ def _show_thesis(console: Console, found: ThesisStudy) -> None:
 
 def _arms(console: Console, asked: StudyRequest) -> None:
     """Tracking of several arms healthy, with faults, and with a monitor."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
     from cdia_pin.campaigns.arm_study import arm_study, to_dict
     from cdia_pin.viewers.arm_figures import arm_pictures
     from cdia_pin.viewers.arm_report import HEADINGS, arm_rows, write_arm_report
+    from cdia_pin.viewers.whole_table import WholeTable
 
     if asked.preset:
         raise CommandError("the study arms takes no --preset")
@@ -177,9 +173,7 @@ def _arms(console: Console, asked: StudyRequest) -> None:
         found = arm_study(progress=tell)
         tell("drawing", 0.98)
         pictures = list(arm_pictures(found))
-    table = Table(
-        box=SIMPLE_HEAD, pad_edge=False, title="RMS of q − q_d over all joints \\[mrad]", title_justify="left"
-    )
+    table = WholeTable(title="RMS of q − q_d over all joints \\[mrad]", title_justify="left")
     for k, heading in enumerate(HEADINGS):
         table.add_column(heading, justify="right" if 2 <= k < 6 else "left", no_wrap=2 <= k < 6)
     for row in arm_rows(found):

@@ -106,7 +106,17 @@ def load_model(path: str | Path, robot: RobotModel) -> Dynamics:
     except CdiaError as error:
         raise ModelError(f"{path}: {error}") from None
     except (KeyError, TypeError, AttributeError, ValueError, IndexError, OverflowError) as error:
-        raise ModelError(f"{path}: a term is not valid ({error!r})") from None
+        raise ModelError(f"{path}: a term is not valid: {_why(error)}") from None
+
+
+def _why(error: Exception) -> str:
+    """Return what is wrong with a term: a key that is missing, or its form."""
+    missing = isinstance(error, KeyError) and error.args
+    return (
+        f"'{error.args[0]}' is missing"
+        if missing
+        else "a number, a list or an object is not where it should be"
+    )
 
 
 def _require_same_robot(document: dict[str, Any], path: Path, robot: RobotModel) -> None:

@@ -49,8 +49,8 @@ def parse(text: str) -> ast.expr:
         raise EffectError(f"expression '{text}' cannot hold a comment")
     try:
         tree = ast.parse(text.strip(), mode="eval").body
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise EffectError(f"expression '{text}' cannot be read: {error}") from None
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise EffectError(f"expression '{text}' cannot be read: it is no arithmetic") from None
     _check(tree, text, DEEPEST)
     return tree
 
@@ -121,7 +121,10 @@ def _check(node: ast.expr, text: str, depth: int) -> None:  # noqa: PLR0912  (on
         case ast.Call():
             raise EffectError(f"expression '{text}': the functions are {', '.join((*FUNCTIONS, SIGN))}")
         case _:
-            raise EffectError(f"expression '{text}': {type(node).__name__} is not arithmetic")
+            raise EffectError(
+                f"expression '{text}': this is not arithmetic, which has numbers, names, + - * / **, brackets and "
+                "functions"
+            )
 
 
 def _value(node: ast.expr, values: Values) -> Any:

@@ -77,7 +77,7 @@ class Expression(JointEffect):
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]
         """One parameter per free name, or the coefficient of the whole."""
-        return tuple(Parameter(n, "{effort}/expression") for n in self._free or ("coefficient",))
+        return tuple(Parameter(n, "{effort} per unit") for n in self._free or ("coefficient",))
 
     def check(self, robot: RobotModel) -> None:
         """Make sure that the expression names a joint of the robot.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import fields
 from typing import Any
 
 from cdia_pin.effects.drift import Drift
@@ -28,7 +29,8 @@ def varied(effect: Effect, how: Mapping[str, Any]) -> Varying:
         given["logs"] = tuple(map(str, given["logs"]))
     try:
         return kinds[kind](effect, **given)
-    except TypeError as error:
+    except TypeError:
+        wanted = [f.name for f in fields(kinds[kind])][1:]
         raise EffectError(
-            f"{effect.label}: how it varies with {kind} is not written as it must be ({error})"
+            f"{effect.label}: what varies with {kind} takes {', '.join(wanted)}; given {', '.join(given) or 'none'}"
         ) from None

@@ -246,4 +246,4 @@ class WrappedEffect(Effect):
         Raises:
             EffectError: Always.
         """
-        raise EffectError(f"{self.label}: a {type(self).__name__} has no form in a file")
+        raise EffectError(f"{self.label}: this effect has no form in a file")

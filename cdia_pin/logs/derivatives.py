@@ -44,7 +44,7 @@ def uniform(log: Log) -> Log:
     if count > LARGEST_GROWTH * len(log.time):
         raise LogError(
             f"{log.source}: {len(log.time)} samples at {log.rate:.4g} Hz span {log.duration:.4g} s, so most "
-            "of the log is gaps; split it into its recordings (Log.slice) and give them as separate logs"
+            "of the log is gaps; make a log of each recording"
         )
     mean_period = log.duration / (len(log.time) - 1)
     even = log.time[0] + mean_period * np.arange(len(log.time))
@@ -57,7 +57,7 @@ def uniform(log: Log) -> Log:
     if step.max() > LONGEST_GAP:
         notes.append(
             f"the clock has {int((step > LONGEST_GAP).sum())} gap(s) of up to {step.max():.3g} s, the longest after "
-            f"t = {log.time[step.argmax()]:.4g} s: what lies between is interpolated; split the log there (Log.slice)"
+            f"t = {log.time[step.argmax()]:.4g} s: what lies between is interpolated; make two logs of it, split there"
         )
     return sampled_at(log, time).noted(*notes)
 

@@ -108,5 +108,5 @@ def motion_from(document: Any) -> Motion:
         )
     except LogError:
         raise
-    except (KeyError, TypeError, ValueError, OSError, EOFError, binascii.Error, ArithmeticError) as error:
-        raise LogError(f"not a motion ({error!r})") from None
+    except (KeyError, TypeError, ValueError, OSError, EOFError, binascii.Error, ArithmeticError):
+        raise LogError("a log that it was learned from is not written as a model file has it") from None

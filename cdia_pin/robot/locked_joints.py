@@ -71,7 +71,7 @@ def locked_joints(
             continue
         if name in kept:
             raise RobotError(
-                f"joint '{name}' mimics '{joint.mimic.followed}' and has no torque of its own: drop keep="
+                f"joint '{name}' mimics '{joint.mimic.followed}' and has no torque of its own: it cannot be kept"
             )
         held[name] = _mimicking(joint, movable, held, set())
     return {name: held[name] for name in movable if name in held}
@@ -102,7 +102,8 @@ def require_chain(urdf: Urdf, held: Mapping[str, LockedJoint]) -> None:
     shown = "; ".join(f"{b[0]}..{b[-1]} ({len(b)} joints)" if len(b) > 1 else b[0] for b in branches)
     raise RobotError(
         f"robot '{urdf.path.stem}' branches {at}: {shown}. An arm is one chain; to keep "
-        f"{arm[0]}..{_longest(arm[0], children)[-1]} give lock={drop} (patterns such as 'right_*' work too)"
+        f"{arm[0]}..{_longest(arm[0], children)[-1]}, make {', '.join(drop)} fixed in the file, or in Python give "
+        f"load_robot lock={drop} (patterns such as 'right_*' work too)"
     )
 
 

@@ -162,7 +162,22 @@ def read_urdf(path: Path) -> Urdf:
     Raises:
         RobotError: If it is missing, not XML, not a URDF, or not one tree of links.
     """
-    tree = _parse(path)
+    return urdf_of(_parse(path), path)
+
+
+def urdf_of(tree: etree._ElementTree, path: Path) -> Urdf:
+    """Check the XML of a URDF.
+
+    Args:
+        tree: The XML.
+        path: The file that it is from, for messages.
+
+    Returns:
+        Its links and joints.
+
+    Raises:
+        RobotError: If it is not one tree of links.
+    """
     root = tree.getroot()
     links = {_need(e, "name", path): e for e in root.findall("link")}
     joints = {j.name: j for j in (_joint(e, path) for e in root.findall("joint"))}
@@ -216,7 +231,9 @@ def _parse(path: Path) -> etree._ElementTree:
     except etree.XMLSyntaxError as error:
         raise RobotError(f"{path}: not an XML file ({error.msg})") from None
     except OSError as error:  # also bytes that are not of the stated encoding
-        raise RobotError(f"{path}: cannot be read ({error})") from None
+        raise RobotError(
+            f"{path}: cannot be read ({error.strerror or 'its bytes are not of the encoding that it states'})"
+        ) from None
     root = tree.getroot()
     if root.tag != "robot":
         raise RobotError(f"{path}: a URDF begins with <robot>, this file with <{root.tag}>")

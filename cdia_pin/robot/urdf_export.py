@@ -22,7 +22,7 @@ from cdia_pin.robot.inertia import (
     transform_parameters,
 )
 from cdia_pin.robot.model import RobotModel
-from cdia_pin.robot.urdf import Urdf, read_urdf
+from cdia_pin.robot.urdf import Urdf, read_urdf, urdf_of
 from cdia_pin.robot.urdf_edit import (
     add_note,
     child_of,
@@ -120,6 +120,42 @@ def corrected_urdf(
     Raises:
         RobotError: If a joint is unknown, or a value is not possible.
     """
+    urdf = corrected_tree(
+        robot,
+        inertial=inertial,
+        damping=damping,
+        friction=friction,
+        payload=payload,
+        allow_unphysical=allow_unphysical,
+    )
+    rebase_meshes(urdf.tree, urdf.path.parent, folder)
+    changed = {"inertial": inertial, "damping": damping, "friction": friction}
+    add_note(urdf.tree, _summary(robot, changed, payload is not None))
+    return text_of(urdf.tree)
+
+
+def corrected_tree(
+    robot: RobotModel,
+    *,
+    inertial: Mapping[str, ArrayLike] | None = None,
+    damping: Mapping[str, float] | None = None,
+    friction: Mapping[str, float] | None = None,
+    payload: ArrayLike | None = None,
+    allow_unphysical: bool = False,
+) -> Urdf:
+    """Return the corrected URDF as a tree of links and joints; its meshes are still named from the robot's folder.
+
+    Args:
+        robot: The arm; its file is read again and is not changed.
+        inertial: As in `write_corrected_urdf`.
+        damping: As in `write_corrected_urdf` [N·m·s/rad or N·s/m].
+        friction: As in `write_corrected_urdf` [N·m or N].
+        payload: As in `write_corrected_urdf`.
+        allow_unphysical: As in `write_corrected_urdf`.
+
+    Raises:
+        RobotError: If a joint is unknown, or a value is not possible.
+    """
     urdf = read_urdf(robot.urdf)
     totals = {joint: _ten(joint, given) for joint, given in (inertial or {}).items()}
     for joint in (*totals, *(damping or {}), *(friction or {})):
@@ -130,10 +166,7 @@ def corrected_urdf(
         _set_body(robot, urdf, joint, total, allow_unphysical)
     _set_dynamics(urdf, "damping", damping or {})
     _set_dynamics(urdf, "friction", friction or {})
-    rebase_meshes(urdf.tree, urdf.path.parent, folder)
-    changed = {"inertial": inertial, "damping": damping, "friction": friction}
-    add_note(urdf.tree, _summary(robot, changed, payload is not None))
-    return text_of(urdf.tree)
+    return urdf_of(urdf.tree, urdf.path)
 
 
 def _set_body(robot: RobotModel, urdf: Urdf, joint: str, total: Array, allow_unphysical: bool) -> None:
@@ -141,7 +174,7 @@ def _set_body(robot: RobotModel, urdf: Urdf, joint: str, total: Array, allow_unp
     if not allow_unphysical and not is_physical(total):
         raise RobotError(
             f"joint '{joint}': no body can have these inertial parameters (mass {total[0]:.4g} kg, margin "
-            f"{physical_margin(total):.2g} < 0); fit with physical bounds, or give allow_unphysical=True"
+            f"{physical_margin(total):.2g} < 0); simulators refuse them; fit within physical bounds"
         )
     link = urdf.joints[joint].child
     stated = urdf.link_parameters(link)
@@ -160,7 +193,7 @@ def _set_body(robot: RobotModel, urdf: Urdf, joint: str, total: Array, allow_unp
     if not allow_unphysical and not is_physical(left):
         raise RobotError(
             f"joint '{joint}': its total is possible, but the rest for link '{link}' beside the locked "
-            "joints is not; remove the links of these joints from the file, or give allow_unphysical=True"
+            "joints is not; remove the links of these joints from the file"
         )
     write_inertial(urdf.links[link], left)
 

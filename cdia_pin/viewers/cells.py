@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich import box
 from rich.table import Table
-from rich.text import Text
 
-from cdia_pin.phrases import NO_BREAK, printable
+from cdia_pin.phrases import printable
+from cdia_pin.viewers.whole_table import WholeTable
+from cdia_pin.viewers.whole_words import WholeWords
 
 
-def new_table(*heads: str, left: Sequence[int]) -> Table:
+def new_table(*heads: str, left: Sequence[int]) -> WholeTable:
     """Return an empty table.
 
     Args:
         *heads: Headings of the columns.
         left: Columns that hold text and may wrap; the others hold numbers.
     """
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True, header_style="bold")
-    table.caption_justify = "left"
+    table = WholeTable()
     for k, head in enumerate(heads):
         text = k in left
         table.add_column(clean(head), justify="left" if text else "right", no_wrap=not text, vertical="top")
@@ -37,11 +36,11 @@ def add_row(table: Table, *cells: str, style: str = "") -> None:
     table.add_row(*(clean(c) for c in cells), style=style)
 
 
-def clean(text: str, style: str = "") -> Text:
-    """Return a text that is never read as markup, without characters that control a terminal.
+def clean(text: str, style: str = "") -> WholeWords:
+    """Return a text that is never read as markup, without characters that control a terminal; none of it is lost.
 
     Args:
         text: The text.
         style: As `rich` names it.
     """
-    return Text(printable(text.replace(NO_BREAK, " "), also="\n"), style)
+    return WholeWords(printable(text, also="\n"), style)

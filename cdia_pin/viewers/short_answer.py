@@ -84,19 +84,3 @@ def noticed(found: Discovery) -> Iterator[str]:
         of_unit = [float(f) for f, u in zip(able.friction, units, strict=True) if u == unit]
         least, most = number(min(of_unit), 2), number(max(of_unit), 2)
         yield f"friction that grows by {with_unit(least if least == most else f'{least} to {most}', unit)}"
-
-
-def next_step(found: Discovery, saved: bool, everything: bool) -> str:
-    """Return what to type next, in one line.
-
-    Args:
-        found: The outcome of ``discover``.
-        saved: Whether the model was saved.
-        everything: Whether all numbers were shown.
-    """
-    if not found.steps:
-        return "next: cdia monitor LOG --robot …, which watches the arm with this model"
-    numbers = "" if everything else "; --all shows the numbers"
-    if saved:
-        return f"next: cdia discover LATER --model MODEL … finds changes{numbers}"
-    return f"next: the same with --save model.json keeps the model{numbers}"

@@ -46,7 +46,6 @@ def comparison_table(comparison: Comparison) -> Table:
             f"{signal} {percent(shapes[signal].share)}",
         )
     add_row(table, "mean", "", "", percent(float(np.mean(comparison.relative_rms))), "", "", "", style="bold")
-    table.columns[0].min_width = max(map(len, short.values()))
     table.caption = (
         "error = model − measured; lag 1: its autocorrelation one sample apart; "
         "follows: the signal whose regions hold most of its variance"

@@ -55,6 +55,8 @@ def discovery_table(found: Discovery, everything: bool = True) -> RenderableType
         everything: Whether every step, effect and confusion is shown.
     """
     answer = Table.grid(padding=(0, 2))
+    answer.add_column(no_wrap=True)
+    answer.add_column()
     style = VERDICT_STYLE.get(found.verdict, "")
     for k, (head, text) in enumerate(short_answer(found)):
         answer.add_row(clean(head, f"bold {style}" if k == 0 else "bold"), clean(text))

@@ -29,11 +29,10 @@ def limits_table(motion: Excitation) -> Table:
         add_row(
             table,
             short[joint],
-            f"{_fixed(peaks['lower'][j])}…{_fixed(peaks['upper'][j])}",
-            f"{_fixed(limits.lower[j])}…{_fixed(limits.upper[j])}",
+            f"{_fixed(peaks['lower'][j])} to {_fixed(peaks['upper'][j])}",
+            f"{_fixed(limits.lower[j])} to {_fixed(limits.upper[j])}",
             *(f"{number(peaks[s][j])} / {_limit(getattr(limits, s)[j])}" for s in SIGNALS),
         )
-    table.columns[0].min_width = max(map(len, short.values()))
     units = dict.fromkeys(
         ", ".join(joint_units(motion.robot, j)[s] for s in ("position", *SIGNALS[:2], "load"))
         for j in motion.joints

@@ -10,6 +10,7 @@ from rich.text import Text
 
 from cdia_pin.diagnosis.record import STAGES
 from cdia_pin.diagnosis.status import Stage
+from cdia_pin.phrases import NO_BREAK
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.event_words import EventRow, event_rows, fault_words
 from cdia_pin.viewers.words import joint_units, listed, number, percent, short_names, with_unit
@@ -45,7 +46,7 @@ def joints_table(run: MonitorRun) -> Table:
     Args:
         run: Of a replay or a closed loop.
     """
-    heads = ("joint", "threshold", "of torque", "largest residual", "at the end", "fault")
+    heads = ("joint", "threshold", f"of{NO_BREAK}torque", "largest residual", "at the end", "fault")
     table = new_table(*heads, left=(0, 4, 5))
     short = short_names(run.joints)
     sight = run.record["sight"]

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from rich.box import SIMPLE_HEAD
 from rich.table import Table
-from rich.text import Text
 
+from cdia_pin.viewers.cells import clean, new_table
 from cdia_pin.viewers.words import confusion_words, effect_words, few, number, percent, with_unit
 
 if TYPE_CHECKING:
@@ -25,20 +24,16 @@ def ranking_table(found: Discovery, everything: bool = False) -> Table:
         found: The outcome of ``discover``.
         everything: Whether all are shown, not only the first few.
     """
-    table = Table(box=SIMPLE_HEAD, pad_edge=False, caption_justify="left")
-    table.add_column("by itself", overflow="fold")
-    table.add_column("held-out error", justify="right", no_wrap=True)
-    table.add_column("parameters", overflow="fold")
-    table.add_column("could also be", overflow="fold")
+    table = new_table("by itself", "held-out error", "parameters", "could also be", left=(0, 2, 3))
     torque = np.maximum(found.torque_rms, 1e-12)
     for r in found.ranking[: None if everything else SHOWN]:
         before, after = (percent(float(np.mean(e / torque))) for e in (r.heldout_before, r.heldout_after))
-        said = Text(effect_words(r.term.effect))
+        said = clean(effect_words(r.term.effect))
         cells = (
             "\n".join(_parameters(r, found)),
             ", ".join(few((confusion_words(c) for c in r.confusions), NAMED)),
         )
-        table.add_row(said, f"{before} → {after}", *map(Text, cells))
+        table.add_row(said, clean(f"{before} → {after}"), *map(clean, cells))
     hidden = len(found.ranking) - table.row_count
     table.caption = (
         "each candidate fitted alone beside the model as given; error over torque RMS, mean of joints"

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from cdia_pin.discovery.comparison import signal_units
-from cdia_pin.effects import Varying
+from cdia_pin.effects import Always, Between, Incipient, Intermittent, Region, Varying
 from cdia_pin.identifiability.distinguishing_motions import NO_MOTION
 from cdia_pin.phrases import NO_BREAK
 
@@ -218,17 +218,33 @@ def confusion_words(confusion: Confusion) -> str:
 
 
 def profile_words(term: Term) -> str:
-    """Return the profile of a term in words, empty if it always acts.
+    """Return when or where a term is present, in words; empty if it always is.
 
     Args:
         term: An effect with numbers.
     """
-    given = term.profile.to_dict()
-    kind = str(given.pop("kind"))
-    if kind == "always":
-        return ""
-    said = (f"{k} {v:g}" if isinstance(v, float) else f"{k} {v}" for k, v in given.items())
-    return f"{kind} ({', '.join(said)})"
+    match term.profile:
+        case Always():
+            return ""
+        case Between(start=start, end=end):
+            return _ends(start, end, "from {} s on", "until {} s", "from {} s to {} s")
+        case Region(joint=joint, signal=signal, lower=lower, upper=upper):
+            where = _ends(lower, upper, "above {}", "below {}", "from {} to {}")
+            return f"where the {signal} of {joint} is {where}"
+        case Incipient(start=start, rate=rate):
+            return f"growing from {number(start)} s on, with a time constant of {number(1 / rate)} s"
+        case Intermittent(start=start, period=period, duty=duty):
+            return f"from {number(start)} s on, in the first {percent(duty)} of every {number(period)} s"
+        case other:
+            given = other.to_dict()
+            return f"{given.pop('kind')} ({', '.join(f'{k} {v}' for k, v in given.items())})"
+
+
+def _ends(lower: float, upper: float, above: str, below: str, between: str) -> str:
+    """Return the end of a range that is open, or both ends."""
+    if math.isinf(upper):
+        return above.format(number(lower))
+    return below.format(number(upper)) if math.isinf(lower) else between.format(number(lower), number(upper))
 
 
 def few(items: Iterable[str], most: int = 4) -> list[str]:

@@ -40,7 +40,9 @@ def test_the_demo_names_commands_and_files(told):
     for name in ("demo_model.json", "demo_report.html"):
         assert (out / "new" / name).is_file()
         assert name in outcome.out
-    assert outcome.out.strip().splitlines()[-1].startswith(f"Open {out / 'new' / 'demo_report.html'}")
+    *lines, last = outcome.out.strip().splitlines()
+    assert any(line.startswith(f"Open {out / 'new' / 'demo_report.html'}") for line in lines)
+    assert last == "next: cdia check LOG --robot R"
 
 
 def test_the_report_of_the_demo_shows_the_arm_clearing(told):

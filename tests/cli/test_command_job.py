@@ -185,7 +185,9 @@ def test_export_says_what_it_cannot_hold(cdia, model_of, out):
     model = model_of(
         "mixed.json", "viscous_friction@joint1: coefficient=0.1", "torque_offset@joint2: offset=0.2"
     )
-    found = cdia("export", *ROBOT, "--model", model, "--urdf", out / "mixed.urdf", "--json", "-").json
+    found = cdia("export", *ROBOT, "--model", model, "--urdf", out / "mixed.urdf", "--json", "-").json[
+        "files"
+    ]["urdf"]
     assert found["written"] == ["viscous_friction@joint1"]
     assert list(found["left_out"]) == ["torque_offset@joint2"]
     assert load_robot(out / "mixed.urdf").urdf_damping[0] == pytest.approx(0.1)

@@ -7,6 +7,8 @@ from cdia_pin import Dynamics, Excitation, ExcitationSettings, excite, load_robo
 from cdia_pin.effects import parse_effect, parse_term
 from cdia_pin.errors import RobotError
 from cdia_pin.robot.collision import CollisionModel
+from cdia_pin.viewers.text_excitation import limits_table
+from tests.narrow_terminals import loses_nothing
 
 QUICK = ExcitationSettings(duration=12.0, draws=4, refinements=8)
 RATE = 250.0  # [Hz]
@@ -168,3 +170,7 @@ def test_progress_goes_from_nothing_to_all():
     assert shares[0] == 0.0
     assert shares[-1] == 1.0
     assert shares == sorted(shares)
+
+
+def test_its_table_loses_no_limit_in_a_narrow_terminal(designed):
+    loses_nothing(limits_table(designed))

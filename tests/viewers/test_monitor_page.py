@@ -19,6 +19,7 @@ from cdia_pin.viewers.event_words import event_rows
 from cdia_pin.viewers.page import LARGEST
 from cdia_pin.viewers.report_monitor import monitor_data
 from cdia_pin.viewers.stage_colours import STAGE_COLOURS, STAGE_WORDS
+from tests.narrow_terminals import loses_nothing
 
 DATA = re.compile(r'<script type="application/json" id="data">(.*?)</script>', re.DOTALL)
 FRICTION = Term(CoulombFriction("joint1"), (4.0,), ci95=((3.8, 4.2),))
@@ -184,6 +185,12 @@ def test_an_unknown_fault_is_not_described_by_its_weights(run):
     event = Event(1.0, "isolation", ("joint2",), Verdict.UNKNOWN, (unknown,))
     (row,) = event_rows([event], run.robot)
     assert row.said == ("unknown fault; its torque was learned",)
+
+
+def test_no_table_of_a_run_loses_a_character_in_a_narrow_terminal(run):
+    loses_nothing(events_table(run))
+    loses_nothing(joints_table(run))
+    loses_nothing(tracking_table(run.robot, {"healthy": np.ones(4), "accommodated": 2e9 * np.ones(4)}, 3.0))
 
 
 def test_the_terminal_says_the_same(run):

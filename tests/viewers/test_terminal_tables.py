@@ -10,7 +10,7 @@ from rich.console import Console
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.robot import load_robot
 from cdia_pin.viewers import check_table, comparison_table, discovery_table, where_it_fails
-from cdia_pin.viewers.short_answer import next_step, short_answer
+from cdia_pin.viewers.short_answer import short_answer
 
 WIDTHS = (80, 100)
 
@@ -55,10 +55,6 @@ def test_no_line_of_the_short_answer_loses_a_word(doubtful, width):
     for head, said in short_answer(doubtful):
         assert head in text
         assert all(word in text for word in said.split())
-    steps = [
-        next_step(doubtful, saved, everything) for saved in (True, False) for everything in (True, False)
-    ]
-    assert max(map(len, steps)) <= min(WIDTHS)
 
 
 def test_effects_of_a_real_discovery_are_listed(results):

@@ -104,7 +104,7 @@ def check_saturation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
                 Severity.WARNING,
                 f"the effort is {where}: the true torque differs from the log there",
                 joint=joint,
-                advice="leave those parts out (Log.slice), or repeat the motion more slowly",
+                advice="leave those parts out of the file, or repeat the motion more slowly",
                 value={"share": max(at_limit, clipped), "level": level or float(robot.limits.effort[k])},
             )
     if not found:

@@ -80,7 +80,9 @@ def check_gaps(log: Log) -> Iterator[Finding]:
             Severity.WARNING if longest > LONG_GAP else Severity.INFO,
             f"{len(gaps)} gap(s), the longest {longest * 1e3:.3g} ms after t = {at:.4g} s"
             + (split if longest > LONGEST_GAP else ""),
-            advice="cut the log there (Log.slice) if the arm moved meanwhile" if longest > LONG_GAP else "",
+            advice="make two logs of it, split there, if the arm moved meanwhile"
+            if longest > LONG_GAP
+            else "",
             value={"count": len(gaps), "longest_s": longest, "after_s": at, "not_checked": left_out},
         )
     else:
@@ -162,7 +164,7 @@ def _frozen(log: Log, k: int) -> Iterator[Finding]:
             f"the effort stands at {log.effort[start, k]:.4g} for {seconds:.3g} s from "
             f"t = {log.time[start]:.4g} s while the joint moves {travelled:.3g}",
             joint=log.joints[k],
-            advice="cut that part (Log.slice), or find out why the effort was not updated",
+            advice="leave that part out of the file, or find out why the effort was not updated",
             value={"signal": "effort", "from_s": float(log.time[start]), "seconds": seconds},
         )
     if log.velocity is None:
@@ -177,7 +179,7 @@ def _frozen(log: Log, k: int) -> Iterator[Finding]:
             f"the position stands still for {seconds:.3g} s from t = {log.time[start]:.4g} s while "
             f"the recorded velocity is at least {fastest:.3g}",
             joint=log.joints[k],
-            advice="cut that part (Log.slice), or find out why the position was not updated",
+            advice="leave that part out of the file, or find out why the position was not updated",
             value={"signal": "position", "from_s": float(log.time[start]), "seconds": seconds},
         )
 

@@ -39,7 +39,7 @@ def check_held(log: Log) -> Iterator[Finding]:
             Severity.WARNING,
             f"every signal stands still for {seconds:.3g} s from t = {log.time[start]:.4g} s, although the arm moved "
             "just before: nothing was measured there",
-            advice="cut that part (Log.slice), or find out why the samples were not updated",
+            advice="leave that part out of the file, or find out why the samples were not updated",
             value={"from_s": float(log.time[start]), "seconds": seconds},
         )
 

@@ -1,0 +1,107 @@
+"""The command to type next, made from what the user typed: the same files and the same ways to read them."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cdia_pin.cli.options import READING
+from cdia_pin.phrases import printable
+
+if TYPE_CHECKING:
+    import typer
+    from rich.console import Console
+
+# Options that hold for every command on the same logs, beside those of how logs are read.
+CARRIED = {"robot", "model", "cutoff", "environment", "contact", "mounted", "condition"}
+
+
+def show_next(console: Console, line: str) -> None:
+    """Print the command to type next, in one line however long it is.
+
+    Args:
+        console: Where.
+        line: The command.
+    """
+    console.print(f"next: {printable(line)}", style="dim", markup=False, soft_wrap=True)
+
+
+def follow(ctx: typer.Context, command: str, *arguments: str | Path, **options: Any) -> str:
+    """Return another command with the options that the user gave and that it has too.
+
+    Args:
+        ctx: Of the present command.
+        command: Name of the next one.
+        *arguments: Its arguments.
+        **options: Its options by parameter name; they replace what the user gave, and None leaves an option out.
+    """
+    nxt = ctx.find_root().command.commands[command]  # type: ignore[attr-defined]
+    given = {name: value for name, value in ctx.params.items() if _carries(ctx, name)} | options
+    words = [str(a) for a in arguments]
+    for parameter in nxt.params:
+        words += _words(parameter, given.get(parameter.name))
+    return shlex.join(["cdia", command, *words])
+
+
+def again(ctx: typer.Context, **options: Any) -> str:
+    """Return the command that the user typed, with more options.
+
+    Args:
+        ctx: Of the present command.
+        **options: Options by parameter name.
+    """
+    return with_words(
+        ctx, *(word for p in ctx.command.params for word in _words(p, options.get(p.name or "")))
+    )
+
+
+def with_words(ctx: typer.Context, *words: str) -> str:
+    """Return the command that the user typed, with more words before its arguments.
+
+    Args:
+        ctx: Of the present command.
+        *words: Such as ``--convert``, ``angle=deg``.
+    """
+    typed = shlex.split(ctx.obj or f"cdia {ctx.info_name}")
+    return shlex.join([*typed[:2], *words, *typed[2:]])
+
+
+def free(name: str) -> Path:
+    """Return a name for a new file, numbered where there is such a file already.
+
+    Args:
+        name: The name that is wanted.
+    """
+    path, count = Path(name), 1
+    while path.exists():
+        count += 1
+        path = Path(name).with_stem(f"{Path(name).stem}{count}")
+    return path
+
+
+def _carries(ctx: typer.Context, name: str) -> bool:
+    """Tell whether the user typed an option that the next command takes over."""
+    source = ctx.get_parameter_source(name)
+    if source is None or source.name != "COMMANDLINE":
+        return False
+    panel = {p.name: getattr(p, "rich_help_panel", None) for p in ctx.command.params}[name]
+    return name in CARRIED or panel == READING
+
+
+def _words(parameter: Any, value: object) -> Iterator[str]:
+    """Yield an option as it is typed; nothing for arguments and for options without a value."""
+    if value is None or parameter.param_type_name != "option":
+        return
+    if isinstance(value, bool):
+        yield from (parameter.opts if value else parameter.secondary_opts)[:1]
+        return
+    if getattr(parameter, "nargs", 1) > 1:
+        yield parameter.opts[0]
+        yield from map(str, value)  # type: ignore[call-overload]
+        return
+    for one in value if isinstance(value, list | tuple) else [value]:
+        yield parameter.opts[0]
+        yield str(one.value if isinstance(one, Enum) else one)

@@ -1,0 +1,110 @@
+"""What a simulator makes of a term: the same torque, or the nearest one, from what simulators know."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from cdia_pin.effects import (
+    AsymmetricFriction,
+    BaseTilt,
+    CoulombFriction,
+    Effect,
+    JointSpring,
+    LinkInertia,
+    LinkInertias,
+    Payload,
+    PreslidingFriction,
+    RotorInertia,
+    StribeckFriction,
+    Term,
+    ThermalFriction,
+    Varying,
+    ViscousFriction,
+)
+
+
+class Quantity(StrEnum):
+    """A quantity that a simulator or a controller may hold."""
+
+    BODIES = "link inertias"
+    PAYLOAD = "payload"
+    DAMPING = "joint damping"
+    FRICTION = "dry friction"
+    ARMATURE = "rotor inertia"
+    SPRING = "joint springs"
+    GRAVITY = "gravity"
+
+
+QUANTITIES: dict[type[Effect], Quantity] = {
+    LinkInertia: Quantity.BODIES,
+    LinkInertias: Quantity.BODIES,
+    Payload: Quantity.PAYLOAD,
+    ViscousFriction: Quantity.DAMPING,
+    CoulombFriction: Quantity.FRICTION,
+    RotorInertia: Quantity.ARMATURE,
+    JointSpring: Quantity.SPRING,
+    BaseTilt: Quantity.GRAVITY,
+}
+PARTS = {"log": "the logs", "time": "beginning and end"}  # of an effect that varies, by kind
+
+
+@dataclass(frozen=True)
+class Simplified:
+    """Terms of simulators in place of one of ours.
+
+    Attributes:
+        terms: Terms whose effects are in `QUANTITIES`.
+        how: What was made of the term, as in ``its mean over both directions``; empty if the torque is the same.
+    """
+
+    terms: tuple[Term, ...]
+    how: str = ""
+
+
+def simplified(term: Term) -> Simplified | None:
+    """Return the terms of simulators that are nearest to a term; None if none is near.
+
+    Args:
+        term: An effect with numbers.
+    """
+    effect, values = term.effect, term.values
+    if isinstance(effect, JointSpring) and values["stiffness"] <= 0:
+        return None  # what is left is an offset
+    if type(effect) in QUANTITIES:
+        return Simplified((term,))
+    if isinstance(effect, Varying):
+        return _mean(effect, term)
+    match effect:
+        case AsymmetricFriction(joint=joint):
+            level = (values["level_positive"] + values["level_negative"]) / 2
+            coefficient = (values["coefficient_positive"] + values["coefficient_negative"]) / 2
+            terms, how = _friction(joint, level, coefficient), "its mean over both directions"
+        case StribeckFriction(joint=joint):
+            terms, how = _friction(joint, values["level"]), "its level at speed"
+        case PreslidingFriction(joint=joint):
+            terms, how = _friction(joint, values["level"]), "Coulomb friction, without the bristles"
+        case ThermalFriction(joint=joint):
+            terms, how = _friction(joint, values["level"], values["coefficient"]), "its size at 20 °C"
+        case _:
+            return None
+    return Simplified(terms, how)
+
+
+def _mean(effect: Varying, term: Term) -> Simplified | None:
+    """Return friction that varies as its mean; None for other effects, such as a payload that was exchanged."""
+    theta = np.reshape(term.theta, (len(effect.parts), effect.effect.size)).mean(axis=0)
+    plain = simplified(Term(effect.effect, tuple(theta), term.profile))
+    if plain is None or not all(isinstance(t.effect, CoulombFriction | ViscousFriction) for t in plain.terms):
+        return None
+    return Simplified(
+        plain.terms, f"its mean over {PARTS[effect.kind]}" + (plain.how and f", and {plain.how}")
+    )
+
+
+def _friction(joint: str, level: float, coefficient: float | None = None) -> tuple[Term, ...]:
+    """Return Coulomb friction [N·m or N], and viscous friction [N·m·s/rad or N·s/m] if there is any."""
+    dry = Term.of(CoulombFriction(joint), level=level)
+    return (dry,) if coefficient is None else (dry, Term.of(ViscousFriction(joint), coefficient=coefficient))

@@ -1,0 +1,16 @@
+"""A model in the formats of simulators and controllers, and what each format cannot hold."""
+
+from __future__ import annotations
+
+from cdia_pin.exports.formats import FORMATS, TextFormat
+from cdia_pin.exports.ranges import RangeRecord, RangesDocument, ranges_document
+from cdia_pin.exports.torque_left_out import torque_left_out
+
+__all__ = [
+    "FORMATS",
+    "RangeRecord",
+    "RangesDocument",
+    "TextFormat",
+    "ranges_document",
+    "torque_left_out",
+]

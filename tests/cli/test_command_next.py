@@ -1,0 +1,152 @@
+"""Each command ends with the next one to type, and that line is a command with the user's own files and options."""
+
+import re
+import shlex
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import typer
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cdia_pin import Dynamics, load_robot, read_log, save_model, write_log
+from cdia_pin.cli.next_command import again, follow, free
+from cdia_pin.cli.program import app
+from cdia_pin.effects import parse_term
+from cdia_pin.resources import logs_dir
+
+ROBOT = ["--robot", "double_pendulum"]
+COMMANDS = typer.main.get_command(app)
+
+
+def context(words: list[str]):
+    """What a command gets from what was typed after ``cdia``; raises where it is no command."""
+    root = COMMANDS.make_context("cdia", list(words), obj=shlex.join(["cdia", *words]))
+    name, command, rest = COMMANDS.resolve_command(root, root._protected_args + root.args)
+    return command.make_context(name, rest, parent=root, obj=root.obj)
+
+
+def next_line(text: str) -> list[str]:
+    *_, last = [line for line in text.splitlines() if line.strip()]
+    head, _, line = last.partition("next: ")
+    assert not head, text
+    return shlex.split(line)
+
+
+NAMES = st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), min_size=1, max_size=12).filter(
+    lambda s: not s.startswith("-")
+)
+WORDS = st.one_of(NAMES, NAMES.map(lambda s: f"a {s} b"))
+OPTIONS = {
+    "--gains": WORDS,
+    "--joint-map": WORDS,
+    "--convert": WORDS,
+    "--topic": WORDS,
+    "--cutoff": st.floats(0.1, 100).map(str),
+    "--environment": st.sampled_from(["air", "water"]),
+    "--no-check": st.none(),
+    "--contact": st.none(),
+    "--model": WORDS,
+}
+
+
+@given(
+    log=WORDS,
+    robot=WORDS,
+    options=st.fixed_dictionaries({}, optional=OPTIONS),
+    target=st.sampled_from(["discover", "compare", "add", "check", "identify", "monitor", "excite"]),
+)
+@settings(max_examples=150, deadline=None)
+def test_the_next_command_parses_and_keeps_what_the_user_said(log, robot, options, target):
+    words = ["discover", log, "--robot", robot]
+    for option, value in options.items():
+        words += [option] if value is None else [option, value]
+    before = context(words)
+    arguments = {"add": ["payload", log], "excite": []}.get(target, [log])
+    more = {"out": "motion.csv"} if target == "excite" else {}
+    after = context(shlex.split(follow(before, target, *arguments, **more))[1:])
+    assert after.params["robot"] == robot
+    for name in (
+        "gains",
+        "joint_map",
+        "convert",
+        "topic",
+        "cutoff",
+        "environment",
+        "check",
+        "contact",
+        "model",
+    ):
+        if name in after.params:
+            assert after.params[name] == before.params[name]
+
+
+@given(log=WORDS, robot=WORDS)
+@settings(max_examples=30, deadline=None)
+def test_the_same_command_with_one_option_more_parses(log, robot):
+    before = context(["discover", log, "--robot", robot, "--all"])
+    after = context(shlex.split(again(before, save="a model.json"))[1:])
+    changed = {k: v for k, v in after.params.items() if v != before.params[k]}
+    assert list(changed) == ["save"]
+
+
+def test_a_file_that_exists_is_not_proposed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert str(free("model.json")) == "model.json"
+    (tmp_path / "model.json").touch()
+    assert str(free("model.json")) == "model2.json"
+
+
+@pytest.mark.parametrize(
+    ("typed", "then"),
+    [
+        (["robots"], "robots"),
+        (["robots", "ur5"], "check"),
+        (["effects"], "effects"),
+        (["effects", "payload"], "add"),
+        (["check", "LOG", *ROBOT], "compare"),
+        (["compare", "LOG", *ROBOT, "--no-check"], "discover"),
+        (["discover", "LOG", *ROBOT, "--no-check", "--effects", "coulomb_friction"], "discover"),
+        (
+            [
+                "discover",
+                "LOG",
+                *ROBOT,
+                "--no-check",
+                "--effects",
+                "coulomb_friction",
+                "--save",
+                "OUT/m.json",
+            ],
+            "export",
+        ),
+        (["add", "coulomb_friction@joint2", "LOG", *ROBOT, "--save", "OUT/added.json"], "compare"),
+        (["identify", "LOG", *ROBOT], "identify"),
+        (["convert", "LOG", "OUT/x.npz", *ROBOT], "check"),
+        (["simulate", *ROBOT, "--duration", "5", "--out", "OUT/s.csv"], "discover"),
+        (["export", *ROBOT, "--model", "MODEL", "--urdf", "OUT/m.urdf"], "compare"),
+        (["study", "scara-model"], "study"),
+    ],
+)
+def test_a_command_ends_with_the_next_one(cdia, log, tmp_path, typed, then):
+    robot = load_robot("double_pendulum")
+    model = save_model(Dynamics(robot, (parse_term("payload: mass=0.1"),)), tmp_path / "model.json")
+    files = {"LOG": log, "OUT": tmp_path, "MODEL": model}
+    words = [re.sub("LOG|OUT|MODEL", lambda found: str(files[found[0]]), w) for w in typed]
+    done = cdia(*words)
+    assert done.code == 0, done.err
+    program, *line = next_line(done.out)
+    assert program == "cdia"
+    assert line[0] == then
+    context(line)
+
+
+def test_after_a_check_that_finds_degrees_the_next_command_reads_degrees(cdia, tmp_path):
+    robot = load_robot("ur5")
+    log = read_log(logs_dir() / "demo_ur5.csv", robot)
+    write_log(replace(log, position=np.degrees(log.position), velocity=None), tmp_path / "degrees.csv")
+    done = cdia("check", tmp_path / "degrees.csv", "--robot", "ur5")
+    _, *line = next_line(done.out)
+    assert line[0] == "check" and context(line).params["convert"] == ["angle=deg"]
+    assert next_line(cdia(*line).out)[1] == "compare"
