@@ -116,7 +116,7 @@ def _variations(logs: Problem) -> Iterator[Experiment]:
 
 def _filtered(logs: Problem, factor: float) -> Iterator[Motion]:
     for log, segment in zip(logs.logs, logs.experiment.segments, strict=True):
-        given = replace(logs.settings.conditioning, cutoff=factor * segment.motion.cutoff)
+        given = replace(logs.settings.searched, cutoff=factor * segment.motion.cutoff)
         yield condition(log, logs.experiment.robot, given)
 
 

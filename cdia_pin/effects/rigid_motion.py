@@ -60,9 +60,9 @@ class RigidMotion:
 
     @cached_property
     def body_weights(self) -> list[Array]:
-        """∂Y/∂g of each link's mass and first moments, which alone have a weight, shapes (N, n, 4, 3)."""
-        by_gravity = self.robot.weight_regressor(self.q)
-        return [by_gravity[:, :, 10 * j : 10 * j + 4].copy() for j in range(self.robot.n)]
+        """∂Y/∂g of each link's mass and first moments, which alone have a weight, shapes (4, N, n, 3)."""
+        by_gravity = np.moveaxis(self.robot.weight_regressor(self.q), 2, 0)
+        return [by_gravity[10 * j : 10 * j + 4].copy() for j in range(self.robot.n)]
 
     @cached_property
     def gravity_regressor(self) -> Array:

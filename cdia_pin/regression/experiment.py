@@ -174,6 +174,11 @@ class Experiment:
         """Compared samples of each segment."""
         return [len(s.measured) for s in self.segments]
 
+    @property
+    def runs(self) -> list[int]:
+        """Compared samples of each stretch of all segments, which follow each other at an even pace."""
+        return [length for s in self.segments for length in s.motion.lengths]
+
     def predict(self, model: Dynamics) -> Prediction:
         """Predict the torque readings along all segments.
 
