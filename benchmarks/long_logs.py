@@ -69,7 +69,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         file = given.log or Path(folder) / f"long.{given.suffix}"
         if not file.exists():
             write_log(long_log(given.rows), file)
-        print(f"{given.rows} rows of {ARM}, {file.stat().st_size / 1e6:.0f} MB of {file.suffix[1:]}", flush=True)
+        print(
+            f"{given.rows} rows of {ARM}, {file.stat().st_size / 1e6:.0f} MB of {file.suffix[1:]}", flush=True
+        )
         for command in given.commands:
             for checkout in (CHECKOUT, *given.also):
                 spent = spend([command, str(file), "--robot", ARM], checkout)

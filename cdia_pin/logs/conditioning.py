@@ -100,12 +100,16 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
     lengths = () if len(parts) == 1 else tuple(len(even.time[part][::every]) for part in parts)
     if lengths:
         share = sum(part.stop - part.start for part in parts) / len(even.time)
-        notes.append(f"looked at in {len(parts)} stretches spread evenly over it, {100 * share:.2g} % of the log")
+        notes.append(
+            f"looked at in {len(parts)} stretches spread evenly over it, {100 * share:.2g} % of the log"
+        )
     steps = np.array([quantum(of_joint) for of_joint in _joined(even.position[p] for p in parts).T])
     by = Filter(cutoff, rate, every, min(STEPLESS, cutoff), steps)
     filtered = [FilteredPart.of(even, block, by) for part in parts for block in blocks(part, by.block, every)]
     # of white noise of the positions, from what the filter removed
-    white = np.sqrt(mean([p.removed for p in filtered], filtered)) / np.sqrt(max(1.0 - 2 * cutoff / rate, 0.1))
+    white = np.sqrt(mean([p.removed for p in filtered], filtered)) / np.sqrt(
+        max(1.0 - 2 * cutoff / rate, 0.1)
+    )
     speed_noise = np.asarray(white * 2 * np.pi * cutoff * np.sqrt(2 * cutoff / rate / 3))
     acceleration_noise = np.maximum(
         # white noise of a filtered position: noise of its acceleration from noise of its speed
@@ -129,7 +133,9 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         decimation=again,
         speed_noise=speed_noise,
         acceleration_noise=acceleration_noise,
-        effort_step=np.array([_effort_step(of_joint) for of_joint in _joined(log.effort[p] for p in parts).T]),
+        effort_step=np.array(
+            [_effort_step(of_joint) for of_joint in _joined(log.effort[p] for p in parts).T]
+        ),
         record=MotionRecord(
             cutoff=cutoff,
             trim=settings.trim,

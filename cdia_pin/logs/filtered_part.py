@@ -57,7 +57,9 @@ class Filter:
         start, stop = max(part.start - self.margin, 0), min(part.stop + self.margin, count)
         if stop - start == count:
             return slice(start, stop)
-        length = min(next_fast_len(stop - start - 1, real=True) + 1, count)  # `zero_phase` transforms 2 N − 2 values
+        length = min(
+            next_fast_len(stop - start - 1, real=True) + 1, count
+        )  # `zero_phase` transforms 2 N − 2 values
         start = max(min(start, count - length), 0)
         return slice(start, start + length)
 

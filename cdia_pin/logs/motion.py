@@ -16,7 +16,9 @@ from cdia_pin.phrases import shortened
 
 Array = NDArray[np.float64]
 
-AT_ONCE = 16  # compared samples [1] that one product of matrices computes: fewer cost calls, more multiply zeros
+AT_ONCE = (
+    16  # compared samples [1] that one product of matrices computes: fewer cost calls, more multiply zeros
+)
 KERNEL = 5.0  # [periods of the cut-off], after which the filter's impulse response is below 10⁻⁵ of its peak
 
 

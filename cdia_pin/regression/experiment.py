@@ -229,7 +229,7 @@ class Experiment:
             if at is not None
             else list(effect.acts_on(self.robot))
         )
-        rows = []
+        every, rows = list(range(self.robot.n)), []
         for segment, torques in zip(self.segments, prediction.torques, strict=True):
             x = segment.state
             if Signal.GRAVITY in effect.traits.depends_on and prediction.model.turns_gravity:
@@ -237,12 +237,13 @@ class Experiment:
             if Signal.TORQUE in effect.traits.depends_on:
                 x = x.with_effort(torques.actuator)
             phi = effect.basis(x) if theta is None or effect.traits.linear else effect.jacobian(x, theta)
-            if effect.traits.channel is not Channel.TORQUE_READING:
-                phi = phi / torques.gain[:, :, None]
-            part = phi[:, joints, :]
+            part = phi if joints == every else phi[:, joints, :]
+            gain = torques.gain[:, joints]
+            if effect.traits.channel is not Channel.TORQUE_READING and (gain != 1.0).any():
+                part = part / gain[:, :, None]
             flat = segment.motion.compared(part.reshape(len(part), -1))
             rows.append(flat.reshape(len(flat), len(joints), -1))
-        return np.vstack(rows)
+        return rows[0] if len(rows) == 1 else np.vstack(rows)
 
     def compared(self, torque: Callable[[Motion], Array]) -> Array:
         """Return a function of the motion at the compared samples of all segments, filtered like the torques.

@@ -64,9 +64,7 @@ def refit(
     return model, equations
 
 
-def _iterated(
-    regression: Regression, model: Dynamics, iterations: int
-) -> tuple[Dynamics, NormalEquations]:
+def _iterated(regression: Regression, model: Dynamics, iterations: int) -> tuple[Dynamics, NormalEquations]:
     """Return the model at the optimum, and the normal equations of the last iteration."""
     effects = [t.effect for t in model.terms]
     for _ in range(1 if all(map(is_exact, effects)) else iterations):

@@ -191,7 +191,7 @@ class DiscoverySettings:
         expected: Names of unusual effects that the user expects, such as ``viscous_medium`` under water.
         most_effects: Largest number of effects in the model [1].
         most_samples: Largest number of compared samples of a log [1]: three minutes at the highest cut-off, quarter of
-            an hour at the lowest. A longer log is searched in stretches: more of the same motion names no other effects.
+            an hour at the lowest. A longer log is searched in stretches, which hold its motions many times.
         blocks: Number of contiguous blocks of time for held-out errors and intervals [1].
         criterion: What an effect must explain to be named.
         every_link: When a URDF counts as slightly wrong everywhere.

@@ -32,7 +32,9 @@ def log(scara):
     return Log(scara.joints, time, position + 1e-4 * noise, np.cos(5 * position) + noise)
 
 
-@pytest.mark.parametrize(("count", "most", "multiple"), [(1000, 100, 1), (100_003, 7_000, 7), (2_001, 2_000, 3)])
+@pytest.mark.parametrize(
+    ("count", "most", "multiple"), [(1000, 100, 1), (100_003, 7_000, 7), (2_001, 2_000, 3)]
+)
 def test_stretches_are_equal_spread_evenly_and_no_more_than_asked(count, most, multiple):
     parts = stretches(count, most, multiple)
     starts = np.array([p.start for p in parts])
@@ -131,7 +133,12 @@ def test_long_plain_text_is_read_in_blocks_as_other_text_is_whole(table, scara, 
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [(b"\n0.4,", b"\n# a comment\n0.4,"), (b"\n0.4,", b"\n0.4, "), (b"\n0.4,", b"\nfour,"), (b"\n0.4,", b"\n0.4,1,")],
+    [
+        (b"\n0.4,", b"\n# a comment\n0.4,"),
+        (b"\n0.4,", b"\n0.4, "),
+        (b"\n0.4,", b"\nfour,"),
+        (b"\n0.4,", b"\n0.4,1,"),
+    ],
 )
 def test_text_that_is_not_plain_is_judged_as_a_whole(table, scara, tmp_path, monkeypatch, old, new):
     file = tmp_path / "log.csv"

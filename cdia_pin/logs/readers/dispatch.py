@@ -9,7 +9,9 @@ from pathlib import Path
 from cdia_pin.errors import LogError
 from cdia_pin.logs.readers.table import Table
 
-LONG = 32 * 2**20  # [B], of a text that is read in blocks if it is a plain one: a minute of an arm at 1 kHz has 10 MB
+LONG = (
+    32 * 2**20
+)  # [B], of a text that is read in blocks if it is a plain one: a minute of an arm at 1 kHz has 10 MB
 BAG_SUFFIXES = (".db3", ".mcap")
 SUFFIXES = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".npz", *BAG_SUFFIXES)
 
