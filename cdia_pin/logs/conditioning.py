@@ -7,7 +7,7 @@ M q̈ + nle = τ + f are treated alike [Gautier1997].
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -103,19 +103,11 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         notes.append(
             f"looked at in {len(parts)} stretches spread evenly over it, {100 * share:.2g} % of the log"
         )
+    raw_effort = _joined(log.effort[p] for p in parts) if lengths else log.effort
     steps = np.array([quantum(of_joint) for of_joint in _joined(even.position[p] for p in parts).T])
     by = Filter(cutoff, rate, every, min(STEPLESS, cutoff), steps)
     filtered = [FilteredPart.of(even, block, by) for part in parts for block in blocks(part, by.block, every)]
-    # of white noise of the positions, from what the filter removed
-    white = np.sqrt(mean([p.removed for p in filtered], filtered)) / np.sqrt(
-        max(1.0 - 2 * cutoff / rate, 0.1)
-    )
-    speed_noise = np.asarray(white * 2 * np.pi * cutoff * np.sqrt(2 * cutoff / rate / 3))
-    acceleration_noise = np.maximum(
-        # white noise of a filtered position: noise of its acceleration from noise of its speed
-        speed_noise * 2 * np.pi * cutoff * np.sqrt(3 / 5),
-        np.sqrt(mean([p.rounding for p in filtered], filtered)),
-    )
+    speed_noise, acceleration_noise = _noise(filtered, cutoff, rate)
     a = _joined(p.a for p in filtered)
     # else inertias would be fitted to the noise in the acceleration of a joint that hardly accelerates
     drowned = np.max([p.busiest for p in filtered], axis=0) < DROWNED * acceleration_noise**2
@@ -133,9 +125,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         decimation=again,
         speed_noise=speed_noise,
         acceleration_noise=acceleration_noise,
-        effort_step=np.array(
-            [_effort_step(of_joint) for of_joint in _joined(log.effort[p] for p in parts).T]
-        ),
+        effort_step=np.array([_effort_step(of_joint) for of_joint in raw_effort.T]),
         record=MotionRecord(
             cutoff=cutoff,
             trim=settings.trim,
@@ -155,6 +145,16 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         effort_tolerance=log.effort_tolerance,
         stretches=lengths,
     )
+
+
+def _noise(parts: Sequence[FilteredPart], cutoff: float, rate: float) -> tuple[Array, Array]:
+    """Estimate standard deviations of the speed [rad/s] and of the acceleration [rad/s²], shape (n,) each."""
+    # of white noise of the positions, from what the filter removed
+    white = np.sqrt(mean([p.removed for p in parts], parts)) / np.sqrt(max(1.0 - 2 * cutoff / rate, 0.1))
+    of_speed = white * 2 * np.pi * cutoff * np.sqrt(2 * cutoff / rate / 3)
+    # white noise of a filtered position: noise of its acceleration from noise of its speed
+    of_acceleration = of_speed * 2 * np.pi * cutoff * np.sqrt(3 / 5)
+    return of_speed, np.maximum(of_acceleration, np.sqrt(mean([p.rounding for p in parts], parts)))
 
 
 def _joined(signals: Iterable[Array]) -> Array:

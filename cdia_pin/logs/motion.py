@@ -176,7 +176,7 @@ class Motion:
         windows = as_strided(
             needed, (times, span, x.shape[1]), (hop * step, step, needed.strides[1]), writeable=False
         )
-        return np.matmul(self._weights, windows).reshape(-1, x.shape[1])[: len(kept)]
+        return np.asarray(np.matmul(self._weights, windows).reshape(-1, x.shape[1])[: len(kept)])
 
     def sampled(self, signal: ArrayLike) -> Array:
         """Return a signal at the samples that are compared, unfiltered.
