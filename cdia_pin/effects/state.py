@@ -179,6 +179,10 @@ class State:
         """What the rigid bodies need along this motion; states of the same motion share it."""
         return RigidMotion(self.robot, self.q, self.v, self.a)
 
+    def forget(self) -> None:
+        """Release what the rigid bodies need along this motion; it is computed again if it is needed."""
+        self.__dict__.pop("rigid", None)
+
     @cached_property
     def sign(self) -> Array:
         """Smoothed sgn(v) [1], shape (N, n)."""

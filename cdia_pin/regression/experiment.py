@@ -179,6 +179,11 @@ class Experiment:
         """Compared samples of each stretch of all segments, which follow each other at an even pace."""
         return [length for s in self.segments for length in s.motion.lengths]
 
+    def forget(self) -> None:
+        """Release the torques and regressors of the rigid bodies, which are computed again if they are needed."""
+        for segment in self.segments:
+            segment.state.forget()
+
     def predict(self, model: Dynamics) -> Prediction:
         """Predict the torque readings along all segments.
 
@@ -224,11 +229,8 @@ class Experiment:
         Returns:
             Columns of the joints that the effect acts on [N·m or N per unit], shape (K, len(acts_on), p).
         """
-        joints = (
-            [effect.acts_on(self.robot)[i] for i in at]
-            if at is not None
-            else list(effect.acts_on(self.robot))
-        )
+        acts_on = list(effect.acts_on(self.robot))
+        joints = acts_on if at is None else [acts_on[i] for i in at]
         every, rows = list(range(self.robot.n)), []
         for segment, torques in zip(self.segments, prediction.torques, strict=True):
             x = segment.state
