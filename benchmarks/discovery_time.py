@@ -4,6 +4,7 @@ Usage:
     python -m benchmarks.discovery_time                  # all arms
     python -m benchmarks.discovery_time panda ur5        # some of them
     python -m benchmarks.discovery_time panda --parts    # where the time goes
+    python -m benchmarks.discovery_time --also CHECKOUT  # another state of the package by turns, at the same load
 """
 
 from __future__ import annotations
@@ -12,8 +13,13 @@ import argparse
 import cProfile
 import os
 import pstats
+import subprocess
+import sys
 import time
+from collections.abc import Iterable
+from pathlib import Path
 
+from benchmarks.outcomes import CHECKOUT
 from benchmarks.real_residuals.pairs import single_recordings
 from benchmarks.real_residuals.recordings import Recording
 from cdia_pin import Dynamics, discover
@@ -44,10 +50,31 @@ def main() -> None:
     )
     given.add_argument("arms", nargs="*", help="names of arms; all if omitted")
     given.add_argument("--parts", action="store_true", help="print where the time goes")
+    given.add_argument("--also", type=Path, nargs="*", default=(), help="other checkouts to measure")
     options = given.parse_args()
+    if options.also:
+        by_turns(options.arms or dict.fromkeys(r.arm for r in single_recordings()), options.also)
+        return
     for recording in single_recordings():
         if not options.arms or recording.arm in options.arms:
             print(parts(recording) if options.parts else measured(recording), flush=True)
+
+
+def by_turns(arms: Iterable[str], others: Iterable[Path]) -> None:
+    """Print the lines of other checkouts and of this one, arm by arm.
+
+    Args:
+        arms: Names of the arms.
+        others: Folders of the other checkouts.
+    """
+    for arm in arms:
+        for checkout in (*others, CHECKOUT):
+            environment = os.environ | {"PYTHONPATH": str(checkout), "OPENBLAS_NUM_THREADS": "1"}
+            line = [sys.executable, "-m", "benchmarks.discovery_time", arm]
+            done = subprocess.run(
+                line, env=environment, cwd=checkout, check=True, capture_output=True, text=True
+            )
+            print(f"{checkout.name}:\n{done.stdout}", end="", flush=True)
 
 
 def measured(recording: Recording) -> str:

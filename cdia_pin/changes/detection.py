@@ -57,7 +57,7 @@ def what_changed(
     tell = progress or silent
     tell("conditioning", 0.0)
     earlier, later = (
-        [condition(log, model.robot, settings.conditioning) for log in side] for side in (first, last)
+        [condition(log, model.robot, settings.searched) for log in side] for side in (first, last)
     )
     search, chosen = searched(model, earlier, later, settings, tell)
     differing = search.differing

@@ -13,7 +13,7 @@ from cdia_pin.errors import EffectError
 from cdia_pin.logs.log import Log, listed
 from cdia_pin.progress import Progress, silent
 from cdia_pin.regression.bounded_fit import bounded_fit
-from cdia_pin.regression.gauss_newton import refit
+from cdia_pin.regression.gauss_newton import fitted_together, refit
 from cdia_pin.regression.regression import Regression
 from cdia_pin.selection.candidates import per_log
 from cdia_pin.selection.discovery_settings import DiscoverySettings
@@ -86,7 +86,7 @@ def add_effect_in(
     for term in contained:
         base, best = base.remove(term.label), best.remove(term.label)
     if contained:
-        best, _ = refit(whitened.regression, best)
+        best = fitted_together(whitened.regression, best)
     best = refine_shapes(whitened.regression, best, [t.label for t in base.terms])
     whitened = problem.with_noise_of(problem.lack_of_fit(best))
     return concluded(whitened, base, best, report, forced=(effect.label,))

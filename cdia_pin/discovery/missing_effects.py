@@ -14,7 +14,7 @@ from cdia_pin.discovery.symmetric_friction import with_symmetric_friction
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.log import Log, listed
 from cdia_pin.progress import Progress, part, silent
-from cdia_pin.regression.gauss_newton import refit
+from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.every_link import has_every_link, with_every_link
 from cdia_pin.selection.problem import Problem, WhitenedProblem
@@ -111,7 +111,7 @@ def _answer(
 ) -> Discovery:
     simpler = with_symmetric_friction(problem.problem, found, model)
     if simpler is not found:
-        found, _ = refit(problem.regression, simpler)
+        found = fitted_together(problem.regression, simpler)
     report("ranking the effects", 0.85)
     return concluded(problem, model, found, report, ranking=rank(problem, model), findings=findings)
 

@@ -15,7 +15,7 @@ from cdia_pin.identifiability.alternatives import Alternatives
 from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.experiment import rms
-from cdia_pin.regression.gauss_newton import refit
+from cdia_pin.regression.gauss_newton import fitted_together, refit
 from cdia_pin.regression.intervals import with_intervals
 from cdia_pin.selection.problem import Problem, WhitenedProblem
 from cdia_pin.selection.replacement import refitting
@@ -47,7 +47,7 @@ def trace(
     model = Dynamics(base.robot, tuple(t for t in found.terms if t.label in known))
     models, error = [], _mean_error(problem, base)
     for term in ordered:
-        trial, _ = refit(problem.regression, model.add(term), ITERATIONS)
+        trial = fitted_together(problem.regression, model.add(term), ITERATIONS)
         with_it = _mean_error(problem, trial)
         if with_it < error * (1 + problem.settings.criterion.most_harm) or term.label in forced:
             model, error = trial, with_it

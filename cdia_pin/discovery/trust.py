@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +65,10 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     settings = logs.settings
     whole = Repeat(logs.design, model, settings)
     crowded = replace(whole, everyday=True)
-    others = [Repeat(DesignMatrix(x), replace(model, robot=x.robot), settings) for x in _variations(logs)]
+    logs.experiment.forget()
+    others = [
+        Repeat(DesignMatrix(x), replace(model, robot=x.robot), settings).settled() for x in _variations(logs)
+    ]
     repeats = [replace(whole, part=0), replace(whole, part=1), *others]
     out = {}
     for term in found:
@@ -116,7 +120,7 @@ def _variations(logs: Problem) -> Iterator[Experiment]:
 
 def _filtered(logs: Problem, factor: float) -> Iterator[Motion]:
     for log, segment in zip(logs.logs, logs.experiment.segments, strict=True):
-        given = replace(logs.settings.conditioning, cutoff=factor * segment.motion.cutoff)
+        given = replace(logs.settings.searched, cutoff=factor * segment.motion.cutoff)
         yield condition(log, logs.experiment.robot, given)
 
 
@@ -145,6 +149,12 @@ class Repeat:
     def experiment(self) -> Experiment:
         """The logs."""
         return self.design.experiment
+
+    def settled(self) -> Self:
+        """Return the repeat with its normal equations, and without the regressors that they were computed from."""
+        _ = self._evidence, self._size
+        self.experiment.forget()
+        return self
 
     def survives(self, term: Term) -> bool:
         """Tell whether an effect is certain, and helps on blocks of time that its fit did not see.

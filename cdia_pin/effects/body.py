@@ -44,7 +44,10 @@ class Body(RigidBody, Effect):
         Args:
             x: Motion and torques, N samples.
         """
-        return -self._regressor(x) @ self.to_joint_frame(x.robot)
+        found = self._regressor(x)
+        return (found.reshape(-1, 10) @ -self.to_joint_frame(x.robot)).reshape(
+            found.shape
+        )  # one product, not N
 
     def torque(self, x: State, theta: Array) -> Array:
         """Return f = −Y π [N·m or N] for the body θ = π, shape (N, n).

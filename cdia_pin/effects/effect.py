@@ -74,7 +74,8 @@ class Effect(Scoped, ABC):
             x: Motion and torques, N samples.
             theta: Parameters θ, shape (p,).
         """
-        return self.basis(x) @ theta
+        phi = self.basis(x)
+        return (phi.reshape(-1, phi.shape[-1]) @ theta).reshape(phi.shape[:-1])  # one product, not N
 
     def jacobian(self, x: State, theta: Array) -> Array:
         """Return ∂f/∂θ for parameters θ (p,), shape (N, n, p).

@@ -128,16 +128,20 @@ def deflection(travel: Array, reach: float, start: float = 0.0) -> Array:
         reach: r [rad or m].
         start: z at the first sample [1].
     """
+    out = np.full(len(travel) + 1, start)
+    if not len(travel):
+        return out
     direction = np.sign(travel)
     turns = np.flatnonzero(np.diff(direction)) + 1
-    bounds = [0, *turns.tolist(), len(travel)]
+    first, last = np.append(0, turns), np.append(turns, len(travel))
     path = np.concatenate([[0.0], np.cumsum(np.abs(travel))])
-    out, z = np.full(len(travel) + 1, start), start
-    for a, b in pairwise(bounds):  # a stroke is monotone, so the solution is exact
-        if a == b:
-            continue
-        end = float(direction[a])
-        stroke = out[a + 1 : b + 1]
-        stroke[:] = end + (z - end) * np.exp(-(path[a + 1 : b + 1] - path[a]) / reach)
-        z = float(stroke[-1])
+    # a stroke is monotone, so the solution is exact: z approaches ± 1 by a factor of the way
+    limits, factors = direction[first], np.exp(-(path[last] - path[first]) / reach)
+    z, begins = start, []
+    for limit, factor in zip(limits.tolist(), factors.tolist(), strict=True):
+        begins.append(z)
+        z = limit + (z - limit) * factor
+    of_stroke = np.repeat(np.arange(len(first)), last - first)
+    limit, begin = limits[of_stroke], np.array(begins)[of_stroke]
+    out[1:] = limit + (begin - limit) * np.exp(-(path[1:] - path[first][of_stroke]) / reach)
     return out

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,7 +13,11 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-MOST_SHIFTED = 3  # motions at other positions [1] that are kept; each takes some 30 MB for a log of a minute
+MOST_SHIFTED = 3  # motions at other positions [1] that are kept
+MOST_SAMPLES = (
+    60_000  # samples of such motions [1] that are kept in all, about 10 kB each; one motion in any case
+)
+ROWS = 2048  # samples [1] whose regressors of all links are formed at once: 16 MB
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,7 +48,7 @@ class RigidMotion:
         key = q.tobytes()
         found = self._shifted.pop(key, None) or replace(self, q=q)
         self._shifted[key] = found
-        while len(self._shifted) > MOST_SHIFTED:
+        while len(self._shifted) > min(MOST_SHIFTED, max(MOST_SAMPLES // len(q), 1)):
             self._shifted.pop(next(iter(self._shifted)))
         return found
 
@@ -55,14 +60,25 @@ class RigidMotion:
     @cached_property
     def body_regressors(self) -> list[Array]:
         """Y with M q̈ + nle = Y π for a body on each link, under the robot's gravity, shapes (N, n, 10)."""
-        whole = self.robot.torque_regressor(self.q, self.v, self.a)
-        return [whole[:, :, 10 * j : 10 * (j + 1)].copy() for j in range(self.robot.n)]
+        out = [np.empty((len(self.q), self.robot.n, 10)) for _ in range(self.robot.n)]
+        for at in self._blocks():
+            whole = self.robot.torque_regressor(self.q[at], self.v[at], self.a[at])
+            for j, own in enumerate(out):
+                own[at] = whole[:, :, 10 * j : 10 * (j + 1)]
+        return out
 
     @cached_property
     def body_weights(self) -> list[Array]:
-        """∂Y/∂g of each link's mass and first moments, which alone have a weight, shapes (N, n, 4, 3)."""
-        by_gravity = self.robot.weight_regressor(self.q)
-        return [by_gravity[:, :, 10 * j : 10 * j + 4].copy() for j in range(self.robot.n)]
+        """∂Y/∂g of each link's mass and first moments, which alone have a weight, shapes (4, N, n, 3)."""
+        out = [np.empty((4, len(self.q), self.robot.n, 3)) for _ in range(self.robot.n)]
+        for at in self._blocks():
+            by_gravity = np.moveaxis(self.robot.weight_regressor(self.q[at]), 2, 0)
+            for j, own in enumerate(out):
+                own[:, at] = by_gravity[10 * j : 10 * j + 4]
+        return out
+
+    def _blocks(self) -> Iterator[slice]:
+        return (slice(start, start + ROWS) for start in range(0, len(self.q), ROWS))
 
     @cached_property
     def gravity_regressor(self) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -106,26 +106,34 @@ class EffortDelay(NonlinearEffect):
             x: Motion and torques, N samples.
             theta: d [s], shape (1,).
         """
-        out = np.zeros_like(x.effort)
-        if len(x) < 4 or np.ptp(x.time) == 0 or theta[0] == 0:
+        (out,) = self._late(x, [float(theta[0])])
+        return out
+
+    def jacobian(self, x: State, theta: Array) -> Array:
+        """Return ∂f/∂d by a central difference, shape (N, n, 1).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: d [s], shape (1,).
+        """
+        (step,) = self.steps
+        later, earlier = self._late(x, [float(theta[0]) + step, float(theta[0]) - step])
+        return np.asarray((later - earlier)[:, :, None] / (2 * step))
+
+    def _late(self, x: State, delays: Sequence[float]) -> list[Array]:
+        """Return f for each of some delays [s]: the torque is interpolated once and held at both ends, (N, n) each."""
+        from scipy.interpolate import CubicSpline
+
+        out = [np.zeros_like(x.effort) for _ in delays]
+        if len(x) < 4 or np.ptp(x.time) == 0 or not any(delays):
             return out
         joints = list(self.acts_on(x.robot))
         effort = x.effort[:, joints]
-        out[:, joints] = effort - self.delayed(x.time, effort, float(theta[0]))
+        along = CubicSpline(x.time, effort)
+        for f, delay in zip(out, delays, strict=True):
+            if delay:
+                f[:, joints] = effort - along(np.clip(x.time - delay, x.time[0], x.time[-1]))
         return out
-
-    @staticmethod
-    def delayed(time: Array, signal: Array, delay: float) -> Array:
-        """Return a signal as it was `delay` seconds before, held at both ends, shape (N,) or (N, n).
-
-        Args:
-            time: Time of each sample [s], shape (N,).
-            signal: The signal in any unit, shape (N,) or (N, n).
-            delay: By how much it is late [s]; below zero, it is early.
-        """
-        from scipy.interpolate import CubicSpline
-
-        return np.asarray(CubicSpline(time, signal)(np.clip(time - delay, time[0], time[-1])))
 
     def acts_on(self, robot: RobotModel) -> tuple[int, ...]:
         """Return the index of the joint, or of all joints.

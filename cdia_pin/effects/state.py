@@ -179,6 +179,10 @@ class State:
         """What the rigid bodies need along this motion; states of the same motion share it."""
         return RigidMotion(self.robot, self.q, self.v, self.a)
 
+    def forget(self) -> None:
+        """Release what the rigid bodies need along this motion; it is computed again if it is needed."""
+        self.__dict__.pop("rigid", None)
+
     @cached_property
     def sign(self) -> Array:
         """Smoothed sgn(v) [1], shape (N, n)."""
@@ -199,7 +203,7 @@ class State:
         if self.gravity_change is None:
             return found
         found = found.copy()
-        found[:, :, :4] += (self.body_weights[joint] @ self.gravity_change[:, None, :, None])[..., 0]
+        found[:, :, :4] += np.einsum("pkng,kg->knp", self.body_weights[joint], self.gravity_change)
         return found
 
     def body_torque(self, joint: int, parameters: Array) -> Array:
@@ -209,15 +213,16 @@ class State:
             joint: Index of the joint that moves the link.
             parameters: π about the joint's frame [kg, kg·m, kg·m²], shape (10,).
         """
-        found = self.rigid.body_regressors[joint] @ parameters
+        regressor = self.rigid.body_regressors[joint]
+        found = (regressor.reshape(-1, 10) @ parameters).reshape(regressor.shape[:2])  # one product, not N
         if self.gravity_change is not None:
-            by_gravity = parameters[:4] @ self.body_weights[joint]  # (N, n, 3)
+            by_gravity = np.tensordot(parameters[:4], self.body_weights[joint], axes=1)  # (N, n, 3)
             found += np.einsum("kng,kg->kn", by_gravity, self.gravity_change)
         return found
 
     @property
     def body_weights(self) -> list[Array]:
-        """∂Y/∂g of each link's mass and first moments, which alone have a weight, shapes (N, n, 4, 3)."""
+        """∂Y/∂g of each link's mass and first moments, which alone have a weight, shapes (4, N, n, 3)."""
         return self.rigid.body_weights
 
     @property

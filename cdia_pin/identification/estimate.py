@@ -93,7 +93,7 @@ class Fitter:
         e = self.experiment
         share = np.where(self.moving, FINEST_ERROR, STUCK_ERROR * np.sqrt(len(residual)))
         sigma = np.maximum(rms(residual, self.used), share * rms(e.measured, self.used) + 1e-12)
-        noise = [NoiseModel(np.zeros(0), np.full(len(residual), s), tuple(e.lengths)) for s in sigma]
+        noise = [NoiseModel(np.zeros(0), np.full(len(residual), s), tuple(e.runs)) for s in sigma]
         return Whitening(tuple(noise), self.used, self.edges)
 
     def fit(self, model: Dynamics, strength: float, whitening: Whitening | None = None) -> Estimate:

@@ -7,6 +7,7 @@ M q̈ + nle = τ + f are treated alike [Gautier1997].
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,11 +15,13 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.cutoff import LOWEST_CUTOFF, choose_cutoff
-from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
+from cdia_pin.logs.derivatives import uniform
+from cdia_pin.logs.filtered_part import Filter, FilteredPart, mean
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.magnitudes import require_magnitudes
 from cdia_pin.logs.motion import Motion, MotionRecord
 from cdia_pin.logs.resolution import quantum
+from cdia_pin.logs.stretches import blocks, stretches
 from cdia_pin.logs.wild_samples import without_wild_samples
 from cdia_pin.robot.model import RobotModel
 
@@ -36,7 +39,6 @@ DROWNED = 3.0  # [1], power of an acceleration over that of its noise below whic
 # [Hz], cut-off of a motion that holds no steps of the encoder any more. A motion that is filtered no more than the one
 # that is compared holds them: rounded again, it shows half or a third of the error.
 STEPLESS = LOWEST_CUTOFF / 4
-STRETCH = 1.0  # [s], length of the parts of a log of which the one with the largest acceleration counts
 
 
 @dataclass(frozen=True)
@@ -46,10 +48,13 @@ class Conditioning:
     Attributes:
         cutoff: Cut-off of the zero-phase filter [Hz]; chosen from the log if None.
         trim: Length cut from both ends, where the filter lacks neighbours [periods of the cut-off].
+        most: Largest number of compared samples [1]. Of a longer log stretches are looked at, which are spread evenly
+            over it; all of it if None.
     """
 
     cutoff: float | None = None
     trim: float = 2.0
+    most: int | None = None
 
 
 def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None) -> Motion:
@@ -88,35 +93,39 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             f"{log.source}: a cut-off of {cutoff:g} Hz is too high for a log of {rate:.4g} Hz; "
             f"it must be above 0 and below {HIGHEST_SHARE_GIVEN:g} of the rate"
         )
-    q = zero_phase(even.position, cutoff, rate)
-    v = differentiate(q, rate)
-    a = differentiate(v, rate)
-    effort = zero_phase(even.effort, cutoff, rate)
-    speed_noise = _speed_noise(even.position, q, rate, cutoff)
-    acceleration_noise = np.maximum(
-        # white noise of a filtered position: noise of its acceleration from noise of its speed
-        speed_noise * 2 * np.pi * cutoff * np.sqrt(3 / 5),
-        _rounding(even.position, rate, cutoff),
-    )
-    # else inertias would be fitted to the noise in the acceleration of a joint that hardly accelerates
-    drowned = _busiest(a, rate) < DROWNED * acceleration_noise**2
-    a[:, drowned] = 0.0
     every = max(1, int(rate / (MOTION_OVERSAMPLING * cutoff)))
-    kept = np.s_[::every]
     again = max(1, int(rate / every / (TORQUE_OVERSAMPLING * cutoff)))
+    most = None if settings.most is None else settings.most * every * again
+    parts, notes = stretches(len(even.time), most, every), list(even.notes)
+    lengths = () if len(parts) == 1 else tuple(len(even.time[part][::every]) for part in parts)
+    if lengths:
+        share = sum(part.stop - part.start for part in parts) / len(even.time)
+        notes.append(
+            f"looked at in {len(parts)} stretches spread evenly over it, {100 * share:.2g} % of the log"
+        )
+    raw_effort = _joined(log.effort[p] for p in parts) if lengths else log.effort
+    steps = np.array([quantum(of_joint) for of_joint in _joined(even.position[p] for p in parts).T])
+    by = Filter(cutoff, rate, every, min(STEPLESS, cutoff), steps)
+    filtered = [FilteredPart.of(even, block, by) for part in parts for block in blocks(part, by.block, every)]
+    speed_noise, acceleration_noise = _noise(filtered, cutoff, rate)
+    a = _joined(p.a for p in filtered)
+    # else inertias would be fitted to the noise in the acceleration of a joint that hardly accelerates
+    drowned = np.max([p.busiest for p in filtered], axis=0) < DROWNED * acceleration_noise**2
+    a[:, drowned] = 0.0
+    warmth = [p.temperature for p in filtered if p.temperature is not None]
     return Motion(
         joints=log.joints,
-        time=even.time[kept],
-        q=q[kept],
-        v=v[kept],
-        a=a[kept],
-        effort=effort[kept],
+        time=_joined(even.time[part][::every] for part in parts),
+        q=_joined(p.q for p in filtered),
+        v=_joined(p.v for p in filtered),
+        a=a,
+        effort=_joined(p.effort for p in filtered),
         rate=rate / every,
         cutoff=cutoff,
         decimation=again,
         speed_noise=speed_noise,
         acceleration_noise=acceleration_noise,
-        effort_step=np.array([_effort_step(of_joint) for of_joint in log.effort.T]),
+        effort_step=np.array([_effort_step(of_joint) for of_joint in raw_effort.T]),
         record=MotionRecord(
             cutoff=cutoff,
             trim=settings.trim,
@@ -128,13 +137,30 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             compared_rate=rate / every / again,
             velocity="derived from position",
             acceleration_drowned=[j for j, lost in zip(log.joints, drowned, strict=True) if lost],
-            notes=list(even.notes),
+            notes=notes,
         ),
         # drives report it in whole degrees
-        temperature=None if even.temperature is None else zero_phase(even.temperature, cutoff, rate)[kept],
+        temperature=_joined(warmth) if warmth else None,
         torque_side=log.torque_side,
         effort_tolerance=log.effort_tolerance,
+        stretches=lengths,
     )
+
+
+def _noise(parts: Sequence[FilteredPart], cutoff: float, rate: float) -> tuple[Array, Array]:
+    """Estimate standard deviations of the speed [rad/s] and of the acceleration [rad/s²], shape (n,) each."""
+    # of white noise of the positions, from what the filter removed
+    white = np.sqrt(mean([p.removed for p in parts], parts)) / np.sqrt(max(1.0 - 2 * cutoff / rate, 0.1))
+    of_speed = white * 2 * np.pi * cutoff * np.sqrt(2 * cutoff / rate / 3)
+    # white noise of a filtered position: noise of its acceleration from noise of its speed
+    of_acceleration = of_speed * 2 * np.pi * cutoff * np.sqrt(3 / 5)
+    return of_speed, np.maximum(of_acceleration, np.sqrt(mean([p.rounding for p in parts], parts)))
+
+
+def _joined(signals: Iterable[Array]) -> Array:
+    """Return the signals of all parts behind each other."""
+    parts = list(signals)
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _effort_step(effort: Array) -> float:
@@ -143,30 +169,3 @@ def _effort_step(effort: Array) -> float:
     An effort that never changes shows no step. The step may then be as large as the effort itself.
     """
     return quantum(effort) if np.ptp(effort) else float(abs(effort[0]))
-
-
-def _busiest(a: Array, rate: float) -> Array:
-    """Return the power of each acceleration in the part of the log where it is largest [(rad/s²)²], shape (n,)."""
-    count = max(1, min(len(a), int(len(a) / (STRETCH * rate))))
-    return np.asarray(np.max([np.mean(part**2, axis=0) for part in np.array_split(a, count)], axis=0))
-
-
-def _speed_noise(raw: Array, smooth: Array, rate: float, cutoff: float) -> Array:
-    """Estimate the standard deviation of the filtered speed [rad/s] from the noise that the filter removed, (n,)."""
-    white = np.std(raw - smooth, axis=0) / np.sqrt(max(1.0 - 2 * cutoff / rate, 0.1))
-    return np.asarray(white * 2 * np.pi * cutoff * np.sqrt(2 * cutoff / rate / 3))
-
-
-def _rounding(position: Array, rate: float, cutoff: float) -> Array:
-    """Estimate the RMS acceleration that rounding of the positions leaves in the band [rad/s²], shape (n,).
-
-    It is 0 for positions that are not rounded. Rounding noise is not white where a joint moves evenly, and it beats
-    where the steps of the encoder meet the samples. So a much smoother motion is rounded once more.
-    """
-    step = np.array([quantum(of_joint) for of_joint in position.T])
-    if not step.any():
-        return step
-    safe, smooth = np.where(step > 0, step, 1.0), zero_phase(position, min(STEPLESS, cutoff), rate)
-    error = np.where(step > 0, np.round(smooth / safe) * safe - smooth, 0.0)
-    again = differentiate(differentiate(zero_phase(error, cutoff, rate), rate), rate)
-    return np.asarray(np.sqrt(np.mean(again**2, axis=0)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.logs.derivatives import differentiate, zero_phase
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.stretches import stretches
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -22,6 +24,7 @@ FINEST_EFFORT = 1e-9  # [1], the same for torques, which no sensor measures that
 FLAT = 10.0  # [1], power over the spectrum's floor below which a band holds noise only
 AMPLIFIED = 2.0  # [1], computed over measured torque above which a band holds noise: accelerations amplify it
 NOISE_BAND = 0.3  # [1], of the rate; above it spectra show the noise floor alone
+JUDGED = 2**17  # samples [1] by which the cut-off is chosen, of a longer log in stretches
 BANDS = (
     13  # bands between the lowest and the highest cut-off, each wider than the one before by the same factor
 )
@@ -46,18 +49,16 @@ def choose_cutoff(even: Log, robot: RobotModel) -> float:
     if highest <= LOWEST_CUTOFF:
         return highest
     edges = np.geomspace(LOWEST_CUTOFF, highest, BANDS + 1)
-    position, frequency = _spectrum(even.position, rate)
+    parts = [even.slice(p.start, p.stop) for p in stretches(len(even.time), JUDGED)]
+    position, frequency = _spectrum([p.position for p in parts], rate)
     high_band = frequency > NOISE_BAND * rate
     # positions without noise of their own, such as filtered ones, are taken to be as fine as the best encoders
     floor = np.maximum(np.median(position[high_band], axis=0), FINEST * position.max(axis=0))
-    effort, _ = _spectrum(even.effort, rate)
+    effort, _ = _spectrum([p.effort for p in parts], rate)
     hiss = np.maximum(np.median(effort[high_band], axis=0), FINEST_EFFORT * effort.max(axis=0))
-    q = zero_phase(even.position, highest, rate)
     every = max(1, int(rate / (4 * highest)))
-    v = differentiate(q, rate)
-    motion = [x[::every] for x in (q, v, differentiate(v, rate))]
-    computed, low_rate = _spectrum(robot.inverse_dynamics(*motion), rate / every)
-    measured, _ = _spectrum(zero_phase(even.effort, highest, rate)[::every], rate / every)
+    computed, low_rate = _spectrum([_computed(p, robot, highest, rate, every) for p in parts], rate / every)
+    measured, _ = _spectrum([zero_phase(p.effort, highest, rate)[::every] for p in parts], rate / every)
     for low, high in pairwise(edges):
         band, low_band = ((f >= low) & (f < high) for f in (frequency, low_rate))
         if not band.any() or not low_band.any():
@@ -73,9 +74,23 @@ def choose_cutoff(even: Log, robot: RobotModel) -> float:
     return float(highest)
 
 
-def _spectrum(signal: Array, rate: float) -> tuple[Array, Array]:
-    """Return the power of each column without the line through its ends, and the frequencies [Hz]."""
-    line = np.linspace(0, 1, len(signal))[:, None]
-    moving = signal - (signal[0] + line * (signal[-1] - signal[0]))
-    power = np.abs(np.fft.rfft(moving * np.hanning(len(signal))[:, None], axis=0)) ** 2
-    return power, np.asarray(np.fft.rfftfreq(len(signal), 1 / rate), float)
+def _computed(part: Log, robot: RobotModel, cutoff: float, rate: float, every: int) -> Array:
+    """Return the rigid-body torque of the filtered positions [N·m or N], one of so many samples."""
+    q = zero_phase(part.position, cutoff, rate)
+    v = differentiate(q, rate)
+    return robot.inverse_dynamics(*(x[::every] for x in (q, v, differentiate(v, rate))))
+
+
+def _spectrum(parts: Sequence[Array], rate: float) -> tuple[Array, Array]:
+    """Return the mean power of each column without the line through its ends, and the frequencies [Hz].
+
+    Args:
+        parts: Parts of a signal, shape (N, n) each.
+        rate: Their rate [Hz].
+    """
+    count = len(parts[0])
+    line, window = np.linspace(0, 1, count)[:, None], np.hanning(count)[:, None]
+    moving = (x - (x[0] + line * (x[-1] - x[0])) for x in parts)
+    power = [np.abs(np.fft.rfft(x * window, axis=0)) ** 2 for x in moving]
+    mean = power[0] if len(power) == 1 else np.mean(power, axis=0)
+    return mean, np.asarray(np.fft.rfftfreq(count, 1 / rate), float)

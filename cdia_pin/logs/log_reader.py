@@ -68,15 +68,15 @@ def read_log(
     pick = SignalPicker(table, columns, robot.joints, renames, path.name, list(table.notes))
     check_joint_map(pick.joint_map, pick.labels, robot.joints)
 
-    position = pick.required("position") * conversion.position_scale(robot)
+    position = _scaled(pick.required("position"), conversion.position_scale(robot))
     velocity = pick.optional("velocity") if conversion.use_velocity else None
     if velocity is not None:
-        velocity = velocity * conversion.velocity_scale(robot)
+        velocity = _scaled(velocity, conversion.velocity_scale(robot))
     side = torque_side_of(torque_side)
     effort, tolerance = _effort(pick, gains, conversion)
     if tolerance is not None:
         side = side if side is not TorqueSide.UNKNOWN else TorqueSide.MOTOR
-    effort = effort * conversion.effort_scale(robot)
+    effort = _scaled(effort, conversion.effort_scale(robot))
     if side is TorqueSide.LINK:
         pick.notes.append(f"{BEHIND_THE_GEAR}, as asked")
     temperature = _temperature(pick)
@@ -132,6 +132,11 @@ def _effort(pick: SignalPicker, gains: Gains | None, conversion: Conversion) -> 
         f"effort is current times drive gain [N·m/A] and no more accurate than these gains: {said}"
     )
     return current * read.value, read.relative_tolerance
+
+
+def _scaled(signal: Array, scale: Array) -> Array:
+    """Return a signal in SI units; one that has them already is not copied."""
+    return signal if (scale == 1.0).all() else signal * scale
 
 
 def _temperature(pick: SignalPicker) -> Array | None:

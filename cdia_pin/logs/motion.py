@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypedDict
+from typing import TypedDict
 
 import numpy as np
+from numpy.lib.stride_tricks import as_strided
 from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.logs.derivatives import zero_phase
@@ -15,6 +16,9 @@ from cdia_pin.phrases import shortened
 
 Array = NDArray[np.float64]
 
+AT_ONCE = (
+    16  # compared samples [1] that one product of matrices computes: fewer cost calls, more multiply zeros
+)
 KERNEL = 5.0  # [periods of the cut-off], after which the filter's impulse response is below 10⁻⁵ of its peak
 
 
@@ -54,7 +58,7 @@ class Motion:
 
     Attributes:
         joints: Joint names.
-        time: Time [s], uniform, shape (N,).
+        time: Time [s], uniform in each stretch, shape (N,).
         q: Positions [rad or m], shape (N, n).
         v: Velocities [rad/s or m/s], shape (N, n).
         a: Accelerations [rad/s² or m/s²], shape (N, n); zero for a joint whose accelerations are only noise.
@@ -69,6 +73,7 @@ class Motion:
         temperature: Temperatures of the joints [°C], shape (N, n); None if they were not recorded.
         torque_side: Side of the gear on which the torque was measured, as far as it is known.
         effort_tolerance: Tolerance of the scale of each joint's torque, 95 % [1], shape (n,); None if nobody states it.
+        stretches: Samples of each stretch of a long log that is looked at; empty if it is looked at whole.
     """
 
     joints: tuple[str, ...]
@@ -87,6 +92,7 @@ class Motion:
     temperature: Array | None = None
     torque_side: TorqueSide = TorqueSide.UNKNOWN
     effort_tolerance: Array | None = None
+    stretches: tuple[int, ...] = ()
 
     def __repr__(self) -> str:
         size = f"{len(self.joints)} joints, {len(self.time)} samples at {self.rate:.4g} Hz"
@@ -95,40 +101,46 @@ class Motion:
     @cached_property
     def kept(self) -> NDArray[np.intp]:
         """Indices of the compared samples: every `decimation`-th, far enough from the ends, shape (K,)."""
-        every = np.arange(0, len(self.time), self.decimation)
-        cut = int(np.ceil(self.record["trim"] / self.cutoff * self.rate / self.decimation))
-        return every[cut : len(every) - cut]
+        return np.concatenate([start + kept for start, _, kept in self._parts])
 
     @cached_property
-    def _filter(self) -> Any:
-        """The zero-phase filter at the samples that are compared, a sparse matrix of shape (K, N).
+    def lengths(self) -> list[int]:
+        """Compared samples of each stretch."""
+        return [len(kept) for _, _, kept in self._parts]
 
-        It equals `zero_phase` and is ten times faster, because it computes only the samples that are kept. Beyond
-        its ends the signal is continued as its odd mirror image.
-        """
-        from scipy.sparse import csr_array
+    @cached_property
+    def _parts(self) -> list[tuple[int, int, NDArray[np.intp]]]:
+        """First sample of each stretch, the end, and the indices of its compared samples after the first one."""
+        cut = int(np.ceil(self.record["trim"] / self.cutoff * self.rate / self.decimation))
+        out, start = [], 0
+        for length in self.stretches or (len(self.time),):
+            every = np.arange(0, length, self.decimation)
+            out.append((start, start + length, every[cut : len(every) - cut]))
+            start += length
+        return out
 
-        count = len(self.time)
-        reach = min(int(np.ceil(KERNEL / self.cutoff * self.rate)), count - 1)
+    @cached_property
+    def _kernel(self) -> Array:
+        """Impulse response of the zero-phase filter [1], shape (2 reach + 1,)."""
+        shortest = min(self.stretches, default=len(self.time))
+        reach = min(int(np.ceil(KERNEL / self.cutoff * self.rate)), shortest - 1)
         impulse = np.zeros(4 * reach + 1)
         impulse[2 * reach] = 1.0
         kernel = zero_phase(impulse, self.cutoff, self.rate)[reach : 3 * reach + 1]
-        kernel /= kernel.sum()
-        rows = np.repeat(np.arange(len(self.kept)), 2 * reach + 1)
-        columns = (self.kept[:, None] + np.arange(-reach, reach + 1)).ravel()
-        weights = np.tile(kernel, len(self.kept))
-        entries = [(rows, columns, weights)]
-        for end, beyond in ((0, columns < 0), (count - 1, columns >= count)):
-            # x(end ± i) = 2 x(end) − x(end ∓ i)
-            entries.append((rows[beyond], np.full(beyond.sum(), end), 2 * weights[beyond]))
-            weights = np.where(beyond, -weights, weights)
-            columns = np.where(beyond, 2 * end - columns, columns)
-        entries[0] = (rows, columns, weights)
-        i, j, w = (np.concatenate(part) for part in zip(*entries, strict=True))
-        return csr_array((w, (i, j)), shape=(len(self.kept), count))
+        return np.asarray(kernel / kernel.sum())
+
+    @cached_property
+    def _weights(self) -> Array:
+        """Weights of `AT_ONCE` compared samples in the samples around them, shape (AT_ONCE, span)."""
+        out = np.zeros((AT_ONCE, (AT_ONCE - 1) * self.decimation + len(self._kernel)))
+        for k in range(AT_ONCE):
+            out[k, k * self.decimation :][: len(self._kernel)] = self._kernel
+        return out
 
     def compared(self, torque: ArrayLike) -> Array:
         """Filter a torque and decimate it to the samples that are compared.
+
+        It equals `zero_phase`, and computes only the samples that are kept.
 
         Args:
             torque: Torque along this motion [N·m or N], shape (N,) or (N, n).
@@ -136,7 +148,35 @@ class Motion:
         Returns:
             Filtered torque [N·m or N], shape (K,) or (K, n).
         """
-        return np.asarray(self._filter @ np.ascontiguousarray(torque, dtype=float))
+        x = np.asarray(torque, dtype=float)
+        columns = x.reshape(len(x), -1)
+        parts = [self._decimated(columns[start:end], kept) for start, end, kept in self._parts]
+        out = parts[0] if len(parts) == 1 else np.concatenate(parts)
+        return out.reshape(len(out), *x.shape[1:])
+
+    def _decimated(self, x: Array, kept: NDArray[np.intp]) -> Array:
+        """Filter one stretch, shape (N, n), and return the samples that are kept, shape (K, n)."""
+        if not len(kept):
+            return x[:0]
+        reach, span = len(self._kernel) // 2, self._weights.shape[1]
+        hop = AT_ONCE * self.decimation
+        times = -(-len(kept) // AT_ONCE)
+        # the signal from the first sample that is needed to the last, and zeros to whole windows
+        first, end = int(kept[0]) - reach, int(kept[-1]) + reach + 1
+        needed = np.zeros(((times - 1) * hop + span, x.shape[1]))
+        inside = slice(max(first, 0), min(end, len(x)))
+        needed[inside.start - first : inside.stop - first] = x[inside]
+        # beyond its ends the signal is continued as its odd mirror image: x(end ± i) = 2 x(end) − x(end ∓ i)
+        if first < 0:
+            needed[:-first] = 2 * x[0] - x[-first:0:-1]
+        if end > len(x):
+            beyond = end - len(x)
+            needed[len(x) - first : end - first] = 2 * x[-1] - x[-2 : -2 - beyond : -1]
+        step = needed.strides[0]
+        windows = as_strided(
+            needed, (times, span, x.shape[1]), (hop * step, step, needed.strides[1]), writeable=False
+        )
+        return np.asarray(np.matmul(self._weights, windows).reshape(-1, x.shape[1])[: len(kept)])
 
     def sampled(self, signal: ArrayLike) -> Array:
         """Return a signal at the samples that are compared, unfiltered.

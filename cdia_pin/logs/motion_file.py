@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import binascii
 from io import BytesIO
-from typing import Any, TypedDict
+from typing import Any, NotRequired, TypedDict
 
 import numpy as np
 
@@ -31,6 +31,7 @@ class MotionDocument(TypedDict):
         cutoff: Cut-off of the filter [Hz].
         decimation: Samples per compared torque [1].
         torque_side: Side of the gear on which the torque was measured.
+        stretches: Time of the first sample [s] and number of samples of each stretch of a long log.
         arrays: Signals in SI units, 32-bit floats: a compressed npz file in base64.
     """
 
@@ -41,6 +42,7 @@ class MotionDocument(TypedDict):
     cutoff: float
     decimation: int
     torque_side: str
+    stretches: NotRequired[list[tuple[float, int]]]
     arrays: str
 
 
@@ -57,7 +59,7 @@ def motion_document(motion: Motion) -> MotionDocument:
     file = BytesIO()
     arrays: dict[str, Any] = {name: np.asarray(x, np.float32) for name, x in kept.items()}
     np.savez_compressed(file, **arrays)
-    return {
+    document: MotionDocument = {
         "record": motion.record,
         "joints": list(motion.joints),
         "start": float(motion.time[0]),
@@ -67,6 +69,16 @@ def motion_document(motion: Motion) -> MotionDocument:
         "torque_side": str(motion.torque_side),
         "arrays": base64.b64encode(file.getvalue()).decode("ascii"),
     }
+    if motion.stretches:
+        firsts = motion.time[np.cumsum([0, *motion.stretches[:-1]])].tolist()
+        document["stretches"] = list(zip(firsts, _within(motion.stretches, MOST_SAMPLES), strict=False))
+    return document
+
+
+def _within(lengths: tuple[int, ...], most: int) -> list[int]:
+    """Return the lengths of stretches of which so many samples are kept, from the first on."""
+    ends = np.minimum(np.cumsum(lengths), most)
+    return [int(length) for length in np.diff(ends, prepend=0) if length]
 
 
 def motion_from(document: Any) -> Motion:
@@ -96,14 +108,19 @@ def motion_from(document: Any) -> Motion:
             raise LogError(
                 f"arrays of shapes {sorted(map(str, shapes))} are no motion of {len(joints)} joints"
             )
+        given = [(float(first), int(k)) for first, k in document.get("stretches", ())]
+        parts = given or [(float(document["start"]), count)]
+        if sum(k for _, k in parts) != count or min(k for _, k in parts) < 1:
+            raise LogError(f"stretches of {[k for _, k in parts]} samples are no motion of {count}")
         return Motion(
             joints=joints,
-            time=float(document["start"]) + np.arange(count) / rate,
+            time=np.concatenate([first + np.arange(k) / rate for first, k in parts]),
             rate=rate,
             cutoff=float(document["cutoff"]),
             decimation=int(document["decimation"]),
             record=document["record"],
             torque_side=TorqueSide(document.get("torque_side", TorqueSide.UNKNOWN)),
+            stretches=tuple(k for _, k in given),
             **arrays,
         )
     except LogError:

@@ -174,6 +174,16 @@ class Experiment:
         """Compared samples of each segment."""
         return [len(s.measured) for s in self.segments]
 
+    @property
+    def runs(self) -> list[int]:
+        """Compared samples of each stretch of all segments, which follow each other at an even pace."""
+        return [length for s in self.segments for length in s.motion.lengths]
+
+    def forget(self) -> None:
+        """Release the torques and regressors of the rigid bodies, which are computed again if they are needed."""
+        for segment in self.segments:
+            segment.state.forget()
+
     def predict(self, model: Dynamics) -> Prediction:
         """Predict the torque readings along all segments.
 
@@ -219,12 +229,9 @@ class Experiment:
         Returns:
             Columns of the joints that the effect acts on [N·m or N per unit], shape (K, len(acts_on), p).
         """
-        joints = (
-            [effect.acts_on(self.robot)[i] for i in at]
-            if at is not None
-            else list(effect.acts_on(self.robot))
-        )
-        rows = []
+        acts_on = list(effect.acts_on(self.robot))
+        joints = acts_on if at is None else [acts_on[i] for i in at]
+        every, rows = list(range(self.robot.n)), []
         for segment, torques in zip(self.segments, prediction.torques, strict=True):
             x = segment.state
             if Signal.GRAVITY in effect.traits.depends_on and prediction.model.turns_gravity:
@@ -232,12 +239,13 @@ class Experiment:
             if Signal.TORQUE in effect.traits.depends_on:
                 x = x.with_effort(torques.actuator)
             phi = effect.basis(x) if theta is None or effect.traits.linear else effect.jacobian(x, theta)
-            if effect.traits.channel is not Channel.TORQUE_READING:
-                phi = phi / torques.gain[:, :, None]
-            part = phi[:, joints, :]
+            part = phi if joints == every else phi[:, joints, :]
+            gain = torques.gain[:, joints]
+            if effect.traits.channel is not Channel.TORQUE_READING and (gain != 1.0).any():
+                part = part / gain[:, :, None]
             flat = segment.motion.compared(part.reshape(len(part), -1))
             rows.append(flat.reshape(len(flat), len(joints), -1))
-        return np.vstack(rows)
+        return rows[0] if len(rows) == 1 else np.vstack(rows)
 
     def compared(self, torque: Callable[[Motion], Array]) -> Array:
         """Return a function of the motion at the compared samples of all segments, filtered like the torques.

@@ -30,10 +30,24 @@ def is_exact(effect: Effect) -> bool:
     return effect.traits.linear and Signal.TORQUE not in effect.traits.depends_on
 
 
+def fitted_together(regression: Regression, model: Dynamics, iterations: int = MOST_ITERATIONS) -> Dynamics:
+    """Fit all terms of a model together by the Gauss-Newton method.
+
+    Args:
+        regression: The conditioned logs and their noise.
+        model: The model; the iteration starts at the parameters of its terms.
+        iterations: Largest number of iterations.
+
+    Returns:
+        The model at the optimum.
+    """
+    return _iterated(regression, model, iterations)[0]
+
+
 def refit(
     regression: Regression, model: Dynamics, iterations: int = MOST_ITERATIONS
 ) -> tuple[Dynamics, NormalEquations]:
-    """Fit all terms of a model together by the Gauss-Newton method.
+    """Fit all terms of a model together as `fitted_together` does, with the normal equations at the optimum.
 
     Args:
         regression: The conditioned logs and their noise.
@@ -43,9 +57,17 @@ def refit(
     Returns:
         The model at the optimum, and the normal equations there, of its terms and then of the slopes of their shapes.
     """
+    model, equations = _iterated(regression, model, iterations)
+    effects, of_shapes = [t.effect for t in model.terms], list(slopes(model))
+    if of_shapes or not all(map(is_exact, effects)):
+        equations = regression.normal_equations(model, [*effects, *of_shapes])
+    return model, equations
+
+
+def _iterated(regression: Regression, model: Dynamics, iterations: int) -> tuple[Dynamics, NormalEquations]:
+    """Return the model at the optimum, and the normal equations of the last iteration."""
     effects = [t.effect for t in model.terms]
-    exact = all(map(is_exact, effects))
-    for _ in range(1 if exact else iterations):
+    for _ in range(1 if all(map(is_exact, effects)) else iterations):
         equations = regression.normal_equations(model, effects)
         before = np.concatenate([t.theta for t in model.terms]) if model.terms else np.zeros(0)
         fit = bounded_fit(equations, range(len(effects)), bodies=True)
@@ -56,9 +78,6 @@ def refit(
         )  # of the residual, in variances of the noise
         if abs(fall) < CONVERGED**2 * variance:
             break
-    of_shapes = list(slopes(model))
-    if of_shapes or (effects and not exact):
-        equations = regression.normal_equations(model, [*effects, *of_shapes])
     return model, equations
 
 

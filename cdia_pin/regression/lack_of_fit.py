@@ -154,7 +154,7 @@ def lack_of_fit(
             )
             least = FINEST_TORQUE * torque[j]
             found.append(
-                fit_noise(noise, use, nearness, experiment.lengths, columns.shape[1], least, noise_settings)
+                fit_noise(noise, use, nearness, experiment.runs, columns.shape[1], least, noise_settings)
             )
         rest = y - _project(both, y, use)
         floor[j] = np.sqrt(np.sum(rest[use] ** 2) / max(int(use.sum()) - both.shape[1], 1))

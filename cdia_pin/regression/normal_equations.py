@@ -187,7 +187,8 @@ class NormalEquations:
         Returns:
             Shape (p of the set,).
         """
-        return np.isin(self.columns(chosen), self.columns([one]))
+        sizes = [self.effects[c].size for c in chosen]
+        return np.repeat(np.array([c == one for c in chosen], bool), np.array(sizes, int))
 
     def is_redundant(self, chosen: Sequence[int], most_inflation: float) -> bool:
         """Return True if a parameter repeats others of the set, as two levels of friction would.

@@ -13,6 +13,7 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction
+from cdia_pin.regression.jointwise_equations import JointGram, JointwiseEquations
 from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.whitening import Whitening
@@ -69,36 +70,34 @@ class Regression:
                     others[j].append((own, x.values[:, i, :]))
                 if theta is not None:
                     response[:, j] += x.values[:, i, :] @ theta
-        total = parameters.total
-        blocks = np.zeros((len(self.whitening.edges) - 1, total + 1, total + 1))
-        for j in range(robot.n):
-            self._add_joint(
-                blocks, j, reused[j], [*others[j], (slice(total, total + 1), response[:, j, None])]
-            )
-        return NormalEquations(robot, list(effects), blocks, self.whitening.samples)
+        last = slice(parameters.total, parameters.total + 1)
+        joints = [
+            self._of_joint(j, reused[j], [*others[j], (last, response[:, j, None])]) for j in range(robot.n)
+        ]
+        return JointwiseEquations(robot, list(effects), joints, self.whitening.samples)
 
-    def _add_joint(
-        self, blocks: Array, j: int, reused: list[_Reused], others: list[tuple[slice, Array]]
-    ) -> None:
-        """Add one joint's samples to the normal equations.
+    def _of_joint(self, j: int, reused: list[_Reused], others: list[tuple[slice, Array]]) -> JointGram:
+        """Return the normal equations of one joint's samples.
 
         Args:
-            blocks: Normal equations of each block of time, shape (B, P + 1, P + 1).
             j: Index of the joint.
             reused: Columns that depend on the motion alone; what follows from them is kept.
             others: Positions of all other columns, and the columns, shape (K, p) each.
         """
         white = self.whitening.joint(j, np.column_stack([x for _, x in others]))
-        at = _positions(s for s, _ in others)
-        blocks[:, at[:, None], at] += self._products(white, white)
-        if reused:
-            fixed, gram = self._fixed(j, reused)
-            where = _positions(r.own for r in reused)
-            scale = np.concatenate([np.full(r.columns.shape[1], r.factor) for r in reused])
-            across = scale[:, None] * self._products(fixed, white)
-            blocks[:, where[:, None], where] += gram * np.outer(scale, scale)
-            blocks[:, where[:, None], at] += across
-            blocks[:, at[:, None], where] += across.transpose(0, 2, 1)
+        at, own = _positions(s for s, _ in others), self._products(white, white)
+        if not reused:
+            return JointGram(at, own)
+        fixed, gram = self._fixed(j, reused)
+        scale = np.concatenate([np.full(r.columns.shape[1], r.factor) for r in reused])
+        across = scale[:, None] * self._products(fixed, white)
+        known = len(scale)
+        blocks = np.empty((len(own), known + len(at), known + len(at)))
+        blocks[:, :known, :known] = gram * np.outer(scale, scale)
+        blocks[:, :known, known:] = across
+        blocks[:, known:, :known] = across.transpose(0, 2, 1)
+        blocks[:, known:, known:] = own
+        return JointGram(np.concatenate([_positions(r.own for r in reused), at]), blocks)
 
     def _products(self, left: Array, right: Array) -> Array:
         """Return LᵀR of each block of time, shape (B, columns of L, columns of R)."""

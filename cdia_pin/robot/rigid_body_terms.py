@@ -339,9 +339,15 @@ class RigidBodyTerms:
         rows = [np.atleast_2d(s) for s in signals]
         rows[0] = self.configurations(rows[0])
         out = np.empty((len(rows[0]), *shape))
+        if self.n == 1:  # Pinocchio drops its axis
+            term = partial(_reshaped, term, shape)
         for k, row in enumerate(zip(*rows, strict=True)):
-            out[k] = np.reshape(term(*row), shape)  # Pinocchio drops the axis of an arm of one joint
+            out[k] = term(*row)
         return out[0] if signals[0].ndim == 1 else out
+
+
+def _reshaped(term: Callable[..., Array], shape: tuple[int, ...], *row: Array) -> Array:
+    return np.reshape(term(*row), shape)
 
 
 def _gravity_of(model: pin.Model) -> Callable[[Array], Array]:

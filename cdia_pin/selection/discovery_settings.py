@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -190,6 +190,8 @@ class DiscoverySettings:
         per_log: Names or labels of effects that get parameters of their own in each log in any case.
         expected: Names of unusual effects that the user expects, such as ``viscous_medium`` under water.
         most_effects: Largest number of effects in the model [1].
+        most_samples: Largest number of compared samples of a log [1]: three minutes at the highest cut-off, quarter of
+            an hour at the lowest. A longer log is searched in stretches, which hold its motions many times.
         blocks: Number of contiguous blocks of time for held-out errors and intervals [1].
         criterion: What an effect must explain to be named.
         every_link: When a URDF counts as slightly wrong everywhere.
@@ -209,6 +211,7 @@ class DiscoverySettings:
     per_log: tuple[str, ...] = ()
     expected: tuple[str, ...] = ()
     most_effects: int = 40
+    most_samples: int = 10_000
     blocks: int = 10
     criterion: SelectionCriterion = field(default_factory=SelectionCriterion)
     every_link: EveryLinkSettings = field(default_factory=EveryLinkSettings)
@@ -222,6 +225,11 @@ class DiscoverySettings:
     rest: RestSettings = field(default_factory=RestSettings)
 
     __repr__ = settings_repr
+
+    @property
+    def searched(self) -> Conditioning:
+        """How logs are filtered in which effects are searched."""
+        return replace(self.conditioning, most=self.most_samples)
 
     def changed_decisions(self) -> dict[str, float]:
         """Return the numbers that decide and differ from their defaults, by name as ``criterion.least_share``."""

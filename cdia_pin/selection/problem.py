@@ -85,7 +85,7 @@ class Problem:
             settings: How logs are conditioned.
         """
         motions, unseen = (
-            [condition(log, robot, settings.conditioning) for log in part] for part in (logs, holdout)
+            [condition(log, robot, settings.searched) for log in part] for part in (logs, holdout)
         )
         experiment = Experiment.of(robot, motions, settings.rest)
         held_out = Experiment.of(robot, unseen, settings.rest) if unseen else None

@@ -9,7 +9,7 @@ import numpy as np
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
 from cdia_pin.regression.bounded_fit import bounded_fit
-from cdia_pin.regression.gauss_newton import refit
+from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.evidence import Evidence, SetFit
 from cdia_pin.selection.problem import WhitenedProblem
@@ -44,7 +44,8 @@ def refitting(
             present[e].with_theta(part) if e in present else Term(e, tuple(part))
             for e, part in zip(effects, first, strict=True)
         )
-        _, equations = refit(problem.regression, Dynamics(model.robot, terms), iterations)
+        then = fitted_together(problem.regression, Dynamics(model.robot, terms), iterations)
+        equations = problem.regression.normal_equations(then, effects)
         fit = bounded_fit(equations, range(len(effects)), bodies=True)
         cost = fit.chi2 + evidence.penalty_of(chosen)
         return SetFit(chosen, fit.theta, fit.chi2, cost, fit.possible, fit.physical)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ALWAYS, Effect, Signal, Term
 from cdia_pin.progress import Progress
-from cdia_pin.regression.gauss_newton import is_exact, refit
+from cdia_pin.regression.gauss_newton import fitted_together, is_exact
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.evidence import Evidence, SetFit
 from cdia_pin.selection.moves import Names, improve, names
@@ -59,7 +59,7 @@ def search(
         The model that no move improves.
     """
     regression = problem.regression
-    model, _ = refit(regression, model)
+    model = fitted_together(regression, model)
     # a shape depends on the other terms and on the noise
     now = fitted(problem, refine_shapes(regression, model))
     failed: set[Names] = set()
@@ -95,7 +95,7 @@ def search(
         trial = _model_of(now.model, now.evidence, better.chosen, better.theta)
         report(_what_changed(now.model, trial), 1.0 - 0.9**moves)
         failed.add(names(now.evidence, better.chosen))
-        trial, _ = refit(regression, trial, ROUGHLY)
+        trial = fitted_together(regression, trial, ROUGHLY)
         trial = refine_shapes(regression, trial, known=_labels(now.model))
         then = fitted(problem, trial)
         grew = len(then.fit.theta) > len(now.fit.theta)
@@ -193,7 +193,7 @@ def _slimmed(problem: WhitenedProblem, now: Found) -> Found | None:
         if not any(set(effect.scope) & set(e.scope) and gain < lost[e] for e in shaped):
             continue
         others = now.model.remove(effect.label)
-        trial, _ = refit(problem.regression, others, ROUGHLY)
+        trial = fitted_together(problem.regression, others, ROUGHLY)
         then = fitted(problem, refine_shapes(problem.regression, trial))
         if then.fit.physical and then.fit.cost < now.fit.cost - evidence.criterion.margin:
             return then

@@ -35,11 +35,9 @@ def read_csv(data: bytes, source: str) -> Table:
     text, notes = _plain_text(data, source)
     _refuse_stray_quotes(text, source)
     header, text = _header(text, source, notes)
-    delimiter = _delimiter(header)
+    names, delimiter = column_names(header)
     if delimiter == " ":
         text = re.sub(rb"(?m)^ | (?=\r?$)", b"", re.sub(rb"[ \t]+", b" ", text))  # each in one pass
-    names = [name.strip().strip("\"'").strip() for name in header.strip().split(delimiter)]
-    names = [n for n in names if n] if delimiter == " " else names
     if all(_is_number(n) for n in names):
         raise LogError(
             f"{source}: the first line holds numbers, expected column names such as "
@@ -50,6 +48,17 @@ def read_csv(data: bytes, source: str) -> Table:
     text = _without_cut_row(text, delimiter, notes)
     arrow = _parse(text, names, delimiter, source, notes)
     return table_from_arrow(arrow, source, tuple(notes))
+
+
+def column_names(header: str) -> tuple[list[str], str]:
+    """Return the names in the line of a header, and the delimiter between them.
+
+    Args:
+        header: The line.
+    """
+    delimiter = _delimiter(header)
+    names = [name.strip().strip("\"'").strip() for name in header.strip().split(delimiter)]
+    return [n for n in names if n] if delimiter == " " else names, delimiter
 
 
 def _plain_text(data: bytes, source: str) -> tuple[bytes, list[str]]:

@@ -9,6 +9,9 @@ from pathlib import Path
 from cdia_pin.errors import LogError
 from cdia_pin.logs.readers.table import Table
 
+LONG = (
+    32 * 2**20
+)  # [B], of a text that is read in blocks if it is a plain one: a minute of an arm at 1 kHz has 10 MB
 BAG_SUFFIXES = (".db3", ".mcap")
 SUFFIXES = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".npz", *BAG_SUFFIXES)
 
@@ -45,16 +48,23 @@ def read_table(
             f"or the directory of a ROS 2 bag{hint}"
         )
     try:
+        with path.open("rb") as file:
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        if not path.stat().st_size:
+            raise LogError(f"{source}: the file is empty")
+        if suffix in {".parquet", ".pq"}:
+            from cdia_pin.logs.readers.parquet import read_parquet
+
+            return read_parquet(path), digest
+        if suffix != ".npz" and path.stat().st_size > LONG:
+            from cdia_pin.logs.readers.long_csv import read_long_csv
+
+            table = read_long_csv(path)
+            if table is not None:
+                return table, digest
         data = path.read_bytes()
     except OSError as error:
         raise LogError(f"{path}: cannot be read ({error.strerror})") from None
-    if not data:
-        raise LogError(f"{source}: the file is empty")
-    digest = hashlib.sha256(data).hexdigest()
-    if suffix in {".parquet", ".pq"}:
-        from cdia_pin.logs.readers.parquet import read_parquet
-
-        return read_parquet(data, source), digest
     if suffix == ".npz":
         from cdia_pin.logs.readers.npz import read_npz
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.readers.arrow import table_from_arrow
+from cdia_pin.logs.readers.arrow_batches import ROWS, table_from_batches
 from cdia_pin.logs.readers.bounds import require_bounded
 from cdia_pin.logs.readers.table import Table
 
@@ -13,29 +14,28 @@ if TYPE_CHECKING:
     from pyarrow import parquet
 
 
-def read_parquet(data: bytes, source: str) -> Table:
-    """Read a Parquet file.
+def read_parquet(path: Path) -> Table:
+    """Read a Parquet file, a batch of rows at a time.
 
     Args:
-        data: Bytes of the file.
-        source: Its name, for messages.
+        path: The file.
 
     Returns:
         The columns as numbers.
 
     Raises:
-        LogError: If the bytes are not Parquet.
+        LogError: If the file is not Parquet.
     """
     import pyarrow as pa
     from pyarrow import parquet
 
+    source = path.name
     try:
-        file = parquet.ParquetFile(pa.BufferReader(data))
-        require_bounded(_contents(file.metadata), len(data), source)
-        arrow = file.read()
+        with parquet.ParquetFile(path) as file:
+            require_bounded(_contents(file.metadata), path.stat().st_size, source)
+            return table_from_batches(file.iter_batches(ROWS), file.schema_arrow, source)
     except (pa.ArrowException, OSError, ValueError) as error:
         raise LogError(f"{source}: not readable as Parquet ({' '.join(str(error).split())[:160]})") from None
-    return table_from_arrow(arrow, source)
 
 
 def _contents(metadata: parquet.FileMetaData) -> int:

@@ -35,7 +35,7 @@ class Table:
         )
 
     def stack(self, names: list[str], source: str) -> NDArray[np.float64]:
-        """Return columns side by side.
+        """Return columns side by side; the table's columns become views of them, so that a long log is held once.
 
         Args:
             names: Names of k columns.
@@ -50,4 +50,8 @@ class Table:
         for name in names:
             if name in self.not_numbers:
                 raise LogError(f"{source}: column '{name}' must hold numbers, found {self.not_numbers[name]}")
-        return np.column_stack([np.asarray(self.columns[name], dtype=np.float64) for name in names])
+        out = np.column_stack([np.asarray(self.columns[name], dtype=np.float64) for name in names])
+        for k, name in enumerate(names):
+            if self.columns[name].dtype == out.dtype:
+                self.columns[name] = out[:, k]
+        return out
