@@ -46,12 +46,21 @@ def settings_of(engine: str, **chosen: Any) -> MonitorSettings | ThesisSettings:
 
 @dataclass(frozen=True)
 class Knowledge:
-    """What is known of the healthy arm; the attributes are arguments of `Monitor`."""
+    """What is known of the healthy arm; all but the last of the attributes are arguments of `Monitor`.
 
-    healthy: tuple[Log, ...]
-    threshold: Mapping[str, float] | None
-    rate: float | None
-    position_only: bool
+    Attributes:
+        healthy: Runs of the healthy arm.
+        threshold: Largest healthy residual of each joint [N·m or N].
+        rate: Ticks per second [Hz].
+        position_only: Whether there are no velocities.
+        learned: What an engine of the same kind has learned, in place of runs and threshold.
+    """
+
+    healthy: tuple[Log, ...] = ()
+    threshold: Mapping[str, float] | None = None
+    rate: float | None = None
+    position_only: bool = False
+    learned: Any = None
 
 
 def _momentum(
@@ -78,7 +87,9 @@ def _thesis(
     if any(profile.kind != "always" for profile in bank.profiles):
         raise ModelError("the engine thesis takes no profiles in its bank; use the engine momentum")
     settings = settings or ThesisSettings()
-    if known.threshold is not None:
+    if known.learned is not None:
+        settings = replace(settings, unmodelled=tuple(known.learned.tolist()))
+    elif known.threshold is not None:
         joints = model.robot.joints
         settings = replace(settings, unmodelled=tuple(known.threshold[joint] for joint in joints))
     return GuardedEngine(ThesisEngine(model, bank.prototypes, settings, known.healthy)), settings
