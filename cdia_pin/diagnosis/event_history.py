@@ -43,7 +43,7 @@ class EventHistory(Stateful):
         """
         self.events += events
         if self._file is not None and events:
-            self._file.add(events)
+            self._file.write(events)
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -51,7 +51,7 @@ class EventLogFile:
         """Name the arm again before the next event."""
         self._has_begun = False
 
-    def add(self, events: Sequence[Event]) -> None:
+    def write(self, events: Sequence[Event]) -> None:
         """Append events; if that fails, `warnings` says so, and they are written with the next ones.
 
         Args:

@@ -57,7 +57,8 @@ class MomentumObserver(Stateful):
     """
 
     STATE = ("state", "time", "inertial")
-    DERIVED = ("carried", "_rigid_terms")  # of what is believed of the whole arm
+    # What the arm carries follows from what is believed of the whole arm; the others are views of the state.
+    DERIVED = ("carried", "_rigid_terms", "remainder", "addition", "q", "v", "believed")
 
     def __init__(
         self,

@@ -105,8 +105,9 @@ def write_monitor(path: str | Path, parts: MonitorParts, state: Stateful) -> Pat
         with whole_file(path) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr(TEXT, text)
             for name, array in writer.arrays.items():
-                with archive.open(f"{name}.npy", "w") as member:
-                    np.lib.format.write_array(member, np.ascontiguousarray(array), allow_pickle=False)
+                member = BytesIO()
+                np.lib.format.write_array(member, np.ascontiguousarray(array), allow_pickle=False)
+                archive.writestr(f"{name}.npy", member.getvalue())
     except OSError as error:
         raise ModelError(f"cannot write the monitor to {path}: {error.strerror}") from None
     return Path(path)

@@ -66,6 +66,7 @@ class ObserverState(Stateful):
     """
 
     STATE = ("array",)
+    DERIVED = ("parts", "gram", "absent", "mass", "neuron_gram")  # views of it
 
     def __init__(self, shapes: Mapping[str, Shape]) -> None:
         self.array, self.parts = allocate(shapes)
