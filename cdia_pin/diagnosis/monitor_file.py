@@ -187,6 +187,7 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         KeyError,
         ValueError,
         RecursionError,
+        MemoryError,
         RuntimeError,
     ) as error:
         raise ModelError(f"{path} is not a whole monitor: {error}") from None

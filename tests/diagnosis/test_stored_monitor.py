@@ -135,18 +135,26 @@ def test_it_goes_on_from_every_stage(eventful, tmp_path):
     check(monitor, log, {*first.values(), *random}, tmp_path)
 
 
-@pytest.mark.parametrize("engine", ["momentum", "thesis"])
-@pytest.mark.parametrize("fault", ["coulomb_friction@joint2: level=0.2", "torque_offset@joint1: offset=0.6"])
-def test_both_engines_go_on_while_they_isolate_and_compensate(pendulum, tmp_path, engine, fault):
+# What the bank of the first does not hold is learned as an unknown fault, and its effects come and go with the speed.
+@pytest.mark.parametrize(
+    ("engine", "fault", "bank"),
+    [
+        (
+            "momentum",
+            "position_ripple@joint2: frequency=4, cosine=0.3, sine=0.2",
+            ("coulomb_friction", "viscous_friction: speed=0.1.."),
+        ),
+        ("thesis", "coulomb_friction@joint2: level=0.2", ("coulomb_friction", "viscous_friction")),
+    ],
+)
+def test_both_engines_go_on_while_they_isolate_and_compensate(pendulum, tmp_path, engine, fault, bank):
     settings = ThesisSettings(grace=1.0, longest_isolation=2.0) if engine == "thesis" else None
-    bank = ("coulomb_friction", "viscous_friction: speed=0.1..")
-    bank = bank if engine == "momentum" else ("coulomb_friction", "viscous_friction")
     monitor = pendulum.monitor(bank=bank, engine=engine, settings=settings)
-    term = parse_term(f"{fault}, after=1, until=4")
-    log = pendulum.run(pendulum.motion(0, 6.0), [term], monitor).log
-    assert any(e.stage == "detection" for e in monitor.events)
+    log = pendulum.run(pendulum.motion(0, 6.0), [parse_term(f"{fault}, after=1, until=4.5")], monitor).log
+    verdicts = {e.verdict for e in monitor.events}
+    assert verdicts & ({"unknown"} if engine == "momentum" else {"unique", "ambiguous"})
     random = np.random.default_rng(1).integers(1, len(log.time) - 1, size=8).tolist()
-    check(monitor, log, {*random, 505, 520, 1200}, tmp_path)
+    check(monitor, log, {*random, 505, 520, 1200, 2100}, tmp_path)
 
 
 def test_a_monitor_of_positions_alone_goes_on(robot, tmp_path):

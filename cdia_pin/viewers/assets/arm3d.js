@@ -297,29 +297,33 @@ class Arm3D {
       ...this.stages.map((s) => row(s.name, s.colour, s.words || "")), ...signs.map(([name, colour]) => row(name, colour, "")));
   }
 
+  // Put texts beside what they are about, one above the other where they would overlap.
   _placePins() {
+    const { camera } = this.viewer, placed = [];
+    if (!this._pin.hidden) {
+      const at = this._arm.get(this.scene.joints[this._worst].name).getWorldPosition(new THREE.Vector3());
+      const away = at.distanceTo(camera.getWorldPosition(new THREE.Vector3()));
+      const beside = (this._torque.radius * this._pane.clientHeight) / (2 * Math.tan((0.5 * camera.fov * Math.PI) / 180) * away); // [px]
+      this._place(this._pin, at.project(camera), 0.8 * beside, 1.2 * beside, placed);
+    }
     this._attached.pins().forEach((pin, k) => {
       const tag = this._tags[k];
       tag.hidden = !pin;
       if (!pin) return;
       if (tag.textContent !== pin.words) tag.textContent = pin.words;
-      this._place(tag, pin.at.project(this.viewer.camera), 10, k ? 10 : -30); // the one below its point, the other above
+      this._place(tag, pin.at.project(camera), 10, 10, placed);
     });
-    if (this._pin.hidden) return;
-    const { camera } = this.viewer, { clientHeight: h } = this._pane;
-    const at = this._arm.get(this.scene.joints[this._worst].name).getWorldPosition(new THREE.Vector3());
-    const away = at.distanceTo(camera.getWorldPosition(new THREE.Vector3()));
-    const beside = (this._torque.radius * h) / (2 * Math.tan((0.5 * camera.fov * Math.PI) / 180) * away); // [px]
-    this._place(this._pin, at.project(camera), 0.8 * beside, 1.2 * beside);
   }
 
-  // Put a text beside a projected point: so far to its right and above it [px], and within the picture.
-  _place(pin, at, right, above) {
-    const { clientWidth: w, clientHeight: h } = this._pane;
+  // Put a text so far to the right of a projected point and above it [px], within the picture, and off other texts.
+  _place(pin, at, right, above, placed) {
+    const { clientWidth: w, clientHeight: h } = this._pane, { offsetWidth: wide, offsetHeight: tall } = pin;
     const inside = (x, low, high) => Math.round(Math.min(Math.max(x, low), high));
-    const x = inside((0.5 + 0.5 * at.x) * w + right, 8, w - pin.offsetWidth - 8);
-    const lowest = h - this._legend.offsetHeight - pin.offsetHeight - 16;
-    const y = inside((0.5 - 0.5 * at.y) * h - above - pin.offsetHeight, 48, lowest);
+    const x = inside((0.5 + 0.5 * at.x) * w + right, 8, w - wide - 8);
+    let y = inside((0.5 - 0.5 * at.y) * h - above - tall, 48, h - this._legend.offsetHeight - tall - 16);
+    const meets = (o) => x < o.x + o.wide && o.x < x + wide && Math.abs(y - o.y) < tall + 4;
+    for (let o; (o = placed.find(meets)); ) y = o.y - tall - 4;
+    placed.push({ x, y, wide });
     pin.style.transform = `translate(${x}px, ${y}px)`;
   }
 

@@ -69,11 +69,11 @@ class AttachedWords:
         out: AttachedDocument = {"push": None, "body": None, "words": []}
         for term in faults:
             if isinstance(term.effect, ExternalWrench):
-                out["push"] = self._push(term)
-                out["words"].append(out["push"]["words"])
+                out["push"] = push = self._push(term)
+                out["words"].append(push["words"])
             elif isinstance(term.effect, Payload):
-                out["body"] = self._body(term)
-                out["words"].append(out["body"]["words"])
+                out["body"] = body = self._body(term)
+                out["words"].append(body["words"])
             elif isinstance(term.effect, BaseTilt):
                 out["words"].append(f"base tilt {number(self._tilt(term))}°")
         return out
@@ -93,7 +93,7 @@ class AttachedWords:
 
     def _tilt(self, term: Term) -> float:
         """Return the angle between gravity and where the URDF has it [°]."""
-        across = float(np.hypot(*term.theta)) / float(np.linalg.norm(self._robot.gravity_vector))
+        across = float(np.linalg.norm(term.theta)) / float(np.linalg.norm(self._robot.gravity_vector))
         return float(np.degrees(np.arcsin(min(across, 1.0))))
 
 
