@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -13,6 +14,7 @@ from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.errors import ModelError, unknown_name
 from cdia_pin.logs.log import Log
+from cdia_pin.robot.model import RobotModel
 
 if TYPE_CHECKING:
     from cdia_pin.diagnosis.thesis import ThesisSettings
@@ -42,6 +44,25 @@ def settings_of(engine: str, **chosen: Any) -> MonitorSettings | ThesisSettings:
     from cdia_pin.diagnosis.thesis import ThesisSettings
 
     return ThesisSettings(**chosen)
+
+
+def require_threshold(threshold: Mapping[str, float], robot: RobotModel) -> None:
+    """Check a given threshold.
+
+    Args:
+        threshold: Largest healthy residual of each joint [N·m or N].
+        robot: The arm.
+
+    Raises:
+        ModelError: If a joint is missing or unknown, or a value is not above 0.
+    """
+    for joint, value in threshold.items():
+        if joint not in robot.joints:
+            raise ModelError("threshold: " + unknown_name("joint", joint, robot.joints))
+        if not 0 < value < math.inf:
+            raise ModelError(f"threshold of {joint} must be above 0, given {value}")
+    if missing := [j for j in robot.joints if j not in threshold]:
+        raise ModelError(f"threshold: no value for joint(s) {', '.join(missing)}")
 
 
 @dataclass(frozen=True)

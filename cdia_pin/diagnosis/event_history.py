@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from pathlib import Path
 
 from cdia_pin.diagnosis.event_log_file import EventLogFile
 from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event
+from cdia_pin.robot.model import RobotModel
 
 # Events kept in memory, some megabytes at most. An arm in use has some tens a day, one that is diagnosed some hundreds.
 MOST_EVENTS = 1000
@@ -28,6 +30,19 @@ class EventHistory(Stateful):
     def __init__(self, file: EventLogFile | None = None) -> None:
         self._file = file
         self.events: deque[Event] = deque(maxlen=MOST_EVENTS)
+
+    @classmethod
+    def to(cls, path: str | Path | None, robot: RobotModel) -> EventHistory:
+        """Return a history without events that writes to a file.
+
+        Args:
+            path: The file; None for none.
+            robot: The arm.
+
+        Raises:
+            ModelError: If the file cannot be written now.
+        """
+        return cls(None if path is None else EventLogFile(path, robot))
 
     def reset(self) -> None:
         """Forget the events; what is on disk stays."""

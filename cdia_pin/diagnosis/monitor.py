@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.diagnosis.bank import DEFAULT_BANK, Bank
 from cdia_pin.diagnosis.engine_interface import Engine
-from cdia_pin.diagnosis.engines import ENGINES, Knowledge
+from cdia_pin.diagnosis.engines import ENGINES, Knowledge, require_threshold
 from cdia_pin.diagnosis.event_history import EventHistory
-from cdia_pin.diagnosis.event_log_file import EventLogFile
 from cdia_pin.diagnosis.monitor_file import MonitorParts, reading, write_monitor
 from cdia_pin.diagnosis.monitor_record import MonitorRecord
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
@@ -86,11 +85,12 @@ class Monitor:
         event_log: str | Path | None = None,
     ) -> None:
         if threshold is not None:
-            _check_threshold(threshold, model)
+            require_threshold(threshold, model.robot)
         if engine not in ENGINES:
             raise ModelError(unknown_name("engine", engine, ENGINES))
         if healthy and threshold is not None:
             raise ModelError("a monitor takes healthy runs or a threshold, not both")
+        history = EventHistory.to(event_log, model.robot)
         bank = bank if isinstance(bank, Bank) else Bank.of(model.robot, bank)
         self.rate = rate or (float(np.median([run.rate for run in healthy])) if healthy else None)
         runs = [self.at_rate(run, healthy=True) for run in healthy]
@@ -118,16 +118,15 @@ class Monitor:
             "sight": made.sight,
         }
         parts = MonitorParts(model, bank, used, self.rate, has_velocity, bounds, made.learned, record)
-        self._assemble(parts, made, event_log)
+        self._assemble(parts, made, history)
 
-    def _assemble(self, parts: MonitorParts, engine: Engine, event_log: str | Path | None) -> None:
+    def _assemble(self, parts: MonitorParts, engine: Engine, history: EventHistory) -> None:
         """Put the parts together."""
         robot = parts.model.robot
-        file = None if event_log is None else EventLogFile(event_log, robot)
         self.model, self.bank, self.rate, self.record = parts.model, parts.bank, parts.rate, parts.record
         self.engine, self._parts = engine, parts
         self._shape, self._has_velocity = (robot.n,), parts.has_velocity
-        self._safe = SafeEngine(engine, robot, parts.bounds, parts.has_velocity, EventHistory(file))
+        self._safe = SafeEngine(engine, robot, parts.bounds, parts.has_velocity, history)
 
     @classmethod
     def load(cls, path: str | Path, robot: RobotModel, *, event_log: str | Path | None = None) -> Monitor:
@@ -143,7 +142,8 @@ class Monitor:
         """
         with reading(path, robot) as stored:
             monitor = cls.__new__(cls)
-            monitor._assemble(stored.parts, stored.parts.engine(), event_log)
+            history = EventHistory.to(event_log, robot)
+            monitor._assemble(stored.parts, stored.parts.engine(), history)
             stored.restore(monitor._safe)
         return monitor
 
@@ -307,14 +307,3 @@ class Monitor:
             if progress is not None and k % PROGRESS_EVERY == 0:
                 progress(k / count)
         return tuple(events)
-
-
-def _check_threshold(threshold: Mapping[str, float], model: Dynamics) -> None:
-    joints = model.robot.joints
-    for joint, value in threshold.items():
-        if joint not in joints:
-            raise ModelError("threshold: " + unknown_name("joint", joint, joints))
-        if not 0 < value < np.inf:
-            raise ModelError(f"threshold of {joint} must be above 0, given {value}")
-    if missing := [j for j in joints if j not in threshold]:
-        raise ModelError(f"threshold: no value for joint(s) {', '.join(missing)}")

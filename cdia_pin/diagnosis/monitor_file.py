@@ -94,13 +94,13 @@ def write_monitor(path: str | Path, parts: MonitorParts, state: Stateful) -> Pat
     document = {
         "schema": schemas.MONITOR,
         "version": __version__,
-        "model": model_document(parts.model),
+        "model": writer.value(dict(model_document(parts.model)), "model"),
         "bodies": writer.value(_bodies(robot), "bodies"),
         "bank": writer.value(tuple(bank), "bank"),
         "parts": {name: writer.value(getattr(parts, name), name) for name in sorted(held)},
         "state": writer.part(state, "state"),
     }
-    text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(document, indent=1, allow_nan=False)
     try:
         with whole_file(path) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr(TEXT, text)
@@ -152,7 +152,8 @@ def reading(path: str | Path, robot: RobotModel) -> Iterator[StoredMonitor]:
     document, arrays = _read(path)
     _require_same_version(document, path)
     try:
-        model = model_from_document(document["model"], path, robot)
+        stored = StateReader(arrays, Dynamics(robot)).value(document["model"])
+        model = model_from_document(stored, path, robot)
         reader = StateReader(arrays, model)
         _require_same_bodies(reader.value(document["bodies"]), path, robot)
         terms = reader.value(document["bank"])

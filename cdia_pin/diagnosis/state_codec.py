@@ -28,8 +28,8 @@ from cdia_pin.robot.model import RobotModel
 # Records and enumerations that a state may hold, with their modules.
 TYPES: Final[dict[str, str]] = {
     "ArmDecision": "cdia_pin.diagnosis.whole_arm.isolation",
-    "ArmTrial": "cdia_pin.diagnosis.whole_arm.arm_monitor",
     "ArmSample": "cdia_pin.diagnosis.thesis.sample_interval",
+    "ArmTrial": "cdia_pin.diagnosis.whole_arm.arm_monitor",
     "Contact": "cdia_pin.diagnosis.whole_arm.arm_monitor",
     "ContactLimits": "cdia_pin.diagnosis.whole_arm.contact",
     "Decision": "cdia_pin.diagnosis.isolation",
