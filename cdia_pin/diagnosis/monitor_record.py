@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NotRequired, TypedDict
 
-from cdia_pin.diagnosis.sight import JointSight
+from cdia_pin.diagnosis.sight import JointSight, blind_advice, blind_joints
 
 
 class RunSource(TypedDict):
@@ -51,3 +51,13 @@ class MonitorRecord(TypedDict):
     sight: dict[str, JointSight]
     log: NotRequired[RunSource]
     loop: NotRequired[dict[str, Any]]
+
+
+def what_is_blind(record: MonitorRecord) -> str:
+    """Return a sentence on the joints that are blind, and what to do; empty if none is.
+
+    Args:
+        record: Of a monitor.
+    """
+    said = blind_advice(blind_joints(record["sight"]), bool(record["model"]))
+    return f"{said[:1].upper()}{said[1:]}." if said else ""

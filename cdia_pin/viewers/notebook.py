@@ -10,7 +10,7 @@ import numpy as np
 
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.diagnosis import MonitorRun, Stage
-from cdia_pin.diagnosis.sight import blind_advice
+from cdia_pin.diagnosis.monitor_record import what_is_blind
 from cdia_pin.discovery import Comparison, Discovery, Step
 from cdia_pin.phrases import NO_BREAK
 from cdia_pin.viewers import sparks
@@ -221,8 +221,8 @@ def _run(result: MonitorRun) -> Iterable[str]:
         "fault at the end",
     )
     yield _table(heads, rows, numbers=(1, 2))
-    if advice := blind_advice(result.blind, bool(result.record["model"])):
-        yield _say(sentence_case(advice) + ".")
+    if advice := what_is_blind(result.record):
+        yield _say(advice)
     keys = (f'<span style="color:{c}">■</span> {s}' for s, c in STAGE_COLOURS.items() if str(s) in seen)
     yield _say(Markup(" &nbsp; ".join(keys)), "soft")
     said = [
