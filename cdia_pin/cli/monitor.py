@@ -161,7 +161,8 @@ def monitor(
     following = (
         follow(ctx, "view", log, healthy=healthy) if report else again(ctx, report=free("monitor.html"))
     )
-    show_next(console, following)
+    if state is None:  # the same command would go on with a log that the stored monitor has seen
+        show_next(console, following)
 
 
 def show_run(console: Console, found: MonitorRun) -> None:
