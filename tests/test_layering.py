@@ -36,6 +36,7 @@ COMMON = (
     "errors",
     "extras",
     "phrases",
+    "plain_json",
     "progress",
     "resources",
     "whole_files",

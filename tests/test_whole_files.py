@@ -18,6 +18,7 @@ WRITES = {"write_text", "write_bytes", "savefig", "write_table", "savez", "savez
 # by their file: how they write whole, or why they need not
 ALLOWED = {
     "whole_files.py": "the writer",
+    "diagnosis/event_log_file.py": "lines appended while an arm moves; a cut line is taken back",
     "diagnosis/kernel_cache.py": "a draft that is renamed",
     "viewers/study_figures.py": "into memory",
     "viewers/arm_figures.py": "into memory",

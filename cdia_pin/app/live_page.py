@@ -13,6 +13,7 @@ from cdia_pin.app.live_sources import Source, replayed, simulated
 from cdia_pin.app.parts import PageStep, button, node
 from cdia_pin.app.runner import Runner
 from cdia_pin.diagnosis import Event
+from cdia_pin.diagnosis.event_history import MOST_EVENTS
 from cdia_pin.diagnosis.sight import blind_joints
 from cdia_pin.effects import Term
 from cdia_pin.progress import Progress
@@ -142,13 +143,15 @@ class LivePage:
                 "residual": piece["residual"],
                 "threshold": piece["threshold"],
             }
+            if "attached" in piece:
+                charted["attached"] = piece["attached"]
             self._live.push(charted)
             drawn = piece.copy()
             del drawn["residual"], drawn["threshold"]
             self._arm.append(drawn, self._stages)
             self._speed.text = f"{run.speed:.1f} × real time, {piece['time'][-1]:.0f} s"
         if events:
-            self._events += events
+            self._events = [*self._events, *events][-MOST_EVENTS:]
             self._show_events()
             if not self._chosen:
                 self._follow(events[-1].joints[0])
@@ -215,6 +218,8 @@ class LivePage:
             if run is None:
                 return
             source = run.source
+            for note in source.notes:
+                node("p", note, "soft", data_mark="note")
             if not source.faults:
                 node("p", "The faults of a log cannot be switched.", "soft")
             for k, fault in enumerate(source.faults):

@@ -13,7 +13,7 @@ from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
 from cdia_pin.campaigns.monitored_control import Tick
 from cdia_pin.diagnosis import Monitor, MonitorSettings
 from cdia_pin.diagnosis.healthy_part import parted
-from cdia_pin.diagnosis.sight import blind_advice, blind_joints
+from cdia_pin.diagnosis.monitor_record import what_is_blind
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.dynamics.physical import require_physical
 from cdia_pin.dynamics.trajectories import Repeated
@@ -78,7 +78,8 @@ def simulated(robot: str, faults: Sequence[str], accommodate: bool, tell: Progre
     acting: set[Term] = set()
     ticks = loop.ticks(motion, terms, monitor, acts=acting.__contains__)
     reach = motion(np.linspace(0.0, MOTION, POSES)).q
-    return Source(loop.robot, monitor, ticks, reach, terms, acting, _blind(monitor))
+    blind = what_is_blind(monitor.record)
+    return Source(loop.robot, monitor, ticks, reach, terms, acting, (blind,) if blind else ())
 
 
 def usual_faults(loop: ClosedLoop) -> list[str]:
@@ -123,15 +124,11 @@ def replayed(robot: str, path: Path, tell: Progress) -> Source:
     healthy, watched = parted(read_log(path, arm))
     tell("learning from the healthy part", 0.5)
     monitor = Monitor(Dynamics(arm), healthy=[healthy], position_only=watched.velocity is None)
-    notes = (f"The first {healthy.duration:.3g} s are taken as healthy.", *_blind(monitor))
+    said = f"The first {healthy.duration:.3g} s are taken as healthy."
+    blind = what_is_blind(monitor.record)
+    notes = (said, blind) if blind else (said,)
     reach = watched.position[:: len(watched.time) // POSES + 1]
     return Source(arm, monitor, _ticks(monitor, watched), reach, notes=notes)
-
-
-def _blind(monitor: Monitor) -> tuple[str, ...]:
-    """Return a sentence on the joints that are blind; none if none is."""
-    said = blind_advice(blind_joints(monitor.record["sight"]), bool(monitor.model.terms))
-    return (f"{said[:1].upper()}{said[1:]}.",) if said else ()
 
 
 def _ticks(monitor: Monitor, log: Log) -> Iterator[Tick]:

@@ -152,23 +152,25 @@ class Job:
     Attributes:
         scenario: Faults and conditions.
         engine: Monitors the run, and compensates if its settings allow it; None for no engine.
-        until: Ends the run early if it returns True; called now and then.
+        until: Ends the run early if it returns True of the events so far; called now and then.
     """
 
     scenario: Scenario
     engine: ThesisEngine | None = None
-    until: Callable[[], bool] = lambda: False
+    until: Callable[[Sequence[Event]], bool] = lambda _: False
 
 
 def run(
-    scenario: Scenario, engine: ThesisEngine | None = None, until: Callable[[], bool] = lambda: False
+    scenario: Scenario,
+    engine: ThesisEngine | None = None,
+    until: Callable[[Sequence[Event]], bool] = lambda _: False,
 ) -> ScaraRun:
     """Let the arm follow the trajectory under computed torque, with or without an engine that compensates.
 
     Args:
         scenario: Faults and conditions.
         engine: Monitors the run, and compensates if its settings allow it; None for no engine.
-        until: Ends the run early if it returns True; called now and then.
+        until: Ends the run early if it returns True of the events so far; called now and then.
 
     Returns:
         Motion, tracking errors and the output of the engine.
@@ -215,6 +217,7 @@ def _run_alike(jobs: Sequence[Job], progress: Progress) -> list[ScaraRun]:
     names = ("q", "v", "q_error", "v_error", "effort", "residual", "threshold")
     out = {name: np.zeros((len(time), len(jobs), 4)) for name in names}
     stages: list[list[Stage]] = [[] for _ in jobs]
+    events: list[list[Event]] = [[] for _ in jobs]
     start_q, start_v, _ = desired(0.0)
     moving = [job.scenario.start is None for job in jobs]
     q = np.array([start_q if job.scenario.start is None else job.scenario.start for job in jobs])
@@ -235,6 +238,7 @@ def _run_alike(jobs: Sequence[Job], progress: Progress) -> list[ScaraRun]:
                 status = engine.update(t, q[i], v[i], tau[i])
                 out["residual"][k, j], out["threshold"][k, j] = status.residual, status.threshold
                 stages[j].append(status.stage)
+                events[j] += status.events
                 nominal[i] = engine.correct(nominal[i])
         tau = np.array(nominal)
         for name, value in (("q", q), ("v", v), ("q_error", q - q_d), ("v_error", v - v_d), ("effort", tau)):
@@ -243,7 +247,9 @@ def _run_alike(jobs: Sequence[Job], progress: Progress) -> list[ScaraRun]:
         if not np.abs(v).max() < FASTEST:
             raise ModelError(f"the simulation of the SCARA arm diverged at {t:.3g} s")
         watched = k % WATCHED == 0
-        kept = [i for i, j in enumerate(live) if k + 1 < counts[j] and not (watched and jobs[j].until())]
+        kept = [
+            i for i, j in enumerate(live) if k + 1 < counts[j] and not (watched and jobs[j].until(events[j]))
+        ]
         if len(kept) < len(live):
             for i, j in enumerate(live):
                 if i not in kept:
@@ -257,9 +263,9 @@ def _run_alike(jobs: Sequence[Job], progress: Progress) -> list[ScaraRun]:
             time[: counts[j]],
             **{name: signal[: counts[j], j].copy() for name, signal in out.items()},
             stages=tuple(stages[j]),
-            events=tuple(job.engine.events) if job.engine else (),
+            events=tuple(events[j]),
         )
-        for j, job in enumerate(jobs)
+        for j in range(len(jobs))
     ]
 
 

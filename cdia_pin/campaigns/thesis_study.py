@@ -263,7 +263,7 @@ def _engine(robot: RobotModel, rule: LearningRule) -> ThesisEngine:
 def _isolating(robot: RobotModel, rule: LearningRule, scenario: Scenario) -> Job:
     """Return the run of one combination of faults, until the first verdict of the bank."""
     engine = _engine(robot, rule)
-    return Job(scenario, engine, until=lambda: any(e.stage == "isolation" for e in engine.events))
+    return Job(scenario, engine, until=lambda events: any(e.stage == "isolation" for e in events))
 
 
 def _isolation(true: tuple[str, ...], rule: LearningRule, scenario: Scenario, found: ScaraRun) -> Isolation:

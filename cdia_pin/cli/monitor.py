@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -9,7 +10,7 @@ import typer
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.monitor_options import MONITOR, Bank, Engine, Healthy, Threshold, thresholds
+from cdia_pin.cli.monitor_options import DEFAULT_ENGINE, MONITOR, Bank, Engine, Healthy, Threshold, thresholds
 from cdia_pin.cli.next_command import again, follow, free, show_next
 from cdia_pin.cli.options import (
     Check,
@@ -51,7 +52,7 @@ def monitor(
     ] = None,
     threshold: Threshold = None,
     bank: Bank = None,
-    engine: Engine = "momentum",
+    engine: Engine = DEFAULT_ENGINE,
     velocity: Annotated[
         bool,
         typer.Option(
@@ -60,6 +61,17 @@ def monitor(
             rich_help_panel=MONITOR,
         ),
     ] = True,
+    state: Annotated[
+        Path | None,
+        typer.Option(
+            "--state",
+            metavar="FILE",
+            show_default=False,
+            help="Go on from where the monitor of FILE stopped, and write it there again; a new FILE is begun. "
+            "It holds what the healthy runs taught.",
+            rich_help_panel=MONITOR,
+        ),
+    ] = None,
     save: Save = None,
     gains: Gains = None,
     joint_map: JointMap = None,
@@ -72,13 +84,24 @@ def monitor(
     """Monitor a log as if it were live: detect, isolate and accommodate faults, and note when they are cleared.
 
     Thresholds are learned from healthy runs; without any, from the first part of LOG. Runs of another rate are
-    resampled to that of LOG.
+    resampled to that of LOG. With --state, one monitor goes through several logs, a command each.
     """
     given = [log, *(healthy or [])]
     require_report(report)
-    require_writable(save, json, report, inputs=[*given, *([model] if model else [])])
+    require_writable(state, save, json, report, inputs=[*given, *([model] if model else [])])
     if healthy_until is not None and (healthy or threshold):
         raise CommandError("--healthy-until concerns LOG itself: leave out --healthy and --threshold")
+    goes_on = state is not None and state.exists()
+    learned = {
+        "--model": model,
+        "--healthy": healthy,
+        "--healthy-until": healthy_until,
+        "--threshold": threshold,
+        "--bank": bank,
+        "--engine": engine != DEFAULT_ENGINE,
+    }
+    if goes_on and (twice := [name for name, value in learned.items() if value]):
+        raise CommandError(f"{state} holds the monitor: leave out {', '.join(twice)}")
     console = stdout(json)
     known = load_inputs(robot, model)
     bounds = thresholds(threshold)
@@ -86,10 +109,11 @@ def monitor(
         from cdia_pin.diagnosis import DEFAULT_BANK, Monitor, replay
         from cdia_pin.diagnosis.healthy_part import alike, parted
 
+        stored = Monitor.load(state, known.robot) if state is not None and goes_on else None
         reading = Reading(gains, joint_map, convert, topic)
         (watched, *runs), _ = read_logs(given, known.robot, reading, check=check, tell=tell)
         announced = []
-        if not runs and bounds is None:
+        if stored is None and not runs and bounds is None:
             first, watched = parted(watched, healthy_until)
             runs = [first]
             announced.append(
@@ -97,7 +121,7 @@ def monitor(
             )
         watched, *runs = alike([watched, *runs], velocity, announced)
         tell("learning from the healthy runs", 0.1)
-        watcher = Monitor(
+        watcher = stored or Monitor(
             known,
             healthy=runs,
             threshold=bounds,
@@ -106,8 +130,13 @@ def monitor(
             bank=bank or DEFAULT_BANK,
             engine=engine,
         )
-        found = replay(watcher, watched, progress=lambda share: tell("monitoring", 0.2 + 0.8 * share))
-    show_inputs(console, known, [watched], notes=False)
+        found = replay(
+            watcher,
+            watched,
+            progress=lambda share: tell("monitoring", 0.2 + 0.8 * share),
+            go_on=stored is not None,
+        )
+    show_inputs(console, watcher.model, [watched], notes=False)
     for sentence in (*announced, *found.record["notes"]):
         console.print(sentence, style="dim", markup=False)
     show_run(console, found)
@@ -124,6 +153,7 @@ def monitor(
 
     write_all(
         console,
+        (state, watcher.save),
         (save, save_to),
         (json, lambda f: write_json(found.to_dict(), f)),
         (report, write_report_to),
@@ -131,7 +161,8 @@ def monitor(
     following = (
         follow(ctx, "view", log, healthy=healthy) if report else again(ctx, report=free("monitor.html"))
     )
-    show_next(console, following)
+    if state is None:  # the same command would go on with a log that the stored monitor has seen
+        show_next(console, following)
 
 
 def show_run(console: Console, found: MonitorRun) -> None:

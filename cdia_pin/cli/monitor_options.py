@@ -10,6 +10,7 @@ import typer
 from cdia_pin.cli.failures import CommandError
 
 MONITOR = "Monitor"
+DEFAULT_ENGINE = "momentum"
 
 Healthy = Annotated[
     list[Path] | None,

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from cdia_pin.cli.console import close_stdout, warn
 from cdia_pin.cli.failures import CommandError, one_line
 from cdia_pin.extras import require
+from cdia_pin.plain_json import plain
 from cdia_pin.whole_files import require_place, write_whole
 
 if TYPE_CHECKING:
@@ -110,25 +110,6 @@ def write_text(text: str, file: str) -> None:
         write_whole(file, text)
     except OSError as error:
         raise CommandError(f"cannot write {file}: {error.strerror}") from None
-
-
-def plain(value: Any) -> Any:
-    """Return a value as JSON has it.
-
-    Args:
-        value: Numbers that are not finite become null, NumPy's arrays lists.
-    """
-    if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, list | tuple | set | frozenset):
-        return [plain(v) for v in value]
-    if isinstance(value, bool | str | int) or value is None:
-        return value
-    if isinstance(value, float):
-        return float(value) if math.isfinite(value) else None
-    if hasattr(value, "tolist"):  # NumPy's scalars and arrays
-        return plain(value.tolist())
-    return str(value)
 
 
 def write_all(console: Console, *writers: tuple[str | Path | None, Callable[[str], object]]) -> None:

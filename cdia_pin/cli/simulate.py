@@ -12,7 +12,7 @@ from cdia_pin import schemas
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs, show_inputs
-from cdia_pin.cli.monitor_options import MONITOR, Bank, Engine
+from cdia_pin.cli.monitor_options import DEFAULT_ENGINE, MONITOR, Bank, Engine
 from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import Json, Report, Robot
 from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
@@ -72,7 +72,7 @@ def simulate(
         ),
     ] = None,
     bank: Bank = None,
-    engine: Engine = "momentum",
+    engine: Engine = DEFAULT_ENGINE,
     model_error: Annotated[
         float,
         typer.Option(

@@ -83,6 +83,7 @@ def show_monitored(
     """
     from cdia_pin.diagnosis import DEFAULT_BANK, Monitor
     from cdia_pin.diagnosis.healthy_part import alike, parted
+    from cdia_pin.diagnosis.monitor_record import what_is_blind
     from cdia_pin.viewers.live import FrameMaker
     from cdia_pin.viewers.scene import Scene, monitor_stages
 
@@ -109,6 +110,7 @@ def show_monitored(
     with page.of(
         scene, stages=monitor_stages(), follow=False, position=watched.position[0], reach=reach, title=title
     ) as live:
+        live.say(what_is_blind(monitor.record))
         frame_of = FrameMaker(known.robot)
         positions = iter(watched.position)
 
@@ -132,6 +134,7 @@ def show_simulation(page: Page, robot: str, model: Path | None, asked: Simulatio
 
     from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
     from cdia_pin.diagnosis import DEFAULT_BANK, Bank, MonitorSettings
+    from cdia_pin.diagnosis.monitor_record import what_is_blind
     from cdia_pin.dynamics import Dynamics
     from cdia_pin.dynamics.physical import require_physical
     from cdia_pin.effects import parse_term
@@ -155,7 +158,7 @@ def show_simulation(page: Page, robot: str, model: Path | None, asked: Simulatio
         monitor = loop.monitor(
             bank=bank, settings=MonitorSettings(accommodate=asked.accommodate), progress=tell
         )
-        live.say("")
+        live.say(what_is_blind(monitor.record))
         frame_of, wait = FrameMaker(known.robot), Pace(asked.speed)
         count = int(asked.duration * loop.settings.rate)
         for tick in islice(loop.ticks(motion, faults, monitor), count):

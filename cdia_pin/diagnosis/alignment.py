@@ -12,6 +12,8 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.stateful import Stateful
+
 Array = NDArray[np.float64]
 
 HALF_WINDOW = (
@@ -47,7 +49,7 @@ def _slope_weights(half: int, dt: float) -> Array:
     return offsets / (offsets @ offsets) / dt if half else np.zeros(0)
 
 
-class Alignment:
+class Alignment(Stateful):
     """Turns raw samples into samples of one instant.
 
     Args:
@@ -59,6 +61,8 @@ class Alignment:
         lag: Ticks that a state waits.
         is_direct: Whether samples are passed on as they are.
     """
+
+    STATE = ("_states", "_efforts")
 
     def __init__(self, dt: float, delay: float = 0.0, position_only: bool = False) -> None:
         self.position_only = position_only

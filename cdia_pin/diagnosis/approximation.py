@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.healthy_arm import HealthyArm
 from cdia_pin.diagnosis.joint_gram import gram_parts
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.effects import Term, Unknown
 
 Array = NDArray[np.float64]
@@ -70,7 +71,7 @@ def unknown_of(healthy: HealthyArm, j: int, count: int) -> Unknown:
     return neurons_over(joint, healthy.position_range[:, j], healthy.velocity_range[:, j], count)
 
 
-class Approximator:
+class Approximator(Stateful):
     """The neurons of one joint: they learn from a detection on, and are used where no known effect fits.
 
     Args:
@@ -78,6 +79,8 @@ class Approximator:
         observer: Filters the neurons and collects their normal equations.
         unknown: The neurons.
     """
+
+    STATE = ("_looks_without",)
 
     def __init__(self, j: int, observer: MomentumObserver, unknown: Unknown) -> None:
         self.j, self.observer, self.unknown = j, observer, unknown

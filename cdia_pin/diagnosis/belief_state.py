@@ -13,11 +13,12 @@ from cdia_pin.diagnosis.belief import JointBelief
 from cdia_pin.diagnosis.fault_memory import FaultMemory
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.presence import Presence
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Verdict
 from cdia_pin.effects import Term, Unknown
 
 
-class BeliefState:
+class BeliefState(Stateful):
     """The belief about one joint: effects of the bank, or neurons where none of them fits.
 
     Args:
@@ -33,6 +34,8 @@ class BeliefState:
         unknown_before: Whether a cleared unknown fault is remembered.
         presence: Where in the motion effects are present.
     """
+
+    STATE = ("now", "memory", "neurons", "unknown_before", "presence")
 
     def __init__(self, j: int, observer: MomentumObserver, bank: Bank, unknown: Unknown) -> None:
         self.j, self.observer, self.bank = j, observer, bank

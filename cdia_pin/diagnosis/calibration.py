@@ -186,11 +186,7 @@ def _with_masses(
     pi = robot.inertial_parameters + delta.reshape(robot.n, 10)
     if (pi[:, 0] <= 0).any():
         return nominal
-    return replace(
-        nominal,
-        robot=robot.with_inertial_parameters(pi),
-        others=replace(nominal.others, robot=robot.with_inertial_parameters(pi)),
-    )
+    return nominal.corrected(nominal.delay, pi)
 
 
 def _filtered_regressor(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.stateful import Stateful
+
 Array = NDArray[np.float64]
 
 RISE_TIME = 0.02  # [s], in which a correction may rise to the effort limit: friction reverses as quickly
@@ -14,7 +16,7 @@ POWER_SHARE = (
 )
 
 
-class CorrectionLimits:
+class CorrectionLimits(Stateful):
     """Bounds the torque that is added to a nominal one: finite, and within effort, rate and power.
 
     Args:
@@ -27,6 +29,8 @@ class CorrectionLimits:
         is_wanted: Whether corrections are let through at all; the share follows within `RAMP_TIME`.
         asked: The torque that an engine asked for last [N·m or N], shape (n,).
     """
+
+    STATE = ("is_wanted", "share", "asked", "_before", "_now", "_velocity", "_elapsed", "_active")
 
     def __init__(self, effort: Array, speed: Array, period: float) -> None:
         self._effort, self._period = effort, period

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.isolation import Decision
 from cdia_pin.diagnosis.sight import JointSight
-from cdia_pin.diagnosis.status import Event, Status
+from cdia_pin.diagnosis.status import Status
 from cdia_pin.effects import Term
 from cdia_pin.errors import ModelError
 
@@ -24,8 +24,8 @@ class Engine(Protocol):
     """A scheme of detection, isolation and accommodation, which also notices when a fault has cleared."""
 
     @property
-    def events(self) -> list[Event]:
-        """All events so far."""
+    def learned(self) -> Any:
+        """What healthy runs taught, or a threshold stands for; `Knowledge.learned` takes it in place of them."""
         ...
 
     @property

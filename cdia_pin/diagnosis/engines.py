@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -13,6 +14,7 @@ from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.errors import ModelError, unknown_name
 from cdia_pin.logs.log import Log
+from cdia_pin.robot.model import RobotModel
 
 if TYPE_CHECKING:
     from cdia_pin.diagnosis.thesis import ThesisSettings
@@ -44,14 +46,42 @@ def settings_of(engine: str, **chosen: Any) -> MonitorSettings | ThesisSettings:
     return ThesisSettings(**chosen)
 
 
+def require_threshold(threshold: Mapping[str, float], robot: RobotModel) -> None:
+    """Check a given threshold.
+
+    Args:
+        threshold: Largest healthy residual of each joint [N·m or N].
+        robot: The arm.
+
+    Raises:
+        ModelError: If a joint is missing or unknown, or a value is not above 0.
+    """
+    for joint, value in threshold.items():
+        if joint not in robot.joints:
+            raise ModelError("threshold: " + unknown_name("joint", joint, robot.joints))
+        if not 0 < value < math.inf:
+            raise ModelError(f"threshold of {joint} must be above 0, given {value}")
+    if missing := [j for j in robot.joints if j not in threshold]:
+        raise ModelError(f"threshold: no value for joint(s) {', '.join(missing)}")
+
+
 @dataclass(frozen=True)
 class Knowledge:
-    """What is known of the healthy arm; the attributes are arguments of `Monitor`."""
+    """What is known of the healthy arm; all but the last of the attributes are arguments of `Monitor`.
 
-    healthy: tuple[Log, ...]
-    threshold: Mapping[str, float] | None
-    rate: float | None
-    position_only: bool
+    Attributes:
+        healthy: Runs of the healthy arm.
+        threshold: Largest healthy residual of each joint [N·m or N].
+        rate: Ticks per second [Hz].
+        position_only: Whether there are no velocities.
+        learned: What an engine of the same kind has learned, in place of runs and threshold.
+    """
+
+    healthy: tuple[Log, ...] = ()
+    threshold: Mapping[str, float] | None = None
+    rate: float | None = None
+    position_only: bool = False
+    learned: Any = None
 
 
 def _momentum(
@@ -78,7 +108,9 @@ def _thesis(
     if any(profile.kind != "always" for profile in bank.profiles):
         raise ModelError("the engine thesis takes no profiles in its bank; use the engine momentum")
     settings = settings or ThesisSettings()
-    if known.threshold is not None:
+    if known.learned is not None:
+        settings = replace(settings, unmodelled=tuple(known.learned.tolist()))
+    elif known.threshold is not None:
         joints = model.robot.joints
         settings = replace(settings, unmodelled=tuple(known.threshold[joint] for joint in joints))
     return GuardedEngine(ThesisEngine(model, bank.prototypes, settings, known.healthy)), settings

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.belief import JointBelief
 from cdia_pin.diagnosis.joint_gram import gram_parts
+from cdia_pin.diagnosis.stateful import Stateful
 
 Array = NDArray[np.float64]
 
@@ -16,8 +17,10 @@ LOOKS_NEEDED = 3  # looks in a row that a remembered fault must explain before i
 LARGEST_REST = 0.05  # [1], share of the residual's energy that it may leave unexplained
 
 
-class FaultMemory:
+class FaultMemory(Stateful):
     """Beliefs that were once right, and how many looks in a row one of them has explained the residual."""
+
+    STATE = ("_all", "_looks")
 
     def __init__(self) -> None:
         self._all: list[JointBelief] = []

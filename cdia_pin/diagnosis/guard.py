@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.engine_interface import BadSampleError
 from cdia_pin.diagnosis.sight import JointSight
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
 from cdia_pin.diagnosis.thesis.thesis_engine import ThesisEngine
 from cdia_pin.effects import Term
@@ -21,7 +22,7 @@ Array = NDArray[np.float64]
 RECOVERY_TIME = 0.2  # [s] of good samples before torques are corrected again: one good sample proves little
 
 
-class GuardedEngine:
+class GuardedEngine(Stateful):
     """The engine of the thesis in a control loop, where a bad sensor must not raise an exception.
 
     The momentum engine does the same by itself, in its compiled tick.
@@ -29,6 +30,8 @@ class GuardedEngine:
     Args:
         engine: The engine; it raises `BadSampleError` and keeps its state then.
     """
+
+    STATE = ("engine", "_last", "_bad", "_good_since")
 
     def __init__(self, engine: ThesisEngine) -> None:
         self.engine = engine
@@ -52,9 +55,9 @@ class GuardedEngine:
         return {}
 
     @property
-    def events(self) -> list[Event]:
-        """All events so far, with those of bad samples."""
-        return self.engine.events
+    def learned(self) -> Array:
+        """η₀, bound of the unmodelled torque [N·m or N], shape (n,)."""
+        return self.engine.unmodelled
 
     @property
     def faults(self) -> tuple[Term, ...]:
@@ -107,7 +110,6 @@ class GuardedEngine:
             joints = self.engine.robot.joints
             said = f"{reason}; nominal control"
             new = (Event(t, EventStage.ACCOMMODATION, joints, Verdict.NONE, reason=said),)
-            self.engine.events.extend(new)
         self._bad, self._good_since = True, None
         self.engine.pause()
         self._last = replace(self._last, time=t, torque_correction=np.zeros(self._n), events=new)

@@ -71,6 +71,11 @@ class HealthyArm:
     notes: tuple[str, ...] = ()
 
     @property
+    def is_measured(self) -> bool:
+        """Whether it comes from runs, and not from a given threshold."""
+        return bool(np.isfinite(self.torque).all())
+
+    @property
     def independent(self) -> Array:
         """Time for which samples of a joint count as alike in a decision [s], shape (n,)."""
         return np.minimum(self.memory, np.maximum(LONGEST_ALIKE, 1.0 / self.bandwidth))

@@ -11,6 +11,7 @@ from cdia_pin.diagnosis.belief import JointBelief
 from cdia_pin.diagnosis.healthy_arm import HealthyArm
 from cdia_pin.diagnosis.isolation import Decision, Isolator
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Verdict
 
 Array = NDArray[np.float64]
@@ -20,7 +21,7 @@ CORRELATION_TIMES = 6.0  # [1], correlation times of a healthy residual that a d
 MEMORY_SHARE = 0.4  # [1], share of the memory after which a decision is taken at the latest
 
 
-class JointIsolation:
+class JointIsolation(Stateful):
     """The normal equations of a joint, beside what was believed when they started.
 
     Args:
@@ -32,6 +33,8 @@ class JointIsolation:
     Attributes:
         last: The last decision; None before the first.
     """
+
+    STATE = ("last", "_prior", "_centre")
 
     def __init__(self, j: int, observer: MomentumObserver, isolator: Isolator, healthy: HealthyArm) -> None:
         self.j, self.observer, self.isolator = j, observer, isolator
@@ -119,12 +122,14 @@ class JointIsolation:
         return JointBelief(decision.theta, decision.mask, verdict, ci95, decision.rivals)
 
 
-class Votes:
+class Votes(Stateful):
     """The last decisions on a joint: the monitor acts when they agree.
 
     Args:
         needed: Number of decisions in a row that must agree.
     """
+
+    STATE = ("_last",)
 
     def __init__(self, needed: int) -> None:
         self._last: deque[tuple[int, bool]] = deque(maxlen=needed)

@@ -19,6 +19,7 @@ from cdia_pin.diagnosis.isolation import Isolator
 from cdia_pin.diagnosis.joint_isolation import JointIsolation, Votes
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event, EventStage, Stage, Verdict
 from cdia_pin.diagnosis.words import what_separates
 from cdia_pin.effects import Profile, Term, Unknown
@@ -32,7 +33,7 @@ DOUBT_ABSENCES = 1.5  # [1], times `gone_after` that a doubt waits, so that a fa
 DOUBT_FILTERS = 4.0  # [1], time constants of the filter that it waits besides
 
 
-class JointMonitor:
+class JointMonitor(Stateful):
     """The stages of one joint.
 
     Args:
@@ -49,6 +50,20 @@ class JointMonitor:
         waits: Whether the joint must not decide, because something of the whole arm is in question.
         lasts: Whether an effect of the bank has explained more of late than a healthy arm shows.
     """
+
+    STATE = (
+        "beliefs",
+        "isolation",
+        "stage",
+        "waits",
+        "lasts",
+        "since",
+        "last_alarm",
+        "_votes",
+        "_failures",
+        "_doubted",
+        "_mixed",
+    )
 
     def __init__(
         self,

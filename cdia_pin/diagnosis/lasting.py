@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.joint_gram import ridge_inverse
 from cdia_pin.diagnosis.kernels import ROUGHNESS
+from cdia_pin.diagnosis.stateful import Stateful
 
 Array = NDArray[np.float64]
 
@@ -32,7 +33,7 @@ FILLED = 0.5  # [1], share of the window that must hold motion before it counts
 TINY = 1e-300  # keeps a column that was never excited from dividing by zero
 
 
-class LastingDetector:
+class LastingDetector(Stateful):
     """How much torque each effect of the bank explains of late, on each joint.
 
     Args:
@@ -44,6 +45,9 @@ class LastingDetector:
         limit: Explained torque of a healthy arm [N·m or N], shape (n, N); infinite until it is learned.
         weight: Duration of the motion seen, old samples discounted [s], shape (n,).
     """
+
+    STATE = ("_gram", "weight")
+    DERIVED = ("_rows",)
 
     def __init__(self, bank: Bank, n: int, memory: float) -> None:
         self._spans = [bank.span(i) for i in range(len(bank))]

@@ -19,12 +19,13 @@ from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.residuals import SETTLING
 from cdia_pin.diagnosis.sight import JointSight
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
 from cdia_pin.diagnosis.tick_flags import ABSENT, ALARM, BAD
 from cdia_pin.diagnosis.whole_arm.arm_monitor import ArmMonitor
 from cdia_pin.diagnosis.whole_arm.belief import added_torque
 from cdia_pin.diagnosis.whole_arm.contact import RESTING
-from cdia_pin.diagnosis.whole_arm.learning import PERIOD, assumed, learn
+from cdia_pin.diagnosis.whole_arm.learning import PERIOD, Learned, assumed, learn
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import State, Term
 from cdia_pin.errors import ModelError
@@ -36,7 +37,7 @@ LASTING_EVERY = 0.25  # [s] between two questions whether something small lasts
 LARGEST_GAP = 5.0  # ticks without a sample after which the filters start again: what they hold is too old
 
 
-class MomentumEngine:
+class MomentumEngine(Stateful):
     """Monitors an arm by the momentum observer.
 
     Args:
@@ -47,10 +48,34 @@ class MomentumEngine:
         threshold: η₀ of each joint [N·m or N], if there are no healthy runs.
         rate: Ticks per second [Hz]; that of the healthy runs if omitted.
         position_only: Whether `update` gets no velocities, if there are no healthy runs.
+        learned: What another engine has learned, in place of runs and threshold.
+
+    Attributes:
+        learned: What healthy runs taught, or the threshold stands for.
 
     Raises:
         ModelError: If there are neither healthy runs nor a threshold with a rate.
     """
+
+    STATE = (
+        "observer",
+        "_alignment",
+        "joint_monitors",
+        "arm",
+        "lasting",
+        "_quiet_until",
+        "_next",
+        "_next_look",
+        "_next_sample",
+        "_last_sample",
+        "_next_lasting",
+        "_next_arm_look",
+        "_lasts",
+        "_bad",
+        "_stages",
+        "_faults",
+    )
+    DERIVED = ("_busy", "_gated")
 
     def __init__(
         self,
@@ -62,12 +87,15 @@ class MomentumEngine:
         threshold: Mapping[str, float] | None = None,
         rate: float | None = None,
         position_only: bool = False,
+        learned: Learned | None = None,
     ) -> None:
         robot = model.robot
         self.settings, self.bank = settings, bank
         nominal = Nominal.of(model)
-        if healthy:
-            self.healthy: HealthyArm = learn_healthy_arm(nominal, healthy, bank, settings)
+        if learned is not None and rate:
+            self.healthy: HealthyArm = learned.healthy
+        elif healthy:
+            self.healthy = learn_healthy_arm(nominal, healthy, bank, settings)
             rate = rate or float(np.median([run.rate for run in healthy]))
             position_only = healthy[0].velocity is None
         elif threshold is not None and rate:
@@ -84,28 +112,26 @@ class MomentumEngine:
             nominal, bank.prototypes, settings, self.dt, unknown, self.healthy.bandwidth
         )
         self.observer.use_sign_width(self.healthy.sign_width)
-        if healthy:
+        if self.healthy.is_measured:
             self.observer.use_speed(np.abs(self.healthy.velocity_range).max(axis=0))
         self.observer.state.bound = self.healthy.bound
         lower, upper = _parameter_bounds(bank, nominal)
         isolator = Isolator(bank, lower, upper, settings)
         self._alignment = Alignment(self.dt, nominal.delay, position_only)
         self.lasting = LastingDetector(bank, robot.n, settings.memory)
-        if healthy:
+        if learned is None and healthy:
             learned = learn(self.observer, self._alignment, self.lasting, healthy, self.healthy)
-        else:
-            learned = assumed(robot.n, len(bank), self.healthy)
-        self.lasting.limit = learned.lasting
+        self.learned = learned or assumed(robot.n, len(bank), self.healthy)
+        self.lasting.limit = self.learned.lasting
         self.joint_monitors = [
             JointMonitor(j, self.observer, isolator, self.healthy, unknown[j], settings)
             for j in range(robot.n)
         ]
-        self.arm = ArmMonitor(self.observer, bank, self.healthy, learned.contact, settings)
+        self.arm = ArmMonitor(self.observer, bank, self.healthy, self.learned.contact, settings)
         self._offset = nominal.offset if nominal.offset.any() else None
         self._limit, self._least = robot.limits.effort, -robot.limits.effort
         self._blind = self.healthy.sight.blind
         self._zero = np.zeros(robot.n)
-        self.events: list[Event] = []
         self.reset()
 
     def reset(self) -> None:
@@ -116,7 +142,6 @@ class MomentumEngine:
             monitor.reset()
         self.arm.reset()
         self.lasting.reset()
-        self.events.clear()
         self._quiet_until = np.inf  # [s], until when the filters settle
         self._next = [-np.inf] * len(self.joint_monitors)
         self._next_look = np.inf
@@ -127,7 +152,15 @@ class MomentumEngine:
         self._bad = False
         self._stages: tuple[Stage, ...] = (Stage.HEALTHY,) * len(self.joint_monitors)
         self._faults: tuple[Term, ...] = ()
-        self._busy: list[JointMonitor] = []
+        self._group_joints()
+
+    def restored(self) -> None:
+        """Group the joints by their stages."""
+        self._group_joints()
+
+    def _group_joints(self) -> None:
+        """Find the joints that are not healthy, and those with effects that come and go."""
+        self._busy = [m for m in self.joint_monitors if m.stage is not Stage.HEALTHY]
         self._gated = [m for m in self.joint_monitors if m.profiles]
 
     def update(self, t: float, q: Array, v: Array | None, tau: Array) -> Status:
@@ -229,15 +262,13 @@ class MomentumEngine:
                 steps = np.floor((then - late) / self.settings.decide_every) + 1
                 self._next[monitor.j] = float(steps) * self.settings.decide_every + late
                 new += self._heard(monitor, monitor.look(t))
-        self._busy = [m for m in self.joint_monitors if m.stage is not Stage.HEALTHY]
+        self._group_joints()
         looks = [self._next[m.j] for m in self._busy]
         self._next_look = min([*looks, self._next_arm_look] if self.arm.is_busy else looks, default=np.inf)
-        self._gated = [m for m in self.joint_monitors if m.profiles]
         self._stages = tuple(self._stage_of(m) for m in self.joint_monitors)
         o.state.muted = [m.ignores_alarms for m in self.joint_monitors]
         o.correct_from_now(self._corrects)
         self._faults = self.faults if self._busy or self.arm.is_busy else ()
-        self.events += new
         return tuple(new)
 
     def _heard(self, monitor: JointMonitor, said: list[Event]) -> list[Event]:
@@ -301,7 +332,6 @@ class MomentumEngine:
                     reason=f"{reason}; nominal control",
                 ),
             )
-            self.events += event
         self._bad = True
         self.pause()
         return self._status(t, event)

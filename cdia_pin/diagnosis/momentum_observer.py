@@ -13,6 +13,7 @@ from cdia_pin.diagnosis.layout import layout
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.observer_state import ObserverState
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.tick_flags import BAD
 from cdia_pin.effects import JointEffect, Signal, Unknown
 from cdia_pin.robot.model import RobotModel
@@ -28,7 +29,7 @@ REST_SHARE = 0.03  # [1], share of a joint's largest speed below which it may re
 LEAST_SIGN_WIDTH = 1e-3  # [rad/s or m/s], over which sgn is smoothed where velocities have no noise
 
 
-class MomentumObserver:
+class MomentumObserver(Stateful):
     """Residuals, thresholds, filtered columns and normal equations of all joints.
 
     Args:
@@ -54,6 +55,10 @@ class MomentumObserver:
         inertial: Whether an effect of acceleration is believed in.
         carried: The rigid bodies with what the arm carries now; the residual is that of these.
     """
+
+    STATE = ("state", "time", "inertial")
+    # What the arm carries follows from what is believed of the whole arm; the others are views of the state.
+    DERIVED = ("carried", "_rigid_terms", "remainder", "addition", "q", "v", "believed")
 
     def __init__(
         self,

@@ -4,24 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, NotRequired, TypedDict
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.diagnosis.bank import DEFAULT_BANK, Bank
-from cdia_pin.diagnosis.engines import ENGINES, Knowledge
+from cdia_pin.diagnosis.engine_interface import Engine
+from cdia_pin.diagnosis.engines import ENGINES, Knowledge, require_threshold
+from cdia_pin.diagnosis.event_history import EventHistory
+from cdia_pin.diagnosis.monitor_file import MonitorParts, reading, write_monitor
+from cdia_pin.diagnosis.monitor_record import MonitorRecord
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.safe_engine import SafeEngine
 from cdia_pin.diagnosis.sample_bounds import SampleBounds
 from cdia_pin.diagnosis.sensor_fault import SensorFault
-from cdia_pin.diagnosis.sight import JointSight
 from cdia_pin.diagnosis.status import Event, Status
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import ExternalWrench, JointEffect, Term
 from cdia_pin.errors import LogError, ModelError, unknown_name
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.resampling import resampled, thinned
+from cdia_pin.plain_json import plain
+from cdia_pin.robot.model import RobotModel
 from cdia_pin.version import __version__
 
 if TYPE_CHECKING:
@@ -34,52 +40,6 @@ Array = NDArray[np.float64]
 SAME_RATE = 1.05
 ASSUMED_RATE = 1000.0  # [Hz], where the engine needs none and none is given
 PROGRESS_EVERY = 500  # samples between two reports of a replay's progress
-
-
-class RunSource(TypedDict):
-    """Source of a log.
-
-    Attributes:
-        source: File or name.
-        sha256: Hash of the file, if there is one.
-        duration: Length [s].
-        rate: Samples per second [Hz].
-    """
-
-    source: str
-    sha256: str | None
-    duration: NotRequired[float]
-    rate: NotRequired[float]
-
-
-class MonitorRecord(TypedDict):
-    """What a monitor is made of, enough to make it again; plain JSON.
-
-    Attributes:
-        version: Version of the package.
-        engine: Name of the engine.
-        bank: Names of the known effects.
-        settings: Settings of the engine by name.
-        model: Labels of the model's terms.
-        healthy: Sources of the healthy runs.
-        rate: Ticks per second [Hz]; None if it was not given.
-        notes: What healthy runs taught, one sentence each.
-        sight: Threshold and torque of each joint, by its name; empty where thresholds are no torques.
-        log: Source of the log, of a replay.
-        loop: Settings of the loop, of a closed loop.
-    """
-
-    version: str
-    engine: str
-    bank: list[str]
-    settings: dict[str, Any]
-    model: list[str]
-    healthy: list[RunSource]
-    rate: float | None
-    notes: list[str]
-    sight: dict[str, JointSight]
-    log: NotRequired[RunSource]
-    loop: NotRequired[dict[str, Any]]
 
 
 class Monitor:
@@ -99,13 +59,14 @@ class Monitor:
         bank: Known effects; each is tested on every joint.
         engine: ``momentum``, or ``thesis`` for the scheme of [Thesis].
         settings: Settings of the engine, `MonitorSettings` or `ThesisSettings`; the defaults if omitted.
+        event_log: File to which every event is appended as a line of JSON; none if omitted.
 
     Attributes:
         record: Engine, bank, settings, model, healthy runs, what they taught, and version; plain JSON.
 
     Raises:
-        ModelError: If neither or both of runs and thresholds are given, the engine is unknown, or the settings
-            belong to another engine.
+        ModelError: If neither or both of runs and thresholds are given, the engine is unknown, the settings
+            belong to another engine, or the event log cannot be written.
         LogError: If the runs are too short.
         EffectError: If the bank holds something other than effects of one joint.
     """
@@ -121,14 +82,16 @@ class Monitor:
         bank: Bank | Iterable[str | JointEffect] = DEFAULT_BANK,
         engine: str = "momentum",
         settings: MonitorSettings | ThesisSettings | None = None,
+        event_log: str | Path | None = None,
     ) -> None:
         if threshold is not None:
-            _check_threshold(threshold, model)
+            require_threshold(threshold, model.robot)
         if engine not in ENGINES:
             raise ModelError(unknown_name("engine", engine, ENGINES))
         if healthy and threshold is not None:
             raise ModelError("a monitor takes healthy runs or a threshold, not both")
-        self.model, self.bank = model, bank if isinstance(bank, Bank) else Bank.of(model.robot, bank)
+        history = EventHistory.to(event_log, model.robot)
+        bank = bank if isinstance(bank, Bank) else Bank.of(model.robot, bank)
         self.rate = rate or (float(np.median([run.rate for run in healthy])) if healthy else None)
         runs = [self.at_rate(run, healthy=True) for run in healthy]
         said = [
@@ -136,26 +99,68 @@ class Monitor:
             for run, given in zip(runs, healthy, strict=True)
             if run is not given
         ]
-        self._shape = (model.robot.n,)
         known = Knowledge(tuple(runs), threshold, self.rate, position_only)
-        self.engine, used = ENGINES[engine](model, self.bank, settings, known)
-        robot, self._has_velocity = model.robot, not position_only
+        made, used = ENGINES[engine](model, bank, settings, known)
         if healthy:
-            bounds, self._has_velocity = SampleBounds.learned(robot, runs), runs[0].velocity is not None
+            bounds, has_velocity = SampleBounds.learned(model.robot, runs), runs[0].velocity is not None
         else:
-            bounds = SampleBounds.assumed(robot, self.rate or ASSUMED_RATE)
-        self._safe = SafeEngine(self.engine, robot, bounds, self._has_velocity)
-        self.record: MonitorRecord = {
+            bounds = SampleBounds.assumed(model.robot, self.rate or ASSUMED_RATE)
+            has_velocity = not position_only
+        record: MonitorRecord = {
             "version": __version__,
             "engine": str(engine),
-            "bank": list(self.bank.names),
-            "settings": _plain(asdict(used)),
+            "bank": list(bank.names),
+            "settings": plain(asdict(used)),
             "model": [term.label for term in model.terms],
             "healthy": [{"source": r.source, "sha256": r.sha256, "duration": r.duration} for r in healthy],
             "rate": self.rate,
-            "notes": [*said, *self.engine.notes],
-            "sight": self.engine.sight,
+            "notes": [*said, *made.notes],
+            "sight": made.sight,
         }
+        parts = MonitorParts(model, bank, used, self.rate, has_velocity, bounds, made.learned, record)
+        self._assemble(parts, made, history)
+
+    def _assemble(self, parts: MonitorParts, engine: Engine, history: EventHistory) -> None:
+        """Put the parts together."""
+        robot = parts.model.robot
+        self.model, self.bank, self.rate, self.record = parts.model, parts.bank, parts.rate, parts.record
+        self.engine, self._parts = engine, parts
+        self._shape, self._has_velocity = (robot.n,), parts.has_velocity
+        self._safe = SafeEngine(engine, robot, parts.bounds, parts.has_velocity, history)
+
+    @classmethod
+    def load(cls, path: str | Path, robot: RobotModel, *, event_log: str | Path | None = None) -> Monitor:
+        """Return a monitor as it was when `save` wrote it; it goes on as if it had never been stopped.
+
+        Args:
+            path: The file.
+            robot: The arm.
+            event_log: Gets every event from now on.
+
+        Raises:
+            ModelError: If the file is no stored monitor, or one of another arm or version of the package.
+        """
+        with reading(path, robot) as stored:
+            monitor = cls.__new__(cls)
+            history = EventHistory.to(event_log, robot)
+            monitor._assemble(stored.parts, stored.parts.engine(), history)
+            stored.restore(monitor._safe)
+        return monitor
+
+    def save(self, path: str | Path) -> Path:
+        """Write the monitor as it is now, with all that it has learned and believes; its event log is not part of it.
+
+        Args:
+            path: File to write, best named ``.npz``; an existing one is replaced as a whole or not at all.
+
+        Returns:
+            The path that was written.
+
+        Raises:
+            ModelError: If the file cannot be written, or the model or the bank holds an effect whose class has no
+                name in the vocabulary, see `effects.register`.
+        """
+        return write_monitor(path, self._parts, self._safe)
 
     def __repr__(self) -> str:
         robot, faults = self.model.robot, ", ".join(t.label for t in self.faults[:3]) or "none"
@@ -221,8 +226,8 @@ class Monitor:
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """All events so far."""
-        return tuple(self._safe.events)
+        """The last events, at most `event_history.MOST_EVENTS`; an event log holds all."""
+        return tuple(self._safe.history.events)
 
     @property
     def sensor_faults(self) -> tuple[SensorFault, ...]:
@@ -271,13 +276,16 @@ class Monitor:
         log: Log,
         watch: Callable[[Status], None] | None = None,
         progress: Callable[[float], None] | None = None,
+        *,
+        go_on: bool = False,
     ) -> tuple[Event, ...]:
-        """Feed a log sample by sample, as a loop would, and return the events.
+        """Feed a log sample by sample, as a loop would, and return all its events.
 
         Args:
             log: Resampled first, if its rate is not that of the ticks.
             watch: Gets the status after each sample.
             progress: Gets the share that is done [1], from time to time.
+            go_on: Whether the monitor goes on from where it is; it returns to its start first if not.
 
         Raises:
             LogError: If the log is of other joints, or has to be resampled and is mostly gaps.
@@ -285,34 +293,17 @@ class Monitor:
         if log.joints != self.model.robot.joints:
             expected = ", ".join(self.model.robot.joints)
             raise LogError(f"{log.source}: joints are {', '.join(log.joints)}; expected {expected}")
-        self.reset()
+        if not go_on:
+            self.reset()
         log = self.at_rate(log)
         count = len(log.time)
+        events: list[Event] = []
         for k in range(count):
             v = None if log.velocity is None else log.velocity[k]
             status = self.update(float(log.time[k]), log.position[k], v, log.effort[k])
+            events += status.events
             if watch is not None:
                 watch(status)
             if progress is not None and k % PROGRESS_EVERY == 0:
                 progress(k / count)
-        return self.events
-
-
-def _check_threshold(threshold: Mapping[str, float], model: Dynamics) -> None:
-    joints = model.robot.joints
-    for joint, value in threshold.items():
-        if joint not in joints:
-            raise ModelError("threshold: " + unknown_name("joint", joint, joints))
-        if not 0 < value < np.inf:
-            raise ModelError(f"threshold of {joint} must be above 0, given {value}")
-    if missing := [j for j in joints if j not in threshold]:
-        raise ModelError(f"threshold: no value for joint(s) {', '.join(missing)}")
-
-
-def _plain(value: Any) -> Any:
-    """Return settings as plain JSON values."""
-    if isinstance(value, dict):
-        return {k: _plain(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(v) for v in value]
-    return value if isinstance(value, str | bool | int | float) or value is None else str(value)
+        return tuple(events)

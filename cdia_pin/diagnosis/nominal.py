@@ -34,6 +34,7 @@ class Nominal:
         others: All other terms; they are evaluated in Python at every tick, in tens of microseconds.
         offset: Angle to add to the encoders' readings [rad or m], shape (n,).
         delay: Delay of the torques after their signal [s].
+        masses: Inertial parameters by which healthy runs corrected the robot, shape (n, 10); None without.
     """
 
     robot: RobotModel
@@ -41,6 +42,7 @@ class Nominal:
     others: Dynamics
     offset: Array
     delay: float
+    masses: Array | None = None
 
     @classmethod
     def of(cls, model: Dynamics) -> Nominal:
@@ -80,6 +82,20 @@ class Nominal:
         if not np.array_equal(g, robot.gravity_vector):
             robot = robot.with_gravity(g)
         return cls(robot, tuple(of_joints), Dynamics(robot, tuple(others)), offset, delay)
+
+    def corrected(self, delay: float, masses: Array | None) -> Nominal:
+        """Return the model with another delay, and with other inertial parameters where they are given.
+
+        Args:
+            delay: Delay of the torques after their signal [s].
+            masses: Inertial parameters of the links, shape (n, 10), or None.
+        """
+        if masses is None:
+            return replace(self, delay=delay)
+        robot = self.robot.with_inertial_parameters(masses)
+        return replace(
+            self, robot=robot, others=replace(self.others, robot=robot), delay=delay, masses=masses
+        )
 
     def outside(self, q: Array, v: Array, a: Array, tau: Array, time: float, width: Array) -> Array:
         """Return the torque of the other terms [N·m or N], shape (n,).

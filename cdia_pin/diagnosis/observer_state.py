@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.diagnosis import kernel_rows as rows
 from cdia_pin.diagnosis.layout import Shape, allocate
+from cdia_pin.diagnosis.stateful import Stateful
 
 Array = NDArray[np.float64]
 
@@ -49,7 +50,7 @@ class _Scalar:
         state.parts["scalars"][self._entry] = value
 
 
-class ObserverState:
+class ObserverState(Stateful):
     """State of n joints with P columns and H neurons each; `kernel_rows` says what each row means.
 
     Args:
@@ -64,10 +65,17 @@ class ObserverState:
         neuron_gram: Gram matrices of the neurons and the residual, upper triangles, shape (n, H + 1, H + 1).
     """
 
+    STATE = ("array",)
+    DERIVED = ("parts", "gram", "absent", "mass", "neuron_gram")  # views of it
+
     def __init__(self, shapes: Mapping[str, Shape]) -> None:
         self.array, self.parts = allocate(shapes)
         self.gram, self.absent = self.parts["gram"], self.parts["absent"]
         self.mass, self.neuron_gram = self.parts["mass"], self.parts["neuron_gram"]
+
+    def take(self, name: str, value: Array) -> None:
+        """Take the stored array in place: all the rest are views of it."""
+        self.array[:] = value
 
     # Of each joint, shape (n,).
     residual = _Row("joint", rows.RESIDUAL)

@@ -12,6 +12,7 @@ from cdia_pin.diagnosis.bank import Bank, on_joint
 from cdia_pin.diagnosis.belief import JointBelief
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.region import RegionLearner
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.effects import Profile, Region, Term
 
 Array = NDArray[np.float64]
@@ -19,7 +20,7 @@ Array = NDArray[np.float64]
 SIGHTING = 1.5  # [1], torque of an effect over the threshold, above which a look shows whether it is present
 
 
-class Presence:
+class Presence(Stateful):
     """Profiles of the effects of a joint.
 
     Args:
@@ -30,12 +31,18 @@ class Presence:
         profiles: Profiles of the effects that are not always present, by index; they are corrected only where present.
     """
 
+    STATE = ("profiles", "_learners")
+
     def __init__(self, joint: str, bank: Bank) -> None:
         self.joint, self.bank = joint, bank
         self.profiles: dict[int, Profile] = {
             i: on_joint(p, joint) for i, p in enumerate(bank.profiles) if p.kind != "always"
         }
         self._learners: dict[int, RegionLearner] = {}
+
+    def new_part(self, name: str) -> RegionLearner:
+        """Make a learner, of which there is one for each effect that was seen."""
+        return RegionLearner(self.joint)
 
     def look(
         self, observer: MomentumObserver, j: int, belief: JointBelief, memories: Iterable[JointBelief]

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from cdia_pin import schemas
 from cdia_pin.diagnosis.engines import EngineName
 from cdia_pin.diagnosis.journal import BelievedFaults, Journal, Look
-from cdia_pin.diagnosis.monitor import Monitor, MonitorRecord
+from cdia_pin.diagnosis.monitor import Monitor
+from cdia_pin.diagnosis.monitor_record import MonitorRecord
 from cdia_pin.diagnosis.sight import blind_joints
 from cdia_pin.diagnosis.status import Event, EventDict, FaultDict, Stage, Status, fault_to_dict
 from cdia_pin.effects import Term
@@ -137,6 +138,7 @@ class Recorder:
         self._next = -np.inf
         self._nothing = np.full(monitor.model.robot.n, np.nan)
         self._velocity, self._desired = True, True
+        self._events: list[Event] = []
         self._journal = Journal(monitor)
 
     def __call__(
@@ -152,6 +154,7 @@ class Recorder:
             desired: Desired positions [rad or m], shape (n,), or None.
         """
         self._journal(status)
+        self._events += status.events
         late = status.time - self._next  # a little below zero: not due; far below: time has gone back
         due = not -2 * self._period < late < 0
         if not due and not status.events:
@@ -188,7 +191,7 @@ class Recorder:
             velocity=v if self._velocity else None,
             effort=tau,
             desired=desired if self._desired else None,
-            events=monitor.events,
+            events=tuple(self._events),
             faults=monitor.faults,
             record=cast("MonitorRecord", {**monitor.record, **record}),
             looks=tuple(self._journal.looks),
@@ -197,15 +200,21 @@ class Recorder:
 
 
 def replay(
-    monitor: Monitor, log: Log, *, rate: float = STORED_RATE, progress: Callable[[float], None] | None = None
+    monitor: Monitor,
+    log: Log,
+    *,
+    rate: float = STORED_RATE,
+    progress: Callable[[float], None] | None = None,
+    go_on: bool = False,
 ) -> MonitorRun:
     """Feed a log to a monitor as a loop would, and return the record of the run.
 
     Args:
-        monitor: Returned to its start first.
+        monitor: Returned to its start first, unless it goes on.
         log: Resampled first, if its rate is not that of the monitor, which a note of the record says.
         rate: Rate of the ticks that are kept [Hz].
         progress: Gets the share that is done [1], from time to time.
+        go_on: Whether the monitor goes on from where it is.
 
     Raises:
         LogError: If the log is of other joints, or has to be resampled and is mostly gaps.
@@ -221,6 +230,6 @@ def replay(
         v = None if even.velocity is None else even.velocity[k]
         recorder(status, even.position[k], v, even.effort[k])
 
-    monitor.replay(even, watch, progress)
+    monitor.replay(even, watch, progress, go_on=go_on)
     source = {"source": log.source, "sha256": log.sha256, "rate": log.rate}
     return recorder.finish(log=source, notes=[*said, *monitor.record["notes"]])

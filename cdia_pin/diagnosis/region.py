@@ -7,6 +7,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.effects import Region
 
 Array = NDArray[np.float64]
@@ -23,12 +24,14 @@ CLEARLY_BETTER = (
 )
 
 
-class RegionLearner:
+class RegionLearner(Stateful):
     """Sightings of an effect of a joint, and the region that they show.
 
     Args:
         joint: Name of the joint.
     """
+
+    STATE = ("_seen", "_present")
 
     def __init__(self, joint: str) -> None:
         self.joint = joint

@@ -9,16 +9,18 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.correction_limits import CorrectionLimits
 from cdia_pin.diagnosis.engine_interface import Engine
+from cdia_pin.diagnosis.event_history import EventHistory
 from cdia_pin.diagnosis.sample_bounds import ANY_SIGNAL, LARGEST_GAP, SampleBounds
 from cdia_pin.diagnosis.sample_check import Outcome, SampleCheck
 from cdia_pin.diagnosis.sensor_fault import SensorFault
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event, Stage, Status
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
 
-class SafeEngine:
+class SafeEngine(Stateful):
     """Keeps samples that cannot be from an engine, and its corrections within bounds.
 
     Args:
@@ -26,13 +28,31 @@ class SafeEngine:
         robot: The arm.
         bounds: What its samples can be.
         has_velocity: Whether velocities are measured.
-
-    Attributes:
-        events: All events so far, of the engine and of the samples.
+        history: Keeps the events of the engine and of the samples.
     """
 
-    def __init__(self, engine: Engine, robot: RobotModel, bounds: SampleBounds, has_velocity: bool) -> None:
-        self.engine, self._bounds, self._n = engine, bounds, robot.n
+    STATE = (
+        "engine",
+        "history",
+        "_check",
+        "_told",
+        "_given",
+        "_last",
+        "_sample",
+        "_nominal",
+        "_time",
+        "_shift",
+    )
+
+    def __init__(
+        self,
+        engine: Engine,
+        robot: RobotModel,
+        bounds: SampleBounds,
+        has_velocity: bool,
+        history: EventHistory,
+    ) -> None:
+        self.engine, self.history, self._bounds, self._n = engine, history, bounds, robot.n
         self._check = SampleCheck(robot.joints, bounds, has_velocity)
         self._limit = robot.limits.effort
         self._told, self._given = (
@@ -42,7 +62,6 @@ class SafeEngine:
         self._forget()
 
     def _forget(self) -> None:
-        self.events: list[Event] = []
         self._last = Status(0.0, (Stage.HEALTHY,) * self._n, self._nothing, self._nothing, self._nothing)
         self._sample: tuple[float, Array, Array | None, Array] | None = None
         self._nominal = self._nothing
@@ -57,6 +76,7 @@ class SafeEngine:
     def reset(self) -> None:
         """Return to the start; what healthy runs taught stays, and whether corrections are allowed."""
         self.engine.reset()
+        self.history.reset()
         self._check.reset()
         self._told.reset()
         self._given.reset()
@@ -99,7 +119,8 @@ class SafeEngine:
         if news:
             status.events = (*news, *status.events)
         if status.events:
-            self.events += status.events
+            self.history.add(status.events)
+        status.warnings = self.history.warnings
         self._last = status
         return status
 
@@ -125,7 +146,7 @@ class SafeEngine:
             time = max(t, time)
         self._limit_of_tick(elapsed, is_held, None if self._sample is None else self._sample[2])
         correction = self._told(self._told.asked)
-        self.events += news
+        self.history.add(news)
         self._last = replace(
             last,
             time=time,
@@ -134,6 +155,7 @@ class SafeEngine:
             torque_correction=correction,
             events=news,
             sensors=self._check.faults,
+            warnings=self.history.warnings,
         )
         return self._last
 

@@ -22,6 +22,7 @@ from cdia_pin.diagnosis import sample_rows as rows
 from cdia_pin.diagnosis.sample_bounds import MEMORY_TIME, SampleBounds
 from cdia_pin.diagnosis.sample_words import SIGNALS, why_bad
 from cdia_pin.diagnosis.sensor_fault import SensorCondition, SensorFault, SensorSignal
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event, EventStage, Verdict
 
 Array = NDArray[np.float64]
@@ -63,7 +64,7 @@ class Outcome(IntEnum):
     BAD = 4  # drop it, and correct nothing
 
 
-class SampleCheck:
+class SampleCheck(Stateful):
     """Decides whether samples can be, and names sensors whose samples cannot.
 
     Args:
@@ -78,6 +79,30 @@ class SampleCheck:
         corrections: Last corrections [N·m or N], shape (n,) each; their steps in the torque are no spikes.
         missed: Ticks between the last good sample and the one that bridges the gap.
     """
+
+    STATE = (
+        "offset",
+        "faults",
+        "news",
+        "corrections",
+        "missed",
+        "_state",
+        "_scalars",
+        "_shifts",
+        "_accused",
+        "_accepted",
+        "_bad",
+        "_chain",
+        "_steps",
+        "_entry",
+        "_since",
+        "_broken",
+        "_is_evident",
+        "_has_many_jumps",
+        "_spikes",
+        "_last_spike",
+        "_quiet",
+    )
 
     def __init__(self, joints: tuple[str, ...], bounds: SampleBounds, has_velocity: bool) -> None:
         from cdia_pin.diagnosis.sample_kernel import judge, since_good  # needs numba

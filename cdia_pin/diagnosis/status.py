@@ -135,6 +135,7 @@ class Status:
         events: Changes at this tick; mostly none.
         blind: Names of the joints whose threshold is too wide to see a fault of 30 % of their torque.
         sensors: Sensors that are at fault.
+        warnings: What the monitor itself cannot do now, such as write its event log; mostly none.
     """
 
     time: float
@@ -146,6 +147,7 @@ class Status:
     events: tuple[Event, ...] = ()
     blind: tuple[str, ...] = ()
     sensors: tuple[SensorFault, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return (

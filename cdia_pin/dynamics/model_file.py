@@ -56,14 +56,7 @@ def save_model(model: Dynamics, path: str | Path, *, record: Mapping[str, Any] |
         ModelError: If the record is not plain JSON, or the file cannot be written.
     """
     path = Path(path)
-    document: ModelDocument = {
-        "schema": schemas.MODEL,
-        "version": __version__,
-        "robot": model.robot.name,
-        "joints": list(model.robot.joints),
-        "terms": [t.to_dict(model.robot) for t in model.terms],
-        "record": record or {},
-    }
+    document = model_document(model, record)
     if model.learned_from:
         document["learned_from"] = [motion_document(m) for m in model.learned_from]
     try:
@@ -99,6 +92,37 @@ def load_model(path: str | Path, robot: RobotModel) -> Dynamics:
         raise ModelError(f"{path} is not a model: {error}") from None
     if not isinstance(document, dict) or document.get("schema") != schemas.MODEL:
         raise ModelError(f'{path} is not a model: expected a JSON object with "schema": "{schemas.MODEL}"')
+    return model_from_document(document, path, robot)
+
+
+def model_document(model: Dynamics, record: Mapping[str, Any] | None = None) -> ModelDocument:
+    """Return a model as its file has it, without the logs that it was learned from.
+
+    Args:
+        model: Its terms and the name of its robot are kept.
+        record: Origin of the numbers; plain JSON.
+    """
+    return {
+        "schema": schemas.MODEL,
+        "version": __version__,
+        "robot": model.robot.name,
+        "joints": list(model.robot.joints),
+        "terms": [t.to_dict(model.robot) for t in model.terms],
+        "record": record or {},
+    }
+
+
+def model_from_document(document: Mapping[str, Any], path: Path, robot: RobotModel) -> Dynamics:
+    """Return the model of a document.
+
+    Args:
+        document: As `model_document` returns it, with or without the logs.
+        path: Where it comes from, for messages.
+        robot: The robot of the model.
+
+    Raises:
+        ModelError: If it is not valid, or belongs to another robot.
+    """
     _require_same_robot(document, path, robot)
     try:
         terms = tuple(Term.from_dict(t) for t in document["terms"])
@@ -119,7 +143,7 @@ def _why(error: Exception) -> str:
     )
 
 
-def _require_same_robot(document: dict[str, Any], path: Path, robot: RobotModel) -> None:
+def _require_same_robot(document: Mapping[str, Any], path: Path, robot: RobotModel) -> None:
     """Refuse other joints, and another robot of the catalogue whose joints have the same names."""
     name, joints = str(document.get("robot")), document.get("joints")
     if joints != list(robot.joints):

@@ -10,6 +10,7 @@ import numpy as np
 
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.diagnosis import MonitorRun, Stage
+from cdia_pin.diagnosis.monitor_record import what_is_blind
 from cdia_pin.discovery import Comparison, Discovery, Step
 from cdia_pin.phrases import NO_BREAK
 from cdia_pin.viewers import sparks
@@ -20,8 +21,9 @@ from cdia_pin.viewers.report_isolation import stage_spans
 from cdia_pin.viewers.short_answer import short_answer
 from cdia_pin.viewers.sparks import BEFORE
 from cdia_pin.viewers.stage_colours import STAGE_COLOURS
-from cdia_pin.viewers.text_monitor import run_summary
+from cdia_pin.viewers.text_monitor import run_summary, stage_words
 from cdia_pin.viewers.verdict import comparison_sentence, mean_share, verdict_sentences
+from cdia_pin.viewers.whole_arm_row import WHOLE_ARM, of_joint, whole_arm_row
 from cdia_pin.viewers.words import (
     confusion_words,
     effect_name,
@@ -203,12 +205,14 @@ def _run(result: MonitorRun) -> Iterable[str]:
         seen |= {s for _, _, s in spans}
         words = f"{joint}: {', '.join(f'{s} from {a:.2f} s' for a, _, s in spans)}"
         rows.append((
-            joint,
+            stage_words(joint, joint in result.blind),
             with_unit(number(float(np.median(result.threshold[:, j]))), unit),
             with_unit(number(float(np.abs(result.residual[:, j]).max())), unit),
             Markup(sparks.strip([(a, b, *colours[s]) for a, b, s in spans], begin, end, words)),
-            _lines(fault_words(t, result.robot) for t in result.faults if joint in t.effect.scope) or "–",
+            _lines(fault_words(t, result.robot) for t in of_joint(result.faults, joint)) or "–",
         ))  # fmt: skip
+    if (arm := whole_arm_row(result)) is not None:
+        rows.append((WHOLE_ARM, "–", "–", Markup(arm.stage), _lines(arm.believed) or "–"))
     heads = (
         "joint",
         "threshold",
@@ -217,6 +221,8 @@ def _run(result: MonitorRun) -> Iterable[str]:
         "fault at the end",
     )
     yield _table(heads, rows, numbers=(1, 2))
+    if advice := what_is_blind(result.record):
+        yield _say(advice)
     keys = (f'<span style="color:{c}">■</span> {s}' for s, c in STAGE_COLOURS.items() if str(s) in seen)
     yield _say(Markup(" &nbsp; ".join(keys)), "soft")
     said = [

@@ -26,6 +26,7 @@ from cdia_pin.viewers.report_scene import scene_of_run
 from cdia_pin.viewers.report_series import Numbers, compact, compact_one, extremes
 from cdia_pin.viewers.stage_colours import STAGE_COLOURS, STAGE_WORDS
 from cdia_pin.viewers.text_monitor import run_summary, share_words
+from cdia_pin.viewers.whole_arm_row import WHOLE_ARM, of_joint, whole_arm_row
 from cdia_pin.viewers.words import joint_units, short_names
 
 if TYPE_CHECKING:
@@ -69,6 +70,14 @@ class MonitoredJoint(TypedDict):
     believed: list[str]
 
 
+class MonitoredArm(TypedDict):
+    """What the page shows of the whole arm: payload, tilt, contact."""
+
+    name: str
+    stage: str
+    believed: list[str]
+
+
 class TrackingDocument(TypedDict):
     """RMS of the tracking error by run, each (n,) [rad or m]."""
 
@@ -91,6 +100,7 @@ class MonitorReport(TypedDict):
     stages: dict[str, StageWords]
     events: list[dict[str, Any]]  # fields of `EventRow`
     joints: list[MonitoredJoint]
+    arm: MonitoredArm | None
     tracking: TrackingDocument | None
     notes: list[str]
     record: dict[str, Any]
@@ -179,12 +189,20 @@ def monitor_data(
         },
         "events": [asdict(row) for row in event_rows(run.events, run.robot)],
         "joints": [_joint(run, x, j, present, points) for j in range(run.robot.n)],
+        "arm": _arm(run),
         "tracking": None
         if tracking is None
         else {"since": since, "runs": {name: compact(rms) for name, rms in tracking.items()}},
         "notes": run.record.get("notes", []),
         "record": {k: v for k, v in run.record.items() if k not in ("notes", "sight", "version")},
     }
+
+
+def _arm(run: MonitorRun) -> MonitoredArm | None:
+    row = whole_arm_row(run)
+    if row is None:
+        return None
+    return {"name": WHOLE_ARM, "stage": str(row.stage), "believed": list(row.believed)}
 
 
 def _joint(run: MonitorRun, x: State, j: int, present: Sequence[Term], points: int) -> MonitoredJoint:
@@ -214,5 +232,5 @@ def _joint(run: MonitorRun, x: State, j: int, present: Sequence[Term], points: i
         "share": share_words(run.record["sight"].get(joint)),
         "blind": joint in run.blind,
         "largest": compact_one(float(np.abs(run.residual[:, j]).max())),
-        "believed": [fault_words(t, run.robot) for t in run.faults if joint in t.effect.scope],
+        "believed": [fault_words(t, run.robot) for t in of_joint(run.faults, joint)],
     }

@@ -13,6 +13,7 @@ from cdia_pin.diagnosis.status import Stage
 from cdia_pin.phrases import NO_BREAK
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.event_words import EventRow, event_rows, fault_words
+from cdia_pin.viewers.whole_arm_row import WHOLE_ARM, of_joint, whole_arm_row
 from cdia_pin.viewers.words import joint_units, listed, number, percent, short_names, with_unit
 
 if TYPE_CHECKING:
@@ -43,6 +44,8 @@ def events_table(run: MonitorRun) -> Table:
 def joints_table(run: MonitorRun) -> Table:
     """Return threshold and its share of the healthy torque, largest residual, last stage and faults of each joint.
 
+    The last row is that of the whole arm: payload, tilt, contact.
+
     Args:
         run: Of a replay or a closed loop.
     """
@@ -52,7 +55,7 @@ def joints_table(run: MonitorRun) -> Table:
     sight = run.record["sight"]
     for j, joint in enumerate(run.joints):
         unit = joint_units(run.robot, joint)["load" if run.in_torque else "velocity"]
-        believed = [fault_words(t, run.robot) for t in run.faults if joint in t.effect.scope]
+        believed = [fault_words(t, run.robot) for t in of_joint(run.faults, joint)]
         add_row(
             table,
             short[joint],
@@ -62,6 +65,8 @@ def joints_table(run: MonitorRun) -> Table:
             stage_words(STAGES[run.stages[-1, j]], joint in run.blind),
             "\n".join(believed) or "–",
         )
+    if (arm := whole_arm_row(run)) is not None:
+        add_row(table, WHOLE_ARM, "–", "–", "–", str(arm.stage), "\n".join(arm.believed) or "–")
     return table
 
 

@@ -1,11 +1,15 @@
 """The picture of an arm in a browser: joints where Pinocchio has them, colours that are true, a player that obeys."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from cdia_pin import load_robot
+from cdia_pin.effects import ExternalWrench, Payload, Term
 from cdia_pin.viewers.arm_page import ArmPage
 from cdia_pin.viewers.scene import Scene, Timeline, Track, monitor_stages
+from cdia_pin.viewers.scene.attached import AttachedWords
 
 DETECTED, ACCOMMODATED = "#d55e00", "#0072b2"
 NAMES = [s.name for s in monitor_stages()]
@@ -230,3 +234,31 @@ def near(colour, other):
     """Distance of two colours."""
     values = [np.array([int(c[i : i + 2], 16) for i in (1, 3, 5)]) for c in (colour, other)]
     return float(np.linalg.norm(values[0] - values[1]))
+
+
+# ------------------------------------------------------------------ what acts on the whole arm
+
+
+def test_a_contact_is_an_arrow_and_a_payload_a_ball(page, tmp_path, ur5):
+    robot, scene, timeline = ur5
+    document_of = AttachedWords(robot)
+    push = Term(ExternalWrench("elbow_joint"), (0.0, 0.0, -40.0, 0.0, 0.0, 0.0))
+    payload = Term(Payload(), (2.0, 0.0, 0.0, 0.1, *[0.0] * 6))
+    now = document_of([push, payload])
+    track = replace(timeline.tracks[0], attached=((2.0, now), (6.0, document_of([payload]))))
+    opened(page, tmp_path, ArmPage(scene, replace(timeline, tracks=(track,))))
+    ask = "(t) => { player.seek(t); return arm.state(); }"
+    assert page.evaluate(ask, 1.0)["attached"] is None
+    shown = page.evaluate(ask, 4.0)
+    q = timeline.position[int(np.argmin(np.abs(timeline.time - 4.0)))]
+    place = robot.joint_placements(q)[robot.joint_index("elbow_joint")] @ [*now["push"]["at"], 1.0]
+    np.testing.assert_allclose(shown["arrowAt"], place[:3], atol=2e-3)
+    assert shown["arrowLength"] == pytest.approx(0.4)  # 10 cm for 10 N, as the legend says
+    legend = page.evaluate("() => arm.box.querySelector('.arm3d-legend').textContent")
+    assert "10 cm for 10 N" in legend
+    assert shown["ballSize"] == pytest.approx((3 * 2.0 / (4 * np.pi * 2000)) ** (1 / 3))
+    assert shown["arrow"] is None  # the missing torque is that of the contact
+    later = page.evaluate(ask, 7.0)
+    assert later["arrowAt"] is None
+    assert later["ballSize"] > 0
+    assert page.seen.errors == []

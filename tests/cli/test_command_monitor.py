@@ -168,3 +168,39 @@ def test_what_it_can_see_is_in_the_document(watched):
 def test_a_log_must_not_be_overwritten(cdia, folder):
     said = cdia("monitor", folder / "run.csv", *ROBOT, "--json", folder / "run.csv").error
     assert "read from" in said
+
+
+# ------------------------------------------------------------- one monitor over several logs
+
+
+@pytest.fixture(scope="module")
+def parts(folder):
+    """``first.csv`` and ``second.csv``: the run with the fault, cut after it was isolated."""
+    log = read_log(folder / "run.csv", load_robot("double_pendulum"))
+    cut = int(np.searchsorted(log.time, 9.0))
+    names = folder / "first.csv", folder / "second.csv"
+    for name, piece in zip(names, (log.slice(0, cut), log.slice(cut, len(log.time))), strict=True):
+        write_log(piece, name)
+    return names
+
+
+def test_a_monitor_goes_on_with_the_next_log(cdia, folder, watched, parts):
+    state, learned = folder / "monitor.npz", ("--healthy", folder / "healthy.csv", *BANK)
+    common = (*ROBOT, "--no-check", "--state", state, "--json", "-")
+    first = cdia("monitor", parts[0], *learned, *common).json
+    second = cdia("monitor", parts[1], *common).json
+    whole = json.loads(watched[1]["found.json"].read_text(encoding="utf-8"))
+    assert first["events"] + second["events"] == whole["events"]
+    assert second["faults"] == whole["faults"]
+    assert second["record"]["healthy"] == first["record"]["healthy"]
+
+
+def test_what_a_state_holds_is_not_given_again(cdia, folder, parts):
+    state = folder / "again.npz"
+    state.write_bytes(b"")
+    shown = cdia("monitor", parts[1], *ROBOT, "--state", state, "--threshold", "joint1=1,joint2=1", *BANK)
+    assert shown.code != 0
+    assert "leave out --threshold, --bank" in shown.err
+    broken = cdia("monitor", parts[1], *ROBOT, "--state", state)
+    assert broken.code != 0
+    assert "not a whole monitor" in broken.err

@@ -64,6 +64,7 @@ def a_run(count=500):
         "version": "0",
         "engine": "momentum",
         "bank": ["coulomb_friction", "load_friction"],
+        "settings": {"accommodate": True},
         "healthy": [],
         "notes": ["a note"],
         "sight": {

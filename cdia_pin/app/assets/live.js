@@ -23,7 +23,10 @@ export default {
           joint.blind ? h("span", { class: "name", title: "a fault of 30 % of its torque could not be seen" }, "blind") : null, h("span", { class: "bar", "aria-hidden": "true" }, level, h("em", {})));
         return { node, stage, level };
       });
-      tiles.replaceChildren(...this.tiles.map((t) => t.node));
+      this.arm = h("span", { class: "name" }, "–");
+      const arm = h("div", { class: "tile live whole", role: "status", "aria-label": "Whole arm", "data-mark": "live-tile-arm" },
+        h("span", { class: "name" }, "whole arm"), this.arm);
+      tiles.replaceChildren(...this.tiles.map((t) => t.node), arm);
       this.title = h("h3", {});
       this.box = h("div", { class: "chart" });
       Charts.clear(chart);
@@ -42,14 +45,15 @@ export default {
       const k = (this.joints || []).findIndex((joint) => joint.name === name);
       if (k >= 0) this.choose(k, false);
     },
-    // piece: {time, stage, residual, threshold}, rows of frames
+    // piece: {time, stage, residual, threshold, attached}, rows of frames
     async push(piece) {
       await this.ready;
       if (!this.joints || !piece.time) return;
       piece.time.forEach((time, k) => this.past.push({ time, residual: piece.residual[k], threshold: piece.threshold[k] }));
       const now = piece.time[piece.time.length - 1];
       while (this.past.length && this.past[0].time < now - SHOWN) this.past.shift();
-      const last = piece.time.length - 1;
+      const last = piece.time.length - 1, attached = (piece.attached || []).slice(-1)[0];
+      if (attached) this.arm.textContent = attached[1].words.join("; ") || "–";
       this.tiles.forEach((tile, k) => {
         const stage = this.stages[piece.stage[last][k]], level = Math.abs(piece.residual[last][k]) / piece.threshold[last][k];
         if (tile.node.dataset.stage !== stage.name) {

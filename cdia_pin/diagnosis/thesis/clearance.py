@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.stateful import Stateful
+
 Array = NDArray[np.float64]
 
 
-class ClearanceMonitor:
+class ClearanceMonitor(Stateful):
     """Calls an effect absent when its own torque |c φ| has stayed small on every joint for long enough.
 
     The thesis sums the coefficients of an effect; there signs cancel and units mix.
@@ -17,6 +19,8 @@ class ClearanceMonitor:
         torque: ρ, torque below which an effect counts as absent [N·m or N], shape (n,).
         time: t_pr, how long the torque must stay below it [s].
     """
+
+    STATE = ("_quiet",)
 
     def __init__(self, torque: Array, time: float) -> None:
         self._torque, self._time = torque, time

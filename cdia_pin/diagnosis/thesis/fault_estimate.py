@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.thesis.basis import KnownEffects, Neurons
 from cdia_pin.diagnosis.thesis.isolated_faults import IsolatedFaults
 from cdia_pin.diagnosis.thesis.sample_interval import SampleInterval
@@ -17,7 +18,7 @@ Array = NDArray[np.float64]
 NEURONS = -1  # key of the neurons among the torques, beside the indices of effects
 
 
-class FaultEstimate:
+class FaultEstimate(Stateful):
     """What is believed about the fault torque of an arm; nothing at first.
 
     Args:
@@ -35,6 +36,9 @@ class FaultEstimate:
         isolated: The isolated effects.
     """
 
+    STATE = ("learning", "observer", "neuron_scale", "type_scale", "isolated")
+    DERIVED = ("_at", "_columns")
+
     def __init__(
         self,
         neurons: Neurons,
@@ -49,7 +53,7 @@ class FaultEstimate:
         self._at: tuple[Array | None, Array | None] = None, None  # q and q̇ of the columns that are kept
         self._columns = np.empty((0, 0))
         self.neuron_scale, self.type_scale = ColumnScale(neurons), ColumnScale(types)
-        self.isolated = IsolatedFaults(types, self.type_scale, absent_torque)
+        self.isolated = IsolatedFaults(types, self.type_scale, absent_torque, settings.filter_gains, gamma)
         self.restart_neurons()
 
     @property

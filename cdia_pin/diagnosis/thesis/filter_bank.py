@@ -17,6 +17,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Verdict
 from cdia_pin.diagnosis.thesis.basis import KnownEffects
 from cdia_pin.diagnosis.thesis.sample_interval import SampleInterval
@@ -40,6 +41,11 @@ class FilterDecision:
     verdict: Verdict
     filters: tuple[int, ...] = ()
 
+    @property
+    def is_open(self) -> bool:
+        """Whether there is no decision yet."""
+        return self.verdict is Verdict.NONE
+
 
 OPEN = FilterDecision(Verdict.NONE)
 
@@ -59,7 +65,7 @@ def hypotheses(count: int, isolated: Types = frozenset()) -> tuple[Types, ...]:
     )
 
 
-class FilterBank:
+class FilterBank(Stateful):
     """Filters that run from the detection on.
 
     Args:
@@ -70,6 +76,8 @@ class FilterBank:
         known: The filter of the isolated effects, whose parameters every combination takes over.
         isolated: Indices of its effects.
     """
+
+    STATE = ("members", "filters", "alive", "excluded_at", "_bound", "_elapsed", "_misfit")
 
     def __init__(
         self,

@@ -5,31 +5,44 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.thesis.basis import KnownEffects
 from cdia_pin.diagnosis.thesis.filter_bank import Types
+from cdia_pin.diagnosis.thesis.gains import Gains
 from cdia_pin.diagnosis.thesis.velocity_observers import ColumnScale, VelocityObservers
 from cdia_pin.effects import Term
 
 Array = NDArray[np.float64]
 
 
-class IsolatedFaults:
+class IsolatedFaults(Stateful):
     """The isolated effects of an arm; none at first.
 
     Args:
         basis: The known effects.
         scale: Columns of the basis, and their largest values so far.
         absent_torque: Torque of an effect that counts as absent [N·m or N], shape (n,).
+        gains: Adaptation law of the filter.
+        gamma: γ [1/s], shape (n,).
 
     Attributes:
         filter: The filter that follows their parameters; None if there are none.
         types: Indices of the isolated effects.
     """
 
-    def __init__(self, basis: KnownEffects, scale: ColumnScale, absent_torque: Array) -> None:
+    STATE = ("filter", "types")
+
+    def __init__(
+        self, basis: KnownEffects, scale: ColumnScale, absent_torque: Array, gains: Gains, gamma: Array
+    ) -> None:
         self._basis, self._scale, self._absent_torque = basis, scale, absent_torque
+        self._gains, self._gamma = gains, gamma
         self.filter: VelocityObservers | None = None
         self.types: Types = frozenset()
+
+    def new_part(self, name: str) -> VelocityObservers:
+        """Make a filter that knows nothing."""
+        return VelocityObservers.fresh(self._basis, self._gains, self._gamma)
 
     def replace(self, filter_: VelocityObservers, types: Types) -> None:
         """Replace all isolated effects.

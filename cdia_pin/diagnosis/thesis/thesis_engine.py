@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event, EventStage, Status, Verdict
 from cdia_pin.diagnosis.thesis.accommodation import accommodate
 from cdia_pin.diagnosis.thesis.basis import KnownEffects, Neurons
@@ -32,7 +33,7 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 
 
-class ThesisEngine:
+class ThesisEngine(Stateful):
     """Detects, isolates and accommodates faults of an arm, and notices when they have cleared.
 
     Args:
@@ -49,6 +50,19 @@ class ThesisEngine:
         ModelError: If η₀ is neither given nor can be learned, or a setting does not fit the robot.
         EffectError: If an entry of the bank is not an effect of one joint.
     """
+
+    STATE = (
+        "_now",
+        "_effort",
+        "_threshold",
+        "_estimate",
+        "_bank",
+        "_announced",
+        "_samples_beyond",
+        "_time_beyond",
+        "_log",
+        "_clearance",
+    )
 
     def __init__(
         self,
@@ -88,6 +102,10 @@ class ThesisEngine:
         self._log = EventLog(self.robot.joints)
         self._clearance = ClearanceMonitor(self._absent_torque, self.settings.idle_time)
 
+    def new_part(self, name: str) -> FilterBank:
+        """Make a bank of filters, which is there during an isolation."""
+        return FilterBank(self._types, self.settings, self.unmodelled, self._gamma)
+
     def pause(self) -> None:
         """Forget the last sample and the errors of the observers; the next sample starts again. Beliefs stay."""
         self._now = None
@@ -99,7 +117,7 @@ class ThesisEngine:
 
     def drop_detection(self) -> None:
         """End an isolation that has not come to a decision: the samples that it began with may have been bad."""
-        if not self._estimate.learning or self._announced is not OPEN:
+        if not self._estimate.learning or not self._announced.is_open:
             return
         self._estimate.learning, self._bank = False, None
         self._estimate.restart_neurons()
@@ -121,6 +139,7 @@ class ThesisEngine:
         """
         if v is None:
             raise ModelError("the engine thesis observes velocities: give them, or use the engine momentum")
+        self._log.news.clear()
         now = self._evaluator.sample(t, q, v)
         if self._now is None:
             self._now = now
@@ -129,10 +148,9 @@ class ThesisEngine:
         self._now, self._effort = now, step.joints.effort
         self._estimate.see(step)
         bound = self._threshold.step(step.inverse_inertia, step.duration)
-        before = len(self.events)
         residual = self._decide(step, bound) if self._estimate.learning else self._watch(step, bound)
         self._clear(step)
-        return self._status(residual, tuple(self.events[before:]))
+        return self._status(residual, tuple(self._log.news))
 
     def correct(self, tau: ArrayLike, v_desired: ArrayLike | None = None) -> Array:
         """Return τ = (τ₀ − f̂)/(1 + h) within the effort limits for the last state [N·m or N], shape (n,).
@@ -163,11 +181,6 @@ class ThesisEngine:
     def faults(self) -> tuple[Term, ...]:
         """Isolated effects that act, with the parameters learned so far."""
         return self._estimate.isolated.terms()
-
-    @property
-    def events(self) -> list[Event]:
-        """All events so far."""
-        return self._log.events
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -295,7 +308,7 @@ class ThesisEngine:
         correction = -self._fault_torque()(self._effort) if self._accommodating else np.zeros(self.robot.n)
         stages = joint_stages(
             isolating=self._log.concerned & self._estimate.learning,
-            undecided=self._announced is OPEN,
+            undecided=self._announced.is_open,
             acting=acting,
             beyond=np.abs(residual) > bound,
             cleared=self._log.cleared,

@@ -17,6 +17,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.stateful import Stateful
+
 Array = NDArray[np.float64]
 
 
@@ -53,13 +55,15 @@ class Threshold(Protocol):
         ...
 
 
-class DynamicThreshold:
+class DynamicThreshold(Stateful):
     """The threshold d⁺ = E d + (1 − E) γ⁻¹ |M⁻¹| η₀, which follows the arm's inertia.
 
     Args:
         gamma: γ [1/s], shape (n,).
         unmodelled: η₀ [N·m or N], shape (n,).
     """
+
+    STATE = ("value",)
 
     def __init__(self, gamma: Array, unmodelled: Array) -> None:
         self._gamma, self._unmodelled = gamma, unmodelled
@@ -72,13 +76,15 @@ class DynamicThreshold:
         return self.value
 
 
-class TimeVaryingThreshold:
+class TimeVaryingThreshold(Stateful):
     """The threshold (I − exp(−γt)) γ⁻¹ sup(|M⁻¹| η₀), with the supremum over the past; never below the dynamic one.
 
     Args:
         gamma: γ [1/s], shape (n,).
         unmodelled: η₀ [N·m or N], shape (n,).
     """
+
+    STATE = ("value", "_elapsed", "_largest")
 
     def __init__(self, gamma: Array, unmodelled: Array) -> None:
         self._gamma, self._unmodelled = gamma, unmodelled

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.thesis.basis import Basis
 from cdia_pin.diagnosis.thesis.gains import AdaptationInputs, Gains
 from cdia_pin.diagnosis.thesis.sample_interval import SampleInterval
@@ -22,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(eq=False)
-class VelocityObservers:
+class VelocityObservers(Stateful):
     """F observers on one basis with P columns.
 
     Attributes:
@@ -33,6 +34,8 @@ class VelocityObservers:
         weights: W, shape (F, n, P).
         error: e = q̂̇ − q̇ [rad/s or m/s], shape (F, n).
     """
+
+    STATE = ("used", "weights", "error")
 
     basis: Basis
     gains: Gains
@@ -118,7 +121,7 @@ class VelocityObservers:
         )
 
 
-class ColumnScale:
+class ColumnScale(Stateful):
     """Columns of a basis over the last interval, and the scales by which gains are normalised.
 
     Args:
@@ -129,6 +132,8 @@ class ColumnScale:
         largest: Largest size of each column so far, shape (n, P).
         reference: Diagonal of M⁻¹ at the first interval [1/(kg·m²)], shape (n,).
     """
+
+    STATE = ("columns", "largest", "reference")
 
     def __init__(self, basis: Basis) -> None:
         self._basis = basis

@@ -19,6 +19,7 @@ from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.healthy_arm import HealthyArm
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event, EventStage, Verdict
 from cdia_pin.diagnosis.whole_arm.belief import carried
 from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
@@ -59,7 +60,7 @@ class Contact:
 
 
 @dataclass(frozen=True)
-class _Trial:
+class ArmTrial:
     """An effect that was believed in of late.
 
     Attributes:
@@ -75,7 +76,7 @@ class _Trial:
     since: float
 
 
-class ArmMonitor:
+class ArmMonitor(Stateful):
     """The stages of what concerns the whole arm.
 
     Args:
@@ -91,6 +92,20 @@ class ArmMonitor:
         apart: Whether joints by themselves explain what they show, so that it is no contact.
         carried_torque: What gravity and motion take of the joints by what is believed [N·m or N], shape (n,).
     """
+
+    STATE = (
+        "evidence",
+        "detector",
+        "believed",
+        "contact",
+        "apart",
+        "carried_torque",
+        "_since",
+        "_refined_at",
+        "_trial",
+        "_votes",
+        "_decision",
+    )
 
     def __init__(
         self,
@@ -115,13 +130,17 @@ class ArmMonitor:
         self._refined_at = -np.inf
         self.restart()
 
+    def restored(self) -> None:
+        """Compute the arm with what it carries."""
+        self.observer.carry(carried(self.observer.nominal, self.believed))
+
     def restart(self) -> None:
         """Start the filters again after a gap in the data; what is believed stays."""
         self.detector.reset()
         self.evidence.stop()
         self.contact = None
         self.apart = False
-        self._trial: _Trial | None = None
+        self._trial: ArmTrial | None = None
         self._votes: deque[int | None] = deque(maxlen=self.settings.votes)
         self._close()
 
@@ -238,7 +257,7 @@ class ArmMonitor:
 
     def _commit(self, t: float, found: ArmDecision, joints: tuple[str, ...]) -> list[Event]:
         assert found.index is not None
-        self._trial = _Trial(found.index, self.believed, np.zeros_like(found.theta), t)
+        self._trial = ArmTrial(found.index, self.believed, np.zeros_like(found.theta), t)
         before = self._believe(found)
         term = next((b for b in self.believed if b.label == before.label), None)
         events = []

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.stateful import Stateful
+
 Array = NDArray[np.float64]
 
 SLOW = 2.0  # [s], time constant of the part that is followed: a push rises and falls within it
@@ -44,7 +46,7 @@ class ContactLimits:
     friction: Array
 
 
-class ContactDetector:
+class ContactDetector(Stateful):
     """Deviations of all joints from their course, and whether they mean contact.
 
     Args:
@@ -55,6 +57,20 @@ class ContactDetector:
         limit: Its limit now [N·m or N], shape (n,).
         present: Whether there is contact.
     """
+
+    STATE = (
+        "deviation",
+        "limit",
+        "present",
+        "_slow",
+        "_slow_load",
+        "_changing",
+        "_begun",
+        "_for",
+        "_recovered",
+        "_ended",
+        "_peak",
+    )
 
     def __init__(self, limits: ContactLimits) -> None:
         self.limits = limits

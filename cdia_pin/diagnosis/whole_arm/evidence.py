@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.healthy_arm import HealthyArm
 from cdia_pin.diagnosis.kernels import MOVING_SHARE
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.whole_arm.hypotheses import Hypothesis
 from cdia_pin.effects import State
 
@@ -21,7 +22,7 @@ LIGHTEST = (
 SETTLED = 2.0  # [1], time constants until the start of a filter is forgotten, which is the present columns
 
 
-class ArmEvidence:
+class ArmEvidence(Stateful):
     """Normal equations of [y z; r] for every joint: the bank's columns, the whole arm's columns, the remainder.
 
     Args:
@@ -35,6 +36,8 @@ class ArmEvidence:
         weight: Duration of the samples in them, old ones discounted [s], shape (n,).
         ends: First of the A columns of each hypothesis among those of [y z], and the last one's end.
     """
+
+    STATE = ("gram", "weight", "_rows", "_since", "_previous")
 
     def __init__(
         self, observer: MomentumObserver, width: int, hypotheses: Sequence[Hypothesis], healthy: HealthyArm

@@ -31,10 +31,12 @@ class Learned:
     """What healthy runs taught.
 
     Attributes:
+        healthy: The healthy arm.
         contact: Limits of the deviations.
         lasting: Limit of the explained torque [N·m or N], shape (n, N).
     """
 
+    healthy: HealthyArm
     contact: ContactLimits
     lasting: Array
 
@@ -91,7 +93,7 @@ def learn(
     moving = np.maximum(moving, rest)
     limit = limit_of(largest, moved, settings.memory, settings.false_alarm_every, torque)
     limit[~is_known] = np.inf  # nothing is known of a joint that did not move
-    return Learned(ContactLimits(rest, moving, friction), limit)
+    return Learned(healthy, ContactLimits(rest, moving, friction), limit)
 
 
 def assumed(n: int, width: int, healthy: HealthyArm) -> Learned:
@@ -103,7 +105,7 @@ def assumed(n: int, width: int, healthy: HealthyArm) -> Learned:
         healthy: What the threshold says of the arm.
     """
     limits = ContactLimits(healthy.bound, healthy.bound, np.zeros(n))
-    return Learned(limits, np.full((n, width), np.inf))
+    return Learned(healthy, limits, np.full((n, width), np.inf))
 
 
 def _without_limits(n: int) -> ContactLimits:

@@ -16,7 +16,7 @@ class Arm3D {
     this.onSelect = null;
     this._theme = options.theme || null;
     this._zoom = options.zoom || "focus";
-    this._shown = { position: scene.home, desired: null, stage: null, level: null, torque: null, label: "" };
+    this._shown = { position: scene.home, desired: null, stage: null, level: null, torque: null, label: "", attached: null };
     this._selected = null;
     this._index = new Map(scene.joints.map((j, k) => [j.name, k]));
     this._axes = scene.joints.map((j) => new THREE.Vector3(...j.axis));
@@ -25,7 +25,7 @@ class Arm3D {
     this.frame([scene.home]);
     this.pose(scene.home);
     this._listen();
-    this._painter = new Painter(this.viewer, this._links, this._lights, this._ground, () => this._placePin());
+    this._painter = new Painter(this.viewer, this._links, this._lights, this._ground, () => this._placePins());
   }
 
   // Tell that a motion is being shown: while it is, speed goes before beauty where drawing is slow.
@@ -35,14 +35,15 @@ class Arm3D {
   get frames() { return this._painter.frames; }
 
   // Show a pose. What is left out stays as it was; null takes it away.
-  pose(position, { desired, stage, level, torque, label } = {}) {
-    const given = { position, desired, stage, level, torque, label };
+  pose(position, { desired, stage, level, torque, label, attached } = {}) {
+    const given = { position, desired, stage, level, torque, label, attached };
     for (const [key, value] of Object.entries(given)) if (value !== undefined) this._shown[key] = value;
     this._move(this._arm, this._shown.position);
     this.ghost.visible = Boolean(this._shown.desired);
     if (this.ghost.visible) this._move(this._ghostGroups, this._shown.desired);
     this._colour();
     this._mark();
+    this._attached.show(this._shown.attached);
     this._say();
     this.viewer.set_dirty();
   }
@@ -114,6 +115,9 @@ class Arm3D {
     return {
       joints, ghost: this.ghost.visible, label: this._head.textContent, pin: this._pin.hidden ? "" : this._pin.textContent,
       arrow: this._worst === null ? null : this.scene.joints[this._worst].name, selected: this._selected,
+      attached: this._shown.attached, arrowLength: this._attached.arrow.visible ? this._attached.shaft.scale.y : 0,
+      arrowAt: this._attached.arrow.visible ? this._attached.arrow.position.toArray() : null,
+      ballSize: this._attached.ball.visible ? this._attached.ball.scale.x : 0,
     };
   }
 
@@ -135,11 +139,12 @@ class Arm3D {
     this._pin = part("pin");
     this._legend = part("legend", "ul");
     this._notes = part("notes", "p");
+    this._tags = [part("pin"), part("pin")]; // of what acts on the whole arm
     const picture = part("picture");
-    picture.append(this._pane, this._head, this._pin, this._legend, this._notes);
+    picture.append(this._pane, this._head, this._pin, ...this._tags, this._legend, this._notes);
     this.box.append(picture);
     element.append(this.box);
-    this._pin.hidden = true;
+    for (const pin of [this._pin, ...this._tags]) pin.hidden = true;
     this._head.setAttribute("role", "status");
     this._pane.tabIndex = 0;
     this._pane.setAttribute("role", "img");
@@ -183,6 +188,7 @@ class Arm3D {
     const whole = new THREE.Box3().setFromObject(root);
     this.reach = whole.getSize(new THREE.Vector3()).length();
     this._torque = new TorqueMark(Math.min(this.reach, 1.6));
+    this._attached = new Attached(root, groups, Math.min(this.reach, 1.6), this.scene.weight);
     this._ground = groundOf(this.reach, Math.min(0, this._lowest()));
     this._lights = lightsOf(this.reach);
     this.viewer.set_object(["Lights", "soft"], this._lights);
@@ -248,7 +254,7 @@ class Arm3D {
   _mark() {
     const { stage, level, torque } = this._shown;
     this._worst = null;
-    if (torque) {
+    if (torque && !(this._shown.attached && this._shown.attached.push)) { // the torque is that of the push, which is shown
       // The gravest stage, then the highest level, then the largest torque.
       const grave = torque.map((x, k) => 1e6 * (stage ? stage[k] : 0) + 1e2 * (level ? level[k] : 0) + this._share(k));
       const missing = [...torque.keys()].filter((k) => Math.abs(this._share(k)) > 0.02);
@@ -269,7 +275,8 @@ class Arm3D {
   _say() {
     const gravest = this._shown.stage ? Math.max(...this._shown.stage) : -1;
     const stage = this.stages[gravest];
-    const key = JSON.stringify([gravest, this._shown.label, this._selected, this.stages.length]);
+    const signs = this._attached.legend();
+    const key = JSON.stringify([gravest, this._shown.label, this._selected, this.stages.length, signs]);
     if (key === this._said) return;
     this._said = key;
     const part = (name, text, colour) => {
@@ -281,25 +288,43 @@ class Arm3D {
     if (stage) this._head.append(part("chip", stage.name, stage.colour), " ");
     if (this._shown.label) this._head.append(part("text", this._shown.label), " ");
     if (this._selected) this._head.append(part("picked", "selected: " + this._selected));
-    this._legend.replaceChildren(...this.stages.map((s) => {
-      const row = document.createElement("li");
-      row.append(part("dot", "", s.colour), s.name);
-      row.title = s.words || "";
-      return row;
-    }));
+    const row = (name, colour, title) => {
+      const item = Object.assign(document.createElement("li"), { title });
+      item.append(part("dot", "", colour), name);
+      return item;
+    };
+    this._legend.replaceChildren(
+      ...this.stages.map((s) => row(s.name, s.colour, s.words || "")), ...signs.map(([name, colour]) => row(name, colour, "")));
   }
 
-  _placePin() {
-    if (this._pin.hidden) return;
-    const { camera } = this.viewer, { clientWidth: w, clientHeight: h } = this._pane;
-    const at = this._arm.get(this.scene.joints[this._worst].name).getWorldPosition(new THREE.Vector3());
-    const away = at.distanceTo(camera.getWorldPosition(new THREE.Vector3()));
-    const beside = (this._torque.radius * h) / (2 * Math.tan((0.5 * camera.fov * Math.PI) / 180) * away); // [px]
-    at.project(camera);
+  // Put texts beside what they are about, one above the other where they would overlap.
+  _placePins() {
+    const { camera } = this.viewer, placed = [];
+    if (!this._pin.hidden) {
+      const at = this._arm.get(this.scene.joints[this._worst].name).getWorldPosition(new THREE.Vector3());
+      const away = at.distanceTo(camera.getWorldPosition(new THREE.Vector3()));
+      const beside = (this._torque.radius * this._pane.clientHeight) / (2 * Math.tan((0.5 * camera.fov * Math.PI) / 180) * away); // [px]
+      this._place(this._pin, at.project(camera), 0.8 * beside, 1.2 * beside, placed);
+    }
+    this._attached.pins().forEach((pin, k) => {
+      const tag = this._tags[k];
+      tag.hidden = !pin;
+      if (!pin) return;
+      if (tag.textContent !== pin.words) tag.textContent = pin.words;
+      this._place(tag, pin.at.project(camera), 10, 10, placed);
+    });
+  }
+
+  // Put a text so far to the right of a projected point and above it [px], within the picture, and off other texts.
+  _place(pin, at, right, above, placed) {
+    const { clientWidth: w, clientHeight: h } = this._pane, { offsetWidth: wide, offsetHeight: tall } = pin;
     const inside = (x, low, high) => Math.round(Math.min(Math.max(x, low), high));
-    const x = inside((0.5 + 0.5 * at.x) * w + 0.8 * beside, 8, w - this._pin.offsetWidth - 8);
-    const y = inside((0.5 - 0.5 * at.y) * h - 1.2 * beside - this._pin.offsetHeight, 48, h - 48);
-    this._pin.style.transform = `translate(${x}px, ${y}px)`;
+    const x = inside((0.5 + 0.5 * at.x) * w + right, 8, w - wide - 8);
+    let y = inside((0.5 - 0.5 * at.y) * h - above - tall, 48, h - this._legend.offsetHeight - tall - 16);
+    const meets = (o) => x < o.x + o.wide && o.x < x + wide && Math.abs(y - o.y) < tall + 4;
+    for (let o; (o = placed.find(meets)); ) y = o.y - tall - 4;
+    placed.push({ x, y, wide });
+    pin.style.transform = `translate(${x}px, ${y}px)`;
   }
 
   // ---------------------------------------------------------------- the world around

@@ -60,11 +60,14 @@ function events() {
 
 function believed() {
   const last = (j) => j.stages[j.stages.length - 1][2];
+  const stage = (name) => h("span", { class: "dot", style: "background:var(--stage-" + name + ")" });
+  const faults = (said) => h("td", {}, said.length ? said.map((b) => h("div", {}, h("b", {}, b))) : h("span", { class: "soft" }, "–"));
   const rows = DATA.joints.map((j) => [j.name, right("td", withUnit(j.usual, j.units.residual)), right("td", j.share), right("td", withUnit(j.largest, j.units.residual)),
-    h("td", {}, h("span", { class: "dot", style: "background:var(--stage-" + last(j) + ")" }), last(j), j.blind ? h("b", {}, ", blind") : null),
-    h("td", {}, j.believed.length ? j.believed.map((b) => h("div", {}, h("b", {}, b))) : h("span", { class: "soft" }, "–"))]);
+    h("td", {}, stage(last(j)), last(j), j.blind ? h("b", {}, ", blind") : null), faults(j.believed)]);
+  const arm = DATA.arm, none = () => right("td", "–", "soft");
+  if (arm) rows.push([h("b", {}, arm.name), none(), none(), none(), h("td", {}, stage(arm.stage), arm.stage), faults(arm.believed)]);
   return h("section", {}, h("h2", {}, "At the end"),
-    h("p", { class: "lead" }, "Thresholds also as a share of the RMS torque of healthy motion. Above 30 % a joint is blind."),
+    h("p", { class: "lead" }, "Thresholds also as a share of the RMS torque of healthy motion. Above 30 % a joint is blind. The last row is that of the whole arm: payload, tilt of the base, contact."),
     h("div", { class: "card" }, table(["joint", right("th", "threshold"), right("th", "of torque"), right("th", "largest residual"), "stage", "fault, ± 95 %"], rows)));
 }
 

@@ -134,11 +134,11 @@ class Player {
     const between = (rows) => rows[k].map((x, j) => x + share * (rows[next][j] - x));
     const chosen = this._variant ? this._variants[this._variant] : d;
     const at = (rows) => (rows && rows[k]) || null;
-    const spoken = (chosen.label || []).filter(([t]) => t <= this.time + 1e-9);
+    const newest = (rows) => (rows || []).filter(([t]) => t <= this.time + 1e-9).map((row) => row[1]).pop();
     this.arm.pose(between(d.position), {
       desired: d.desired ? between(d.desired) : null,
       stage: at(chosen.stage), level: at(chosen.level), torque: at(chosen.torque),
-      label: spoken.length ? spoken[spoken.length - 1][1] : "",
+      label: newest(chosen.label) || "", attached: newest(chosen.attached) || null,
     });
     this.applied += 1;
     this._seek.value = this.time;
@@ -234,6 +234,6 @@ class Player {
   }
 }
 
-const TRACKS = ["time", "position", "desired", "stage", "level", "torque", "label"];
+const TRACKS = ["time", "position", "desired", "stage", "level", "torque", "label", "attached"];
 const sparse = (rows) => rows.filter((_, k) => k % Math.max(1, Math.floor(rows.length / 40)) === 0);
 const pick = (timeline) => Object.fromEntries(Object.entries(timeline).filter(([key]) => TRACKS.includes(key)));

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.record import STAGES
+from cdia_pin.viewers.scene.attached import NOTHING, AttachedWords
 from cdia_pin.viewers.scene.run_timeline import event_label, levels, missing_torque
 from cdia_pin.viewers.scene.timeline import RATE, Frame
 
@@ -30,6 +31,7 @@ class FrameMaker:
     def __init__(self, robot: RobotModel, *, in_torque: bool = True, rate: float = RATE) -> None:
         self._robot, self._in_torque, self._period = robot, in_torque, 1.0 / rate
         self._next = -np.inf
+        self._document_of, self._attached = AttachedWords(robot), NOTHING
 
     def __call__(
         self, time: float, q: Array, status: Status | None = None, desired: Array | None = None
@@ -56,6 +58,9 @@ class FrameMaker:
         frame["stage"] = [stage.tolist()]
         frame["level"] = [np.round(levels(status.residual, status.threshold), 2).tolist()]
         frame["torque"] = [np.round(missing_torque(stage, missing), 3).tolist()]
+        attached = self._document_of(status.faults)
+        if attached != self._attached:
+            frame["attached"], self._attached = [(round(time, 3), attached)], attached
         if events:
             frame["label"] = [(round(e.time, 3), event_label(e, self._robot)) for e in events]
         return frame

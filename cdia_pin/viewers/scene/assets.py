@@ -10,7 +10,14 @@ from pathlib import Path
 
 from cdia_pin.extras import require
 
-PARTS = ("arm3d_parts.js", "arm3d_mark.js", "arm3d_world.js", "arm3d.js", "player.js")
+PARTS = (
+    "arm3d_parts.js",
+    "arm3d_mark.js",
+    "arm3d_attached.js",
+    "arm3d_world.js",
+    "arm3d.js",
+    "player.js",
+)
 
 
 @dataclass(frozen=True)

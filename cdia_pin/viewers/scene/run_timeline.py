@@ -10,9 +10,12 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.record import STAGES
 from cdia_pin.diagnosis.status import Event, Stage
+from cdia_pin.effects import ExternalWrench
 from cdia_pin.viewers.event_words import fault_words
+from cdia_pin.viewers.scene.attached import attached_rows
 from cdia_pin.viewers.scene.timeline import SceneStage, Timeline, Track, frames
 from cdia_pin.viewers.stage_colours import STAGE_COLOURS, STAGE_WORDS
+from cdia_pin.viewers.whole_arm_row import of_whole_arm
 from cdia_pin.viewers.words import effect_name, listed, short_names
 
 if TYPE_CHECKING:
@@ -48,6 +51,7 @@ def timeline_of_run(run: MonitorRun) -> Timeline:
         level=levels(run.residual[at], run.threshold[at]),
         torque=missing_torque(stage, missing),
         label=spoken(run.events, run.robot),
+        attached=attached_rows([(b.time, b.faults) for b in run.beliefs], run.robot),
     )
     desired = None if run.desired is None else run.desired[at]
     return Timeline(run.time[at], run.position[at], monitor_stages(), (track,), desired)
@@ -101,9 +105,12 @@ def event_label(event: Event, robot: RobotModel) -> str:
     if event.stage == "detection":
         return f"{where}: fault not isolated yet"
     if event.stage == "idle":
-        return f"{where}: fault cleared, kept in memory"
+        cleared = "fault cleared, kept in memory"
+        return f"{where}: {event.reason if of_whole_arm(event.faults) else cleared}"
     if not event.faults:
         return f"{where}: no known effect"
+    if isinstance(event.faults[0].effect, ExternalWrench):
+        return f"contact on the link of {short[event.faults[0].effect.scope[0]]}"
     said = "; ".join(fault_words(t, robot, joint=True) for t in event.faults)
     others = " or ".join(" with ".join(effect_name(t.effect) for t in one) for one in event.alternatives)
     return said + (f" (or {others})" if others else "")

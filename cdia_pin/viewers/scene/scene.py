@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from cdia_pin import schemas
 from cdia_pin.errors import CdiaError
 from cdia_pin.extras import require
+from cdia_pin.robot.catalogue import STANDARD_GRAVITY
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.viewers.scene.bodies import SceneMesh, bodies_of
 from cdia_pin.viewers.scene.capsules import capsules
@@ -48,12 +49,13 @@ class MeshDocument(PackedMesh):
 
 
 class SceneDocument(TypedDict):
-    """What the browser draws: the schema ``cdia-scene/1``."""
+    """What the browser draws: the schema ``cdia-scene/1``; ``weight`` is that of all moving bodies [N]."""
 
     schema: str
     robot: str
     joints: list[JointDocument]
     meshes: list[MeshDocument]
+    weight: float
     home: list[float]
     notes: list[str]
 
@@ -130,6 +132,7 @@ class Scene:
                 {"link": m.link, "joint": m.joint, **packed(m.mesh), "coarse": packed(c.mesh)}
                 for m, c in zip(self.meshes, self.coarse, strict=True)
             ],
+            "weight": round(STANDARD_GRAVITY * robot.total_mass, 3),
             "home": [round(float(x), 6) for x in home],
             "notes": list(self.notes),
         }

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.logs.log import Log
+from cdia_pin.viewers.scene.attached import AttachedDocument, AttachedRows
 
 Array = NDArray[np.float64]
 Says = tuple[tuple[float, str], ...]
@@ -36,6 +37,7 @@ class TrackDocument(TypedDict):
     level: list[list[float]]
     torque: list[list[float]]
     label: list[tuple[float, str]]
+    attached: list[tuple[float, AttachedDocument]]
 
 
 class TimelineDocument(TrackDocument):
@@ -58,6 +60,7 @@ class Frame(TypedDict, total=False):
     level: list[list[float]]
     torque: list[list[float]]
     label: list[tuple[float, str]]
+    attached: list[tuple[float, AttachedDocument]]
     residual: list[list[float]]
     threshold: list[list[float]]
 
@@ -101,6 +104,7 @@ class Track:
         level: Residual over its threshold or scale [1], shape (K, n).
         torque: Torque that the model lacks, 0 where it lacks none [N·m or N], shape (K, n).
         label: Texts, each shown from its time [s] on.
+        attached: What acts on the whole arm, each from its time [s] on.
     """
 
     name: str
@@ -108,6 +112,7 @@ class Track:
     level: Array
     torque: Array
     label: Says = ()
+    attached: AttachedRows = ()
 
     def to_dict(self) -> TrackDocument:
         """Return the track as JSON has it."""
@@ -117,6 +122,7 @@ class Track:
             "level": np.round(self.level, 2).tolist(),
             "torque": np.round(self.torque, 3).tolist(),
             "label": [(round(t, 3), text) for t, text in self.label],
+            "attached": list(self.attached),
         }
 
 
@@ -150,6 +156,7 @@ class Timeline:
             "level": shown["level"],
             "torque": shown["torque"],
             "label": shown["label"],
+            "attached": shown["attached"],
         }
         if self.desired is not None:
             out["desired"] = np.round(self.desired, 5).tolist()
