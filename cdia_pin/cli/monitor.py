@@ -13,7 +13,10 @@ from cdia_pin.cli.monitor_options import MONITOR, Bank, Engine, Healthy, Thresho
 from cdia_pin.cli.next_command import again, follow, free, show_next
 from cdia_pin.cli.options import (
     Check,
+    Columns,
     Convert,
+    Episode,
+    Format,
     Gains,
     JointMap,
     Json,
@@ -65,6 +68,9 @@ def monitor(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    format: Format = None,
+    columns: Columns = None,
+    episode: Episode = None,
     check: Check = True,
     report: Report = None,
     json: Json = None,
@@ -86,7 +92,7 @@ def monitor(
         from cdia_pin.diagnosis import DEFAULT_BANK, Monitor, replay
         from cdia_pin.diagnosis.healthy_part import alike, parted
 
-        reading = Reading(gains, joint_map, convert, topic)
+        reading = Reading(gains, joint_map, convert, topic, format, columns, episode)
         (watched, *runs), _ = read_logs(given, known.robot, reading, check=check, tell=tell)
         announced = []
         if not runs and bounds is None:
