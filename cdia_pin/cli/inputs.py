@@ -67,7 +67,16 @@ class Reading:
 
     def _with(self, more: Mapping[str, str]) -> Reading:
         """Return how to read with more columns, conversions and names of joints."""
-        return replace(self, **{name: [*(getattr(self, name) or ()), value] for name, value in more.items()})
+
+        def joined(known: Sequence[str] | None, name: str) -> Sequence[str]:
+            return [*(known or ()), *([more[name]] if name in more else ())]
+
+        return replace(
+            self,
+            columns=joined(self.columns, "columns"),
+            convert=joined(self.convert, "convert"),
+            joint_map=joined(self.joint_map, "joint_map"),
+        )
 
     def _read(self, path: Path, robot: RobotModel) -> Log:
         from cdia_pin.logs import read_log
