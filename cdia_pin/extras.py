@@ -14,6 +14,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = MappingProxyType({
     "app": ("nicegui",),
     "ros": ("rosbags",),
     "figures": ("matplotlib",),
+    "robots": ("robot_descriptions", "xacrodoc"),
 })  # fmt: skip
 
 

@@ -1,7 +1,8 @@
-"""Where the files that ship with the package are: in a checkout or in an installed wheel."""
+"""Where files are: those that ship, in a checkout or in an installed wheel, and the user's cache."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from cdia_pin.errors import CdiaError
@@ -25,6 +26,12 @@ def logs_dir() -> Path:
         CdiaError: If neither a checkout nor a complete installation is around this file.
     """
     return _shipped("logs", "examples/data")
+
+
+def cache_dir() -> Path:
+    """Folder of the user's cache; it may not exist."""
+    home = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(home) / "cdia-pin"
 
 
 def _shipped(installed: str, checkout: str) -> Path:

@@ -15,7 +15,11 @@ from cdia_pin.resources import logs_dir
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 LOG = str(logs_dir() / "demo_ur5.csv")
-DISTRIBUTIONS = {"collada": "pycollada", "fast_simplification": "fast-simplification"}  # where names differ
+DISTRIBUTIONS = {  # where names differ
+    "collada": "pycollada",
+    "fast_simplification": "fast-simplification",
+    "robot_descriptions": "robot-descriptions",
+}
 
 
 def without(extra: str, *arguments: str) -> subprocess.CompletedProcess[str]:

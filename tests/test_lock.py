@@ -12,7 +12,11 @@ LOCK = ROOT / "requirements.lock"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 WANTED = [
     *PROJECT["dependencies"],
-    *(one for extra in ("view", "app", "ros", "figures") for one in PROJECT["optional-dependencies"][extra]),
+    *(
+        one
+        for extra in ("view", "app", "ros", "figures", "robots")
+        for one in PROJECT["optional-dependencies"][extra]
+    ),
 ]
 
 

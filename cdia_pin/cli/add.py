@@ -16,8 +16,11 @@ from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, require_unseen,
 from cdia_pin.cli.next_command import again, follow, free, show_next
 from cdia_pin.cli.options import (
     Check,
+    Columns,
     Convert,
     Cutoff,
+    Episode,
+    Format,
     Gains,
     Holdout,
     JointMap,
@@ -58,6 +61,9 @@ def add(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    format: Format = None,
+    columns: Columns = None,
+    episode: Episode = None,
     check: Check = True,
     report: Report = None,
     json: Json = None,
@@ -86,7 +92,7 @@ def add(
             conditioning=Conditioning(cutoff=cutoff),
             per_log=parse_per_log(per_log, logs, conditions, known.robot),
         )
-        reading = Reading(gains, joint_map, convert, topic, conditions)
+        reading = Reading(gains, joint_map, convert, topic, format, columns, episode, conditions=conditions)
         given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
         found = discovery.add_effect(

@@ -11,7 +11,18 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.next_command import again, follow, free, show_next
-from cdia_pin.cli.options import Convert, Cutoff, Gains, JointMap, Json, Robot, Topic
+from cdia_pin.cli.options import (
+    Columns,
+    Convert,
+    Cutoff,
+    Episode,
+    Format,
+    Gains,
+    JointMap,
+    Json,
+    Robot,
+    Topic,
+)
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 
 
@@ -45,6 +56,9 @@ def calibrate(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    format: Format = None,
+    columns: Columns = None,
+    episode: Episode = None,
     json: Json = None,
 ) -> None:
     """Calibrate the scale of each joint's torque by a payload of known mass.
@@ -62,7 +76,7 @@ def calibrate(
         from cdia_pin.logs.conditioning import Conditioning
         from cdia_pin.logs.gains import read_gains
 
-        arm, reading = known.robot, Reading(gains, joint_map, convert, topic)
+        arm, reading = known.robot, Reading(gains, joint_map, convert, topic, format, columns, episode)
         (with_it, *without), _ = read_logs([loaded, *unloaded], arm, reading, check=False, tell=tell)
         tell("fitting the scales", 0.5)
         found = calibrate_gains(arm, [with_it], without, known_payload, Conditioning(cutoff=cutoff))

@@ -9,7 +9,19 @@ import typer
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.next_command import follow, show_next, with_words
-from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Robot, Topic, TorqueSide
+from cdia_pin.cli.options import (
+    Columns,
+    Convert,
+    Episode,
+    Format,
+    Gains,
+    JointMap,
+    Json,
+    OneLog,
+    Robot,
+    Topic,
+    TorqueSide,
+)
 from cdia_pin.cli.outputs import require_writable, write_json
 
 MENDING = re.compile(r"--(?:convert|joint-map) [^\s;,]+(?:,[^\s;,]+)*")  # options that an advice names
@@ -24,6 +36,9 @@ def check(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    format: Format = None,
+    columns: Columns = None,
+    episode: Episode = None,
     torque_side: TorqueSide = None,
     json: Json = None,
 ) -> None:
@@ -37,7 +52,7 @@ def check(
     with progress() as tell:
         from cdia_pin.logs import check_log
 
-        reading = Reading(gains, joint_map, convert, topic, torque_side=torque_side)
+        reading = Reading(gains, joint_map, convert, topic, format, columns, episode, torque_side=torque_side)
         logs, _ = read_logs([log], model.robot, reading, check=False, tell=tell)
         tell(f"checking {log.name}", 0.3)
         found = check_log(logs[0], model.robot)

@@ -21,8 +21,11 @@ from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.next_command import follow, free, show_next
 from cdia_pin.cli.options import (
     Check,
+    Columns,
     Convert,
     Cutoff,
+    Episode,
+    Format,
     Gains,
     JointMap,
     Json,
@@ -64,6 +67,9 @@ def compare(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    format: Format = None,
+    columns: Columns = None,
+    episode: Episode = None,
     torque_side: TorqueSide = None,
     check: Check = True,
     report: Report = None,
@@ -84,7 +90,17 @@ def compare(
         from cdia_pin.logs.conditioning import Conditioning
         from cdia_pin.selection import DiscoverySettings
 
-        reading = Reading(gains, joint_map, convert, topic, conditions, torque_side)
+        reading = Reading(
+            gains,
+            joint_map,
+            convert,
+            topic,
+            format,
+            columns,
+            episode,
+            conditions=conditions,
+            torque_side=torque_side,
+        )
         given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         tell("comparing", 0.1)
         settings = DiscoverySettings(

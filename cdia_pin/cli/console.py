@@ -13,8 +13,10 @@ from cdia_pin.phrases import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.progress import Progress
 
 Tell = Callable[[str, float], None]
+_RUNNING: list[Progress] = []  # bars on the terminal
 
 
 def stdout(json: str | None = None) -> Console:
@@ -73,7 +75,7 @@ def progress() -> Iterator[Tell]:
 
     console = _console(stderr=True)
     columns = (BarColumn(24), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
-    with Progress(*columns, console=console, transient=True) as bar:
+    with Progress(*columns, console=console, transient=True) as bar, _among(bar, _RUNNING):
         task = bar.add_task("", total=None)  # moves to and fro until a share is known
 
         def tell(sentence: str, share: float) -> None:
@@ -81,3 +83,25 @@ def progress() -> Iterator[Tell]:
             bar.update(task, description=sentence, completed=done, total=1.0 if done else None)
 
         yield tell
+
+
+@contextmanager
+def paused() -> Iterator[Console]:
+    """Give the console of stderr for questions, while no bar moves."""
+    bars = list(_RUNNING)
+    for bar in bars:
+        bar.stop()
+    try:
+        yield _console(stderr=True)
+    finally:
+        for bar in bars:
+            bar.start()
+
+
+@contextmanager
+def _among(bar: Progress, running: list[Progress]) -> Iterator[None]:
+    running.append(bar)
+    try:
+        yield
+    finally:
+        running.remove(bar)

@@ -13,7 +13,18 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.next_command import show_next
-from cdia_pin.cli.options import Convert, Gains, JointMap, Json, OneLog, Robot, Topic
+from cdia_pin.cli.options import (
+    Columns,
+    Convert,
+    Episode,
+    Format,
+    Gains,
+    JointMap,
+    Json,
+    OneLog,
+    Robot,
+    Topic,
+)
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 
 
@@ -29,6 +40,9 @@ def convert(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    format: Format = None,
+    columns: Columns = None,
+    episode: Episode = None,
     json: Json = None,
 ) -> None:
     """Write a log with the robot's joint names in SI units, as CSV, Parquet or npz.
@@ -44,7 +58,7 @@ def convert(
     console = stdout(json)
     model = load_inputs(robot, None)
     with progress() as tell:
-        reading = Reading(gains, joint_map, convert, topic)
+        reading = Reading(gains, joint_map, convert, topic, format, columns, episode)
         (read,), _ = read_logs([log], model.robot, reading, check=False, tell=tell)
     show_inputs(console, model, [read])
     document: dict[str, object] = {

@@ -25,8 +25,11 @@ from cdia_pin.cli.next_command import again, follow, free, show_next
 from cdia_pin.cli.options import (
     OUTPUT,
     Check,
+    Columns,
     Convert,
     Cutoff,
+    Episode,
+    Format,
     Gains,
     Holdout,
     JointMap,
@@ -95,6 +98,9 @@ def discover(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    format: Format = None,
+    columns: Columns = None,
+    episode: Episode = None,
     torque_side: TorqueSide = None,
     check: Check = True,
     anyway: Annotated[
@@ -133,7 +139,17 @@ def discover(
             per_log=parse_per_log(per_log, logs, conditions, known.robot),
             expected=expected_effects(environment, contact, mounted),
         )
-        reading = Reading(gains, joint_map, convert, topic, conditions, torque_side)
+        reading = Reading(
+            gains,
+            joint_map,
+            convert,
+            topic,
+            format,
+            columns,
+            episode,
+            conditions=conditions,
+            torque_side=torque_side,
+        )
         read = partial(
             read_logs, robot=known.robot, reading=reading, check=check, tell=tell, refuse=not anyway
         )

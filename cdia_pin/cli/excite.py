@@ -12,7 +12,7 @@ from cdia_pin.cli.console import progress, stdout, warn
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.next_command import show_next
-from cdia_pin.cli.options import OUTPUT, Gains, Json, Model, Robot
+from cdia_pin.cli.options import OUTPUT, Columns, Episode, Format, Gains, Json, Model, Robot
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 
 if TYPE_CHECKING:
@@ -65,6 +65,9 @@ def excite(
         ),
     ] = None,
     gains: Gains = None,
+    format: Format = None,
+    columns: Columns = None,
+    episode: Episode = None,
     duration: Annotated[float, typer.Option("--duration", metavar="S", help="Length \\[s].")] = 30.0,
     rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Samples per second \\[Hz].")] = 250.0,
     seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the search.")] = 0,
@@ -150,7 +153,13 @@ def excite(
         )
         pair = (named(between[0], known.robot), named(between[1], known.robot)) if between else None
         wanted = named(effects, known.robot) if effects else None
-        logs, _ = read_logs(after or [], known.robot, Reading(gains), check=False, tell=tell)
+        logs, _ = read_logs(
+            after or [],
+            known.robot,
+            Reading(gains, format=format, columns=columns, episode=episode),
+            check=False,
+            tell=tell,
+        )
         motion = excitation.excite(
             known,
             between=pair,

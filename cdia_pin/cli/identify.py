@@ -14,8 +14,11 @@ from cdia_pin.cli.next_command import again, follow, free, show_next
 from cdia_pin.cli.options import (
     OUTPUT,
     Check,
+    Columns,
     Convert,
     Cutoff,
+    Episode,
+    Format,
     Gains,
     Holdout,
     JointMap,
@@ -70,6 +73,9 @@ def identify(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    format: Format = None,
+    columns: Columns = None,
+    episode: Episode = None,
     check: Check = True,
     json: Json = None,
 ) -> None:
@@ -90,7 +96,7 @@ def identify(
         settings = identification.IdentificationSettings(
             conditioning=Conditioning(cutoff=cutoff), refine=refine
         )
-        reading = Reading(gains, joint_map, convert, topic)
+        reading = Reading(gains, joint_map, convert, topic, format, columns, episode)
         given, _ = read_logs(logs, known.robot, reading, check=check, tell=tell)
         held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
         found = identification.identify(

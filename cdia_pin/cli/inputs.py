@@ -30,6 +30,9 @@ class Reading:
         joint_map: Texts ``name=joint``.
         convert: Texts ``key=value``.
         topic: Topic of a bag.
+        format: Name of the format.
+        columns: Texts ``signal=pattern``.
+        episode: Episode of a LeRobot dataset.
         conditions: Under which condition logs were recorded, by path.
         torque_side: Side of the gear on which the torque was measured, ``motor`` or ``link``.
     """
@@ -38,6 +41,9 @@ class Reading:
     joint_map: Sequence[str] | None = None
     convert: Sequence[str] | None = None
     topic: str | None = None
+    format: str | None = None
+    columns: Sequence[str] | None = None
+    episode: int | None = None
     conditions: Mapping[Path, str] = field(default_factory=dict)
     torque_side: str | None = None
 
@@ -48,18 +54,45 @@ class Reading:
             path: The file.
             robot: Whose log it is.
         """
+        from cdia_pin.cli.column_dialogue import asked_columns, can_ask
+        from cdia_pin.logs.missing_columns import MissingColumnsError
+
+        try:
+            log = self._read(path, robot)
+        except MissingColumnsError as error:
+            if not (error.guesses and can_ask()):
+                raise
+            log = self._with(asked_columns(path.name, error.guesses, robot))._read(path, robot)
+        return replace(log, condition=self.conditions.get(path, ""))
+
+    def _with(self, more: Mapping[str, str]) -> Reading:
+        """Return how to read with more columns, conversions and names of joints."""
+
+        def joined(known: Sequence[str] | None, name: str) -> Sequence[str]:
+            return [*(known or ()), *([more[name]] if name in more else ())]
+
+        return replace(
+            self,
+            columns=joined(self.columns, "columns"),
+            convert=joined(self.convert, "convert"),
+            joint_map=joined(self.joint_map, "joint_map"),
+        )
+
+    def _read(self, path: Path, robot: RobotModel) -> Log:
         from cdia_pin.logs import read_log
 
-        log = read_log(
+        return read_log(
             path,
             robot,
             gains=self.gains,
             joint_map=self.joint_map,
             convert=self.convert,
             topic=self.topic,
+            format=self.format,
+            columns=self.columns,
+            episode=self.episode,
             torque_side=self.torque_side,
         )
-        return replace(log, condition=self.conditions.get(path, ""))
 
 
 def load_inputs(robot: str, model: Path | None) -> Dynamics:

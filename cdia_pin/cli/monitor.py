@@ -14,7 +14,10 @@ from cdia_pin.cli.monitor_options import DEFAULT_ENGINE, MONITOR, Bank, Engine, 
 from cdia_pin.cli.next_command import again, follow, free, show_next
 from cdia_pin.cli.options import (
     Check,
+    Columns,
     Convert,
+    Episode,
+    Format,
     Gains,
     JointMap,
     Json,
@@ -77,6 +80,9 @@ def monitor(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    format: Format = None,
+    columns: Columns = None,
+    episode: Episode = None,
     check: Check = True,
     report: Report = None,
     json: Json = None,
@@ -110,7 +116,7 @@ def monitor(
         from cdia_pin.diagnosis.healthy_part import alike, parted
 
         stored = Monitor.load(state, known.robot) if state is not None and goes_on else None
-        reading = Reading(gains, joint_map, convert, topic)
+        reading = Reading(gains, joint_map, convert, topic, format, columns, episode)
         (watched, *runs), _ = read_logs(given, known.robot, reading, check=check, tell=tell)
         announced = []
         if stored is None and not runs and bounds is None:

@@ -15,11 +15,13 @@ Logs = Annotated[
     typer.Argument(
         metavar="LOG",
         show_default=False,
-        help="Logs: .csv, .parquet, .npz, or ROS 2 bags (.db3, .mcap).",
+        help="Logs: .csv, .parquet, .npz, ROS 2 bags (.db3, .mcap), or folders of LeRobot datasets.",
     ),
 ]
 LOG = typer.Argument(
-    metavar="LOG", show_default=False, help="Log: .csv, .parquet, .npz, or a ROS 2 bag (.db3, .mcap)."
+    metavar="LOG",
+    show_default=False,
+    help="Log: .csv, .parquet, .npz, a ROS 2 bag (.db3, .mcap), or the folder of a LeRobot dataset.",
 )
 OneLog = Annotated[Path, LOG]
 AtMostOneLog = Annotated[Path | None, LOG]
@@ -106,6 +108,36 @@ Topic = Annotated[
         metavar="NAME",
         show_default=False,
         help="Topic of a bag, where several have the robot's joints.",
+        rich_help_panel=READING,
+    ),
+]
+Format = Annotated[
+    str | None,
+    typer.Option(
+        "--format",
+        metavar="NAME",
+        show_default=False,
+        help="Format of the logs: rtde, libfranka, ros2, lerobot or csv; recognised if left out.",
+        rich_help_panel=READING,
+    ),
+]
+Columns = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--columns",
+        metavar="SIGNAL=PATTERN",
+        show_default=False,
+        help="Columns of other names: position=angle_#,effort=moment_#, # is the number of a joint and * its name.",
+        rich_help_panel=READING,
+    ),
+]
+Episode = Annotated[
+    int | None,
+    typer.Option(
+        "--episode",
+        metavar="N",
+        show_default=False,
+        help="Episode of a LeRobot dataset that has several.",
         rich_help_panel=READING,
     ),
 ]

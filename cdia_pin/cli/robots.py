@@ -19,18 +19,25 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from cdia_pin.robot import RobotModel
+    from cdia_pin.robot.catalogue import CatalogueEntry
 
 
 class RobotEntry(TypedDict):
-    """A robot as ``cdia robots --json`` writes it: mass [kg], gravity [m/s²]."""
+    """A robot as ``cdia robots --json`` writes it: mass [kg], gravity [m/s²].
+
+    One that is not on this machine has no joints, and no mass.
+    """
 
     name: str
     description: str
+    count: int
     joints: list[str]
+    source: str
+    available: bool
     urdf: str
     tool_frame: str
-    mass: float
-    gravity: NDArray[np.float64]
+    mass: float | None
+    gravity: NDArray[np.float64] | None
     licence: str
     origin: str
     warnings: list[str]
@@ -53,7 +60,10 @@ def robots(
         entries = [_entry(arm)]
         _show_one(console, arm)
     else:
-        entries = [_entry(load_robot(known)) for known in catalogue()]
+        entries = [
+            _entry(load_robot(known)) if entry.available else _not_here(entry)
+            for known, entry in catalogue().items()
+        ]
         _show_all(console, entries)
     if json:
         write_json({"schema": schemas.ROBOTS, "robots": entries}, json)
@@ -70,7 +80,10 @@ def _entry(robot: RobotModel) -> RobotEntry:
     return {
         "name": robot.name,
         "description": known.description if known else "",
+        "count": robot.n,
         "joints": list(robot.joints),
+        "source": known.source if known else "file",
+        "available": True,
         "urdf": str(robot.urdf),
         "tool_frame": robot.tool_frame,
         "mass": robot.total_mass,
@@ -81,17 +94,45 @@ def _entry(robot: RobotModel) -> RobotEntry:
     }
 
 
+def _not_here(entry: CatalogueEntry) -> RobotEntry:
+    """Return a robot that is fetched at its first use."""
+    return {
+        "name": entry.name,
+        "description": entry.description,
+        "count": entry.joints or 0,
+        "joints": [],
+        "source": entry.source,
+        "available": False,
+        "urdf": "",
+        "tool_frame": entry.tool_frame,
+        "mass": None,
+        "gravity": None,
+        "licence": entry.licence,
+        "origin": entry.origin,
+        "warnings": [],
+    }
+
+
 def _show_all(console: Console, entries: list[RobotEntry]) -> None:
+    from rich.text import Text
+
     from cdia_pin.viewers.whole_table import WholeTable
 
     table = WholeTable()
     table.add_column("name", style="bold", no_wrap=True)
     table.add_column("joints", justify="right")
-    table.add_column("what it is")
+    table.add_column("what it is, its licence and where it is from")
     for e in entries:
-        table.add_row(e["name"], str(len(e["joints"])), e["description"])
+        where = e["source"] if e["available"] else "fetched at its first use"
+        said = Text.assemble(e["description"], (f"\n{e['licence']}; {where}", "dim"))
+        table.add_row(Text(e["name"]), str(e["count"]), said)
     console.print(table)
     console.print("--robot takes one of these names, or the path of any fixed-base arm's URDF file.")
+    if any(not e["available"] for e in entries):
+        console.print(
+            'Those that are fetched need pip install "cdia-pin[robots]", git and the network once; then they are kept.',
+            markup=False,
+        )
 
 
 def _show_one(console: Console, robot: RobotModel) -> None:

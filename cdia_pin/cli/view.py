@@ -9,7 +9,19 @@ import typer
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading
 from cdia_pin.cli.monitor_options import MONITOR, Bank, Healthy
-from cdia_pin.cli.options import AtMostOneLog, Check, Convert, Gains, JointMap, Model, Robot, Topic
+from cdia_pin.cli.options import (
+    AtMostOneLog,
+    Check,
+    Columns,
+    Convert,
+    Episode,
+    Format,
+    Gains,
+    JointMap,
+    Model,
+    Robot,
+    Topic,
+)
 from cdia_pin.cli.simulation_options import SIMULATION, Duration, Fault, Seed
 from cdia_pin.extras import require
 
@@ -77,6 +89,9 @@ def view(
     joint_map: JointMap = None,
     convert: Convert = None,
     topic: Topic = None,
+    format: Format = None,
+    columns: Columns = None,
+    episode: Episode = None,
     check: Check = True,
 ) -> None:
     """Show an arm move in the browser: a log, or a simulation with faults while it is computed.
@@ -103,7 +118,7 @@ def view(
     from cdia_pin.cli.view_page import Page
 
     page = Page(port, browser)
-    reading = Reading(gains, joint_map, convert, topic)
+    reading = Reading(gains, joint_map, convert, topic, format, columns, episode)
     try:
         if log is None:
             asked = view_sources.Simulation(

@@ -22,6 +22,7 @@ from types import ModuleType
 from typing import Any
 
 from cdia_pin.effects import JointEffect, Unknown
+from cdia_pin.resources import cache_dir
 from cdia_pin.version import __version__
 
 SILENT = 1.5  # [s] of waiting for a compilation before it is said: from the cache it takes less
@@ -113,8 +114,7 @@ def _holds(path: Path, source: str) -> bool:
 
 def _folders() -> Iterator[Path]:
     """Yield the user's cache folder, then a private temporary one."""
-    home = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    yield Path(home) / "cdia-pin" / "kernels"
+    yield cache_dir() / "kernels"
     yield Path(tempfile.mkdtemp(prefix="cdia-pin-"))
 
 

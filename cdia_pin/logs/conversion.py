@@ -37,23 +37,23 @@ class Conversion:
 
     Attributes:
         time: Unit of time, ``s``, ``ms``, ``us`` or ``ns``; inferred if None.
-        angle: Unit of revolute positions and velocities, ``rad`` or ``deg``.
+        angle: Unit of revolute positions and velocities, ``rad`` or ``deg``; that of the format if None.
         length: Unit of prismatic positions and velocities, ``m`` or ``mm``.
         torque: Unit of revolute efforts, ``Nm``, ``Nmm`` or ``A`` (then drive gains are needed).
         flip_position: Joints whose axis points the other way: position and velocity change sign.
         flip_velocity: Joints of which only the velocity changes sign.
         flip_effort: Joints of which the effort changes sign.
         gravity: ``included`` in the efforts, or ``compensated`` by the controller: then the URDF's gravity is
-            added back.
+            added back. As the format says if None.
         reduction: {joint: gear ratio [1]} where the effort is that of the motor before the gear.
         use_velocity: False to ignore recorded velocities; then they are derived from the positions.
     """
 
     time: str | None = None
-    angle: str = "rad"
+    angle: str | None = None
     length: str = "m"
     torque: str = "Nm"
-    gravity: str = GravityInEffort.INCLUDED
+    gravity: str | None = None
     flip_position: tuple[str, ...] = ()
     flip_velocity: tuple[str, ...] = ()
     flip_effort: tuple[str, ...] = ()
@@ -130,7 +130,7 @@ class Conversion:
         Returns:
             Factor [rad or m per unit of the log], shape (n,).
         """
-        scale = np.where(robot.is_prismatic, LENGTHS[self.length], ANGLES[self.angle])
+        scale = np.where(robot.is_prismatic, LENGTHS[self.length], ANGLES[self.angle or "rad"])
         return np.asarray(scale * _signs(robot.joints, self.flip_position))
 
     def velocity_scale(self, robot: RobotModel) -> Array:
@@ -160,7 +160,7 @@ class Conversion:
     def notes(self) -> list[str]:
         """Describe each conversion in one sentence."""
         said = []
-        if self.angle != "rad":
+        if self.angle not in {None, "rad"}:
             said.append(f"angles converted from {self.angle} to rad, as asked")
         if self.length != "m":
             said.append(f"lengths converted from {self.length} to m, as asked")

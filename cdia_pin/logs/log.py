@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
+from cdia_pin.logs.effort_origin import EffortOrigin
 from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import shortened
 
@@ -31,6 +32,7 @@ class Log:
         condition: Condition that this log shares with others, such as ``warm``; empty if it shares none.
         temperature: Temperature of each joint [°C], shape (N, n); None if it was not recorded.
         torque_side: Side of the gear on which the torque was measured, as far as it is known.
+        effort_origin: Whether the efforts were measured, were without gravity, or were commanded.
         effort_tolerance: Tolerance of the scale of each joint's torque, 95 % [1], shape (n,); None if nobody states it.
     """
 
@@ -45,6 +47,7 @@ class Log:
     condition: str = ""
     temperature: Array | None = None
     torque_side: TorqueSide = TorqueSide.UNKNOWN
+    effort_origin: EffortOrigin = EffortOrigin.MEASURED
     effort_tolerance: Array | None = None
 
     def __post_init__(self) -> None:

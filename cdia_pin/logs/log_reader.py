@@ -10,15 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.columns import sort_names
-from cdia_pin.logs.conversion import Conversion, GravityInEffort
-from cdia_pin.logs.gains import Gains, read_gains
+from cdia_pin.logs.conversion import Conversion
+from cdia_pin.logs.effort_signal import pick_effort
+from cdia_pin.logs.formats import ColumnChoice, choose_columns, column_patterns, format_of, recognised
+from cdia_pin.logs.gains import Gains
 from cdia_pin.logs.joint_names import check_joint_map, joint_map_of
 from cdia_pin.logs.log import Log
-from cdia_pin.logs.readers.dispatch import read_table
+from cdia_pin.logs.missing_columns import require_columns
+from cdia_pin.logs.readers.dispatch import Wanted, read_table
+from cdia_pin.logs.readers.table import Table
 from cdia_pin.logs.signal_picker import SignalPicker
 from cdia_pin.logs.timestamps import in_seconds
-from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide, torque_side_of
+from cdia_pin.logs.torque_side import torque_side_of
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
@@ -35,15 +38,19 @@ def read_log(
     convert: Conversion | Mapping[str, Any] | Sequence[str] | None = None,
     topic: str | None = None,
     torque_side: str | None = None,
+    format: str | None = None,
+    columns: Mapping[str, str] | Sequence[str] | None = None,
+    episode: int | None = None,
 ) -> Log:
-    """Read a log of a robot; the suffix of the file gives its format.
+    """Read a log of a robot; the file and the names of its columns give its format.
 
     Every inference and change is a sentence in the log's ``notes``. A missing signal is an error, except velocity,
     which is optional. Missing values are not filled in.
 
     Args:
-        path: CSV (``.csv``, ``.tsv``, ``.txt``), Parquet (``.parquet``, ``.pq``), ``.npz``, or a
-            ROS 2 bag (``.db3``, ``.mcap`` or its directory) with sensor_msgs/JointState.
+        path: CSV (``.csv``, ``.tsv``, ``.txt``), Parquet (``.parquet``, ``.pq``), ``.npz``, a
+            ROS 2 bag (``.db3``, ``.mcap`` or its directory) with sensor_msgs/JointState, or a LeRobot dataset (its
+            directory).
         robot: The robot; its joints are looked up by name and returned in its order.
         gains: Drive gains {joint: gain [N·m/A]}, or a JSON file with them, for a log with motor currents; see
             `read_gains`.
@@ -51,7 +58,11 @@ def read_log(
         convert: Units and signs that are not SI or not those of the URDF, see ``Conversion``.
         topic: JointState topic of a bag, if several topics have the robot's joints.
         torque_side: Side of the gear on which the torque was measured, ``motor`` or ``link``. Currents are of the
-            motor's side; of other torques it is not known.
+            motor's side, and some formats state it; of other torques it is not known.
+        format: Name of the format, one of ``FORMATS``; recognised if omitted.
+        columns: {signal: pattern} for columns of other names, or texts ``signal=pattern``; in a pattern ``#`` stands
+            for the number of a joint and ``*`` for its name.
+        episode: Episode of a LeRobot dataset, if it has several.
 
     Returns:
         The log. Its times are as given [s]; times since 1970 are counted from the first sample.
@@ -63,29 +74,33 @@ def read_log(
     conversion = Conversion.of(convert)
     conversion.check_joints(robot.joints)
     renames = joint_map_of(joint_map)
-    table, sha256 = read_table(path, robot.joints, renames, topic)
-    columns = sort_names((*table.columns, *table.not_numbers))
-    pick = SignalPicker(table, columns, robot.joints, renames, path.name, list(table.notes))
+    own = column_patterns(columns)
+    if format is not None:
+        format_of(format)
+    table, sha256 = read_table(path, robot.joints, Wanted(format, renames, topic, episode))
+    choice = _choice(table, format, own, path.name)
+    pick = SignalPicker(table, choice, robot.joints, renames, path.name, list(table.notes))
+    if choice.format.marks:
+        pick.notes.append(
+            f"read as {choice.format.description} ({choice.format.name}); --format csv changes it"
+        )
     check_joint_map(pick.joint_map, pick.labels, robot.joints)
 
+    require_columns(pick, robot)
+    _require_units(choice, conversion, path.name)
     position = _scaled(pick.required("position"), conversion.position_scale(robot))
     velocity = pick.optional("velocity") if conversion.use_velocity else None
     if velocity is not None:
         velocity = _scaled(velocity, conversion.velocity_scale(robot))
-    side = torque_side_of(torque_side)
-    effort, tolerance = _effort(pick, gains, conversion)
-    if tolerance is not None:
-        side = side if side is not TorqueSide.UNKNOWN else TorqueSide.MOTOR
-    effort = _scaled(effort, conversion.effort_scale(robot))
-    if side is TorqueSide.LINK:
-        pick.notes.append(f"{BEHIND_THE_GEAR}, as asked")
+    effort = pick_effort(pick, gains, conversion, torque_side_of(torque_side))
+    torque = _scaled(effort.values, conversion.effort_scale(robot))
     temperature = _temperature(pick)
-    if conversion.gravity == GravityInEffort.COMPENSATED:
-        effort = effort + robot.gravity(position)
+    if effort.without_gravity:
+        torque = torque + robot.gravity(position)
     pick.note_what_was_ignored()
-    unit = conversion.time or table.time_unit or columns.time.get(columns.time_column or "")
+    unit = conversion.time or table.time_unit or choice.columns.time.get(choice.columns.time_column or "")
     time, time_notes = in_seconds(pick.time(), unit, path.name)
-    signals = [s for s in (position, effort, velocity, temperature) if s is not None]
+    signals = [s for s in (position, torque, velocity, temperature) if s is not None]
     keep, repeat_notes = _once(time, signals, path.name)
     if not repeat_notes:
         keep = np.s_[:]  # without copies
@@ -93,45 +108,37 @@ def read_log(
         joints=robot.joints,
         time=time[keep],
         position=position[keep],
-        effort=effort[keep],
+        effort=torque[keep],
         velocity=None if velocity is None else velocity[keep],
         source=path.name,
         sha256=sha256,
         notes=(*pick.notes, *conversion.notes(), *time_notes, *repeat_notes),
         temperature=None if temperature is None else temperature[keep],
-        torque_side=side,
-        effort_tolerance=tolerance,
+        torque_side=effort.side,
+        effort_origin=effort.origin,
+        effort_tolerance=effort.tolerance,
     )
 
 
-def _effort(pick: SignalPicker, gains: Gains | None, conversion: Conversion) -> tuple[Array, Array | None]:
-    """Return the efforts as logged, or the motor currents times the drive gains, shape (N, n).
+def _choice(table: Table, asked: str | None, own: Mapping[str, str], source: str) -> ColumnChoice:
+    """Return the columns of each signal; raise LogError where they are not those that were asked for."""
+    names = [*table.columns, *table.not_numbers]
+    try:
+        if asked is not None and table.format not in {None, asked}:
+            raise LogError(f"not of format '{asked}': it is {format_of(str(table.format)).description}")
+        format_ = recognised(names, asked) if table.format is None else format_of(table.format)
+        return choose_columns(names, format_, own)
+    except LogError as error:
+        raise LogError(f"{source}: {error}") from None
 
-    With currents, return the relative tolerance of the gains [1] as well, shape (n,).
-    """
-    has_current, has_effort = bool(pick.columns.labels("current")), bool(pick.columns.labels("effort"))
-    if has_current and has_effort:
-        pick.notes.append("the log has both effort and current; the effort is used")
-    if has_effort and conversion.torque != "A":
-        if gains is not None:
-            pick.notes.append("drive gains not used: the log has efforts (--convert torque=A applies them)")
-        return pick.required("effort"), None
-    if not has_effort and not has_current:
-        return pick.required("effort"), None  # raises and names what is missing
-    current = pick.required("effort" if has_effort else "current")
-    if gains is None:
-        example = ", ".join(f'"{j}": 10.0' for j in pick.joints[:2])
+
+def _require_units(choice: ColumnChoice, conversion: Conversion, source: str) -> None:
+    """Ask for the unit of angles where neither the file nor the user states it."""
+    if conversion.angle is None and not choice.facts("position").unit_stated:
         raise LogError(
-            f"{pick.source}: the log has motor currents [A]; give drive gains [N·m/A] per joint with "
-            f"--gains gains.json (in Python gains=), holding {{{example}, …}}"
+            f"{source}: a file of format '{choice.format.name}' does not state the unit of its positions; say it with "
+            "--convert angle=deg or --convert angle=rad (percent of a calibrated range cannot be used)"
         )
-    read = read_gains(gains, pick.joints)
-    rows = zip(pick.joints, read.value, read.relative_tolerance, strict=True)
-    said = ", ".join(f"{j} {k:g} ± {share:.2g} %" for j, k, share in ((j, k, 100 * r) for j, k, r in rows))
-    pick.notes.append(
-        f"effort is current times drive gain [N·m/A] and no more accurate than these gains: {said}"
-    )
-    return current * read.value, read.relative_tolerance
 
 
 def _scaled(signal: Array, scale: Array) -> Array:

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import ColumnNames, signal_of
+from cdia_pin.logs.formats import ColumnChoice
 from cdia_pin.logs.joint_names import match_joints
+from cdia_pin.logs.named_arms import arms_named_by
 from cdia_pin.logs.readers.table import Table
 from cdia_pin.phrases import some
 
@@ -24,7 +26,7 @@ class SignalPicker:
 
     Attributes:
         table: Columns as read.
-        columns: The sorted names of the columns.
+        choice: The columns of each signal, and what is known of them.
         joints: Joints of the robot.
         joint_map: {name in the log: joint of the robot}.
         source: Name of the log, for messages.
@@ -33,7 +35,7 @@ class SignalPicker:
     """
 
     table: Table
-    columns: ColumnNames
+    choice: ColumnChoice
     joints: Sequence[str]
     joint_map: Mapping[str, str]
     source: str
@@ -54,15 +56,14 @@ class SignalPicker:
         """
         labels = self.columns.labels(signal)
         if not labels:
-            raise LogError(
-                f"{self.source}: no {signal} columns; expected {signal}.{self.joints[0]} and so on, "
-                f"found {some([*self.table.columns, *self.table.not_numbers])}"
-            )
+            raise LogError(f"{self.missing(signal)}; found {self.found}")
         mine = {label: joint for label, joint in self.joint_map.items() if label in labels}
         try:
             found = match_joints(list(labels), self.joints, mine)
         except LogError as error:
-            raise LogError(f"{self.source}: {signal}: {error}") from None
+            arms = arms_named_by(list(labels))
+            hint = f"; its joints are those of {' or '.join(arms)} (--robot {arms[0]})" if arms else ""
+            raise LogError(f"{self.source}: {signal}: {error}{hint}") from None
         if found.note and found.note not in self.notes:
             self.notes.append(found.note)
         for name in self.columns.repeated:
@@ -72,6 +73,24 @@ class SignalPicker:
                 )
         self.used.update(found.labels)
         return self.table.stack([labels[label] for label in found.labels], self.source)
+
+    def missing(self, signal: str) -> str:
+        """Say that a signal has no columns, and what its format has for it.
+
+        Args:
+            signal: ``position``, ``velocity``, ``effort``, ``current`` or ``time``.
+        """
+        format_ = self.choice.format
+        if signal == "time":
+            return f"{self.source}: no column 'time' [s]"
+        if format_.advice:
+            return f"{self.source}: no {signal} columns of format '{format_.name}'; {format_.advice}"
+        return f"{self.source}: no {signal} columns; expected {signal}.{self.joints[0]} and so on"
+
+    @property
+    def found(self) -> str:
+        """The columns of the file, in words."""
+        return some([*self.table.columns, *self.table.not_numbers])
 
     def optional(self, signal: str) -> Array | None:
         """Return a signal that the log may lack.
@@ -101,8 +120,7 @@ class SignalPicker:
         """Return the times as logged, shape (N,); raises LogError if there are none."""
         name = self.columns.time_column
         if name is None:
-            found = some([*self.table.columns, *self.table.not_numbers])
-            raise LogError(f"{self.source}: no column 'time' [s]; found {found}")
+            raise LogError(f"{self.missing('time')}; found {self.found}")
         if name in self.table.not_numbers:
             raise LogError(
                 f"{self.source}: column '{name}' must hold times, found {self.table.not_numbers[name]}"
@@ -114,6 +132,11 @@ class SignalPicker:
         extra = [label for label in self.labels if label not in self.used]
         if extra:
             self.notes.append(f"joints of the log that the robot does not have, ignored: {some(extra)}")
+
+    @property
+    def columns(self) -> ColumnNames:
+        """The columns by signal and joint label."""
+        return self.choice.columns
 
     @property
     def labels(self) -> list[str]:

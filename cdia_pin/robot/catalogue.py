@@ -7,8 +7,8 @@ import importlib.util
 import os
 import sys
 import tomllib
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import StrEnum
 from fnmatch import fnmatchcase
 from functools import cache
@@ -23,6 +23,7 @@ from cdia_pin.errors import RobotError, unknown_name
 from cdia_pin.phrases import shortened
 from cdia_pin.resources import robots_dir
 from cdia_pin.robot.checks import description_warnings
+from cdia_pin.robot.fetched import fetched_urdf, known_urdf
 from cdia_pin.robot.locked_joints import LockRequest, LockRule, locked_joints, require_chain
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.robot.urdf import MOVABLE, Urdf, read_urdf
@@ -36,6 +37,7 @@ class RobotSource(StrEnum):
 
     SHIPS = "ships"  # a file of this package
     EXAMPLE_ROBOT_DATA = "example-robot-data"  # a file of the package example-robot-data
+    FETCHED = "robot_descriptions"  # fetched at its first use, by the package robot_descriptions
 
 
 @dataclass(frozen=True)
@@ -67,13 +69,15 @@ class CatalogueEntry:
         name: Name that ``--robot`` takes.
         description: Kind of robot, in a few words.
         source: Place from which it is read.
-        urdf: File, relative to the folder of the source.
+        urdf: File, relative to the folder of the source; of a fetched robot, the module of robot_descriptions.
         licence: Licence of the description.
         origin: Authors or repository of the description.
         tool_frame: Frame that carries a payload.
         gravity: Size of gravity [m/s²], along −z of the base.
         lock: Joints that are locked.
         limits: Limits that the file does not state.
+        arguments: Arguments of the xacro file of a fetched robot.
+        joints: Number of joints of a fetched robot, which is known before it is fetched.
     """
 
     name: str
@@ -86,6 +90,8 @@ class CatalogueEntry:
     gravity: float = STANDARD_GRAVITY
     lock: tuple[LockRule, ...] = ()
     limits: tuple[LimitRule, ...] = ()
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    joints: int | None = None
 
     def __repr__(self) -> str:
         return f"CatalogueEntry({shortened(self.name)}, {self.source.value}, urdf={shortened(self.urdf)})"
@@ -95,10 +101,22 @@ class CatalogueEntry:
         """The URDF file on this machine.
 
         Raises:
-            RobotError: If the package that holds it is not installed.
+            RobotError: If the package that holds it is not installed, or it cannot be fetched.
         """
+        if self.source is RobotSource.FETCHED:
+            return fetched_urdf(self.name, self.urdf, self.arguments, self.origin)
         folder = robots_dir() if self.source is RobotSource.SHIPS else example_robots_dir()
         return folder / self.urdf
+
+    @property
+    def available(self) -> bool:
+        """True if the description is on this machine, so that it can be loaded without a network."""
+        if self.source is RobotSource.FETCHED:
+            return known_urdf(self.name) is not None
+        try:
+            return self.path.is_file()
+        except RobotError:
+            return False
 
 
 @cache

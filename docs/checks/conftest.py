@@ -1,12 +1,17 @@
 """The files and names that the examples in the pages take for granted."""
 
+import json
 import shutil
 
+import numpy as np
 import pytest
+from rosbags.rosbag2 import StoragePlugin
 
+from benchmarks.reading_bags import write_bag
 from cdia_pin import Dynamics, discover, load_robot, read_log, save_model
 from cdia_pin.effects import EFFECTS
 from cdia_pin.resources import logs_dir
+from tests.made_formats import lerobot, libfranka, rtde, with_velocity, write
 
 ROBOT = "ur5"  # the arm of the log that ships
 LOGS = (
@@ -30,11 +35,24 @@ def reader(tmp_path_factory):
     head, *samples = (logs_dir() / "demo_ur5.csv").read_text(encoding="utf-8").splitlines(keepends=True)
     for name in LOGS:
         (folder / name).write_text(head + "".join(samples[: len(samples) // 2]), encoding="utf-8")
+    write_formats(folder)
     log = read_log(folder / "run.csv", robot)
     model = discover(Dynamics(robot), log).model
     for name in ("model.json", "better.json"):
         save_model(model, folder / name)
     return folder, {"robot": robot, "log": log, "model": model}
+
+
+def write_formats(folder):
+    """Write a recording in each format that docs/formats has a page on."""
+    ur, franka = with_velocity(load_robot("ur10")), with_velocity(load_robot("panda"))
+    (folder / "gains.json").write_text(json.dumps(dict.fromkeys(ur.joints, 10.0)), encoding="utf-8")
+    write(folder / "robot_data.csv", rtde(ur, actual_current=ur.effort / 10.0, target_moment=ur.effort), " ")
+    write(folder / "franka.csv", libfranka(franka))
+    names = [f"{joint}.{signal}" for signal in ("pos", "vel", "torque") for joint in ur.joints]
+    values = np.column_stack([np.degrees(ur.position), np.degrees(ur.velocity), ur.effort])
+    lerobot(folder / "dataset", ur, names, values, episodes=2)
+    write_bag(folder / "bag", StoragePlugin.MCAP, None, ur.joints, 500)
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from cdia_pin.cli import main
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [
     ROOT / "README.md",
-    *(p for p in sorted((ROOT / "docs").glob("*.md")) if not p.name.startswith("results")),
+    *(p for p in sorted((ROOT / "docs").rglob("*.md")) if not p.name.startswith("results")),
 ]
 BLOCK = re.compile(r"^```(python|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 SERVERS = ("app", "view")  # wait for a browser until they are ended

@@ -98,7 +98,7 @@ def test_unknown_names_give_the_nearest(cdia, log):
         "did you mean coulomb_friction" in cdia("discover", log, *ROBOT, "--effects", "columb_friction").error
     )
     assert "did you mean joint2" in cdia("add", "coulomb_friction@jiont2", log, *ROBOT).error
-    assert "did you mean ur5" in cdia("robots", "ur6").error
+    assert "did you mean ur5" in cdia("robots", "ur55").error
 
 
 def test_effects_that_cannot_be_added(cdia, log):

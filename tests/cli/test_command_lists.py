@@ -14,6 +14,14 @@ def test_every_robot_is_listed(cdia):
     assert all(name in shown for name in catalogue())
 
 
+def test_a_robot_that_is_fetched_is_listed_with_joints_licence_and_source(cdia, monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    (ur5e,) = [r for r in cdia("robots", "--json", "-").json["robots"] if r["name"] == "ur5e"]
+    assert (ur5e["count"], ur5e["licence"], ur5e["source"]) == (6, "BSD-3-Clause", "robot_descriptions")
+    assert not ur5e["available"]
+    assert "cdia-pin[robots]" in cdia("robots").out
+
+
 def test_one_robot_shows_its_joints(cdia):
     shown = cdia("robots", "ur5").out
     assert "elbow_joint" in shown

@@ -9,7 +9,10 @@ from cdia_pin.errors import RobotError
 from cdia_pin.robot import catalogue, load_robot
 
 
-@pytest.fixture(scope="module", params=list(catalogue()))
+@pytest.fixture(
+    scope="module",
+    params=[name for name, entry in catalogue().items() if entry.source != "robot_descriptions"],
+)
 def arm(request):
     return load_robot(request.param)
 

@@ -1,10 +1,12 @@
 """On measured logs of real arms the checks raise no alarm, and find what is done to them."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from cdia_pin.errors import LogError
 from cdia_pin.logs import check_log, read_log
 from cdia_pin.robot import load_robot
 
@@ -81,3 +83,33 @@ def test_degrees_and_exchanged_joints_of_the_real_panda_are_found(panda, panda_r
     assert found["joint_order"].value["joints"] == ["panda_joint2", "panda_joint4"]
     alone = check_log(replace(run, effort=1000 * run.effort), panda).problems
     assert "--convert torque=Nmm" in {f.advice for f in alone}
+
+
+@pytest.mark.parametrize(
+    ("log", "gains", "given", "best"),
+    [
+        ("ur10/exciting.csv", None, "ur5", "ur10"),
+        ("ur10/exciting.csv", None, "kinova", "ur10"),
+        ("ur5/free.csv", "ur5/drive_gains.json", "ur10", "ur5"),
+        ("panda/exciting.csv", None, "xarm7", "panda"),
+        ("panda/exciting.csv", None, "baxter_left_arm", "panda"),
+    ],
+)
+def test_the_arm_that_a_log_is_of_is_named_where_another_was_given(
+    measured, monkeypatch, tmp_path, log, gains, given, best
+):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))  # fetched arms are candidates too
+    arm, right = load_robot(given), load_robot(best)
+    renamed = {r: j for r, j in zip(right.joints, arm.joints, strict=True) if r != j}
+    known = json.loads((measured / gains).read_text()) if gains else {}
+    scaled = {renamed.get(joint, joint): gain for joint, gain in known.items()}
+    read = read_log(measured / log, arm, gains=scaled or None, joint_map=renamed or None)
+    (found,) = check_log(read, arm).about("robot")
+    assert found.value["best"] == best
+    with_right = read_log(measured / log, right, gains=known or None)
+    assert not check_log(with_right, right).about("robot")
+
+
+def test_the_arm_whose_joints_a_log_names_is_said(measured, ur10):
+    with pytest.raises(LogError, match="its joints are those of panda"):
+        read_log(measured / "panda" / "exciting.csv", ur10)

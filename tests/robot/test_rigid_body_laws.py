@@ -10,7 +10,13 @@ from tests import one_joint
 N = 5
 
 
-@pytest.fixture(scope="module", params=[*catalogue(), *one_joint.KINDS])
+@pytest.fixture(
+    scope="module",
+    params=[
+        *(name for name, entry in catalogue().items() if entry.source != "robot_descriptions"),
+        *one_joint.KINDS,
+    ],
+)
 def arm(request, tmp_path_factory) -> RobotModel:
     if request.param in one_joint.KINDS:
         return load_robot(one_joint.write_urdf(request.param, tmp_path_factory.mktemp("arm")))

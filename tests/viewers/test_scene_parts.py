@@ -70,7 +70,10 @@ def pinocchio_boxes(robot):
     return {j: (p.min(axis=0), p.max(axis=0)) for j, p in found.items()}
 
 
-@pytest.fixture(scope="module", params=sorted(catalogue()))
+@pytest.fixture(
+    scope="module",
+    params=sorted(name for name, entry in catalogue().items() if entry.source != "robot_descriptions"),
+)
 def arm(request):
     return load_robot(request.param)
 

@@ -20,6 +20,7 @@ from cdia_pin.logs.checks.stretches import check_copied, check_held
 from cdia_pin.logs.checks.torque_side import check_torque_side
 from cdia_pin.logs.checks.velocity import check_velocity
 from cdia_pin.logs.checks.wild import check_wild
+from cdia_pin.logs.effort_origin import EffortOrigin
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.magnitudes import require_magnitudes
 from cdia_pin.logs.wild_samples import repaired, wild_samples
@@ -34,9 +35,9 @@ def check_log(log: Log, robot: RobotModel) -> LogCheck:
     Sampling, resolution, limits, saturation and excitation are checked. Single samples that no motion makes are named,
     and left out of the other checks. Efforts are compared with the URDF's
     rigid-body torque and friction of unknown size. This checks units, signs, the order of joints, the kind of
-    effort and its lag. A bundled arm that explains the efforts clearly better is named. A finding states where the
-    evidence is weak. It is *not* checked whether the zero of each position is the URDF's, or whether drive gains are
-    right.
+    effort and its lag. An arm on this machine that explains the efforts clearly better is named. A finding states where
+    the evidence is weak. It is *not* checked whether the zero of each position is the URDF's, or whether drive gains
+    are right.
 
     Args:
         log: The log, joints in the robot's order.
@@ -82,10 +83,11 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
         return
     search = search_conventions(motion.thin(SEARCH_SAMPLES), robot)
     yield from check_conventions(log, robot, search)
-    motion = search.conventions.apply(motion, robot)
+    recorded, motion = motion, search.conventions.apply(motion, robot)
     yield from check_excitation(log, robot, motion)
     gains = gravity_gains(motion, robot)
-    yield from check_arm(robot, motion, gains)
+    if log.effort_origin is EffortOrigin.MEASURED:
+        yield from check_arm(robot, motion, recorded, gains)
     yield from check_effort_kind(log, gains)
     yield from check_torque_side(log, robot, motion)
     yield from check_lag(log, robot, search.conventions)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.fit import physical_columns
 from cdia_pin.logs.checks.motion import SmoothedMotion
+from cdia_pin.logs.effort_origin import EffortOrigin
 from cdia_pin.logs.log import Log
 
 if TYPE_CHECKING:
@@ -112,6 +113,24 @@ KINDS = (
 """Kinds in the order of the gain; their ranges leave no gap."""
 
 
+UNMEASURED = {
+    EffortOrigin.COMPENSATED: Finding(
+        Topic.EFFORT_KIND,
+        Severity.INFO,
+        "the efforts were recorded without gravity, and the URDF's was added: masses, centres of mass and payload "
+        "cannot be judged by them",
+        advice="record torques with gravity, or currents, to judge masses",
+    ),
+    EffortOrigin.COMMANDED: Finding(
+        Topic.EFFORT_KIND,
+        Severity.WARNING,
+        "the efforts are what a controller asked for, not a measurement: what the arm does otherwise does not show",
+        advice="record measured torques, or motor currents with drive gains",
+    ),
+}
+"""What is said of efforts whose gravity tells nothing."""
+
+
 @dataclass(frozen=True)
 class GravityGain:
     """Gravity in the effort of a joint as a multiple of the URDF's.
@@ -177,6 +196,9 @@ def check_effort_kind(log: Log, gains: Mapping[int, GravityGain]) -> Iterator[Fi
     Yields:
         One finding on the kind of effort.
     """
+    if log.effort_origin is not EffortOrigin.MEASURED:
+        yield UNMEASURED[log.effort_origin]
+        return
     known = {k: g for k, g in gains.items() if g.known and not g.absent}
     value = {
         log.joints[k]: {"gravity_gain": g.gain, "standard_error": g.error, "known": g.known}

@@ -45,7 +45,7 @@ def check_torque_side(log: Log, robot: RobotModel, motion: SmoothedMotion) -> It
     if log.torque_side is not TorqueSide.UNKNOWN:
         value["side"] = str(log.torque_side)
         odd = evidence.side is OTHER[log.torque_side]
-        source = "the log holds currents, or it was said so"
+        source = "the log holds currents, its format states it, or it was said so"
         doubt = f", but it looks like the {evidence.side} side: {said}" if odd else ""
         severity = Severity.WARNING if odd else Severity.OK
         yield Finding(Topic.TORQUE_SIDE, severity, f"{MEANS[log.torque_side]} ({source}){doubt}", value=value)

@@ -1,12 +1,15 @@
-"""Choice of the reader by the suffix of a file."""
+"""Choice of the reader by the format, the suffix of a file and what lies beside it."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from cdia_pin.errors import LogError
+from cdia_pin.logs.formats import CSV, LEROBOT, ROS2
+from cdia_pin.logs.readers.lerobot import dataset_of, read_lerobot
 from cdia_pin.logs.readers.table import Table
 
 LONG = (
@@ -16,19 +19,33 @@ BAG_SUFFIXES = (".db3", ".mcap")
 SUFFIXES = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".npz", *BAG_SUFFIXES)
 
 
-def read_table(
-    path: Path, joints: Sequence[str], joint_map: Mapping[str, str] | None = None, topic: str | None = None
-) -> tuple[Table, str]:
-    """Read a file with the reader of its suffix.
+@dataclass(frozen=True)
+class Wanted:
+    """What of a file is wanted, as far as the user says it.
+
+    Attributes:
+        format: Name of the format.
+        joint_map: {name in the log: joint of the robot}.
+        topic: Topic of a bag.
+        episode: Episode of a LeRobot dataset.
+    """
+
+    format: str | None = None
+    joint_map: Mapping[str, str] = field(default_factory=dict)
+    topic: str | None = None
+    episode: int | None = None
+
+
+def read_table(path: Path, joints: Sequence[str], wanted: Wanted) -> tuple[Table, str]:
+    """Read a file with the reader of its format, or else of its suffix.
 
     Args:
-        path: The file, or the directory of a ROS 2 bag.
+        path: The file, the directory of a ROS 2 bag or that of a LeRobot dataset.
         joints: Joints of the robot, by which the topic of a bag is chosen.
-        joint_map: {name in the log: joint of the robot}.
-        topic: Topic of a bag; chosen by its joints if omitted.
+        wanted: What of it is wanted.
 
     Returns:
-        The table, and the SHA-256 of the file's bytes (for a bag, of all its storage files).
+        The table, and the SHA-256 of the file's bytes (of a bag or dataset, of the files that were read).
 
     Raises:
         LogError: If there is no such file, its format is unknown or it cannot be read.
@@ -39,13 +56,17 @@ def read_table(
     if not (path.is_file() or path.is_dir()):
         raise LogError(f"{path}: a pipe or a device, expected a file")
     suffix = path.suffix.lower()
-    if path.is_dir() or suffix in BAG_SUFFIXES:
-        return _bag(path, joints, joint_map, topic)
-    if suffix not in SUFFIXES:
+    if _is_lerobot(path, wanted):
+        return read_lerobot(path, wanted.episode)
+    if wanted.episode is not None:
+        raise LogError(f"{source}: only a LeRobot dataset has episodes, given --episode {wanted.episode}")
+    if path.is_dir() or suffix in BAG_SUFFIXES or wanted.format == ROS2.name:
+        return _bag(path, joints, wanted)
+    if suffix not in SUFFIXES and wanted.format is None:
         hint = "; ROS 1 bags become ROS 2 bags with rosbags-convert" if suffix == ".bag" else ""
         raise LogError(
             f"{source}: unknown log format '{suffix or 'no suffix'}'; known: {', '.join(SUFFIXES)} "
-            f"or the directory of a ROS 2 bag{hint}"
+            f"or the directory of a ROS 2 bag or of a LeRobot dataset{hint}; --format {CSV.name} reads any text"
         )
     try:
         with path.open("rb") as file:
@@ -74,9 +95,14 @@ def read_table(
     return read_csv(data, source), digest
 
 
-def _bag(
-    path: Path, joints: Sequence[str], joint_map: Mapping[str, str] | None, topic: str | None
-) -> tuple[Table, str]:
+def _is_lerobot(path: Path, wanted: Wanted) -> bool:
+    """Tell whether a path is that of a LeRobot dataset; a format that the user names decides."""
+    if wanted.format is not None:
+        return wanted.format == LEROBOT.name
+    return (path.is_dir() or path.suffix.lower() == ".parquet") and dataset_of(path) is not None
+
+
+def _bag(path: Path, joints: Sequence[str], wanted: Wanted) -> tuple[Table, str]:
     """Read a bag, or the only storage file of a directory that has no metadata."""
     from cdia_pin.logs.readers.rosbag import read_rosbag
 
@@ -95,5 +121,5 @@ def _bag(
             digest.update(file.read_bytes())
     except OSError as error:
         raise LogError(f"{path}: cannot be read ({error.strerror})") from None
-    table = read_rosbag(path, joints, joint_map, topic)
+    table = read_rosbag(path, joints, wanted.joint_map, wanted.topic)
     return table, digest.hexdigest()

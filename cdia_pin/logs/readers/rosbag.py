@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,35 +13,26 @@ from numpy.typing import NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.extras import require
 from cdia_pin.logs.joint_names import match_joints
+from cdia_pin.logs.readers import mcap
 from cdia_pin.logs.readers.bounds import require_bounded
-from cdia_pin.logs.readers.mcap import bounded_decompression, contents
+from cdia_pin.logs.readers.joint_states import JointStates, joint_states
 from cdia_pin.logs.readers.table import Table
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 _COMMANDS = ("command", "cmd", "desired", "target", "reference", "goal")
 
 
-class _Message(NamedTuple):
-    """A JointState message: names, stamp [ns] and signals; messages of one arm share their names."""
-
-    name: tuple[str, ...]
-    stamp: int
-    position: NDArray[np.float64]
-    velocity: NDArray[np.float64]
-    effort: NDArray[np.float64]
-
-
-@dataclass
+@dataclass(frozen=True)
 class _Topic:
-    """JointState messages of one topic, in the order they were received."""
+    """JointState messages of one topic: times of reception [ns], shape (N,), and the messages by their joints."""
 
     name: str
-    received: list[int] = field(default_factory=list)  # [ns]
-    messages: list[_Message] = field(default_factory=list)
+    received: NDArray[np.int64]
+    states: list[JointStates]
 
     @property
     def joint_lists(self) -> list[tuple[str, ...]]:
-        return sorted({m.name for m in self.messages})
+        return sorted({s.names for s in self.states})
 
     def covering(self, joints: Sequence[str], joint_map: Mapping[str, str] | None) -> set[tuple[str, ...]]:
         """Return the lists of joints in the messages that contain every joint of the robot."""
@@ -84,63 +75,74 @@ def read_rosbag(
         topics = _named(topics, topic, source)
     chosen = _choose(topics, joints, joint_map, source)
     usable = chosen.covering(joints, joint_map)
-    keep = [k for k, m in enumerate(chosen.messages) if m.name in usable]
-    notes = [f"{len(keep)} messages of topic {chosen.name} read"]
-    if len(keep) < len(chosen.messages):
-        notes.append(f"{len(chosen.messages) - len(keep)} of its messages lack the robot's joints, left out")
-    messages = [chosen.messages[k] for k in keep]
-    time = np.array([m.stamp for m in messages], dtype=np.int64)
+    states = [s for s in chosen.states if s.names in usable]
+    index = np.concatenate([s.index for s in states])
+    notes = [f"{len(index)} messages of topic {chosen.name} read"]
+    if len(index) < len(chosen.received):
+        notes.append(f"{len(chosen.received) - len(index)} of its messages lack the robot's joints, left out")
+    time = np.concatenate([s.stamp for s in states])
     if not time.any():
         notes.append("header stamps are all zero; the times of reception are used")
-        time = np.array([chosen.received[k] for k in keep], dtype=np.int64)
-    order = np.argsort(time, kind="stable")
-    if (np.diff(order) < 0).any():
+        time = chosen.received[index]
+    order = np.lexsort((index, time))
+    if (np.diff(index[order]) < 0).any():
         notes.append("messages sorted by time; some were recorded out of order")
     columns: dict[str, NDArray[Any]] = {"time": time[order]}
     for signal in ("position", "velocity", "effort"):
-        columns.update(
-            {name: values[order] for name, values in _signal(messages, signal, source, notes).items()}
-        )
-    return Table(columns, time_unit="ns", notes=tuple(notes))
+        columns.update({name: values[order] for name, values in _signal(states, signal, source).items()})
+    if (lists := len({s.names for s in states})) > 1:
+        notes.append(f"messages list their joints in {lists} different ways; read by name")
+    return Table(columns, time_unit="ns", notes=tuple(notes), format="ros2")
 
 
-def _signal(
-    messages: list[_Message], signal: str, source: str, notes: list[str]
-) -> dict[str, NDArray[np.float64]]:
+def _signal(states: list[JointStates], signal: str, source: str) -> dict[str, NDArray[np.float64]]:
     """Return the columns ``signal.joint`` by name; the order of joints may differ between messages."""
-    filled = [len(getattr(m, signal)) for m in messages]
-    if not any(filled):
+    values = [getattr(s, signal) for s in states]
+    if not any(v.shape[1] for v in values):
         return {}
-    orders: dict[tuple[str, ...], int] = {}
-    for message, count in zip(messages, filled, strict=True):
-        names = message.name
-        if count != len(names):
+    for s, v in zip(states, values, strict=True):
+        if v.shape[1] != len(s.names):
             raise LogError(
-                f"{source}: a message names {len(names)} joints but holds {count} values of {signal}; "
+                f"{source}: a message names {len(s.names)} joints but holds {v.shape[1]} values of {signal}; "
                 f"either all or none of the messages may leave {signal} out"
             )
-        orders.setdefault(names, len(orders))
-    if len(orders) > 1 and signal == "position":
-        notes.append(f"messages list their joints in {len(orders)} different ways; read by name")
-    shared = [j for j in next(iter(orders)) if all(j in names for names in orders)]
-    pick = {names: [names.index(j) for j in shared] for names in orders}
-    values = np.array([getattr(m, signal)[pick[m.name]] for m in messages])
-    return {f"{signal}.{joint}": values[:, k] for k, joint in enumerate(shared)}
+    shared = [j for j in states[0].names if all(j in s.names for s in states)]
+    picked = [v[:, [s.names.index(j) for j in shared]] for s, v in zip(states, values, strict=True)]
+    return {
+        f"{signal}.{joint}": column for joint, column in zip(shared, np.concatenate(picked).T, strict=True)
+    }
 
 
-def _light(message: Any, names: dict[tuple[str, ...], tuple[str, ...]]) -> _Message:
-    """Return what is needed of a message, which takes a tenth of its memory."""
-    name = tuple(message.name)
-    stamp = message.header.stamp
-    signals = (np.array(getattr(message, s), dtype=np.float64) for s in ("position", "velocity", "effort"))
-    return _Message(names.setdefault(name, name), stamp.sec * 10**9 + stamp.nanosec, *signals)
+def _received(bag: Any, path: Path, wanted: list[Any]) -> dict[str, mcap.Received]:
+    """Return the messages of some connections of an open bag, by topic."""
+    found: dict[str, mcap.Received] = {}
+    files = _storage_files(path)
+    if files and all(file.suffix == ".mcap" for file in files):
+        for file in files:
+            for topic, more in mcap.messages(file, {c.topic for c in wanted}).items():
+                known = found.setdefault(topic, mcap.Received([], []))
+                known.times.extend(more.times)
+                known.messages.extend(more.messages)
+        return found
+    for connection, time, message in bag.messages(wanted) if wanted else ():
+        known = found.setdefault(connection.topic, mcap.Received([], []))
+        known.times.append(time)
+        known.messages.append(message)
+    return found
+
+
+def _storage_files(path: Path) -> list[Path]:
+    """Return the files of a bag that hold messages, also compressed ones."""
+    if not path.is_dir():
+        return [path]
+    return sorted(p for p in path.iterdir() if any(kind in p.suffixes for kind in (".db3", ".mcap")))
 
 
 def _require_bounded(path: Path) -> None:
     """Refuse MCAP files whose chunks become too large."""
-    for file in sorted(path.iterdir()) if path.is_dir() else [path]:
+    for file in _storage_files(path):
         if file.suffix == ".mcap":
-            require_bounded(contents(file), file.stat().st_size, file.name)
+            require_bounded(mcap.contents(file), file.stat().st_size, file.name)
 
 
 def _named(topics: list[_Topic], wanted: str, source: str) -> list[_Topic]:
@@ -163,7 +165,7 @@ def _choose(
             "name them with --joint-map name=joint,…"
         )
     measured = [t for t in fitting if not any(word in t.name.lower() for word in _COMMANDS)] or fitting
-    with_effort = [t for t in measured if any(len(m.effort) for m in t.messages)] or measured
+    with_effort = [t for t in measured if any(s.effort.size for s in t.states)] or measured
     if len(with_effort) > 1:
         raise LogError(
             f"{source}: several JointState topics have the robot's joints: "
@@ -176,24 +178,21 @@ def _joint_states(path: Path, source: str) -> tuple[list[_Topic], list[str]]:
     """Return all JointState messages by topic, and the other topics with their types."""
     require("ros", "ROS 2 bags")
     from rosbags.rosbag2 import Reader
-    from rosbags.typesys import Stores, get_typestore
 
-    store = get_typestore(Stores.ROS2_HUMBLE)  # JointState is the same in every ROS 2
-    topics: dict[str, _Topic] = {}
-    names: dict[tuple[str, ...], tuple[str, ...]] = {}
     _require_bounded(path)
     try:
-        with bounded_decompression(), Reader(path) as bag:
+        with mcap.bounded_decompression(), Reader(path) as bag:
             wanted = [c for c in bag.connections if c.msgtype == JOINT_STATE]
             others = [f"{c.topic} ({c.msgtype})" for c in bag.connections if c.msgtype != JOINT_STATE]
-            for connection, received, raw in bag.messages(wanted) if wanted else ():
-                topic = topics.setdefault(connection.topic, _Topic(connection.topic))
-                topic.received.append(received)
-                topic.messages.append(_light(store.deserialize_cdr(raw, JOINT_STATE), names))
+            received = _received(bag, path, wanted)
+        topics = [
+            _Topic(name, np.array(r.times, dtype=np.int64), joint_states(r.messages))
+            for name, r in received.items()
+        ]
     except Exception as error:  # rosbags, apsw, struct and lz4 each raise their own
         said = " ".join(str(error).split())[:160] or type(error).__name__
         raise LogError(
             f"{source}: not readable as a ROS 2 bag ({said}); a recording that was cut off may be "
             "repaired with 'ros2 bag reindex' or 'mcap recover'"
         ) from None
-    return list(topics.values()), others
+    return topics, others

@@ -22,12 +22,14 @@ class Table:
         not_numbers: Columns without numbers, each with an example of its values.
         time_unit: Unit of the times if the format fixes it, such as ``ns``.
         notes: Inferences of the reader, one sentence each.
+        format: Name of the format if the file itself tells it, such as ``ros2``; else the columns tell.
     """
 
     columns: dict[str, NDArray[Any]]
     not_numbers: dict[str, str] = field(default_factory=dict)
     time_unit: str | None = None
     notes: tuple[str, ...] = ()
+    format: str | None = None
 
     def __repr__(self) -> str:
         return (

@@ -1,0 +1,228 @@
+"""Guesses of what columns of unknown names hold, by their size, their smoothness and words in their names."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.logs.formats.groups import ColumnGroup, grouped
+from cdia_pin.logs.formats.patterns import TIME
+
+if TYPE_CHECKING:
+    from cdia_pin.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+FULL_TURNS = 7.0  # [rad], above one turn; a joint that goes further in rad is rare, in degrees usual
+RATE_OF = 0.7  # [1], correlation with the derivative of another signal above which it is its velocity
+COPY_OF = 0.995  # [1], correlation with the positions above which a signal is their command
+SMALL = 0.05  # [1], largest torque over the limit of its joint below which it is rather a current
+WARM = (10.0, 100.0)  # [°C] of motors
+SAMPLES = 20_000  # [samples] that are looked at
+# Words in names, which decide where sizes do not.
+WORDS = {
+    "temperature": r"temp|°c|celsius",
+    "current": r"curr|cur\b|amp|iq\b|\bi[_#*]",
+    "effort": r"torq|trq|tau|moment|eff|\bnm\b|load",
+    "velocity": r"vel|speed|spd|omega|rate|dq|qd|\bw[_#*]",
+    "position": r"pos|ang|enc|deg|rad|joint|\bq[_#*]",
+}
+UNWANTED = re.compile(r"target|cmd|command|desired|ref|goal|setp|_d\b", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class ColumnGuess:
+    """What some columns may hold.
+
+    Attributes:
+        pattern: Their names, ``#`` or ``*`` in the place of the joint; the name itself of a single column.
+        signal: Signal that it may be; empty if nothing can be said.
+        lowest: Smallest value, as logged.
+        highest: Largest value, as logged.
+        said: What speaks for it, in a few words.
+        labels: Joint labels in the order of the file; empty for a single column.
+    """
+
+    pattern: str
+    signal: str
+    lowest: float
+    highest: float
+    said: str
+    labels: tuple[str, ...] = ()
+
+    @property
+    def said_short(self) -> str:
+        """The signal and what speaks for it, in a few words."""
+        return f"{self.signal}? ({self.said})" if self.signal else self.said
+
+    def __str__(self) -> str:
+        return f"{self.pattern} {self.lowest:.3g} to {self.highest:.3g} {self.said_short}".rstrip()
+
+
+def guess_columns(columns: dict[str, NDArray[Any]], robot: RobotModel) -> list[ColumnGuess]:
+    """Guess what the columns of a table hold.
+
+    Args:
+        columns: Numbers by name of the column, each of shape (N,).
+        robot: The arm, for the number of joints and their limits.
+
+    Returns:
+        A guess for each group of columns with one for each joint, and for the column of times.
+    """
+    groups = grouped(list(columns), robot.n)
+    values = {g.pattern: _values(columns, g) for g in groups}
+    groups = [g for g in groups if np.isfinite(values[g.pattern]).any(axis=0).all()]
+    words = {g.pattern: _word(g.pattern) for g in groups}
+    position, velocity = _moving([g for g in groups if not UNWANTED.search(g.pattern)], values, words)
+    guesses = list(_times(columns, {c for g in groups for c in g.labels.values()}))
+    taken: set[str] = set()
+    for group in groups:
+        x = values[group.pattern]
+        if group is position:
+            signal, said = "position", "deg" if np.nanmax(np.abs(x)) > FULL_TURNS else "rad"
+        elif group is velocity:
+            signal, said = "velocity", "follows the change of the positions"
+        elif position and not words[group.pattern] and _alike(x, values[position.pattern]) > COPY_OF:
+            signal, said = "", "follows the positions: commanded?"
+        else:
+            signal, said = _torque_or_so(x, words[group.pattern], group.pattern, robot)
+        if signal in taken:
+            signal, said = "", f"another {signal}?"
+        taken.add(signal)
+        guesses.append(
+            ColumnGuess(
+                group.pattern, signal, float(np.nanmin(x)), float(np.nanmax(x)), said, tuple(group.labels)
+            )
+        )
+    return guesses
+
+
+def reading_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> dict[str, str]:
+    """Return the options by which a log is read as guessed.
+
+    Args:
+        guesses: The guesses; those without a signal are left out.
+        robot: The arm, by whose joints columns without numbers are named in the order of the file.
+
+    Returns:
+        Values of ``columns``, ``convert`` and ``joint_map``, those that are needed.
+    """
+    known = [g for g in guesses if g.signal]
+    out = {"columns": ",".join(f"{g.signal}={g.pattern}" for g in known)} if known else {}
+    if any(g.signal == "position" and g.said == "deg" for g in known):
+        out["convert"] = "angle=deg"
+    labels = next((g.labels for g in known if g.labels and not g.labels[0].isdigit()), ())
+    if labels and not set(robot.joints) <= set(labels):
+        out["joint_map"] = ",".join(f"{a}={b}" for a, b in zip(labels, robot.joints, strict=True))
+    return out
+
+
+def options_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> str:
+    """Return what to type so that a log is read as guessed.
+
+    Args:
+        guesses: The guesses.
+        robot: The arm.
+    """
+    said = [
+        f"--{name.replace('_', '-')} {shlex.quote(value)}"
+        for name, value in reading_of(guesses, robot).items()
+    ]
+    signals = {g.signal for g in guesses}
+    return " ".join(
+        [*said, *(["--gains gains.json"] if "current" in signals and "effort" not in signals else [])]
+    )
+
+
+def said_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> str:
+    """Return guesses and what to type in one sentence; empty if nothing was found.
+
+    Args:
+        guesses: The guesses.
+        robot: The arm.
+    """
+    if not guesses:
+        return ""
+    looks = "; ".join(map(str, guesses))
+    options = options_of(guesses, robot)
+    return f"the columns look like: {looks}" + (f"; if that is right, type {options}" if options else "")
+
+
+def _values(columns: dict[str, NDArray[Any]], group: ColumnGroup) -> Array:
+    x = np.column_stack([np.asarray(columns[name], dtype=np.float64) for name in group.labels.values()])
+    return x[:SAMPLES]
+
+
+def _moving(
+    groups: Sequence[ColumnGroup], values: dict[str, Array], words: dict[str, str]
+) -> tuple[ColumnGroup | None, ColumnGroup | None]:
+    """Find the positions, and the velocities that are their derivative; without those, the smoothest signal."""
+    pairs = [
+        (_alike(np.gradient(values[a.pattern], axis=0), values[b.pattern]), a, b)
+        for a in groups
+        for b in groups
+        if a is not b and words[a.pattern] in {"", "position"} and words[b.pattern] in {"", "velocity"}
+    ]
+    best = max(pairs, key=lambda pair: pair[0], default=None)
+    if best is not None and best[0] > RATE_OF:
+        return best[1], best[2]
+    named = [g for g in groups if words[g.pattern] == "position"] or [
+        g for g in groups if not words[g.pattern] and _roughness(values[g.pattern]) < np.inf
+    ]
+    velocity = next((g for g in groups if words[g.pattern] == "velocity"), None)
+    return min(named, key=lambda g: _roughness(values[g.pattern]), default=None), velocity
+
+
+def _alike(x: Array, y: Array) -> float:
+    """Return the median over the joints of the correlation of two signals [1]."""
+    x, y = x - np.nanmean(x, axis=0), y - np.nanmean(y, axis=0)
+    size = np.sqrt(np.nansum(x * x, axis=0) * np.nansum(y * y, axis=0))
+    moving = size > 0
+    return float(np.median(np.nansum(x * y, axis=0)[moving] / size[moving])) if moving.any() else 0.0
+
+
+def _roughness(x: Array) -> float:
+    """Return the change from sample to sample over the spread [1]; infinite if nothing changes."""
+    spread = np.nanstd(x, axis=0)
+    moving = spread > 0
+    return (
+        float(np.median(np.nanstd(np.diff(x, axis=0), axis=0)[moving] / spread[moving]))
+        if moving.any()
+        else np.inf
+    )
+
+
+def _torque_or_so(x: Array, word: str, pattern: str, robot: RobotModel) -> tuple[str, str]:
+    """Name a signal that is no motion: by a word in its name, or by its size."""
+    if UNWANTED.search(pattern):
+        return "", "commanded?"
+    if word in {"effort", "current", "temperature"}:
+        return word, "by its name"
+    if word:
+        return "", f"{word}? by its name"
+    if WARM[0] < np.nanmin(x) and np.nanmax(x) < WARM[1]:
+        return "temperature", f"between {WARM[0]:g} and {WARM[1]:g}"
+    limits = np.where(robot.limits.effort > 0, robot.limits.effort, np.inf)
+    share = float(np.max(np.nanmax(np.abs(x), axis=0) / limits))
+    if share == 0:  # nothing is there, or the URDF states no limits
+        return "", "nothing that its size tells"
+    size = f"up to {share:.0%} of the torque limits"
+    return ("current", size) if share < SMALL else ("effort", size)
+
+
+def _times(columns: dict[str, NDArray[Any]], used: set[str]) -> Iterator[ColumnGuess]:
+    """Yield the first column that increases throughout."""
+    for name, x in columns.items():
+        if name not in used and len(x) > 1 and (np.diff(x) > 0).all():
+            yield ColumnGuess(name, TIME, float(x[0]), float(x[-1]), "increases throughout")
+            return
+
+
+def _word(pattern: str) -> str:
+    return next((signal for signal, words in WORDS.items() if re.search(words, pattern, re.IGNORECASE)), "")

@@ -1,0 +1,89 @@
+"""Columns of unknown names: each gets a guess, and what to type makes the log readable."""
+
+import shlex
+
+import numpy as np
+import pytest
+
+from cdia_pin.logs import read_log
+from cdia_pin.logs.formats.guess import reading_of
+from cdia_pin.logs.missing_columns import MissingColumnsError
+from tests.made_formats import numbered, with_velocity, write
+
+
+@pytest.fixture(scope="module")
+def made(ur5):
+    return with_velocity(ur5)
+
+
+def named(stem: str, values: np.ndarray) -> dict[str, np.ndarray]:
+    parts = ("base", "shoulder", "elbow", "wrist_a", "wrist_b", "wrist_c")
+    return {f"{stem}:{part}.x": values[:, k] for k, part in enumerate(parts)}
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        lambda log: {
+            "sample": np.arange(len(log.time)) * 10.0,
+            **numbered("J", np.degrees(log.position), "{}{} ang"),
+            **numbered("J", np.degrees(log.velocity), "{}{} spd"),
+            **numbered("J", log.effort, "{}{} mom"),
+        },
+        lambda log: {  # no word tells, sizes and derivatives do
+            "zeit": log.time,
+            **numbered("b", log.velocity),
+            **numbered("a", log.position),
+            **numbered("c", log.effort),
+            **numbered("d", np.round(31.0 + 0.3 * log.time[:, None] + np.arange(6.0), 1)),  # a temperature
+        },
+        lambda log: {
+            "zeit": log.time,
+            **numbered("u", log.position, "{}.{}"),
+            **numbered("w", log.effort, "{}.{}"),
+        },
+    ],
+)
+def test_what_the_message_says_to_type_reads_the_log(ur5, made, tmp_path, columns):
+    path = write(tmp_path / "x.csv", columns(made))
+    with pytest.raises(MissingColumnsError) as caught:
+        read_log(path, ur5)
+    options = reading_of(caught.value.guesses, ur5)
+    assert f"--columns {shlex.quote(options['columns'])}" in str(caught.value)
+    log = read_log(path, ur5, **{name: [value] for name, value in options.items()})
+    np.testing.assert_allclose(log.position, made.position, rtol=1e-9)
+    np.testing.assert_allclose(log.effort, made.effort, rtol=1e-9)
+
+
+def test_parts_of_another_name_are_mapped_in_the_order_of_the_file(ur5, made, tmp_path):
+    columns = {"zeit": made.time}
+    for stem, values in (("pos", made.position), ("moment", made.effort)):
+        columns |= {f"{stem}/{part}": values[:, k] for k, part in enumerate("ABCDEF")}
+    path = write(tmp_path / "x.csv", columns)
+    with pytest.raises(MissingColumnsError, match="--joint-map A=shoulder_pan_joint,B=") as caught:
+        read_log(path, ur5)
+    options = reading_of(caught.value.guesses, ur5)
+    log = read_log(path, ur5, **{name: [value] for name, value in options.items()})
+    np.testing.assert_array_equal(log.effort, made.effort)
+
+
+def test_a_current_is_told_by_its_size_and_asks_for_gains(ur5, made, tmp_path):
+    columns = {"zeit": made.time, **numbered("a", made.position), **numbered("b", made.velocity)}
+    path = write(tmp_path / "x.csv", columns | numbered("c", made.effort / 100.0))
+    with pytest.raises(MissingColumnsError, match=r"current=c_#' --gains gains\.json"):
+        read_log(path, ur5)
+
+
+def test_a_command_that_follows_the_positions_is_not_taken_for_a_torque(ur5, made, tmp_path):
+    columns = {"zeit": made.time, **numbered("a", made.position), **numbered("b", made.velocity)}
+    columns |= numbered("c", made.position + 1e-3)
+    with pytest.raises(MissingColumnsError) as caught:
+        read_log(write(tmp_path / "x.csv", columns), ur5)
+    assert "effort" not in {g.signal for g in caught.value.guesses}
+    assert "commanded?" in str(caught.value)
+
+
+def test_columns_in_no_group_of_joints_are_listed(ur5, made, tmp_path):
+    path = write(tmp_path / "x.csv", {"zeit": -made.time, "angle": made.position[:, 0]})
+    with pytest.raises(MissingColumnsError, match="found zeit, angle"):
+        read_log(path, ur5)
