@@ -11,6 +11,7 @@ from nicegui import app
 from cdia_pin.app.dropped import LARGEST, inside
 from cdia_pin.app.shelf import Shelf
 from cdia_pin.errors import CdiaError
+from cdia_pin.whole_files import whole_file
 
 if TYPE_CHECKING:
     from cdia_pin.app.workbench import Workbench
@@ -30,19 +31,16 @@ def serve_drops(shelf: Shelf[Workbench]) -> None:
         bench = shelf.find(key)
         if bench is None:
             return PlainTextResponse("this session has ended: load the page again", 404)
+        size = 0
         try:
             file = inside(bench.folder, f"{drop}/{path}")
             file.parent.mkdir(parents=True, exist_ok=True)
-            size = 0
-            with file.open("wb") as out:
+            with whole_file(file) as out:
                 async for chunk in request.stream():
                     size += len(chunk)
                     if size > LARGEST * 10**6:
-                        break
+                        raise CdiaError(f"it is larger than {LARGEST} MB, give its path instead")
                     out.write(chunk)
         except (CdiaError, OSError) as error:
             return PlainTextResponse(f"{path} cannot be kept: {error}", 400)
-        if size > LARGEST * 10**6:
-            file.unlink()
-            return PlainTextResponse(f"{path} is larger than {LARGEST} MB: give its path instead", 413)
         return Response(status_code=204)

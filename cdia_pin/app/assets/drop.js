@@ -18,7 +18,8 @@ export default {
         if (!files(event)) return;
         event.preventDefault();
         shown(false);
-        const entries = [...event.dataTransfer.items].map((item) => item.webkitGetAsEntry()).filter(Boolean);
+        const items = [...event.dataTransfer.items].filter((item) => item.kind === "file");
+        const entries = items.map((item) => item.webkitGetAsEntry() || item.getAsFile());
         this.gather(entries).then((found) => this.send(found));
       },
     };
@@ -32,6 +33,10 @@ export default {
     async gather(entries, path = "") {
       const found = [];
       for (const entry of entries) {
+        if (entry instanceof File) { // where folders are not known
+          found.push([path + entry.name, entry]);
+          continue;
+        }
         if (entry.isFile) {
           found.push([path + entry.name, await new Promise((done, failed) => entry.file(done, failed))]);
           continue;

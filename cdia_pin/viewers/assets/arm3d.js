@@ -148,7 +148,7 @@ class Arm3D {
     this._notes = part("notes", "details");
     this._still = part("still", "canvas");
     const picture = part("picture");
-    picture.append(this._pane, this._still, this._head, this._pin, this._legend, this._notes);
+    picture.append(this._pane, this._still, this._head, this._legend, this._notes);
     this.box.append(picture);
     element.append(this.box);
     this._pin.hidden = true;
@@ -157,6 +157,7 @@ class Arm3D {
     this._pane.setAttribute("role", "img");
     this._pane.setAttribute("aria-label", "The arm " + this.scene.robot);
     this.viewer = meshcatViewer(this._pane);
+    this._pane.append(this._pin);
     if (this.viewer.drawing) this._note(this.scene.noted, this.scene.notes);
     else this._note("This browser has no WebGL: the arm cannot be drawn here.", []);
   }
