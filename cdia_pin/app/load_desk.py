@@ -9,7 +9,7 @@ from pathlib import Path
 from cdia_pin.app import picture
 from cdia_pin.app.dropped import place_meshes, sort_dropped
 from cdia_pin.app.form import Form, gain_text
-from cdia_pin.app.inputs import Request, read_model
+from cdia_pin.app.inputs import Inputs, Request, read_model
 from cdia_pin.app.log_columns import LogColumns, columns_of
 from cdia_pin.app.runner import Runner
 from cdia_pin.app.session import Session
@@ -83,6 +83,7 @@ class LoadDesk:
         arm, scene = read
         self.arm = arm
         self.form.keep(arm.robot.joints)
+        asked = self.form.request()  # without rows of another robot
         show(scene)
         if asked.log == Path():
             self._runner.say(f"{arm.robot.name} is read: now give its log.")
@@ -91,9 +92,10 @@ class LoadDesk:
 
         def work(tell: Progress) -> Loaded | Unmapped:
             try:
-                session = Session.load(asked, tell, arm)
+                inputs = Inputs.load(asked, tell, arm)
             except LogError as error:
                 return Unmapped(str(error), columns_of(asked.log, arm.robot.joints))
+            session = Session.of(inputs, tell)
             return Loaded(session, scene, picture.timeline(session))
 
         done = await self._runner.run("Loading", work)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import sort_names
+from cdia_pin.logs.joint_names import match_joints
 from cdia_pin.logs.readers.dispatch import read_table
 
 
@@ -28,7 +30,13 @@ class LogColumns:
 
         Args:
             joints: Joints of the robot.
+
+        Returns:
+            Name by joint; empty where the reader finds the joints by itself.
         """
+        with contextlib.suppress(LogError):
+            match_joints(self.labels, joints)
+            return {}
         left = [label for label in self.labels if label not in joints]
         without = [joint for joint in joints if joint not in self.labels]
         return dict(zip(without, left, strict=True)) if len(left) == len(without) else {}

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from cdia_pin.app.history import History, Version
 from cdia_pin.app.inputs import Inputs, Request
 from cdia_pin.discovery import Discovery, add_effect_in, compare_in, discover_in
-from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import parse_effect
 from cdia_pin.errors import CdiaError
 from cdia_pin.progress import Progress, silent
@@ -34,18 +33,29 @@ class Session:
     preview: Version | None = None
 
     @classmethod
-    def load(cls, asked: Request, tell: Progress = silent, model: Dynamics | None = None) -> Session:
+    def load(cls, asked: Request, tell: Progress = silent) -> Session:
         """Load a robot and a log, check them and compare them.
 
         Args:
             asked: What to load.
             tell: Reports progress.
-            model: The robot of the request, of `read_model`; it is read if omitted.
 
         Raises:
             CdiaError: If they cannot be read or used.
         """
-        inputs = Inputs.load(asked, tell, model)
+        return cls.of(Inputs.load(asked, tell), tell)
+
+    @classmethod
+    def of(cls, inputs: Inputs, tell: Progress = silent) -> Session:
+        """Compare a robot with its log.
+
+        Args:
+            inputs: Both.
+            tell: Reports progress.
+
+        Raises:
+            CdiaError: If the log is too short.
+        """
         tell("comparing", 0.8)
         problem = Problem.conditioned(inputs.robot, [inputs.log], [], DiscoverySettings())
         first = Version(compare_in(problem.experiment, inputs.model))
