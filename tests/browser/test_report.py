@@ -209,7 +209,7 @@ def test_a_click_on_a_link_chooses_its_joint(page: Any, written: Written):
     found = page.evaluate("""() => {
       const area = motion.arm.box.querySelector('canvas').getBoundingClientRect();
       for (let y = 0.05; y < 1; y += 0.02) for (let x = 0.05; x < 1; x += 0.02) {
-        const [px, py] = [area.left + x * area.width, area.top + y * area.height];
+        const [px, py] = [area.left + x * area.width, area.top + y * area.height].map(Math.round); // as a mouse has it
         const joint = motion.arm.jointAt(px, py), on = document.elementFromPoint(px, py);
         if (joint && joint !== chosen.joint && on && on.tagName === 'CANVAS') return {x: px, y: py, joint};
       }

@@ -3,6 +3,7 @@
 const UNKNOWN_STAGE = { name: "", colour: "#888888", words: "", least: 0, most: 0 };
 const VIEW = [1, -1.15, 0.62]; // from where the arm is seen, z up
 const FILLED = { wide: 0.92, tall: 0.78 }; // shares of the picture that the arm fills at most, beside head and legend
+const PAPER = [1000, 440]; // [px], of a still picture
 const ACCENT = "#2f8fdd"; // of what is selected
 
 class Arm3D {
@@ -118,13 +119,27 @@ class Arm3D {
     };
   }
 
-  // Keep a still picture for paper, on which the viewer's own is blank.
+  // Keep a still picture of the present pose for paper, on which the viewer's own is blank.
   keepStill() {
-    const { domElement } = this.viewer.renderer;
-    if (!this.viewer.drawing || !domElement.width) return;
-    this.viewer.render(); // what was drawn before is gone
+    const { renderer } = this.viewer, { domElement } = renderer;
+    if (!this.viewer.drawing) return;
+    const size = renderer.getSize(new THREE.Vector2()), framed = this._framed, own = this._ownView;
+    this._size(...PAPER);
+    if (!own) this.frame([this._shown.position]);
+    this.viewer.render();
     Object.assign(this._still, { width: domElement.width, height: domElement.height });
     this._still.getContext("2d").drawImage(domElement, 0, 0);
+    this._framed = framed;
+    this._size(size.x, size.y);
+    if (!own) this.resetView();
+    this.viewer.set_dirty();
+  }
+
+  _size(width, height) {
+    const { renderer, camera } = this.viewer;
+    renderer.setSize(width, height);
+    camera.aspect = width / height;
+    camera.updateProjectionMatrix();
   }
 
   dispose() {
@@ -303,7 +318,7 @@ class Arm3D {
       return node;
     };
     this._head.replaceChildren();
-    if (stage) this._head.append(part("chip", stage.name, stage.colour), " ");
+    if (stage && !stage.full) this._head.append(part("chip", stage.name, stage.colour), " ");
     if (this._shown.label) this._head.append(part("text", this._shown.label), " ");
     if (this._selected) this._head.append(part("picked", "selected: " + this._selected));
     this._legend.replaceChildren(...this.stages.map((s) => {
