@@ -42,19 +42,18 @@ class FindPage:
     """
 
     def __init__(self, bench: Workbench, key: str, leave: Callable[[], None]) -> None:
-        self.bench, self._key, self._leave = bench, key, leave
-        self._build()
-        client = context.client
-        client.on_delete(self._close)
-        client.on_exception(self._crashed)
-        bench.pages.append(self)
+        self.bench, self._leave = bench, leave
+        context.client.on_delete(self._close)  # also of a page that cannot be built
+        context.client.on_exception(self._crashed)
+        self._build(key)
         self.show()
         self.draw_arm()
+        bench.pages.append(self)
 
-    def _build(self) -> None:
+    def _build(self, key: str) -> None:
         bench = self.bench
         DropElement(
-            ADDRESS + self._key,
+            ADDRESS + key,
             USEFUL,
             lambda drop: bench.take_dropped(bench.folder / drop),
             bench.runner.refuse,
@@ -73,7 +72,8 @@ class FindPage:
                 self._charts.props["data-mark"] = "charts"
 
     def _close(self) -> None:
-        self.bench.pages.remove(self)
+        if self in self.bench.pages:
+            self.bench.pages.remove(self)
         self._leave()
 
     def _crashed(self, error: Exception) -> None:

@@ -33,7 +33,7 @@ def mapping_table(desk: LoadDesk, joints: Sequence[str]) -> None:
     if (
         columns is not None
         and columns.currents
-        and not any(desk.form.joints.get(j, {}).get("gain") for j in joints)
+        and not all(desk.form.joints.get(j, {}).get("gain") for j in joints)
     ):
         node(
             "p",

@@ -25,7 +25,7 @@ FILES: dict[str, tuple[Callable[[Session], bytes], str]] = {
 }
 
 
-class Page(Protocol):
+class BenchPage(Protocol):
     """What a workbench asks of each page that shows it."""
 
     def show(self, *marks: str) -> None:
@@ -80,7 +80,7 @@ class Workbench:
         self.timeline: TimelineDocument | None = None
         self.joint, self.typed, self.own_fault = "", "", ""
         self.searching = False
-        self.pages: list[Page] = []
+        self.pages: list[BenchPage] = []
         self.folder = folder
 
     def close(self) -> None:
@@ -290,6 +290,6 @@ class Workbench:
     def _show(self, *marks: str) -> None:
         self._tell(lambda page: page.show(*marks))
 
-    def _tell(self, what: Callable[[Page], None]) -> None:
+    def _tell(self, what: Callable[[BenchPage], None]) -> None:
         for page in list(self.pages):
             what(page)
