@@ -206,6 +206,7 @@ def test_a_keyboard_is_enough(page: Any, written: Written):
 
 def test_a_click_on_a_link_chooses_its_joint(page: Any, written: Written):
     opened(page, written)
+    page.evaluate("motion.arm.box.scrollIntoView({block: 'center'})")
     found = page.evaluate("""() => {
       const area = motion.arm.box.querySelector('canvas').getBoundingClientRect();
       for (let y = 0.05; y < 1; y += 0.02) for (let x = 0.05; x < 1; x += 0.02) {
