@@ -48,7 +48,7 @@ class Served:
 
 def quiet(page: Any, app: Served) -> None:
     """Nothing on the console, and nothing asked of another machine."""
-    assert page.seen.errors == []
+    assert page.seen.errors == [], page.seen.errors
     assert [r for r in page.seen.requests if not r.replace("ws:", "http:").startswith(app.address)] == []
 
 
