@@ -25,7 +25,6 @@ ALLOWED = {
     "logs/motion_file.py": "into memory",
     "logs/log_writer.py": "into the file that the writer gives",
     "viewers/arm_page.py": "a method of that name, which uses the writer",
-    "app/load_step.py": "what a browser uploads, into a folder of the session",
 }
 
 

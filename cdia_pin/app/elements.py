@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypedDict
 
 from nicegui.element import Element
@@ -80,6 +80,33 @@ class ChartsElement(Element, component="assets/charts.js", default_classes="char
             joint: Of `picture.joint`.
         """
         self.run_method("draw", joint)
+
+
+class DropElement(Element, component="assets/drop.js"):
+    """Takes files that are dropped anywhere on the page, and those that are chosen.
+
+    Args:
+        address: To which the files are sent.
+        suffixes: Ends of the names of files that can be of use.
+        dropped: Called with the name of a folder below which all files of one drop are.
+        refused: Called with a sentence that says why files cannot be taken.
+    """
+
+    CHOOSE = (
+        "() => document.getElementById('drop-input').click()"  # what a button does that opens the dialogue
+    )
+
+    def __init__(
+        self,
+        address: str,
+        suffixes: Sequence[str],
+        dropped: Callable[[str], Any],
+        refused: Callable[[str], Any],
+    ) -> None:
+        super().__init__()
+        self.props["address"], self.props["suffixes"] = address, list(suffixes)
+        self.on("dropped", lambda event: dropped(event.args))
+        self.on("refused", lambda event: refused(event.args))
 
 
 class LiveElement(Element, component="assets/live.js", default_classes="live-box"):

@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from cdia_pin.dynamics import Dynamics, load_model
-from cdia_pin.errors import LogError
+from cdia_pin.errors import LogError, RobotError
 from cdia_pin.logs import Log, LogCheck, check_log, read_log
 from cdia_pin.logs.conversion import Conversion
 from cdia_pin.progress import Progress
 from cdia_pin.robot import RobotModel, load_robot
+
+Gain = float | Mapping[str, Any]  # [N·m/A], or {"value": …, "tolerance": …}, as `read_gains` takes them
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,8 @@ class Request:
         joint_map: Name in the log → joint of the robot.
         convert: Units and signs that are not SI or not the URDF's.
         gains: Drive gains [N·m/A] by joint, where the log has motor currents.
-        name: Name of the log where its path says nothing, as for an upload.
+        name: Name of the log where its path says nothing, as of a file that was dropped on the page.
+        robot_name: The same for the URDF.
     """
 
     robot: str
@@ -34,8 +37,9 @@ class Request:
     model: Path | None = None
     joint_map: Mapping[str, str] = field(default_factory=dict)
     convert: Mapping[str, Any] = field(default_factory=dict)
-    gains: Mapping[str, float] = field(default_factory=dict)
+    gains: Mapping[str, Gain] = field(default_factory=dict)
     name: str = ""
+    robot_name: str = ""
 
     def converted(self, option: str) -> Request:
         """Return the request with one conversion more.
@@ -76,30 +80,44 @@ class Inputs:
         return self.model.robot
 
     @classmethod
-    def load(cls, asked: Request, tell: Progress) -> Inputs:
+    def load(cls, asked: Request, tell: Progress, model: Dynamics | None = None) -> Inputs:
         """Read and check everything.
 
         Args:
             asked: What to read.
             tell: Reports progress.
+            model: What `read_model` returned for the same request; it is called if omitted.
 
         Raises:
             CdiaError: If a file cannot be used; its message says what to do.
         """
-        if not asked.robot:
-            raise LogError("name a robot of the catalogue, or give the path of a URDF")
-        if not str(asked.log) or not asked.log.exists():
+        if model is None:
+            tell("reading the robot", 0.0)
+            model = read_model(asked)
+        if asked.log == Path() or not asked.log.exists():
             raise LogError(f"there is no log {asked.log}")
-        tell("reading the robot", 0.0)
-        robot = load_robot(asked.robot)
-        model = load_model(asked.model, robot) if asked.model else Dynamics(robot)
         tell("reading the log", 0.2)
         log = read_log(
             asked.log,
-            robot,
+            model.robot,
             gains=asked.gains or None,
             joint_map=asked.joint_map or None,
             convert=asked.convert or None,
         )
         tell("checking the log", 0.6)
-        return cls(asked, model, log, check_log(log, robot))
+        return cls(asked, model, log, check_log(log, model.robot))
+
+
+def read_model(asked: Request) -> Dynamics:
+    """Return the robot of a request, with the terms of its saved model if there is one.
+
+    Args:
+        asked: What to read.
+
+    Raises:
+        CdiaError: If a file cannot be used.
+    """
+    if not asked.robot:
+        raise RobotError("name a robot of the catalogue, or give the path of a URDF, or drop one on the page")
+    robot = load_robot(asked.robot)
+    return load_model(asked.model, robot) if asked.model else Dynamics(robot)

@@ -12,6 +12,7 @@ from cdia_pin.app.live_run import LiveRun
 from cdia_pin.app.live_sources import Source, replayed, simulated
 from cdia_pin.app.parts import PageStep, button, node
 from cdia_pin.app.runner import Runner
+from cdia_pin.app.runner_bar import RunnerBar
 from cdia_pin.diagnosis import Event
 from cdia_pin.diagnosis.event_history import MOST_EVENTS
 from cdia_pin.diagnosis.sight import blind_joints
@@ -35,9 +36,10 @@ class LivePage:
         self._events: list[Event] = []
         self._chosen = False  # whether the user chose a joint; until then the last event does
         self._stages = [s.to_dict() for s in monitor_stages()]
+        self._runner = Runner()
         with node("div", classes="page"):
             with node("div", classes="steps"):
-                self._runner = Runner()
+                RunnerBar(self._runner)
                 self._what = PageStep(1, "What moves", "what")
                 self._faults = PageStep(2, "Faults", "faults")
                 self._said = PageStep(3, "Events of the monitor", "events")
@@ -158,7 +160,7 @@ class LivePage:
         if run.ended:
             self._run = None
             if run.error:
-                self._runner.wrong.text = run.error
+                self._runner.refuse(run.error)
             self._show_form()
 
     def _choose(self, joint: str | None) -> None:

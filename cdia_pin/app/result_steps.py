@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 from nicegui import ui
 
@@ -12,6 +13,7 @@ from cdia_pin.app.history import Version
 from cdia_pin.app.parts import button, folded, node
 from cdia_pin.app.python_lines import python_lines
 from cdia_pin.app.session import Session
+from cdia_pin.app.workbench import Workbench
 from cdia_pin.logs import LogCheck
 from cdia_pin.logs.checks.finding import Finding
 from cdia_pin.viewers.short_answer import noticed
@@ -19,53 +21,29 @@ from cdia_pin.viewers.words import listed, percent, region_words, short_names
 
 OPTION = re.compile(r"--convert ([\w]+=[\w,.:]+)")
 REGIONS = 3  # that are shown
+FEW = 3  # effects that are named in a line; more are counted
 MARKS = {"ok": "✓", "info": "·", "warning": "!", "error": "✕"}
 
 
-class ResultActions(Protocol):
-    """What the steps can ask of their page."""
-
-    def convert(self, option: str) -> Any:
-        """Load the log again with a conversion.
-
-        Args:
-            option: Such as ``angle=deg``.
-        """
-
-    def choose(self, joint: str) -> Any:
-        """Show a joint.
-
-        Args:
-            joint: Name.
-        """
-
-    def export(self, what: str) -> Any:
-        """Download a file.
-
-        Args:
-            what: Which one: model, urdf, report or python.
-        """
-
-
-def check_step(check: LogCheck, do: ResultActions) -> None:
+def check_step(check: LogCheck, bench: Workbench) -> None:
     """Show the findings of a check, problems first.
 
     Args:
         check: The outcome of ``check_log``.
-        do: The page.
+        bench: Takes the steps.
     """
     problems = check.problems
     rest = [f for f in check.findings if f not in problems]
     if not problems:
         node("p", f"Nothing needs attention in {len(check.findings)} findings.", "good", data_mark="check-ok")
     for finding in problems:
-        _finding(finding, do)
+        _finding(finding, bench)
     with folded(f"{len(rest)} more" if problems else "All findings", mark="findings"):
         for finding in rest:
-            _finding(finding, do)
+            _finding(finding, bench)
 
 
-def _finding(finding: Finding, do: ResultActions) -> None:
+def _finding(finding: Finding, bench: Workbench) -> None:
     with node("div", classes=f"finding {finding.severity}", data_mark="finding"):
         node("span", MARKS[finding.severity], "mark", aria_label=finding.severity)
         with node("div"):
@@ -75,16 +53,16 @@ def _finding(finding: Finding, do: ResultActions) -> None:
                 node("p", finding.advice, "soft")
             for option in OPTION.findall(finding.advice) if finding.severity in {"warning", "error"} else ():
                 button(
-                    f"Apply {option}", partial(do.convert, option), mark=f"apply-{option}", classes="quiet"
+                    f"Apply {option}", partial(bench.convert, option), mark=f"apply-{option}", classes="quiet"
                 )
 
 
-def compare_step(session: Session, do: ResultActions) -> None:
+def compare_step(session: Session, bench: Workbench) -> None:
     """Show where the present model fails.
 
     Args:
         session: The session.
-        do: The page.
+        bench: Takes the steps.
     """
     comparison = session.present.comparison
     short = short_names(comparison.model.robot.joints)
@@ -97,28 +75,30 @@ def compare_step(session: Session, do: ResultActions) -> None:
     with node("ul", classes="regions"):
         for region in comparison.worst_regions[:REGIONS]:
             with node("li"):
-                button(short[region.joint], partial(do.choose, region.joint), mark="region", classes="link")
+                button(
+                    short[region.joint], partial(bench.choose, region.joint), mark="region", classes="link"
+                )
                 node("span", f" {region_words(region)}: {region.ratio:.1f} × its mean", "soft")
     known = session.known
     if known is not None:
         node("p", f"On motions such as this one it notices {listed(noticed(known))}.", data_mark="capability")
 
 
-def export_step(session: Session, do: ResultActions) -> None:
+def export_step(session: Session, export: Callable[[str], Any]) -> None:
     """Offer the files, and the Python lines that make them.
 
     Args:
         session: The session.
-        do: The page.
+        export: Downloads a file of `workbench.FILES`.
     """
     with node("div", classes="actions"):
         for what, name in (
-            ("model", "Model (.json)"),
-            ("urdf", "Corrected URDF"),
-            ("report", "Report (.html)"),
-            ("python", "Python (.py)"),
+            ("model", "Model"),
+            ("urdf", "URDF"),
+            ("report", "Report"),
+            ("python", "Python"),
         ):
-            button(name, partial(do.export, what), mark=f"export-{what}")
+            button(name, partial(export, what), mark=f"export-{what}", label=f"Download {name}")
     script = python_lines(session)
     with folded("The Python lines that do the same", mark="python"):
         node("pre", script, data_mark="python-lines", tabindex="0")
@@ -146,4 +126,6 @@ def name_of(version: Version) -> str:
     """
     if not version.added:
         return "as given"
+    if len(version.added) > FEW:
+        return f"+ {len(version.added)} effects"
     return "+ " + ", ".join(text.replace("_", " ").replace("@", " on ") for text in version.added)

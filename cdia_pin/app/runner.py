@@ -1,4 +1,4 @@
-"""`Runner`: one job at a time, with a bar, a sentence and a button to cancel."""
+"""`Runner`: one job at a time beside the pages, and what became of the last one."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from cdia_pin.app.job import Cancelled, Job
-from cdia_pin.app.parts import button, node
 from cdia_pin.errors import CdiaError
 from cdia_pin.fault_report import fault_sentence, is_fault
 from cdia_pin.progress import Progress
@@ -18,17 +17,25 @@ LOOK = 0.05  # [s], between looks at a job
 
 
 class Runner:
-    """Shows the running job. A new job replaces it and drops its result."""
+    """Runs jobs. A new job replaces the one before and drops its result; pages look at it while it runs.
+
+    Attributes:
+        job: The one that runs; None between jobs.
+        said: What has happened last, in a sentence.
+        wrong: Why the last work failed, in a sentence; empty if it did not.
+    """
 
     def __init__(self) -> None:
         self.job: Job[Any] | None = None
-        self.said = node("p", classes="said", role="status", aria_live="polite", data_mark="said")
-        self.wrong = node("p", classes="wrong", role="alert", data_mark="wrong")
-        with node("div", classes="running", data_mark="running") as self.bar:
-            self._sentence = node("span")
-            self._share = node("progress", value=0, max=1, aria_label="progress")
-            button("Cancel", self.cancel, mark="cancel", classes="quiet")
-        self._hide()
+        self.said, self.wrong = "", ""
+        self._sentence = ""
+
+    @property
+    def doing(self) -> str:
+        """What is being done, in a sentence; empty between jobs."""
+        if self.job is None:
+            return ""
+        return f"{self._sentence}: {self.job.said}" if self.job.said else self._sentence
 
     def cancel(self) -> None:
         """Cancel the running job."""
@@ -41,57 +48,44 @@ class Runner:
         Args:
             sentence: The announcement.
         """
-        self.wrong.text = ""
-        self.said.text = sentence
+        self.said, self.wrong = sentence, ""
+
+    def refuse(self, sentence: str) -> None:
+        """Say why something cannot be done.
+
+        Args:
+            sentence: The reason.
+        """
+        self.said, self.wrong = "", " ".join(sentence.split())
 
     async def run(self, sentence: str, work: Callable[[Progress], T]) -> T | None:
-        """Do work beside the page.
+        """Do work beside the pages.
 
         Args:
             sentence: What the work is.
             work: Called with a function that takes its progress.
 
         Returns:
-            The result; None if the work was cancelled, or failed, which the page then says.
+            The result; None if the work was cancelled, or failed, which `wrong` then says.
         """
         self.cancel()
         self.job = job = Job(work)
-        self.wrong.text = ""
-        self._sentence.text = sentence
-        self._show(0.0)
+        self.wrong, self._sentence = "", sentence
         try:
             while not job.ended:
                 await asyncio.sleep(LOOK)
-                if self.job is job:
-                    self._show(job.share, job.said and f"{sentence}: {job.said}")
             return job.result()
         except Cancelled:
             if self.job is job:  # nothing else has taken its place
                 self.say(f"Cancelled: {sentence[:1].lower()}{sentence[1:]}. Nothing has changed.")
-            return None
         except CdiaError as error:
-            self.said.text, self.wrong.text = "", " ".join(str(error).split())
-            return None
+            self.refuse(str(error))
         except BaseException as error:
             if not is_fault(error):
                 raise
             fault = fault_sentence(error, f"cdia app: {sentence}")
-            self.said.text = ""
-            self.wrong.text = f"{fault}. Nothing has changed: go on with other settings or another log."
-            return None
+            self.refuse(f"{fault}. Nothing has changed: go on with other settings or another log.")
         finally:
             if self.job is job:
                 self.job = None
-                self._hide()
-
-    def _show(self, share: float, sentence: str = "") -> None:
-        self._share.props["value"] = round(share, 3)
-        self._share.update()
-        if sentence:
-            self._sentence.text = sentence
-        self.bar.props["data-busy"] = "yes"
-        self.bar.update()
-
-    def _hide(self) -> None:
-        self.bar.props["data-busy"] = "no"
-        self.bar.update()
+        return None

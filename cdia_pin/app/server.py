@@ -7,26 +7,38 @@ import contextlib
 import signal
 import socket
 import sys
-import tempfile
 import webbrowser
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from types import FrameType
+from typing import TYPE_CHECKING
+from urllib.parse import urlencode
 
 from fastapi import Response
-from nicegui import app, ui
+from fastapi.responses import RedirectResponse
+from nicegui import app, background_tasks, ui
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 
 from cdia_pin.app.door import Door, entrance, new_token
+from cdia_pin.app.drop_route import serve_drops
 from cdia_pin.app.inputs import Request
 from cdia_pin.app.page_files import SERVED, served
 from cdia_pin.app.parts import node
+from cdia_pin.app.scratch import Scratch
+from cdia_pin.app.shelf import KEPT, Shelf
 from cdia_pin.errors import CdiaError
+from cdia_pin.fault_report import fault_sentence
+
+if TYPE_CHECKING:
+    from cdia_pin.app.workbench import Workbench
 
 HOST = "127.0.0.1"
 PORT = 8400
-RECONNECT = 60.0  # [s], for which a disconnected tab keeps its session
+RECONNECT = 60.0  # [s], for which a tab that has lost its connection is as it was; then it is built anew
+ENDED = (
+    f"The session of this address has ended, {KEPT / 60:.0f} minutes after its last page: here is a new one."
+)
 PAGES = {"/": "Find missing effects", "/live": "While it moves"}
 ICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32"><rect width="32" height="32" rx="7" fill="#0072b2"/>'
@@ -39,7 +51,7 @@ def serve(start: Request | None = None, *, port: int | None = None, show: bool =
     """Serve the app until it is interrupted.
 
     Args:
-        start: What every new tab loads at once; None for an empty form.
+        start: What every new session loads at once; None for an empty form.
         port: Port on 127.0.0.1; the usual one, or else any that is free, if None.
         show: Whether to open a browser.
 
@@ -47,15 +59,15 @@ def serve(start: Request | None = None, *, port: int | None = None, show: bool =
         CdiaError: If the port is taken.
     """
     chosen = free_port(port)
-    build(start)
+    scratch = Scratch()
+    shelf = Shelf(lambda: _workbench(scratch, start))
+    build(shelf)
     token = new_token()
     app.add_middleware(Door, token=token, name=f"cdia-{chosen}")
     address = f"http://{HOST}:{chosen}/?token={token}"
-    folder = tempfile.TemporaryDirectory(prefix="cdia-app-")
-    app.on_startup(
-        lambda: asyncio.create_task(_announce(chosen, address, Path(folder.name) if show else None))
-    )
-    app.on_shutdown(folder.cleanup)
+    app.on_startup(lambda: asyncio.create_task(_announce(chosen, address, scratch.path if show else None)))
+    app.on_shutdown(shelf.close)
+    app.on_shutdown(scratch.close)
     _end_in_order()
     ui.run(
         host=HOST,
@@ -71,6 +83,16 @@ def serve(start: Request | None = None, *, port: int | None = None, show: bool =
         reconnect_timeout=RECONNECT,
         timeout_graceful_shutdown=1,  # [s]: an open tab does not delay the end
     )
+
+
+def _workbench(scratch: Scratch, start: Request | None) -> Workbench:
+    """Return a new session, which loads at once what the app was started with."""
+    from cdia_pin.app.workbench import Workbench
+
+    bench = Workbench(scratch.folder())
+    if start is not None:
+        background_tasks.create(bench.load(start), name="first load")
+    return bench
 
 
 def _end_in_order() -> None:
@@ -101,29 +123,46 @@ async def _announce(port: int, address: str, opened_in: Path | None) -> None:
         return
 
 
-def build(start: Request | None) -> None:
+def build(shelf: Shelf[Workbench]) -> None:
     """Declare pages and files.
 
     Args:
-        start: What every new tab loads at once; None for an empty form.
+        shelf: The sessions.
     """
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=[HOST, "localhost"])
     for name in SERVED:
         app.get(f"/cdia/{name}")(_sender(name))
+    serve_drops(shelf)
+    app.on_page_exception(_failed)
 
     @ui.page("/")
-    def find() -> None:
-        _frame("/")
+    def find(session: str = "") -> Response | None:
+        bench = shelf.find(session)
+        if bench is None:
+            key = shelf.begin()
+            begun = shelf.find(key)
+            if session and begun is not None:
+                begun.runner.say(ENDED)
+            return RedirectResponse(f"/?session={key}", status_code=303)
+        _frame("/", session)
         from cdia_pin.app.find_page import FindPage
 
-        FindPage(start)
+        FindPage(bench, session, shelf.show(session))
+        return None
 
     @ui.page("/live")
-    def live() -> None:
-        _frame("/live")
+    def live(session: str = "") -> None:
+        _frame("/live", session)
         from cdia_pin.app.live_page import LivePage
 
         LivePage()
+
+
+def _failed(error: Exception) -> None:
+    """Show that a page could not be built, and a way on."""
+    with node("div", classes="page"), node("div", classes="steps"):
+        node("p", f"{fault_sentence(error, 'cdia app: a page')}.", "wrong", role="alert")
+        node("a", "Begin anew", href="/")
 
 
 def _sender(name: str) -> Callable[[], Response]:
@@ -134,14 +173,14 @@ def _sender(name: str) -> Callable[[], Response]:
     return send
 
 
-def _frame(here: str) -> None:
-    """Put head and navigation on a page."""
+def _frame(here: str, session: str) -> None:
+    """Put head and navigation on a page; its links keep the session."""
     ui.add_head_html('<link rel="stylesheet" href="/cdia/style.css"><script src="/cdia/load.js"></script>')
     with node("header", classes="top"):
         node("b", "cdia", "brand")
         with node("nav", aria_label="Pages"):
             for path, title in PAGES.items():
-                link = node("a", title, href=path)
+                link = node("a", title, href=f"{path}?{urlencode({'session': session})}" if session else path)
                 if path == here:
                     link.props["aria-current"] = "page"
 

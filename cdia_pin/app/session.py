@@ -43,7 +43,19 @@ class Session:
         Raises:
             CdiaError: If they cannot be read or used.
         """
-        inputs = Inputs.load(asked, tell)
+        return cls.of(Inputs.load(asked, tell), tell)
+
+    @classmethod
+    def of(cls, inputs: Inputs, tell: Progress = silent) -> Session:
+        """Compare a robot with its log.
+
+        Args:
+            inputs: Both.
+            tell: Reports progress.
+
+        Raises:
+            CdiaError: If the log is too short.
+        """
         tell("comparing", 0.8)
         problem = Problem.conditioned(inputs.robot, [inputs.log], [], DiscoverySettings())
         first = Version(compare_in(problem.experiment, inputs.model))

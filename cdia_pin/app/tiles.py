@@ -23,11 +23,14 @@ def tiles(session: Session, chosen: str, choose: Callable[[str], Any]) -> None:
     before, after = session.history.first.comparison, improved(session)
     robot = session.inputs.robot
     short = short_names(robot.joints)
+    worst = robot.joints[int((after or before).relative_rms.argmax())]
     largest = max(float(before.relative_rms.max()), 1e-9)
     for j, joint in enumerate(robot.joints):
         first = float(before.relative_rms[j])
         last = first if after is None else float(after.relative_rms[j])
+        is_worst = joint == worst
         said = f"{joint}: error {percent(first)}" + ("" if after is None else f", now {percent(last)}")
+        said += ", the largest" if is_worst else ""
         tile = node(
             "button",
             classes="tile preview-tile" if session.preview else "tile",
@@ -39,7 +42,10 @@ def tiles(session: Session, chosen: str, choose: Callable[[str], Any]) -> None:
             data_after=f"{last:.6f}",
         ).on("click", partial(choose, joint), args=[])
         with tile:
-            node("span", short[joint], "name")
+            with node("span", classes="name"):
+                node("span", short[joint])
+                if is_worst:
+                    node("span", " worst", "worst")
             with node("span", classes="numbers"):
                 node("span", percent(first), "b" if after is None else "b was")
                 if after is not None:

@@ -21,7 +21,7 @@ ASKED = Request(
         "reduction": {"elbow_joint": 101.0},
         "gravity": "compensated",
     },
-    gains={"elbow_joint": 10.5},
+    gains={"elbow_joint": 10.5, "wrist_1_joint": {"value": 9.0, "tolerance": 0.5}},
 )
 
 
@@ -48,9 +48,23 @@ def test_what_is_typed_is_what_is_asked_for():
         form.request()
 
 
-def test_an_upload_keeps_its_name():
-    form = Form(robot="ur5", log="/tmp/x/run.csv", uploads={"/tmp/x/run.csv": "run.csv"})
-    assert form.request().name == "run.csv"
+def test_a_dropped_file_is_shown_by_its_name():
+    form = Form()
+    form.robot, form.log = form.dropped_as(Path("/tmp/x/arm.urdf")), form.dropped_as(Path("/tmp/x/run.csv"))
+    asked = form.request()
+    assert (form.robot, form.log) == ("arm.urdf", "run.csv")
+    assert (asked.robot, asked.log) == ("/tmp/x/arm.urdf", Path("/tmp/x/run.csv"))
+    assert (asked.robot_name, asked.name) == ("arm.urdf", "run.csv")
+    form.take(asked)
+    assert form.request() == asked
+
+
+def test_what_is_wrong_stays_with_its_field():
+    form = Form(robot="ur5", log="/logs/run.csv")
+    form.note("elbow_joint", "gain", "10,5")
+    form.note("wrist_1_joint", "gain", "9 ± many")
+    assert set(form.faults()) == {"gain-elbow_joint", "gain-wrist_1_joint"}
+    assert form.joints["elbow_joint"]["gain"] == "10,5"
 
 
 def test_advice_is_added_to_what_was_asked_for():

@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import re
-import signal
-import subprocess
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,43 +12,10 @@ import pytest
 from cdia_pin import Dynamics, Log, exciting_trajectory, load_model, load_robot, write_log
 from cdia_pin.effects import parse_term
 from cdia_pin.resources import logs_dir
-from tests.processes import python
+from tests.browser.served_app import PATIENCE, Served, error, mark, quiet
 
 DEMO = logs_dir() / "demo_ur5.csv"  # hidden: a payload, and Coulomb friction of the elbow
 COULOMB = "coulomb_friction@elbow_joint"
-PATIENCE = 180_000  # [ms], on a machine that does much else
-
-
-class Served:
-    """The app in a process of its own."""
-
-    def __init__(self, *arguments: str) -> None:
-        self.address, self.entry, self.said = "", "", []
-        command = python("-m", "cdia_pin", "app", "--no-open", "--port", "0", *arguments)
-        # NiceGUI serves its own tests otherwise.
-        environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST")} | {"NO_COLOR": "1"}
-        self.process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment
-        )
-        ready = threading.Event()
-
-        def listen() -> None:
-            for line in self.process.stdout or ():
-                self.said.append(line)
-                if found := re.search(r"(http://127\.0\.0\.1:\d+)/\?token=\S+", line):
-                    self.entry, self.address = found[0], found[1]
-                    ready.set()
-            ready.set()  # it has ended
-
-        threading.Thread(target=listen, daemon=True).start()
-        if not (ready.wait(PATIENCE / 1e3) and self.address):
-            self.process.kill()
-            raise AssertionError(f"the app did not begin: {''.join(self.said)}")
-
-    def interrupt(self) -> int:
-        """Press Ctrl-C; return the exit code."""
-        self.process.send_signal(signal.SIGINT)
-        return self.process.wait(60)
 
 
 @pytest.fixture(scope="module")
@@ -74,24 +36,9 @@ def tab(page: Any, app: Served) -> Iterator[Any]:
     quiet(page, app)
 
 
-def quiet(page: Any, app: Served) -> None:
-    """Nothing on the console, and nothing asked of another machine."""
-    assert page.seen.errors == []
-    assert [r for r in page.seen.requests if not r.replace("ws:", "http:").startswith(app.address)] == []
-
-
-def mark(page: Any, name: str) -> Any:
-    return page.locator(f'[data-mark="{name}"]')
-
-
 def load_demo(page: Any) -> None:
     mark(page, "demo").click()
     mark(page, "loaded").wait_for()
-
-
-def error(page: Any) -> float:
-    """The error that the page states [1]."""
-    return float(mark(page, "error").get_attribute("data-value"))
 
 
 def read_percent(text: str) -> float:
@@ -267,15 +214,12 @@ def test_a_bad_file_says_why_and_keeps_what_was_loaded(tab, tmp_path):
     bad = tmp_path / "bad.csv"
     bad.write_text("time,position.elbow_joint\n0,1\n")
     mark(tab, "change").click()
-    tab.locator("input[type=file]").set_input_files(bad)
-    tab.wait_for_function(
-        "document.querySelector('[data-mark=log] input, input[data-mark=log]').value.endsWith('bad.csv')"
-    )
-    mark(tab, "load").click()
+    tab.locator("input[type=file]").set_input_files(bad)  # and it is loaded at once
     tab.wait_for_function("document.querySelector('[data-mark=wrong]').textContent !== ''")
     said = mark(tab, "wrong").inner_text()
     assert "bad.csv" in said or "effort" in said or "no column" in said
     assert "Traceback" not in said
+    assert tab.get_by_role("textbox", name="Log", exact=True).input_value() == "bad.csv"
     assert error(tab) == begun
     mark(tab, "own").locator("summary").first.click()
     mark(tab, "own-effect").fill("coulom_friction@elbow_joint")

@@ -206,10 +206,11 @@ def test_a_keyboard_is_enough(page: Any, written: Written):
 
 def test_a_click_on_a_link_chooses_its_joint(page: Any, written: Written):
     opened(page, written)
+    page.evaluate("motion.arm.box.scrollIntoView({block: 'center'})")
     found = page.evaluate("""() => {
       const area = motion.arm.box.querySelector('canvas').getBoundingClientRect();
       for (let y = 0.05; y < 1; y += 0.02) for (let x = 0.05; x < 1; x += 0.02) {
-        const [px, py] = [area.left + x * area.width, area.top + y * area.height];
+        const [px, py] = [area.left + x * area.width, area.top + y * area.height].map(Math.round); // as a mouse has it
         const joint = motion.arm.jointAt(px, py), on = document.elementFromPoint(px, py);
         if (joint && joint !== chosen.joint && on && on.tagName === 'CANVAS') return {x: px, y: py, joint};
       }
@@ -295,3 +296,16 @@ def test_a_narrow_window_needs_no_scrolling_sideways(page: Any, written: Written
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     widths = page.evaluate("Array.from(document.querySelectorAll('#motion .u-over'), (o) => o.clientWidth)")
     assert all(200 < w < 390 for w in widths)
+
+
+def test_paper_has_a_still_picture_of_the_arm(page: Any, discovered: Written):
+    opened(page, discovered)
+    page.emulate_media(media="print")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert page.locator(".arm3d-still").is_visible()
+    drawn = """() => { const c = document.querySelector(".arm3d-still");
+      const { data } = c.getContext("2d").getImageData(0, 0, c.width, c.height);
+      return data.filter((x, k) => k % 4 === 3 && x > 200).length; }"""
+    assert page.evaluate(drawn) > 2000  # pixels of the arm
+    assert not page.locator(".arm3d-bar").is_visible()
+    assert page.locator("details.group:not(.tail)").evaluate_all("groups => groups.every((g) => g.open)")

@@ -236,6 +236,27 @@ def near(colour, other):
     return float(np.linalg.norm(values[0] - values[1]))
 
 
+def test_the_whole_arm_is_in_the_picture_in_every_pose(player):
+    farthest = """() => {
+      const { THREE } = MeshCat, { camera, scene } = arm.viewer;
+      let most = 0;
+      for (let t = player.begin; t <= player.end; t += 0.25) {
+        player.seek(t);
+        scene.updateMatrixWorld(true);
+        for (const { joint, mesh } of arm._links) {
+          const at = mesh.geometry.attributes.position;
+          for (let k = 0; joint !== null && k < at.count; k += 20) {
+            const p = new THREE.Vector3().fromBufferAttribute(at, k).applyMatrix4(mesh.matrixWorld).project(camera);
+            most = Math.max(most, Math.abs(p.x), Math.abs(p.y));
+          }
+        }
+      }
+      return most;
+    }"""
+    settled(player, "() => arm.frames", lambda frames: frames > 0)
+    assert 0.5 < player.evaluate(farthest) < 0.95
+
+
 # ------------------------------------------------------------------ what acts on the whole arm
 
 

@@ -2,7 +2,8 @@
 
 const UNKNOWN_STAGE = { name: "", colour: "#888888", words: "", least: 0, most: 0 };
 const VIEW = [1, -1.15, 0.62]; // from where the arm is seen, z up
-const FILLED = 0.8; // share of the picture that the arm fills
+const FILLED = { wide: 0.92, tall: 0.78 }; // shares of the picture that the arm fills at most, beside head and legend
+const PAPER = [1000, 440]; // [px], of a still picture
 const ACCENT = "#2f8fdd"; // of what is selected
 
 class Arm3D {
@@ -52,11 +53,12 @@ class Arm3D {
   select(joint) {
     this._selected = this._index.has(joint) ? joint : null;
     for (const link of this._links) if (link.outline) link.outline.visible = link.joint === this._selected;
+    this._mark();
     this._say();
     this.viewer.set_dirty();
   }
 
-  // Point the camera so that what the arm reaches in some positions fills the picture; of many, the rarest may not.
+  // Point the camera so that the whole arm is in the picture in each of some positions.
   frame(positions) {
     const points = [];
     for (const position of positions) {
@@ -65,7 +67,6 @@ class Arm3D {
       for (const { joint, mesh } of this._links) if (joint !== null) points.push(...corners(mesh));
     }
     this._move(this._arm, this._shown.position);
-    this._sweeps = positions.length > 1;
     this._framed = [...points, ...this._foot(points)];
     this.resetView();
   }
@@ -75,12 +76,13 @@ class Arm3D {
     const { camera, controls } = this.viewer;
     const away = new THREE.Vector3(...VIEW).normalize();
     const right = new THREE.Vector3(0, 0, 1).cross(away).normalize(), up = away.clone().cross(right);
-    const tall = Math.tan((0.5 * camera.fov * Math.PI) / 180) * FILLED, wide = tall * camera.aspect;
+    const slope = Math.tan((0.5 * camera.fov * Math.PI) / 180);
+    const tall = slope * FILLED.tall, wide = slope * camera.aspect * FILLED.wide;
     const seen = this._framed.map((p) => [p.dot(right), p.dot(up), p.dot(away)]);
-    const [x, y, z] = [0, 1, 2].map((k) => span(seen.map((p) => p[k]), this._sweeps));
-    const distance = 0.3 * z.width + Math.max((0.5 * x.width) / wide, (0.5 * y.width) / tall);
-    const at = [x.middle, y.middle, z.middle];
-    const target = right.multiplyScalar(at[0]).addScaledVector(up, at[1]).addScaledVector(away, at[2]);
+    const across = fitted(seen.map(([x, , z]) => [x, z]), wide), upright = fitted(seen.map(([, y, z]) => [y, z]), tall);
+    const depths = seen.map(([, , z]) => z), middle = 0.5 * (Math.min(...depths) + Math.max(...depths));
+    const distance = Math.max(across.from, upright.from) - middle;
+    const target = right.multiplyScalar(across.middle).addScaledVector(up, upright.middle).addScaledVector(away, middle);
     const turned = (v) => [v.x, v.z, -v.y]; // the camera's frame has y up
     camera.near = distance / 50;
     camera.far = distance * 20;
@@ -121,7 +123,31 @@ class Arm3D {
     };
   }
 
+  // Keep a still picture of the present pose for paper, on which the viewer's own is blank.
+  keepStill() {
+    const { renderer } = this.viewer, { domElement } = renderer;
+    if (!this.viewer.drawing) return;
+    const size = renderer.getSize(new THREE.Vector2()), framed = this._framed, own = this._ownView;
+    this._size(...PAPER);
+    if (!own) this.frame([this._shown.position]);
+    this.viewer.render();
+    Object.assign(this._still, { width: domElement.width, height: domElement.height });
+    this._still.getContext("2d").drawImage(domElement, 0, 0);
+    this._framed = framed;
+    this._size(size.x, size.y);
+    if (!own) this.resetView();
+    this.viewer.set_dirty();
+  }
+
+  _size(width, height) {
+    const { renderer, camera } = this.viewer;
+    renderer.setSize(width, height);
+    camera.aspect = width / height;
+    camera.updateProjectionMatrix();
+  }
+
   dispose() {
+    removeEventListener("beforeprint", this._onPrint);
     this._painter.stop();
     this._resize.disconnect();
     this._dark.removeEventListener("change", this._retheme);
@@ -138,10 +164,11 @@ class Arm3D {
     this._head = part("head");
     this._pin = part("pin");
     this._legend = part("legend", "ul");
-    this._notes = part("notes", "p");
+    this._notes = part("notes", "details");
+    this._still = part("still", "canvas");
     this._tags = [part("pin"), part("pin")]; // of what acts on the whole arm
     const picture = part("picture");
-    picture.append(this._pane, this._head, this._pin, ...this._tags, this._legend, this._notes);
+    picture.append(this._pane, this._still, this._head, this._legend, this._notes);
     this.box.append(picture);
     element.append(this.box);
     for (const pin of [this._pin, ...this._tags]) pin.hidden = true;
@@ -149,9 +176,19 @@ class Arm3D {
     this._pane.tabIndex = 0;
     this._pane.setAttribute("role", "img");
     this._pane.setAttribute("aria-label", "The arm " + this.scene.robot);
-    this._notes.textContent = this.scene.notes.length ? "Drawn in part: " + this.scene.notes.join("; ") : "";
     this.viewer = meshcatViewer(this._pane);
-    if (!this.viewer.drawing) this._notes.textContent = "This browser has no WebGL: the arm cannot be drawn here.";
+    this._pane.append(this._pin, ...this._tags);
+    if (this.viewer.drawing) this._note(this.scene.noted, this.scene.notes);
+    else this._note("This browser has no WebGL: the arm cannot be drawn here.", []);
+  }
+
+  // One line, which unfolds to several: what could not be drawn as the file says.
+  _note(line, more) {
+    const node = (tag, text) => Object.assign(document.createElement(tag), { textContent: text });
+    const list = document.createElement("ul");
+    list.append(...more.map((text) => node("li", text)));
+    this._notes.replaceChildren(node("summary", line), list);
+    this._notes.hidden = !line;
   }
 
   _fill() {
@@ -251,10 +288,14 @@ class Arm3D {
     return this._shown.torque[k] / (this.torqueScale ? this.torqueScale[k] : Math.max(...this._shown.torque.map(Math.abs)));
   }
 
+  // The missing torque: of the joint with the gravest stage; where all have the same, of the selected joint if there is one.
   _mark() {
     const { stage, level, torque } = this._shown;
+    const alike = !stage || !stage.some((s) => s !== stage[0]), asked = alike ? this._selected : null;
     this._worst = null;
-    if (torque && !(this._shown.attached && this._shown.attached.push)) { // the torque is that of the push, which is shown
+    const pushed = this._shown.attached && this._shown.attached.push; // the torque is that of the push, which is shown
+    if (torque && asked !== null && !pushed) this._worst = this._index.get(asked);
+    else if (torque && !pushed) {
       // The gravest stage, then the highest level, then the largest torque.
       const grave = torque.map((x, k) => 1e6 * (stage ? stage[k] : 0) + 1e2 * (level ? level[k] : 0) + this._share(k));
       const missing = [...torque.keys()].filter((k) => Math.abs(this._share(k)) > 0.02);
@@ -268,7 +309,7 @@ class Arm3D {
     const k = this._worst, joint = this.scene.joints[k];
     this._torque.show(this._arm.get(joint.name), this._axes[k], joint.kind === "prismatic", this._share(k), this._ink);
     this._pin.hidden = false;
-    const text = `${joint.short} ${torque[k] < 0 ? "−" : "+"}${Math.abs(torque[k]).toPrecision(3)} ${joint.unit}`;
+    const text = `${alike && asked === null && this.scene.joints.length > 1 ? "worst now: " : ""}${joint.short} ${torque[k] < 0 ? "−" : "+"}${Math.abs(torque[k]).toPrecision(3)} ${joint.unit}`;
     if (this._pin.textContent !== text) this._pin.textContent = text;
   }
 
@@ -285,16 +326,17 @@ class Arm3D {
       return node;
     };
     this._head.replaceChildren();
-    if (stage) this._head.append(part("chip", stage.name, stage.colour), " ");
+    if (stage && !stage.full) this._head.append(part("chip", stage.name, stage.colour), " ");
     if (this._shown.label) this._head.append(part("text", this._shown.label), " ");
     if (this._selected) this._head.append(part("picked", "selected: " + this._selected));
-    const row = (name, colour, title) => {
+    const row = (name, colour, title, full) => {
       const item = Object.assign(document.createElement("li"), { title });
-      item.append(part("dot", "", colour), name);
+      if (full) item.append(name + ": 0", part("scale", "", colour), full);
+      else item.append(part("dot", "", colour), name);
       return item;
     };
     this._legend.replaceChildren(
-      ...this.stages.map((s) => row(s.name, s.colour, s.words || "")), ...signs.map(([name, colour]) => row(name, colour, "")));
+      ...this.stages.map((s) => row(s.name, s.colour, s.words || "", s.full)), ...signs.map(([name, colour]) => row(name, colour, "")));
   }
 
   // Put texts beside what they are about, one above the other where they would overlap.
@@ -347,6 +389,8 @@ class Arm3D {
     this.viewer.controls.addEventListener("start", () => (this._ownView = true));
     this._resize.observe(this._pane);
     this._dark.addEventListener("change", this._retheme);
+    this._onPrint = () => this.keepStill();
+    addEventListener("beforeprint", this._onPrint);
     this.viewer.controls.enableZoom = this._zoom === "always";
     if (this._zoom !== "always") {
       this._pane.addEventListener("focus", () => (this.viewer.controls.enableZoom = true));

@@ -34,11 +34,15 @@ function corners(mesh) {
     new THREE.Vector3(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z).applyMatrix4(mesh.matrixWorld));
 }
 
-// Width and middle of numbers; of many positions, of all but the rarest.
-function span(values, sparse) {
-  const sorted = Float64Array.from(values).sort(), cut = sparse ? Math.floor(0.04 * sorted.length) : 0;
-  const low = sorted[cut], high = sorted[sorted.length - 1 - cut];
-  return { width: high - low, middle: 0.5 * (low + high) };
+// Where a camera must stand to see all points, and the middle of what it sees; points [across, towards the camera],
+// slope: half the picture's width over the distance.
+function fitted(points, slope) {
+  let low = Infinity, high = -Infinity;
+  for (const [x, z] of points) {
+    low = Math.min(low, x - slope * z);
+    high = Math.max(high, x + slope * z);
+  }
+  return { middle: 0.5 * (low + high), from: (high - low) / (2 * slope) };
 }
 
 // A group for each joint, one inside the other; turning or sliding it moves all that comes after.

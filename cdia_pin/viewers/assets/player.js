@@ -142,8 +142,8 @@ class Player {
     });
     this.applied += 1;
     this._seek.value = this.time;
-    this._clock.textContent = `${(this.time - this.begin).toFixed(1)} / ${(this.end - this.begin).toFixed(1)} s`;
-    this._seek.setAttribute("aria-valuetext", `${(this.time - this.begin).toFixed(1)} seconds`);
+    this._clock.textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`; // the log's own time, as in charts and tables
+    this._seek.setAttribute("aria-valuetext", `${this.time.toFixed(1)} seconds`);
     if (this.onTime) this.onTime(this.time);
   }
 

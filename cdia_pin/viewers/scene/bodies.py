@@ -42,7 +42,15 @@ class _Part:
     upright: Array
 
 
-def bodies_of(robot: RobotModel, chain: Sequence[SceneJoint]) -> tuple[list[SceneMesh], list[str]]:
+@dataclass(frozen=True)
+class ShapeNote:
+    """A sentence on a shape that cannot be drawn; ``missing``: its mesh was not found."""
+
+    text: str
+    missing: bool = False
+
+
+def bodies_of(robot: RobotModel, chain: Sequence[SceneJoint]) -> tuple[list[SceneMesh], list[ShapeNote]]:
     """Read an arm's meshes, one for each colour of a link.
 
     RViz and Pinocchio ignore the up axis that a COLLADA file states, other readers turn it to z. Where no file of a
@@ -53,9 +61,9 @@ def bodies_of(robot: RobotModel, chain: Sequence[SceneJoint]) -> tuple[list[Scen
         chain: Its joints.
 
     Returns:
-        The meshes, and a sentence for each shape that cannot be drawn.
+        The meshes, and a note for each shape that cannot be drawn.
     """
-    notes: list[str] = []
+    notes: list[ShapeNote] = []
     parts = _parts(robot, notes)
     ways = [_placed(robot, parts, np.eye(4))]
     if parts and not any(np.array_equal(p.upright, np.eye(4)) for p in parts):
@@ -63,7 +71,7 @@ def bodies_of(robot: RobotModel, chain: Sequence[SceneJoint]) -> tuple[list[Scen
     return min(ways, key=lambda meshes: _gap(meshes, chain)), notes
 
 
-def _parts(robot: RobotModel, notes: list[str]) -> list[_Part]:
+def _parts(robot: RobotModel, notes: list[ShapeNote]) -> list[_Part]:
     parts = []
     for visual in visuals_of(robot):
         placement = robot.links[visual.link][1] @ visual.placement
@@ -72,12 +80,13 @@ def _parts(robot: RobotModel, notes: list[str]) -> list[_Part]:
             continue
         path = mesh_path(robot, visual.file)
         if path is None:
-            notes.append(f"link '{visual.link}': there is no mesh {visual.file}")
+            notes.append(ShapeNote(f"link '{visual.link}': there is no mesh {visual.file}", missing=True))
             continue
         try:
             meshes, upright = load_mesh(path), collada_asset(path).upright
         except Exception as error:  # every format's reader raises its own
-            notes.append(f"link '{visual.link}': {path.name} cannot be read ({' '.join(str(error).split())})")
+            why = " ".join(str(error).split())
+            notes.append(ShapeNote(f"link '{visual.link}': {path.name} cannot be read ({why})"))
             continue
         if visual.colour is not None:
             meshes = [replace(m, colour=visual.colour) for m in meshes]

@@ -39,9 +39,8 @@ def timeline_of_comparison(
     at = frames(time)
     tracks = tuple(_track(name, c, time, at, scale) for name, c in compared)
     full = float(np.max(scale / np.maximum(before.torque_rms, 1e-12)))
-    stage = SceneStage(
-        "model error", COLOUR, f"full colour: {percent(full)} of the joint's torque", 0.0, 0.95
-    )
+    whole = f"{percent(full)} of the joint's torque"
+    stage = SceneStage("model error", COLOUR, f"full colour: {whole}", 0.0, 0.95, whole)
     return Timeline(time[at], before.signals["position"][at], (stage,), tracks)
 
 
@@ -73,13 +72,15 @@ def _track(name: str, comparison: Comparison, time: Array, at: NDArray[np.intp],
 
 
 def _worst(comparison: Comparison) -> str:
-    """Return what the model misses most, such as ``elbow: residual 2.1 N·m RMS, 35 % of its torque``."""
+    """Return what the model misses most: ``worst over the log: elbow, residual 2.1 N·m RMS, 35 % of its torque``."""
     robot = comparison.model.robot
     j = int(np.argmax(comparison.relative_rms))
     joint = robot.joints[j]
     size = with_unit(number(float(comparison.rms[j])), joint_units(robot, joint)["load"])
     share = percent(float(comparison.relative_rms[j]))
-    return f"worst: {short_names(robot.joints)[joint]}, residual {size} RMS, {share} of its torque"
+    return (
+        f"worst over the log: {short_names(robot.joints)[joint]}, residual {size} RMS, {share} of its torque"
+    )
 
 
 def _added(discovery: Discovery | None) -> str:

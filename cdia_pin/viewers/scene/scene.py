@@ -57,6 +57,7 @@ class SceneDocument(TypedDict):
     meshes: list[MeshDocument]
     weight: float
     home: list[float]
+    noted: str
     notes: list[str]
 
 
@@ -70,6 +71,7 @@ class Scene:
         meshes: What is to be seen of it, the base's first.
         coarse: The same with far fewer triangles, for where drawing is slow.
         notes: What could not be drawn as the file says, one sentence each.
+        missing: How many meshes were not found.
     """
 
     robot: RobotModel
@@ -77,6 +79,7 @@ class Scene:
     meshes: tuple[SceneMesh, ...]
     coarse: tuple[SceneMesh, ...]
     notes: tuple[str, ...]
+    missing: int = 0
 
     @classmethod
     def of(cls, robot: RobotModel, *, triangles: int = TRIANGLES) -> Scene:
@@ -92,14 +95,23 @@ class Scene:
         require("view", "pictures of an arm")
         chain = chain_of(robot)
         meshes, notes = bodies_of(robot, chain)
+        missing = sum(note.missing for note in notes)
+        said = [note.text for note in notes]
         bare = _bare(robot, chain, meshes)
         if bare:
             names = "its bodies" if len(bare) == robot.n + 1 else ", ".join(bare.values())
-            notes.append(f"no shapes for {names}: capsules are drawn")
+            said.append(f"no shapes for {names}: capsules are drawn")
             meshes += [SceneMesh(k, robot.links[k][0], m) for k, m in capsules(robot, chain, bare)]
         meshes.sort(key=lambda m: -1 if m.joint is None else robot.joints.index(m.joint))
         fine = [m for m in _simpler(meshes, triangles) if len(m.mesh.triangles)]
-        return cls(robot, chain, tuple(fine), tuple(_simpler(fine, COARSE)), tuple(notes))
+        return cls(robot, chain, tuple(fine), tuple(_simpler(fine, COARSE)), tuple(said), missing)
+
+    @property
+    def noted(self) -> str:
+        """The notes in one short line; empty without notes."""
+        if not self.missing:
+            return "drawn in part" if self.notes else ""
+        return f"{self.missing} mesh{'es' if self.missing > 1 else ''} missing"
 
     def to_dict(self, position: ArrayLike | None = None) -> SceneDocument:
         """Return the scene as the browser takes it; the same scene gives the same text.
@@ -134,6 +146,7 @@ class Scene:
             ],
             "weight": round(STANDARD_GRAVITY * robot.total_mass, 3),
             "home": [round(float(x), 6) for x in home],
+            "noted": self.noted,
             "notes": list(self.notes),
         }
 

@@ -27,6 +27,7 @@ class StageDocument(TypedDict):
     words: str
     least: float
     most: float
+    full: str
 
 
 class TrackDocument(TypedDict):
@@ -75,6 +76,7 @@ class SceneStage:
         words: What it means.
         least: Share of the colour in a link's at level 0 [0, 1].
         most: Share at level 1 and above [0, 1].
+        full: What level 1 stands for, with its unit, where the colour is a scale from 0; empty otherwise.
     """
 
     name: str
@@ -82,6 +84,7 @@ class SceneStage:
     words: str = ""
     least: float = 0.55
     most: float = 0.95
+    full: str = ""
 
     def to_dict(self) -> StageDocument:
         """Return the stage as JSON has it."""
@@ -91,6 +94,7 @@ class SceneStage:
             "words": self.words,
             "least": self.least,
             "most": self.most,
+            "full": self.full,
         }
 
 

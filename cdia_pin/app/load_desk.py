@@ -1,0 +1,172 @@
+"""`LoadDesk`: the form of the first step, and how a robot and a log are read from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from cdia_pin.app import picture
+from cdia_pin.app.dropped import place_meshes, sort_dropped
+from cdia_pin.app.form import Form, gain_text
+from cdia_pin.app.inputs import Inputs, Request, read_model
+from cdia_pin.app.log_columns import LogColumns, columns_of
+from cdia_pin.app.runner import Runner
+from cdia_pin.app.session import Session
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.errors import CdiaError, LogError
+from cdia_pin.progress import Progress
+from cdia_pin.viewers.scene import Scene, SceneDocument, TimelineDocument
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A session that was loaded, and what draws it."""
+
+    session: Session
+    scene: SceneDocument
+    timeline: TimelineDocument
+
+
+@dataclass(frozen=True)
+class Unmapped:
+    """A log that could not be read, and what its columns hold; None if that is not known either."""
+
+    why: str
+    columns: LogColumns | None
+
+
+class LoadDesk:
+    """The form, what it was filled with, and what is wrong with it.
+
+    Args:
+        runner: Runs the jobs.
+
+    Attributes:
+        form: Its texts and marks.
+        is_open: Whether it is shown.
+        arm: The robot that was read last, whose joints the form names; None before.
+        columns: What the columns of a log hold that could not be read; None where there is no such log.
+        faults: What is wrong, by the marks of the fields; ``mapping`` is the table of joints.
+    """
+
+    def __init__(self, runner: Runner) -> None:
+        self._runner = runner
+        self.form, self.is_open = Form(), True
+        self.arm: Dynamics | None = None
+        self.columns: LogColumns | None = None
+        self.faults: dict[str, str] = {}
+
+    def check(self) -> bool:
+        """Tell whether the form can be read; if not, say why."""
+        self.faults = self.form.faults()
+        if self.faults:
+            self._runner.refuse("; ".join(self.faults.values()))
+        return not self.faults
+
+    async def read(self, asked: Request, show: Callable[[SceneDocument], None]) -> Loaded | None:
+        """Read a robot, then a log.
+
+        Args:
+            asked: Robot, log and how to read it.
+            show: Called with the arm, before the log is read.
+
+        Returns:
+            The session; None if something cannot be used: the form is then open, and says what.
+        """
+        self.form.take(asked)
+        self.faults, self.columns = {}, None
+        read = await self._runner.run("Reading the robot", lambda tell: _read_arm(asked, tell))
+        if read is None or isinstance(read, str):
+            self._refuse("robot", read or "")
+            return None
+        arm, scene = read
+        self.arm = arm
+        self.form.keep(arm.robot.joints)
+        asked = self.form.request()  # without rows of another robot
+        show(scene)
+        if asked.log == Path():
+            self._runner.say(f"{arm.robot.name} is read: now give its log.")
+            self.is_open = True
+            return None
+
+        def work(tell: Progress) -> Loaded | Unmapped:
+            try:
+                inputs = Inputs.load(asked, tell, arm)
+            except LogError as error:
+                return Unmapped(str(error), columns_of(asked.log, arm.robot.joints))
+            session = Session.of(inputs, tell)
+            return Loaded(session, scene, picture.timeline(session))
+
+        done = await self._runner.run("Loading", work)
+        if isinstance(done, Unmapped):
+            self._offer(done, arm)
+            if done.columns is None:
+                self._refuse("log", done.why)
+            else:
+                self._refuse("mapping", _for_people(done.why))
+                self._runner.refuse(
+                    f"{asked.name or asked.log.name} is not read yet: see the table of joints."
+                )
+            return None
+        if done is not None:
+            self.is_open = False
+        return done
+
+    def take(self, folder: Path) -> Form:
+        """Fill the form with files that were dropped.
+
+        Args:
+            folder: That holds them.
+
+        Returns:
+            The form.
+
+        Raises:
+            CdiaError: If they cannot be used.
+        """
+        found = sort_dropped(folder)
+        form = self.form
+        if found.robot is not None:
+            place_meshes(found.robot, found.meshes)
+            form.robot = form.dropped_as(found.robot)
+        elif found.meshes:
+            urdf = form.dropped.get(form.robot)
+            if urdf is None:
+                raise CdiaError("meshes alone were dropped: drop the URDF with them, or before them")
+            place_meshes(urdf, found.meshes)
+        if found.log is not None:
+            form.log = form.dropped_as(found.log)
+        if found.model is not None:
+            form.model = found.model
+        form.fill("gain", {joint: gain_text(gain) for joint, gain in found.gains.items()})
+        return form
+
+    def _offer(self, log: Unmapped, arm: Dynamics) -> None:
+        """Propose names of a log whose joints are not the robot's."""
+        self.columns = log.columns
+        if log.columns is not None:
+            for joint, label in log.columns.proposed(arm.robot.joints).items():
+                if not self.form.joints.get(joint, {}).get("label"):
+                    self.form.note(joint, "label", label)
+
+    def _refuse(self, field: str, why: str) -> None:
+        """Leave the form open, with a fault at one of its fields if there is one."""
+        self.is_open = True
+        if why:
+            self.faults = {field: why}
+            self._runner.refuse(why)
+
+
+def _for_people(why: str) -> str:
+    """Return a message without what to type on a command line; the table of joints is there instead."""
+    return "; ".join(part for part in why.split("; ") if "--" not in part)
+
+
+def _read_arm(asked: Request, tell: Progress) -> tuple[Dynamics, SceneDocument] | str:
+    try:
+        model = read_model(asked)
+    except CdiaError as error:
+        return str(error)
+    tell("drawing the arm", 0.5)
+    return model, Scene.of(model.robot).to_dict()

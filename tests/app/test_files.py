@@ -1,0 +1,109 @@
+"""Files of the app: what was dropped, where meshes go, and what is left behind."""
+
+import subprocess
+import sys
+import zipfile
+
+import pytest
+
+from cdia_pin import CdiaError
+from cdia_pin.app.dropped import inside, place_meshes, sort_dropped
+from cdia_pin.app.log_columns import columns_of
+from cdia_pin.app.scratch import PREFIX, Scratch
+from cdia_pin.resources import logs_dir
+
+URDF = '<robot name="a"><link name="b"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
+
+
+def test_dropped_files_are_told_apart(tmp_path):
+    for name, text in {
+        "arm.urdf": URDF.format("x.stl"),
+        "run.csv": "time,q1\n",
+        "gains.json": '{"b": 10.0}',
+        "better.json": '{"schema": "cdia-model/1"}',
+        "x.stl": "",
+    }.items():
+        (tmp_path / name).write_text(text)
+    found = sort_dropped(tmp_path)
+    assert (found.robot.name, found.log.name, found.model.name) == ("arm.urdf", "run.csv", "better.json")
+    assert found.gains == {"b": 10.0}
+    assert [m.name for m in found.meshes] == ["x.stl"]
+
+
+def test_a_zip_file_is_unpacked_and_cannot_write_elsewhere(tmp_path):
+    for name, member in (("good", "arm/arm.urdf"), ("bad", "../arm.urdf")):
+        folder = tmp_path / name
+        folder.mkdir()
+        with zipfile.ZipFile(folder / "robot.zip", "w") as packed:
+            packed.writestr(member, URDF.format("x.stl"))
+    assert sort_dropped(tmp_path / "good").robot.name == "arm.urdf"
+    with pytest.raises(CdiaError, match="path"):
+        sort_dropped(tmp_path / "bad")
+    assert not (tmp_path / "arm.urdf").exists()
+
+
+@pytest.mark.parametrize("name", ["../a", "/a", "a/../../b", "", "a\\..\\b", "a\0b"])
+def test_a_dropped_file_stays_in_its_folder(tmp_path, name):
+    with pytest.raises(CdiaError, match="path"):
+        inside(tmp_path, name)
+
+
+def test_what_is_not_clear_is_refused(tmp_path):
+    (tmp_path / "note.md").write_text("")
+    with pytest.raises(CdiaError, match="nothing to use in note"):
+        sort_dropped(tmp_path)
+    for name in ("a.urdf", "b.urdf"):
+        (tmp_path / name).write_text(URDF.format("x.stl"))
+    with pytest.raises(CdiaError, match="more than one robot was dropped"):
+        sort_dropped(tmp_path)
+
+
+@pytest.mark.parametrize("address", ["package://arm/meshes/visual/x.stl", "meshes/visual/x.stl"])
+def test_meshes_go_where_the_urdf_looks_for_them(tmp_path, address):
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text(URDF.format(address))
+    for folder in ("collision", "visual"):
+        (tmp_path / "drop" / folder).mkdir(parents=True)
+        (tmp_path / "drop" / folder / "x.stl").write_text(folder)
+    place_meshes(urdf, sorted((tmp_path / "drop").rglob("*.stl")))
+    assert (tmp_path / address.removeprefix("package://")).read_text() == "visual"
+
+
+def test_a_mesh_is_never_put_outside(tmp_path):
+    folder = tmp_path / "robot"
+    folder.mkdir()
+    (folder / "arm.urdf").write_text(URDF.format("package://../x.stl"))
+    (folder / "x.stl").write_text("")
+    place_meshes(folder / "arm.urdf", [folder / "x.stl"])
+    assert not (tmp_path / "x.stl").exists()
+
+
+def test_names_of_a_log_are_proposed_where_their_number_fits(tmp_path):
+    log = tmp_path / "run.csv"
+    log.write_text("time,position.a,position.b,current.a,current.b\n0,1,2,3,4\n1,1,2,3,4\n")
+    columns = columns_of(log, ("one", "two"))
+    assert columns.currents
+    assert columns.proposed(("one", "two")) == {"one": "a", "two": "b"}
+    assert columns.proposed(("a", "two")) == {"two": "b"}
+    assert columns.proposed(("one", "two", "three")) == {}
+    assert columns_of(tmp_path / "none.csv", ("one",)) is None
+    assert not columns_of(logs_dir() / "demo_ur5.csv", ("elbow_joint",)).currents
+
+
+def test_the_next_start_removes_what_a_kill_has_left(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    living = Scratch()
+    script = (
+        f"import tempfile; tempfile.tempdir = {str(tmp_path)!r}\n"
+        "from cdia_pin.app.scratch import Scratch\n"
+        "made = Scratch(); (made.folder() / 'run.csv').write_text('x')\n"
+        "import os; print(made.path); os.kill(os.getpid(), 9)"
+    )
+    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False).stdout
+    (dead,) = (p for p in tmp_path.glob(PREFIX + "*") if p != living.path)
+    assert str(dead) == said.strip() and list(dead.rglob("run.csv"))
+    other = Scratch()
+    assert set(tmp_path.glob(PREFIX + "*")) == {living.path, other.path}
+    other.close()
+    living.close()
+    assert not list(tmp_path.iterdir())

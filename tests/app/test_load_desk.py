@@ -1,0 +1,68 @@
+"""A form that cannot be read stays open at what is wrong, and goes on from there."""
+
+import asyncio
+import json
+
+import pytest
+
+from cdia_pin import load_robot
+from cdia_pin.app.inputs import Request
+from cdia_pin.app.load_desk import LoadDesk
+from cdia_pin.app.runner import Runner
+from cdia_pin.resources import logs_dir
+
+JOINTS = load_robot("ur5").joints
+
+
+@pytest.fixture(scope="module")
+def foreign(tmp_path_factory):
+    """A log of currents whose joints have other names than the robot's, and its gains."""
+    folder = tmp_path_factory.mktemp("foreign")
+    head, *rows = (logs_dir() / "demo_ur5.csv").read_text().splitlines()[:1500]
+    for joint in JOINTS:
+        head = head.replace(joint, joint[::-1])
+    log = folder / "run.csv"
+    log.write_text("\n".join([head.replace("effort.", "current."), *rows]))
+    (folder / "gains").mkdir()
+    (folder / "gains" / "gains.json").write_text(json.dumps(dict.fromkeys(JOINTS, 1.0)))
+    return log
+
+
+def read(desk, asked):
+    drawn = []
+    return asyncio.run(desk.read(asked, drawn.append)), drawn
+
+
+def test_a_log_that_does_not_fit_opens_the_table_and_loads_from_it(foreign):
+    desk = LoadDesk(Runner())
+    loaded, drawn = read(desk, Request("ur5", foreign))
+    assert loaded is None and desk.is_open
+    assert len(drawn) == 1  # the robot is read first
+    assert "mapping" in desk.faults and "--" not in desk.faults["mapping"]
+    assert desk.columns.currents
+    assert {joint: row["label"] for joint, row in desk.form.joints.items()} == {j: j[::-1] for j in JOINTS}
+    desk.take(foreign.parent / "gains")
+    loaded, _ = read(desk, desk.form.request())
+    assert not desk.is_open and desk.faults == {}
+    assert loaded.session.inputs.log.joints == JOINTS
+
+
+def test_a_robot_alone_is_read_and_asks_for_its_log():
+    desk = LoadDesk(runner := Runner())
+    loaded, drawn = read(desk, desk.form.request())
+    assert loaded is None and not drawn and "robot" in desk.faults
+    desk.form.robot = "ur55"
+    loaded, drawn = read(desk, desk.form.request())
+    assert "did you mean" in desk.faults["robot"] and desk.form.robot == "ur55"
+    desk.form.robot = "ur5"
+    loaded, drawn = read(desk, desk.form.request())
+    assert loaded is None and len(drawn) == 1 and desk.faults == {}
+    assert "now give its log" in runner.said and desk.is_open
+
+
+def test_rows_of_another_robot_are_dropped():
+    desk = LoadDesk(Runner())
+    desk.form.robot, desk.form.log = "ur5", str(logs_dir() / "demo_ur5.csv")
+    desk.form.note("panda_joint1", "label", "first")
+    loaded, _ = read(desk, desk.form.request())
+    assert loaded is not None and desk.form.joints == {}

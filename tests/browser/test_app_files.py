@@ -1,0 +1,141 @@
+"""The app with a user's own files: a URDF without its meshes, currents, foreign names, and a reload."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cdia_pin import Dynamics, exciting_trajectory, load_robot
+from cdia_pin.effects import parse_term
+from tests.browser.served_app import PATIENCE, Served, error, mark, quiet
+
+BODY = """<link name="{0}"><inertial><origin xyz="0.2 0 0"/><mass value="2"/>
+  <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.05" iyz="0" izz="0.05"/></inertial>
+  <visual><geometry><mesh filename="package://arm/meshes/{0}.stl"/></geometry></visual></link>"""
+JOINT = """<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{2}"/><origin xyz="{3}"/>
+  <axis xyz="0 1 0"/><limit lower="-2.5" upper="2.5" velocity="4" effort="90"/></joint>"""
+ARM = f"""<robot name="arm"><link name="base"/>{BODY.format("upper")}{BODY.format("lower")}
+  {JOINT.format("shoulder", "base", "upper", "0 0 0.5")}{JOINT.format("elbow", "upper", "lower", "0.4 0 0")}</robot>"""
+STL = """solid a
+facet normal 0 0 1
+outer loop
+vertex 0 0 0
+vertex 0.4 0 0
+vertex 0.4 0.1 0
+endloop
+endfacet
+endsolid a
+"""
+GAINS = {"shoulder": 12.0, "elbow": 8.0}  # [N·m/A]
+COULOMB = "coulomb_friction@elbow"
+
+
+@pytest.fixture(scope="module")
+def app() -> Iterator[Served]:
+    served = Served()
+    yield served
+    served.interrupt()
+    assert "Traceback" not in "".join(served.said), "".join(served.said)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A URDF, one of its meshes, gains, and a log of currents whose joints have names of their own."""
+    folder = tmp_path_factory.mktemp("files")
+    (folder / "arm.urdf").write_text(ARM)
+    (folder / "upper.stl").write_text(STL)
+    (folder / "gains.json").write_text(json.dumps({**GAINS, "elbow": {"value": 8.0, "tolerance": 0.4}}))
+    robot, rng = load_robot(folder / "arm.urdf"), np.random.default_rng(3)
+    truth = Dynamics(robot, (parse_term(f"{COULOMB}: level=3"),))
+    time = 100.0 + np.arange(0.0, 20.0, 0.004)
+    q, v, a = exciting_trajectory(robot, rng, duration=20.0)(time - 100.0)
+    tau = truth.inverse_dynamics(q, v, a)
+    tau += 0.01 * tau.std(axis=0) * rng.standard_normal(tau.shape)
+    names = ["time", *(f"{s}.{j}" for s in ("position", "current") for j in ("first", "second"))]
+    columns = np.column_stack([time, q, tau / list(GAINS.values())])
+    np.savetxt(folder / "run.csv", columns, "%.7f", ",", header=",".join(names), comments="")
+    return folder
+
+
+def drop(page: Any, *paths: Path) -> None:
+    """Drop files on the page."""
+    page.evaluate("() => { globalThis.dropped = new DataTransfer(); }")
+    for path in paths:
+        page.evaluate(
+            "([name, text]) => globalThis.dropped.items.add(new File([text], name))",
+            [path.name, path.read_text()],
+        )
+    page.evaluate(
+        """() => document.dispatchEvent(
+             new DragEvent("drop", { dataTransfer: globalThis.dropped, bubbles: true, cancelable: true }))"""
+    )
+
+
+def test_from_dropped_files_to_an_added_effect_that_a_reload_keeps(page, app, files, chromium):
+    page.set_default_timeout(PATIENCE)
+    page.goto(app.entry)
+    mark(page, "load").wait_for()
+    # the robot is read first: its arm is seen, with one line on its meshes
+    drop(page, files / "arm.urdf")
+    notes = page.locator(".arm3d-notes summary")
+    notes.wait_for()
+    assert notes.inner_text().startswith("2 meshes missing")
+    assert not page.get_by_text("there is no mesh").first.is_visible()
+    notes.click()
+    assert page.get_by_text("package://arm/meshes/upper.stl").is_visible()
+    drop(page, files / "upper.stl")
+    page.get_by_text("1 mesh missing").wait_for()
+    # a log that does not fit opens the table, with the names that it has
+    drop(page, files / "run.csv")
+    mark(page, "mapping-fault").wait_for()
+    assert mark(page, "label-shoulder").input_value() == "first"
+    mark(page, "gain-shoulder").fill("twelve")
+    mark(page, "load").click()
+    page.get_by_text("must be a number, given 'twelve'").first.wait_for()
+    assert mark(page, "gain-shoulder").input_value() == "twelve"
+    drop(page, files / "gains.json")
+    mark(page, "verdict").wait_for()
+    begun = error(page)
+    # a typo keeps its text
+    mark(page, "own").locator("summary").click()
+    mark(page, "own-effect").fill("coulom_friction@elbow")
+    mark(page, "own-add").click()
+    assert "coulomb_friction" in mark(page, "own-fault").inner_text()
+    assert mark(page, "own-effect").input_value() == "coulom_friction@elbow"
+    mark(page, "own-effect").fill(COULOMB)
+    mark(page, "own-add").click()
+    mark(page, "version-1").wait_for()
+    assert error(page) < 0.2 * begun
+    # player and charts have the log's clock
+    assert page.locator(".arm3d-time").inner_text().startswith("100.")
+    # loading the page again changes nothing
+    left = error(page)
+    page.reload()
+    mark(page, "version-1").wait_for()
+    assert error(page) == left
+    assert "run.csv" in mark(page, "loaded").inner_text()
+    page.wait_for_function("document.querySelector('[data-mark=arm]')?.player")
+    # the address alone is of no use to another browser
+    stranger = chromium.new_context().new_page()
+    assert stranger.goto(page.url).status == 403
+    stranger.context.close()
+    quiet(page, app)
+
+
+def test_a_phone_needs_no_scrolling_sideways_and_has_export_in_reach(page, app):
+    page.set_viewport_size({"width": 420, "height": 800})
+    page.set_default_timeout(PATIENCE)
+    page.goto(app.entry)
+    mark(page, "demo").click()
+    mark(page, "loaded").wait_for()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 420
+    mark(page, "change").click()
+    mark(page, "mapping").locator("summary").click()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 420
+    box = mark(page, "export-urdf").bounding_box()
+    assert 0 < box["y"] < 800
