@@ -18,6 +18,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "myst_nb",
     "command_reference",
+    "console",
     "effect_entries",
     "example_gallery",
     "mathml",

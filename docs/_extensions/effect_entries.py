@@ -24,6 +24,7 @@ from cdia_pin.effects.parameter import Parameter
 
 LOGGER = logging.getLogger(__name__)
 ENTRIES = "effects"  # of a page, among its metadata
+TINY = 1e-6  # share of the torque [1] that is rounding
 FEW = 4  # parameters [1] that are listed one by one
 
 
@@ -83,10 +84,10 @@ def resemblances(term: Term) -> Iterator[str]:
     if not found:
         yield "**Mistaken for:** on the motion shown, no other effect imitates half of it."
         return
-    yield from ("**Mistaken for**", "", "| effect | imitates | what tells them apart |", "|---|---|---|")
+    yield from ("**Mistaken for**, with what tells them apart:", "")
     for it in found:
-        percent = min(int(100 * it.share), 99) if it.share < 1 - 1e-6 else 100
-        yield f"| `{it.effect.name}` | {percent} % | {it.motion} |"
+        percent = 100 if it.share > 1 - TINY else min(int(100 * it.share), 99)
+        yield f"- `{it.effect.name}`, which imitates {percent} %: {it.motion}"
 
 
 def _check(app: Sphinx, env: BuildEnvironment) -> None:

@@ -6,11 +6,12 @@ import ast
 import os
 import subprocess
 import sys
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from background import POOL, ROOT
 from docutils import nodes
 from docutils.statemachine import StringList
 from sphinx.application import Sphinx
@@ -18,9 +19,7 @@ from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
 LOGGER = logging.getLogger(__name__)
-ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("[0-9][0-9]_*.py"))
-AT_ONCE = 2  # examples [1] that run beside the reading of the pages
 PATIENCE = 120.0  # [s], for one example
 RUNS: dict[Path, Future[subprocess.CompletedProcess[str]]] = {}
 
@@ -58,9 +57,7 @@ class ExampleGallery(SphinxDirective):
 
 def _begin(app: Sphinx, env: Any, added: set[str], changed: set[str], removed: set[str]) -> list[str]:
     if "gallery" in added | changed:
-        pool = ThreadPoolExecutor(AT_ONCE)
-        RUNS.update({path: pool.submit(_run, path) for path in EXAMPLES})
-        pool.shutdown(wait=False)
+        RUNS.update({path: POOL.submit(_run, path) for path in EXAMPLES})
     return []
 
 
