@@ -28,7 +28,7 @@ LOGGER = logging.getLogger(__name__)
 BLOCK = re.compile(r"^```\{console\} (\w+)\n((?::\w+:.*\n)*)(.*?)^```", re.MULTILINE | re.DOTALL)
 PATIENCE = 300.0  # [s], for one command
 WIDTH = "80"  # characters of a terminal
-Outputs = list[tuple[int, str]]  # exit code and words of each block
+Outputs = dict[str, tuple[int, str]]  # by the commands of a block, the exit code and what was said
 RUNS: dict[str, Future[Outputs]] = {}
 
 
@@ -48,16 +48,14 @@ class Console(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """Return two blocks."""
-        page = self.env.docname
-        k = self.env.temp_data.setdefault("console", 0)
-        self.env.temp_data["console"] = k + 1
-        code, words = RUNS[page].result()[k]
+        commands = "\n".join(self.content)
+        code, words = RUNS[self.env.docname].result()[commands]
         if code:
             LOGGER.warning("a command of the page ended with %d: %s", code, words, location=self.get_location())
         said = [line.rstrip() for line in words.strip("\n").splitlines()]
         most = self.options.get("lines", len(said))
         shown = "\n".join(said[:most] + ["…"] * (len(said) > most))
-        command = nodes.literal_block("", "\n".join(self.content), language="sh")
+        command = nodes.literal_block("", commands, language="sh")
         return [command, *([nodes.literal_block("", shown, language="text")] if shown else [])]
 
 
@@ -68,7 +66,7 @@ def _begin(
         path = Path(env.doc2path(page))
         blocks = BLOCK.findall(path.read_text(encoding="utf-8")) if path.suffix == ".md" else []
         if blocks:
-            RUNS[page] = POOL.submit(_session, blocks[0][0], [commands for _, _, commands in blocks])
+            RUNS[page] = POOL.submit(_session, blocks[0][0], [commands.strip() for _, _, commands in blocks])
     return []
 
 
@@ -77,7 +75,7 @@ def _session(sample: str, blocks: list[str]) -> Outputs:
 
     with TemporaryDirectory() as folder:
         SAMPLES[sample](Path(folder))
-        return [_run(commands, folder) for commands in blocks]
+        return {commands: _run(commands, folder) for commands in blocks}
 
 
 def _run(commands: str, folder: str) -> tuple[int, str]:
