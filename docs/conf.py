@@ -33,7 +33,7 @@ myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 
 nb_execution_mode = "auto"  # a notebook that changed; an error or a late answer fails the build
-nb_execution_timeout = 60  # [s], of a cell
+nb_execution_timeout = 600  # [s], of a cell, on a machine that does much else
 nb_execution_raise_on_error = True
 nb_merge_streams = True
 

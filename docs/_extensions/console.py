@@ -26,7 +26,7 @@ from sphinx.util.docutils import SphinxDirective
 
 LOGGER = logging.getLogger(__name__)
 BLOCK = re.compile(r"^```\{console\} (\w+)\n((?::\w+:.*\n)*)(.*?)^```", re.MULTILINE | re.DOTALL)
-PATIENCE = 300.0  # [s], for one command
+PATIENCE = 600.0  # [s], for one command on a machine that does much else
 WIDTH = "80"  # characters of a terminal
 Outputs = dict[str, tuple[int, str]]  # by the commands of a block, the exit code and what was said
 RUNS: dict[str, Future[Outputs]] = {}
