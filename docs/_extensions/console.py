@@ -14,7 +14,7 @@ import sys
 from concurrent.futures import Future
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, ClassVar
 
 from background import POOL, ROOT
 from docutils import nodes
@@ -44,14 +44,14 @@ class Console(SphinxDirective):
 
     required_arguments = 1
     has_content = True
-    option_spec = {"lines": directives.positive_int}
+    option_spec: ClassVar = {"lines": directives.positive_int}
 
     def run(self) -> list[nodes.Node]:
         """Return two blocks."""
         commands = "\n".join(self.content)
         code, words = RUNS[self.env.docname].result()[commands]
         if code:
-            LOGGER.warning("a command of the page ended with %d: %s", code, words, location=self.get_location())
+            LOGGER.warning("a command ended with %d: %s", code, words, location=self.get_location())
         said = [line.rstrip() for line in words.strip("\n").splitlines()]
         most = self.options.get("lines", len(said))
         shown = "\n".join(said[:most] + ["…"] * (len(said) > most))

@@ -25,6 +25,7 @@ from cdia_pin.effects.parameter import Parameter
 LOGGER = logging.getLogger(__name__)
 ENTRIES = "effects"  # of a page, among its metadata
 TINY = 1e-6  # share of the torque [1] that is rounding
+SOURCE = "../results.md#what-each-arm-lacks-according-to-the-effects-found"
 FEW = 4  # parameters [1] that are listed one by one
 
 
@@ -69,7 +70,7 @@ def facts(term: Term) -> Iterator[str]:
     if effect.shape:
         yield f"| shape | {listed(effect.shape)} |"
     if found := sentence(effect.name):
-        yield f"| on measured arms | {found} [(source)](../results.md#what-each-arm-lacks-according-to-the-effects-found) |"
+        yield f"| on measured arms | {found} [(source)]({SOURCE}) |"
 
 
 def listed(parameters: tuple[Parameter, ...]) -> str:

@@ -42,6 +42,8 @@ def sentence(effect: str) -> str:
     said = []
     for (parameter, unit), by_arm in islice(sizes().get(effect, {}).items(), MOST):
         values = sorted(value for found in by_arm.values() for value in found)
-        numbers = " to ".join(f"{value:g}".replace("-", "−") for value in dict.fromkeys((values[0], values[-1])))
+        numbers = " to ".join(
+            f"{value:g}".replace("-", "−") for value in dict.fromkeys((values[0], values[-1]))
+        )
         said.append(f"{parameter} {numbers} {unit}".rstrip() + f" ({', '.join(sorted(by_arm))})")
     return "; ".join(said)

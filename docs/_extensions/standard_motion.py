@@ -13,7 +13,7 @@ ROBOT = "ur5"
 DURATION, SAMPLES = 10.0, 2000  # [s], [1]
 CENTRE = (0.0, -1.2, 1.2, -0.6, 0.8, 0.0)  # [rad], a posture in which gravity loads the elbow
 AMPLITUDE = (0.4, 0.3, 0.8, 0.5, 0.5, 0.6)  # [rad]
-PERIODS = ((6.0, 4.0), (7.0, 5.0), (6.0, 2.0), (5.0, 3.0), (4.0, 3.0), (5.0, 2.5))  # [s], at the start and the end
+PERIODS = (6.0, 7.0, 6.0, 5.0, 4.0, 5.0), (4.0, 5.0, 2.0, 3.0, 3.0, 2.5)  # [s], at the start and the end
 COLD, WARM = 20.0, 50.0  # [°C], at the start and the end; only effects of the temperature are shown it
 
 
@@ -30,7 +30,7 @@ def motion(warms: bool = False) -> State:
     Args:
         warms: Whether the joints warm on the way.
     """
-    first, last = 2 * np.pi / np.array(PERIODS).T  # [rad/s]
+    first, last = 2 * np.pi / np.array(PERIODS)  # [rad/s]
     time = np.linspace(0.0, DURATION, SAMPLES)[:, None]
     growth = (last - first) / DURATION  # [rad/s²]
     phase, speed = (first + growth * time / 2) * time, first + growth * time

@@ -37,12 +37,13 @@ def ur(folder: Path) -> None:
     faults = [*friction(plant.robot), TOOL]
     for name, seed in (("recording.csv", 3), ("other.csv", 4)):
         log = recorded(plant, faults, seed).log
-        table({
+        columns = {
             "timestamp": log.time + 7000.0,
             **numbered("actual_q_{}", log.position),
             **numbered("actual_qd_{}", log.velocity),
             **numbered("actual_current_{}", log.effort / GAINS),
-        }, folder / name, " ")
+        }
+        table(columns, folder / name, " ")
     gains = dict(zip(plant.robot.joints, GAINS, strict=True))
     (folder / "gains.json").write_text(json.dumps(gains, indent=1), encoding="utf-8")
 
@@ -52,12 +53,13 @@ def franka(folder: Path) -> None:
     plant = MujocoPlant("panda")
     for name, seed, faults in (("monday.csv", 5, []), ("friday.csv", 6, [TOOL])):
         log = recorded(plant, faults, seed).log
-        table({
+        columns = {
             "time": np.round(1e3 * log.time),
             **numbered("state.q[{}]", log.position),
             **numbered("state.dq[{}]", log.velocity),
             **numbered("state.tau_J[{}]", log.effort),
-        }, folder / name, ",")
+        }
+        table(columns, folder / name, ",")
 
 
 def ros(folder: Path) -> None:
@@ -73,7 +75,8 @@ def ros(folder: Path) -> None:
             time = types["builtin_interfaces/msg/Time"](sec=stamp // 10**9, nanosec=stamp % 10**9)
             header = types["std_msgs/msg/Header"](stamp=time, frame_id="")
             signals = (np.append(s[k, order], 0.0) for s in (log.position, log.velocity, log.effort))
-            bag.write(topic, stamp, ROS.serialize_cdr(types[JOINT_STATE](header, names, *signals), JOINT_STATE))
+            message = types[JOINT_STATE](header, names, *signals)
+            bag.write(topic, stamp, ROS.serialize_cdr(message, JOINT_STATE))
 
 
 def numbered(name: str, signal: np.ndarray | None) -> dict[str, np.ndarray]:

@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGES = [
     ROOT / "README.md",
     *(p for p in sorted((ROOT / "docs").glob("*.md")) if not p.name.startswith("results")),
+    *sorted((ROOT / "docs" / "tutorials").glob("*.md")),  # their `console` blocks run when the site is built
 ]
 BLOCK = re.compile(r"^```(python|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 SERVERS = ("app", "view")  # wait for a browser until they are ended

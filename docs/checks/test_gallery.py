@@ -9,7 +9,8 @@ import pytest
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 NUMBERED = sorted(EXAMPLES.glob("*.py"))
 OF_ROBOTS = sorted((EXAMPLES / "robots").glob("*.py"))
-LONGEST, LONGEST_OF_A_ROBOT = 60, 140  # lines; a program for a robot reads its signals and its command line, too
+LONGEST = 60  # lines
+LONGEST_OF_A_ROBOT = 140  # lines; it reads its signals and its command line, too
 
 
 @pytest.mark.parametrize("path", NUMBERED, ids=lambda path: path.stem)

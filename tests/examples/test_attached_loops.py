@@ -1,4 +1,4 @@
-"""The loops of `examples/robots/monitor_*.py`, fed by stand-ins for robots and ROS: what they read, and what they say."""
+"""The loops of `examples/robots`, fed by stand-ins for robots and ROS: what they read, and what they say."""
 
 import importlib
 import importlib.util
