@@ -25,7 +25,7 @@ from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
 LOGGER = logging.getLogger(__name__)
-BLOCK = re.compile(r"^```\{console\} (\w+)\n((?::\w+:.*\n)*)(.*?)^```", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^```\{console\} (\w+)\n((?::\w+:[^\n]*\n)*)(.*?)^```", re.MULTILINE | re.DOTALL)
 PATIENCE = 600.0  # [s], for one command on a machine that does much else
 WIDTH = "80"  # characters of a terminal
 Outputs = dict[str, tuple[int, str]]  # by the commands of a block, the exit code and what was said
