@@ -2,7 +2,8 @@
 
 Blocks of `python` run page by page, one after another, with common names. The `cdia` commands in blocks of `sh` run
 as well: those of the README to their end unless they take long, all of them with CDIA_EVERY_EXAMPLE=1. A block that
-does not run says so: ```` ```python not-run ````.
+does not run says so: ```` ```python not-run ````. Notebooks, and the `console` blocks of the tutorials, run when the site
+is built.
 """
 
 import os
@@ -17,8 +18,7 @@ from cdia_pin.cli import main
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [
     ROOT / "README.md",
-    *(p for p in sorted((ROOT / "docs").glob("*.md")) if not p.name.startswith("results")),
-    *sorted((ROOT / "docs" / "tutorials").glob("*.md")),  # their `console` blocks run when the site is built
+    *(p for p in sorted((ROOT / "docs").rglob("*.md")) if not p.name.startswith("results")),
 ]
 BLOCK = re.compile(r"^```(python|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 SERVERS = ("app", "view")  # wait for a browser until they are ended
