@@ -16,8 +16,11 @@ release = version = __version__
 extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "myst_parser",
+    "myst_nb",
     "command_reference",
+    "console",
+    "effect_entries",
+    "example_gallery",
     "mathml",
     "plain_docstrings",
     "public_objects",
@@ -28,6 +31,11 @@ default_role = "py:obj"  # `name` in a docstring links to the name where the ref
 
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
+
+nb_execution_mode = "auto"  # a notebook that changed; an error or a late answer fails the build
+nb_execution_timeout = 600  # [s], of a cell, on a machine that does much else
+nb_execution_raise_on_error = True
+nb_merge_streams = True
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"

@@ -2,7 +2,7 @@
 
 Blocks of `python` run page by page, one after another, with common names. The `cdia` commands in blocks of `sh` run
 as well: those of the README to their end unless they take long, all of them with CDIA_EVERY_EXAMPLE=1. A block that
-does not run says so: ```` ```python not-run ````.
+does not run says so: ```` ```python not-run ````. Notebooks and `console` blocks run when the site is built.
 """
 
 import os

@@ -1,7 +1,6 @@
 """The plant against Pinocchio and against the table of effects: M q̈ + nle = τ + f, f as stated."""
 
 import ast
-import importlib.util
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from cdia_pin.robot import RobotModel, load_robot
 pytest.importorskip("mujoco")
 
 import benchmarks.plant
+from benchmarks import demo_log
 from benchmarks.plant import (
     CLEAN,
     MECHANISMS,
@@ -475,16 +475,12 @@ def test_holdout_has_the_same_faults_under_another_motion(plants) -> None:
 
 
 def test_demo_log_is_what_its_script_makes(tmp_path: Path) -> None:
-    script = Path(benchmarks.plant.__file__).parents[2] / "examples" / "make_demo_log.py"
-    spec = importlib.util.spec_from_file_location("make_demo_log", script)
-    demo = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(demo)
-    demo.write(demo.make_run(), tmp_path / "demo.csv")
+    demo_log.write(demo_log.make_run(), tmp_path / "demo.csv")
     made, ships = (
         (p.read_text().splitlines()[0], np.loadtxt(p, delimiter=",", skiprows=1))
-        for p in (tmp_path / "demo.csv", demo.OUT)
+        for p in (tmp_path / "demo.csv", demo_log.OUT)
     )
     assert made[0] == ships[0]
     assert "velocity" not in ships[0]
     np.testing.assert_allclose(made[1], ships[1], atol=1e-3)
-    assert demo.OUT.stat().st_size < 1.2e6
+    assert demo_log.OUT.stat().st_size < 1.2e6

@@ -1,4 +1,4 @@
-"""The loops of `examples/monitor_*.py`, fed by stand-ins for robots and ROS: what they read, and what they say."""
+"""The loops of `examples/robots`, fed by stand-ins for robots and ROS: what they read, and what they say."""
 
 import importlib
 import importlib.util
@@ -15,20 +15,20 @@ import pytest
 from cdia_pin import ClosedLoop, Dynamics, LoopSettings, effects, load_robot, read_log, write_log
 from cdia_pin.dynamics import save_model
 
-EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+ROBOTS = Path(__file__).resolve().parents[2] / "examples" / "robots"
 ONSET = 2.0  # [s]
 BANK = ("coulomb_friction", "viscous_friction")
 GRIPPER = "gripper_joint"
 
 
 def example(name):
-    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+    spec = importlib.util.spec_from_file_location(name, ROBOTS / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-sys.path.insert(0, str(EXAMPLES))  # as Python does for a script that is run there
+sys.path.insert(0, str(ROBOTS))  # as Python does for a script that is run there
 attached = importlib.import_module("attached_arm")
 ros2, ur_rtde, libfranka = (example(f"monitor_{n}") for n in ("ros2", "ur_rtde", "libfranka"))
 

@@ -2,9 +2,9 @@
 
 Usage:
     pip install ur_rtde
-    python examples/monitor_ur_rtde.py 192.168.1.10 --robot ur10 --gains gains.json --record healthy.csv
+    python examples/robots/monitor_ur_rtde.py 192.168.1.10 --robot ur10 --gains gains.json --record healthy.csv
     cdia discover healthy.csv --robot ur10 --save model.json
-    python examples/monitor_ur_rtde.py 192.168.1.10 --robot ur10 --gains gains.json \
+    python examples/robots/monitor_ur_rtde.py 192.168.1.10 --robot ur10 --gains gains.json \
         --healthy healthy.csv --model model.json
 
 The robot measures motor currents. gains.json turns them into torques: {"shoulder_pan_joint": N·m/A, ...}. Where the

@@ -2,7 +2,7 @@
 
 Usage:
     cdia discover healthy.csv --robot ur10 --save model.json      # healthy.csv, or a bag of /joint_states
-    python examples/monitor_ros2.py healthy.csv --robot ur10 --model model.json
+    python examples/robots/monitor_ros2.py healthy.csv --robot ur10 --model model.json
     ros2 topic echo /arm_monitor
 
 Record the healthy run from the same topic, at the same rate, while the arm does its usual work. If the driver fills

@@ -1,9 +1,9 @@
 """Watch a Franka arm. It only reads states, and commands nothing.
 
 Usage:
-    python examples/monitor_libfranka.py --robot panda --udp 5005 --record healthy.csv
+    python examples/robots/monitor_libfranka.py --robot panda --udp 5005 --record healthy.csv
     cdia discover healthy.csv --robot panda --torque-side link --save model.json
-    python examples/monitor_libfranka.py --robot panda --udp 5005 --healthy healthy.csv --model model.json
+    python examples/robots/monitor_libfranka.py --robot panda --udp 5005 --healthy healthy.csv --model model.json
 
 A loop that moves the arm through libfranka is C++, at 1 kHz, and libfranka reads no states beside it while such a
 loop runs. So the loop itself sends its states to this process, which may be late without harm:

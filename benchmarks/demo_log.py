@@ -4,8 +4,8 @@ Hidden: Coulomb friction of 5 N·m on elbow_joint, and a payload of 1.5 kg 5 cm 
 have a quantum of 2e-5 rad, torques noise of 1 % of each joint's torque; velocity is not recorded.
 
 Usage:
-    python examples/make_demo_log.py                 # writes examples/data/demo_ur5.csv
-    python examples/make_demo_log.py --out my.csv
+    python -m benchmarks.demo_log                 # writes examples/data/demo_ur5.csv
+    python -m benchmarks.demo_log --out my.csv
 
 Needs the package's development dependencies (MuJoCo).
 """
@@ -13,17 +13,14 @@ Needs the package's development dependencies (MuJoCo).
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))  # the plant is part of the repository, not of the installed package
+from benchmarks.outcomes import CHECKOUT
+from benchmarks.plant import Fault, MujocoPlant, Noise, Run
 
-from benchmarks.plant import Fault, MujocoPlant, Noise, Run  # noqa: E402
-
-OUT = ROOT / "examples" / "data" / "demo_ur5.csv"
+OUT = CHECKOUT / "examples" / "data" / "demo_ur5.csv"
 FAULTS = (
     Fault("coulomb_friction", joint="elbow_joint", level=5.0),
     Fault("payload", mass=1.5, com=(0.0, 0.0, 0.05), size=0.08),
@@ -49,7 +46,9 @@ def write(run: Run, path: Path) -> None:
 
 def main() -> None:
     """Make the log and say what is in it."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.demo_log", description=__doc__.split("\n", maxsplit=1)[0]
+    )
     parser.add_argument("--out", type=Path, default=OUT, help="CSV file to write")
     path = parser.parse_args().out
     run = make_run()

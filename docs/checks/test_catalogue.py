@@ -1,0 +1,23 @@
+"""The catalogue tells of every effect of the vocabulary, once."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from cdia_pin import load_robot
+from cdia_pin.effects import EFFECTS, parse_term
+
+PAGES = sorted((Path(__file__).resolve().parents[1] / "effects").glob("*.md"))
+ENTRY = re.compile(r"^```\{effect\} (.+)\n((?:(?!```).*\n)*)```$", re.MULTILINE)
+ENTRIES = [found for page in PAGES for found in ENTRY.findall(page.read_text(encoding="utf-8"))]
+
+
+def test_every_effect_has_one_entry():
+    robot = load_robot("ur5")
+    assert sorted(parse_term(text, robot).effect.name for text, _ in ENTRIES) == sorted(EFFECTS)
+
+
+@pytest.mark.parametrize("text, physics", ENTRIES, ids=[text.partition(":")[0] for text, _ in ENTRIES])
+def test_an_entry_says_what_happens(text, physics):
+    assert physics.strip().endswith(".")
