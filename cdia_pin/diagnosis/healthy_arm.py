@@ -1,15 +1,15 @@
 r"""The healthy arm as its runs show it: corrections of the model, and the size of a healthy residual.
 
-The bound of a healthy residual is learned last. It is the largest residual seen times a margin, and at least a
-multiple of its RMS, because the largest value of a minute is not that of an hour. A model that was corrected by one
-half of the motion is tried on the other half as well, and the larger residual counts. From less than two minutes the
-bound is widened, because the largest residual grows with time.
+The bound of a healthy residual is learned last, for motion and for rest (`moving_residual`). It is the largest residual
+seen times a margin, and at least a multiple of its RMS, because the largest value of a minute is not that of an hour. A
+model that was corrected by one half of the motion is tried on the other half as well, and the larger residual counts.
+From less than two minutes the bound is widened, because the largest residual grows with time.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,19 @@ from cdia_pin.diagnosis.growth import REFERENCE_DURATION, growth, moving_time
 from cdia_pin.diagnosis.healthy_part import LEAST_PIECE
 from cdia_pin.diagnosis.momentum_observer import LEAST_SIGN_WIDTH
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.moving_residual import correlation_time, learn_moving
 from cdia_pin.diagnosis.nominal import Nominal
-from cdia_pin.diagnosis.residuals import aligned_velocity, pooled, residuals_of, velocity_noise
+from cdia_pin.diagnosis.refitted_halves import refitted_halves
+from cdia_pin.diagnosis.residuals import (
+    NOISE_WIDTHS,
+    aligned_velocity,
+    pooled,
+    ranges,
+    velocity_noise,
+    watched,
+)
 from cdia_pin.diagnosis.sight import Sight, blind_advice
+from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
 from cdia_pin.phrases import some
@@ -34,8 +44,6 @@ LEAST_MOTION = 1.0  # [s], of a joint, below which nothing is known of its healt
 LEAST_DURATION = 2.0  # [s], of all healthy runs together: a second for the level beside the settling filters
 ASSUMED_MEMORY = 0.1  # [s], correlation time of a healthy residual where it was not measured
 ASSUMED_SIGN_WIDTH = 0.005  # [rad/s or m/s], smoothing of sgn where noise was not measured
-LEVEL_WINDOW = 1.0  # [s], over which the RMS of the healthy level is taken
-NOISE_WIDTHS = 2.0  # [1], standard deviations of the velocity's noise over which sgn q̇ is smoothed
 # [s], most that samples count as alike in a decision. A model's error follows the posture for seconds, but not in the
 # shape of a fault's columns; counted in full it would hide faults twice its size.
 LONGEST_ALIKE = 0.5
@@ -49,9 +57,11 @@ class HealthyArm:
     Attributes:
         nominal: The model as the runs corrected it.
         bandwidth: γ of each joint [1/s], shape (n,).
-        bound: η₀ of each joint [N·m or N], shape (n,).
-        level: RMS of a healthy residual in the worst second [N·m or N], shape (n,).
+        bound: η₀ of each joint while it moves [N·m or N], shape (n,).
+        rest_bound: η₀ of each joint near rest, where friction turns round [N·m or N], shape (n,).
+        level: RMS of a healthy residual in motion, in the worst second [N·m or N], shape (n,).
         memory: Correlation time of a healthy residual [s], shape (n,).
+        moving_memory: The same in motion [s], shape (n,).
         sign_width: Speed over which sgn q̇ is smoothed [rad/s or m/s], shape (n,).
         position_range: Smallest and largest position seen [rad or m], shape (2, n).
         velocity_range: Smallest and largest velocity seen [rad/s or m/s], shape (2, n).
@@ -62,8 +72,10 @@ class HealthyArm:
     nominal: Nominal
     bandwidth: Array
     bound: Array
+    rest_bound: Array
     level: Array
     memory: Array
+    moving_memory: Array
     sign_width: Array
     position_range: Array
     velocity_range: Array
@@ -78,7 +90,7 @@ class HealthyArm:
     @property
     def independent(self) -> Array:
         """Time for which samples of a joint count as alike in a decision [s], shape (n,)."""
-        return np.minimum(self.memory, np.maximum(LONGEST_ALIKE, 1.0 / self.bandwidth))
+        return np.minimum(self.moving_memory, np.maximum(LONGEST_ALIKE, 1.0 / self.bandwidth))
 
     @property
     def sight(self) -> Sight:
@@ -87,12 +99,12 @@ class HealthyArm:
 
 
 def learn_healthy_arm(
-    nominal: Nominal, runs: Sequence[Log], bank: Bank, settings: MonitorSettings
+    model: Dynamics, runs: Sequence[Log], bank: Bank, settings: MonitorSettings
 ) -> HealthyArm:
     """Learn from runs of a healthy arm.
 
     Args:
-        nominal: The model.
+        model: The model.
         runs: Logs at the rate of the monitor.
         bank: The monitor's bank; only so that what is compiled here serves the monitor too.
         settings: Bandwidth, margins, and whether masses are corrected.
@@ -101,41 +113,51 @@ def learn_healthy_arm(
         LogError: If the runs are too short, at rest, or belong to other joints.
     """
     runs = [run for run in runs if run.duration >= LEAST_PIECE]  # in a shorter one the filters do not settle
+    nominal = Nominal.of(model)
     dt = _check(nominal, runs)
     found = calibrated(nominal, runs, dt, bank, settings)
     nominal, notes = found.nominal, list(found.notes)
-    residuals = residuals_of(nominal, runs, dt, bank, settings)
+    seen = watched(nominal, runs, dt, bank, settings)
+    residuals = [one.residual for one in seen]
     bandwidth = _bandwidth(_bound(residuals, settings), runs, settings)
     if (bandwidth < settings.bandwidth).any():
-        residuals = residuals_of(nominal, runs, dt, bank, settings, bandwidth)
+        seen = watched(nominal, runs, dt, bank, settings, bandwidth)
+        residuals = [one.residual for one in seen]
         slow = [
             f"{j} {g:.0f}/s" for j, g in zip(runs[0].joints, bandwidth, strict=True) if g < settings.bandwidth
         ]
         notes.append(f"slower filters because of sensor noise: {', '.join(slow)}")
     unseen = [
-        r for model, other in found.unseen for r in residuals_of(model, other, dt, bank, settings, bandwidth)
+        one for model, other in found.unseen for one in watched(model, other, dt, bank, settings, bandwidth)
     ]
-    memory = np.array([_correlation_time([r[:, j] for r in residuals], dt) for j in range(nominal.robot.n)])
+    memory = np.array([correlation_time([r[:, j] for r in residuals], dt) for j in range(nominal.robot.n)])
     memory = np.maximum(memory, 1 / bandwidth)
     sign_width = np.maximum(NOISE_WIDTHS * velocity_noise(runs, dt), LEAST_SIGN_WIDTH)
     velocities = [aligned_velocity(run, dt) for run in runs]
     moved = moving_time(velocities, sign_width, dt)
     wider = growth(moved, memory)
-    bound = np.maximum(_bound(residuals, settings, wider), _bound(unseen or residuals, settings, wider))
-    bound = _unknown_without_motion(bound, moved, nominal.robot.limits.effort)
-    window = max(1, round(LEVEL_WINDOW / dt))
-    level = np.max([_worst_window(r, window) for r in residuals], axis=0)
+    rest_bound = np.max(
+        [_bound(r, settings, wider) for r in (residuals, [one.residual for one in unseen]) if r], axis=0
+    )
+    rest_bound = _unknown_without_motion(rest_bound, moved, nominal.robot.limits.effort)
     torque = pooled([run.effort for run in runs])
+    for half, other in refitted_halves(model, runs):
+        half = replace(half, delay=nominal.delay)
+        unseen += watched(half, other, dt, bank, settings, bandwidth)
+    moving = learn_moving(seen, unseen, dt, rest_bound, torque, settings)
+    bound = np.where(moved < LEAST_MOTION, rest_bound, moving.bound)
     notes += _what_was_missing(nominal, moved, wider, Sight(runs[0].joints, bound, torque))
     return HealthyArm(
         nominal=nominal,
         bandwidth=bandwidth,
         bound=bound,
-        level=level,
+        rest_bound=rest_bound,
+        level=moving.level,
         memory=memory,
+        moving_memory=np.maximum(moving.memory, 1 / bandwidth),
         sign_width=sign_width,
-        position_range=_range([run.position for run in runs]),
-        velocity_range=_range(velocities),
+        position_range=ranges([run.position for run in runs]),
+        velocity_range=ranges(velocities),
         torque=torque,
         notes=tuple(notes),
     )
@@ -199,8 +221,10 @@ def assumed_healthy_arm(
         nominal=nominal,
         bandwidth=bandwidth,
         bound=bound,
+        rest_bound=bound,
         level=bound / settings.noise_margin,
         memory=memory,
+        moving_memory=memory,
         sign_width=sign_width,
         position_range=np.array([limits.lower, limits.upper]),
         velocity_range=np.array([-limits.velocity, limits.velocity]),
@@ -227,28 +251,3 @@ def _check(nominal: Nominal, runs: Sequence[Log]) -> float:
     if len({r.velocity is None for r in runs}) > 1:
         raise LogError("either all healthy runs have velocities or none")
     return 1.0 / float(np.median([r.rate for r in runs]))
-
-
-def _worst_window(r: Array, window: int) -> Array:
-    """Return the RMS of the window [samples] in which it is largest [N·m or N], shape (n,)."""
-    total = np.vstack([np.zeros(r.shape[1]), np.cumsum(r**2, axis=0)])
-    window = min(window, len(r))
-    return np.asarray(np.sqrt((total[window:] - total[:-window]).max(axis=0) / window))
-
-
-def _correlation_time(series: Sequence[Array], dt: float) -> float:
-    """Return the correlation time of a residual: the sum of its autocorrelation up to the first zero [s]."""
-    longest = max(series, key=len)
-    x = longest - longest.mean()
-    size = 1 << (2 * len(x) - 1).bit_length()
-    spectrum = np.abs(np.fft.rfft(x, size)) ** 2
-    auto = np.fft.irfft(spectrum)[: len(x) // 2]
-    auto /= auto[0] if auto[0] > 0 else 1.0
-    negative = np.flatnonzero(auto <= 0)
-    return float(dt * (2 * auto[: negative[0] if len(negative) else len(auto)].sum() - 1))
-
-
-def _range(signals: Sequence[Array]) -> Array:
-    """Return the smallest and the largest value of signals of shape (K, n), shape (2, n)."""
-    together = np.concatenate(signals)
-    return np.array([together.min(axis=0), together.max(axis=0)])

@@ -39,7 +39,7 @@ class JointIsolation(Stateful):
     def __init__(self, j: int, observer: MomentumObserver, isolator: Isolator, healthy: HealthyArm) -> None:
         self.j, self.observer, self.isolator = j, observer, isolator
         self.level = float(healthy.level[j])
-        self.independent = float(healthy.memory[j]) / observer.dt  # [samples]
+        self.independent = float(healthy.moving_memory[j]) / observer.dt  # [samples]
         self._alike = float(healthy.independent[j]) / observer.dt  # [samples], for intervals
         self.last: Decision | None = None
         self.drop_prior()

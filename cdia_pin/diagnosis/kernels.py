@@ -9,6 +9,9 @@ Discretised exactly for a torque held over the tick, E = exp(−γΔ), with a γ
 φ̄ is the mean of φ at both ends, or, for effects of torque and acceleration, the value over the interval.
 Then r_j = c_jᵀ y_j + filtered η_j: joints do not mix.
 
+The threshold depends on the state as that of [Thesis] does: one bound while a joint moves, another one near its rest,
+where a model of friction errs most, and a wider one at speeds that no healthy run has had.
+
 All state is in one array that the caller owns, see `layout`; `kernel_rows` names its rows. This module, `fits` and the
 generated modules are the only ones that need numba. They are imported when a monitor is first made.
 """
@@ -29,10 +32,12 @@ from cdia_pin.diagnosis.kernel_rows import (
     COLLECTING,
     EXCEEDED,
     FILTERED,
+    HIGHEST_VELOCITY,
     KNOWN,
     KNOWN_AMPLITUDE,
     LEARNED,
     LEARNING,
+    LOWEST_VELOCITY,
     MOVING,
     MUTED,
     NLE,
@@ -42,8 +47,8 @@ from cdia_pin.diagnosis.kernel_rows import (
     PRESENT,
     REMAINDER,
     RESIDUAL,
+    REST_BOUND,
     REST_SPEED,
-    SLOPE,
     THRESHOLD,
     VELOCITY,
     WEIGHT,
@@ -134,15 +139,19 @@ def advance(
         joint[KNOWN_AMPLITUDE, j] = max(abs(own), forget * joint[KNOWN_AMPLITUDE, j])
         r = E[j] * joint[RESIDUAL, j] + (1.0 - E[j]) * lacking
         joint[RESIDUAL, j] = r
-        bound = joint[BOUND, j] + joint[SLOPE, j] * abs(load)
+        joint[MOVING, j] = E[j] * joint[MOVING, j] + (1.0 - E[j] if abs(v[j]) > joint[REST_SPEED, j] else 0.0)
+        resting = 1.0 - joint[MOVING, j]
+        near = min(resting / (1.0 - MOVING_SHARE), 1.0)
+        bound = joint[BOUND, j] + near * (joint[REST_BOUND, j] - joint[BOUND, j])
+        beyond = max(v[j] - joint[HIGHEST_VELOCITY, j], joint[LOWEST_VELOCITY, j] - v[j])
+        if beyond > 0.0:
+            bound = joint[REST_BOUND, j] * (1.0 + beyond / max(abs(v[j]) - beyond, joint[REST_SPEED, j]))
         threshold = E[j] * joint[THRESHOLD, j] + (1.0 - E[j]) * bound
         joint[THRESHOLD, j] = threshold
         remainder = r - explained - joint[LEARNED, j]
         joint[REMAINDER, j] = remainder
         explained = abs(r - remainder)
         joint[AMPLITUDE, j] = max(explained, forget * joint[AMPLITUDE, j])
-        joint[MOVING, j] = E[j] * joint[MOVING, j] + (1.0 - E[j] if abs(v[j]) > joint[REST_SPEED, j] else 0.0)
-        resting = 1.0 - joint[MOVING, j]
         rough = (ROUGHNESS + resting) * joint[AMPLITUDE, j] + resting * joint[KNOWN_AMPLITUDE, j]
         if abs(remainder) > threshold + rough:
             joint[EXCEEDED, j] += 1.0

@@ -95,7 +95,7 @@ class MomentumEngine(Stateful):
         if learned is not None and rate:
             self.healthy: HealthyArm = learned.healthy
         elif healthy:
-            self.healthy = learn_healthy_arm(nominal, healthy, bank, settings)
+            self.healthy = learn_healthy_arm(model, healthy, bank, settings)
             rate = rate or float(np.median([run.rate for run in healthy]))
             position_only = healthy[0].velocity is None
         elif threshold is not None and rate:
@@ -113,8 +113,9 @@ class MomentumEngine(Stateful):
         )
         self.observer.use_sign_width(self.healthy.sign_width)
         if self.healthy.is_measured:
-            self.observer.use_speed(np.abs(self.healthy.velocity_range).max(axis=0))
+            self.observer.use_velocities(self.healthy.velocity_range)
         self.observer.state.bound = self.healthy.bound
+        self.observer.state.rest_bound = self.healthy.rest_bound
         lower, upper = _parameter_bounds(bank, nominal)
         isolator = Isolator(bank, lower, upper, settings)
         self._alignment = Alignment(self.dt, nominal.delay, position_only)
@@ -184,7 +185,7 @@ class MomentumEngine(Stateful):
             return self._bad_data(t, "a position, velocity or torque is not a number")
         if self._bad and then >= self._quiet_until:
             self._bad = False
-        samples = then >= self._next_sample and then >= self._quiet_until and self._sample(then)
+        samples = then >= self._next_sample and then >= self._quiet_until and self._sample(then, tau)
         if not asks and not samples and then < self._next_look:
             return self._status(t, ())
         return self._status(t, self._attend(t, then, asks))
@@ -220,12 +221,13 @@ class MomentumEngine(Stateful):
 
     # ------------------------------------------------------------- ticks that need attention
 
-    def _sample(self, then: float) -> bool:
+    def _sample(self, then: float, tau: Array) -> bool:
         """Show the slower detectors the present sample; return whether they need attention."""
         o = self.observer
         dt = then - self._last_sample if self._last_sample > -np.inf else 0.0
         self._last_sample, self._next_sample = then, then + PERIOD * (1.0 - 1e-9)
-        self.lasting.add(dt, o.filtered, o.remainder, o.state.moving > 1.0 - RESTING)
+        known = (o.v >= o.state.lowest_velocity) & (o.v <= o.state.highest_velocity)
+        self.lasting.add(dt, o.filtered, o.remainder, tau, known & (o.state.moving > 1.0 - RESTING))
         if then >= self._next_lasting:
             self._next_lasting = then + LASTING_EVERY
             beyond = self.lasting.beyond(o.state.amplitude)

@@ -94,7 +94,8 @@ class MomentumObserver(Stateful):
         state.velocity_widths = [u.velocity_width for u in unknown]
         state.present = 1.0
         state.bandwidth = settings.bandwidth if bandwidth is None else bandwidth
-        state.bound = np.inf
+        state.bound = state.rest_bound = np.inf
+        state.lowest_velocity, state.highest_velocity = -np.inf, np.inf
         state.forget = np.exp(-dt / settings.memory)
         state.remember = np.exp(-dt * NEURON_PERIOD / (LEARNING_MEMORY * settings.memory))
         state.debounce = settings.debounce
@@ -234,12 +235,14 @@ class MomentumObserver(Stateful):
         state.soft_sign_width = np.maximum(self.settings.soft_sign, state.sign_width)
         state.rest_speed = REST_WIDTHS * state.sign_width
 
-    def use_speed(self, fastest: Array) -> None:
-        """Set the speed of rest to at least a share of each joint's largest speed.
+    def use_velocities(self, seen: Array) -> None:
+        """Set what velocities healthy runs have had: thresholds are wider beyond, and slower may be rest.
 
         Args:
-            fastest: The largest speeds [rad/s or m/s], shape (n,).
+            seen: Smallest and largest velocity of each joint [rad/s or m/s], shape (2, n).
         """
+        self.state.lowest_velocity, self.state.highest_velocity = seen
+        fastest = np.abs(seen).max(axis=0)
         self.state.rest_speed = np.maximum(REST_WIDTHS * self.state.sign_width, REST_SHARE * fastest)
 
     def restart_decision(self, j: int) -> None:

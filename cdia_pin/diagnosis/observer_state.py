@@ -83,6 +83,7 @@ class ObserverState(Stateful):
     remainder = _Row("joint", rows.REMAINDER)
     exceeded = _Row("joint", rows.EXCEEDED)
     bound = _Row("joint", rows.BOUND)
+    rest_bound = _Row("joint", rows.REST_BOUND)
     sign_width = _Row("joint", rows.SIGN_WIDTH)
     velocity = _Row("joint", rows.VELOCITY)
     nle = _Row("joint", rows.NLE)
@@ -100,6 +101,8 @@ class ObserverState(Stateful):
     soft_sign_width = _Row("joint", rows.SOFT_SIGN_WIDTH)
     rest_speed = _Row("joint", rows.REST_SPEED)
     known_amplitude = _Row("joint", rows.KNOWN_AMPLITUDE)
+    lowest_velocity = _Row("joint", rows.LOWEST_VELOCITY)
+    highest_velocity = _Row("joint", rows.HIGHEST_VELOCITY)
 
     # Of each column, shape (n, P).
     phi = _Row("columns", rows.PHI)

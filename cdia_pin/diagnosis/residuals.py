@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.alignment import Alignment, slope_of
 from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.kernels import MOVING_SHARE
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
@@ -17,7 +19,21 @@ from cdia_pin.logs.log import Log
 Array = NDArray[np.float64]
 
 SETTLING = 5.0  # [1], time constants of the filter until a run counts: it has then forgotten its start to 1 %
+NOISE_WIDTHS = 2.0  # [1], standard deviations of the velocity's noise over which sgn q̇ is smoothed
 NORMAL_MEDIAN = 1.4826  # [1], standard deviation over the median size of normal noise
+
+
+@dataclass(frozen=True)
+class Watched:
+    """What an observer has seen along a run of a healthy arm, from when its filters have settled.
+
+    Attributes:
+        residual: Residual [N·m or N], shape (K, n).
+        moves: Whether the joint has moved for as long as the filter remembers, shape (K, n).
+    """
+
+    residual: Array
+    moves: NDArray[np.bool_]
 
 
 def residuals_of(
@@ -38,24 +54,50 @@ def residuals_of(
         settings: Settings of the monitor, for its filter.
         bandwidth: γ of each joint [1/s], shape (n,); that of the settings if omitted.
     """
+    return [one.residual for one in watched(nominal, runs, dt, bank, settings, bandwidth)]
+
+
+def watched(
+    nominal: Nominal,
+    runs: Sequence[Log],
+    dt: float,
+    bank: Bank,
+    settings: MonitorSettings,
+    bandwidth: Array | None = None,
+) -> list[Watched]:
+    """Return what an observer sees along runs.
+
+    Args:
+        nominal: The model.
+        runs: Logs, all with velocities or all without.
+        dt: Time between ticks [s].
+        bank: The monitor's bank, so that what is compiled here serves the monitor too.
+        settings: Settings of the monitor, for its filter.
+        bandwidth: γ of each joint [1/s], shape (n,); that of the settings if omitted.
+    """
     observer = MomentumObserver(nominal, bank.prototypes, settings, dt, bandwidth=bandwidth)
-    observer.use_sign_width(2 * velocity_noise(runs, dt))
+    observer.use_sign_width(NOISE_WIDTHS * velocity_noise(runs, dt))
+    observer.use_velocities(ranges([aligned_velocity(run, dt) for run in runs]))
     alignment = Alignment(dt, nominal.delay, runs[0].velocity is None)
-    return [residual_along(observer, alignment, run) for run in runs]
+    return [watched_along(observer, alignment, run) for run in runs]
 
 
-def residual_along(observer: MomentumObserver, alignment: Alignment, run: Log) -> Array:
-    """Return the residual along a run from when the filter has settled [N·m or N], shape (K, n).
+def watched_along(observer: MomentumObserver, alignment: Alignment, run: Log) -> Watched:
+    """Return what an observer sees along a run, from when the filter has settled.
 
     Args:
         observer: Returned to its start first.
         alignment: Returned to its start first.
         run: At the rate of the alignment.
     """
-    out = [observer.residual.copy() for _, is_settled in along(observer, alignment, run) if is_settled]
-    return np.array(out).reshape(
-        -1, run.position.shape[1]
-    )  # also of a run that ends before the filter settles
+    seen = [
+        (observer.residual.copy(), observer.state.moving > MOVING_SHARE)
+        for _, is_settled in along(observer, alignment, run)
+        if is_settled
+    ]
+    # The shape holds also for a run that ends before the filter settles.
+    residual, moves = (np.array([s[i] for s in seen]).reshape(-1, run.position.shape[1]) for i in (0, 1))
+    return Watched(residual, moves.astype(bool))
 
 
 def along(observer: MomentumObserver, alignment: Alignment, run: Log) -> Iterator[tuple[float, bool]]:
@@ -109,3 +151,13 @@ def pooled(signals: Sequence[Array]) -> Array:
         signals: Each of shape (K, n).
     """
     return np.asarray(np.sqrt(np.mean(np.concatenate(signals) ** 2, axis=0)))
+
+
+def ranges(signals: Sequence[Array]) -> Array:
+    """Return the smallest and the largest value of signals of shape (K, n), shape (2, n).
+
+    Args:
+        signals: Each of shape (K, n).
+    """
+    together = np.concatenate(signals)
+    return np.array([together.min(axis=0), together.max(axis=0)])

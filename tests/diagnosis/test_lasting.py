@@ -7,7 +7,7 @@ import pytest
 
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.joint_gram import ridge_inverse
-from cdia_pin.diagnosis.lasting import LastingDetector, limit_of
+from cdia_pin.diagnosis.lasting import LEAST_SHARE, LastingDetector, limit_of
 from cdia_pin.robot import load_robot
 
 ROBOT = load_robot("scara")
@@ -15,10 +15,12 @@ BANK = Bank.of(ROBOT, ["coulomb_friction", "joint_spring"])
 DT, MEMORY = 0.01, 4.0
 
 
-def shown(remainder: np.ndarray, columns: np.ndarray, moves: bool = True) -> LastingDetector:
+def shown(
+    remainder: np.ndarray, columns: np.ndarray, moves: bool = True, torque: float = 0.0
+) -> LastingDetector:
     detector = LastingDetector(BANK, ROBOT.n, MEMORY)
     for y, r in zip(columns, remainder, strict=True):
-        detector.add(DT, y, r, np.full(ROBOT.n, moves))
+        detector.add(DT, y, r, np.full(ROBOT.n, torque), np.full(ROBOT.n, moves))
     return detector
 
 
@@ -48,6 +50,15 @@ def test_it_alarms_beyond_its_limit_alone() -> None:
     assert detector.beyond(np.zeros(ROBOT.n)).tolist() == [j == 1 for j in range(ROBOT.n)]
 
 
+def test_a_model_may_be_off_by_a_share_of_the_torque_that_the_motion_takes() -> None:
+    y, noise = series()
+    noise[:, 1] += 0.4 * y[:, 1, 0]
+    for torque, alarms in ((1.0, True), (10.0, False)):
+        detector = shown(noise, y, torque=torque)
+        detector.limit[:] = 0.25
+        assert detector.beyond(np.zeros(ROBOT.n)).any() == alarms
+
+
 def test_a_joint_at_rest_says_nothing() -> None:
     y, noise = series()
     assert not shown(noise + 5.0, y, moves=False).explained().any()
@@ -58,7 +69,7 @@ def test_the_limit_rises_with_the_time_between_false_alarms_that_is_asked_for() 
     often, rarely = (limit_of(largest, np.full(2, 60.0), MEMORY, every, torque) for every in (60.0, 36000.0))
     assert often[0, 0] == pytest.approx(1.0)
     assert rarely[0, 0] == pytest.approx(np.sqrt(np.log(9000.0) / np.log(15.0)))
-    assert (rarely[1] == 10.0).all()  # a tenth of the joint's torque
+    assert rarely[1] == pytest.approx(LEAST_SHARE * torque[1])
 
 
 def test_columns_that_repeat_or_never_came_do_not_fail() -> None:

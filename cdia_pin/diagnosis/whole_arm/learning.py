@@ -59,6 +59,7 @@ def learn(
     """
     n, settings = observer.nominal.robot.n, observer.settings
     rest, moving, resting, moved = (np.zeros(n) for _ in range(4))
+    still = np.zeros(n)  # of no matter: only what is explained is asked for
     largest, friction = np.zeros_like(lasting.limit), np.zeros(n)
     for run in runs:
         detector = ContactDetector(_without_limits(n))
@@ -78,7 +79,7 @@ def learn(
             rest = np.maximum(rest, np.where(share < RESTING, off, 0.0))
             resting += dt * (share < RESTING)
             moved += dt * (share >= RESTING)
-            lasting.add(dt, observer.filtered, observer.remainder, share > 1.0 - RESTING)
+            lasting.add(dt, observer.filtered, observer.remainder, still, share > 1.0 - RESTING)
             largest = np.maximum(largest, lasting.explained())
     observer.reset()
     alignment.reset()
@@ -87,7 +88,7 @@ def learn(
     least = LEAST_DEVIATION * np.maximum(torque, LIGHTEST * max(float(torque.max()), TINY))
     moving = np.maximum(settings.margin * growth(moved, healthy.memory) * moving, least)
     is_known = moved >= LEAST_MOTION
-    moving = np.where(is_known, moving, np.maximum(moving, healthy.bound))
+    moving = np.where(is_known, moving, np.maximum(moving, healthy.rest_bound))
     known = np.maximum(settings.margin * growth(resting, healthy.memory) * rest, least)
     rest = np.where(resting >= LEAST_REST, known, moving)
     moving = np.maximum(moving, rest)

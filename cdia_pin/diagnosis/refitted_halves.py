@@ -1,0 +1,68 @@
+"""A model that was learned from the healthy runs themselves, tried on motion that it does not know.
+
+Such a model leaves little on its own log, and more on the next one. Its terms are therefore fitted again to one half
+of the motion and tried on the other half.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cdia_pin.diagnosis.healthy_part import halves
+from cdia_pin.diagnosis.nominal import Nominal
+from cdia_pin.dynamics.dynamics import Dynamics
+from cdia_pin.errors import LogError, ModelError
+from cdia_pin.logs.log import Log
+from cdia_pin.logs.motion import Motion
+from cdia_pin.regression.gauss_newton import refit
+from cdia_pin.selection.discovery_settings import DiscoverySettings
+from cdia_pin.selection.problem import Problem
+
+SHARED_TIME = (
+    0.5  # [1], share of a motion that a run must cover to be its log: a longer run may have been cut
+)
+SAME_POSITION = 0.02  # [1], distance over the range of a joint within which filtered and raw positions agree
+SAME_SHARE = 0.9  # [1], share of the samples that must agree; peaks are filtered away
+
+
+def refitted_halves(model: Dynamics, runs: Sequence[Log]) -> tuple[tuple[Nominal, tuple[Log, ...]], ...]:
+    """Return the model fitted to each half of the motion, with the other half.
+
+    Args:
+        model: The model.
+        runs: Healthy runs.
+
+    Returns:
+        Empty if the model was not learned from these runs, or halves of them do not determine it.
+    """
+    if not model.terms or not any(is_log_of(motion, run) for motion in model.learned_from for run in runs):
+        return ()
+    first, second = halves(runs)
+    try:
+        return (_fitted(model, first), second), (_fitted(model, second), first)
+    except (LogError, ModelError):  # too short, or a link without mass
+        return ()
+
+
+def is_log_of(motion: Motion, run: Log) -> bool:
+    """Tell whether a conditioned motion was made from a run, or from a log of which the run is a part.
+
+    Args:
+        motion: The motion.
+        run: The run, with the joints of the motion.
+    """
+    covered = (motion.time >= run.time[0]) & (motion.time <= run.time[-1])
+    if covered.mean() < SHARED_TIME:
+        return False
+    then = motion.time[covered]
+    raw = np.column_stack([np.interp(then, run.time, q) for q in run.position.T])
+    near = np.abs(raw - motion.q[covered]) <= SAME_POSITION * np.ptp(run.position, axis=0)
+    return bool(near.mean() >= SAME_SHARE)
+
+
+def _fitted(model: Dynamics, runs: Sequence[Log]) -> Nominal:
+    problem = Problem.of(model, runs, (), DiscoverySettings())
+    fitted, _ = refit(problem.with_noise_of(problem.lack_of_fit(model)).regression, model)
+    return Nominal.of(fitted)
