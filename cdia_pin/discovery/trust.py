@@ -72,7 +72,8 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     repeats = [replace(whole, part=0), replace(whole, part=1), *others]
     out = {}
     for term in found:
-        needed, survived = whole.is_visible(term), [r.survives(term) for r in repeats]
+        needed, size = whole.is_visible(term), whole.theta(term)
+        survived = [r.survives(term) for r in repeats if r.survives(term) or r.could_show(term, size)]
         if isinstance(term.effect, Body):  # the next link may have the same mass
             survived.append(crowded.survives(term))
         elif not is_everyday(term.effect):
@@ -83,7 +84,8 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         torque = whole.torque(term, np.array(term.theta))
         scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
         systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
-        out[term.label] = Trust(_confidence(needed, survived, settings.confidence), systematic)
+        shown = len(survived) >= settings.confidence.least_shown * len(repeats)
+        out[term.label] = Trust(_confidence(needed and shown, survived, settings.confidence), systematic)
     return out
 
 
@@ -165,6 +167,20 @@ class Repeat:
         one = self._at[term.label]
         fits = self._beside(one)
         return bool(fits.certainty[one] >= self.settings.confidence.least_certainty and fits.gain[one] > 0)
+
+    def could_show(self, term: Term, theta: Array) -> bool:
+        """Tell whether an effect of some size would be certain here. A joint that hardly moves shows nothing.
+
+        Args:
+            term: A term of the model.
+            theta: Its size in the whole log, shape (p,).
+        """
+        covariance = self.covariance(term)
+        spread = np.sqrt(np.diag(covariance)) + 1e-300
+        relative = covariance / np.outer(spread, spread) + 1e-9 * np.eye(len(theta))
+        scaled = np.asarray(theta) / spread
+        expected = np.sqrt(scaled @ np.linalg.solve(relative, scaled) / len(theta))
+        return bool(expected >= self.settings.confidence.power * self.settings.confidence.least_certainty)
 
     def certainty(self, term: Term) -> float:
         """Return the estimate of an effect over its standard deviation [1], root mean square over the parameters.
