@@ -8,7 +8,7 @@ the other links too, because the mass of a link is hard to tell from that of the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -175,11 +175,16 @@ class Repeat:
             term: A term of the model.
             theta: Its size in the whole log, shape (p,).
         """
-        covariance = self.covariance(term)
-        spread = np.sqrt(np.diag(covariance)) + 1e-300
-        relative = covariance / np.outer(spread, spread) + 1e-9 * np.eye(len(theta))
+        own = ParameterBlocks.of(self._evidence.effects)[self._at[term.label]]
+        power = (
+            self._evidence.norms[own] * np.asarray(theta) ** 2
+        )  # of its torque, over that of what is left [1]
+        if power.sum() < 1.0:
+            return False
+        spread = np.sqrt(np.diag(self.covariance(term))) + 1e-300
+        relative = self.covariance(term) / np.outer(spread, spread) + 1e-9 * np.eye(len(spread))
         scaled = np.asarray(theta) / spread
-        expected = np.sqrt(scaled @ np.linalg.solve(relative, scaled) / len(theta))
+        expected = np.sqrt(scaled @ np.linalg.solve(relative, scaled) / len(scaled))
         return bool(expected >= self.settings.confidence.power * self.settings.confidence.least_certainty)
 
     def certainty(self, term: Term) -> float:
@@ -290,20 +295,3 @@ class Repeat:
         every = list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
         middle = len(every) // 2
         return every if self.part is None else (every[:middle] if self.part == 0 else every[middle:])
-
-
-def with_total_intervals(model: Dynamics, trust: Mapping[str, Trust]) -> Dynamics:
-    """Return a model whose 95 % intervals hold the statistical and the systematic part.
-
-    Args:
-        model: A model with statistical intervals.
-        trust: What the repeats say about its effects, by label.
-    """
-
-    def widened(term: Term) -> Term:
-        if term.label not in trust or term.ci95 is None:
-            return term
-        statistical = term.half_widths
-        return term.with_intervals(np.hypot(statistical, trust[term.label].systematic), statistical)
-
-    return replace(model, terms=tuple(map(widened, model.terms)))

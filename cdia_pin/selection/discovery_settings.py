@@ -167,8 +167,8 @@ class ConfidenceSettings:
         wrong_links: Number of repeats with wrong links [1].
         link_error: Standard deviation of their error over the links' parameters [1]. URDFs of makers are about as good.
         least_certainty: Estimate over its standard deviation from blocks, root mean square over the parameters [1].
-        power: Certainty that an effect of the size found should have in a repeat, over ``least_certainty`` [1]. Where it
-            would have less, the repeat says nothing: half of a log in which a joint hardly moves contradicts nothing.
+        power: Certainty that an effect of the size found should have in a repeat, over ``least_certainty`` [1]. Where
+            it would have less, the repeat says nothing, as half of a log in which a joint hardly moves.
         least_shown: Share of the repeats that must say something [1].
         likely_share: Share of those repeats that a likely effect survives [1].
         unusual_certainty: The same certainty that a fluid, a steady wrench or a tilt needs beside all everyday effects
