@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from cdia_pin.changes.run_to_run import is_friction_of_joint
 from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import (
@@ -26,7 +27,9 @@ PLAIN = (CoulombFriction, ViscousFriction)
 
 
 def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
-    """Return a model in which friction between two joints is friction of each, unless it is visible beside that.
+    """Return a model in which joints have friction of their own rather than friction between two of them.
+
+    Friction between two joints stays if both have friction of their own, or if it is visible beside that.
 
     Args:
         problem: The logs and their noise.
@@ -38,10 +41,14 @@ def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynami
         return model
     known = {t.label for t in given.terms}
     crowded = Repeat(problem.problem.design, model, problem.problem.settings, everyday=True)
+    rubbing = {t.effect.scope[0] for t in model.terms if is_friction_of_joint(t.effect)}
     doubtful = [
         t
         for t in model.terms
-        if isinstance(t.effect, CoupledFriction) and t.label not in known and not crowded.is_visible(t)
+        if isinstance(t.effect, CoupledFriction)
+        and t.label not in known
+        and not set(t.effect.scope) <= rubbing  # beside friction of both joints it stands for neither
+        and not crowded.is_visible(t)
     ]
     if not doubtful:
         return model

@@ -23,7 +23,9 @@ def swing(robot, name, *motions):
         w = 2 * np.pi * frequency
         q[:, j], v[:, j] = amplitude * np.sin(w * t), amplitude * w * np.cos(w * t)
         a[:, j] = -(w**2) * q[:, j]
-    effort = Dynamics(robot, (parse_term("viscous_friction@joint1: coefficient=0.1"),)).inverse_dynamics(q, v, a)
+    effort = Dynamics(robot, (parse_term("viscous_friction@joint1: coefficient=0.1"),)).inverse_dynamics(
+        q, v, a
+    )
     noise = np.random.default_rng(1).normal(0.0, 0.01, effort.shape)
     return Log(robot.joints, t, q, effort + noise, source=name)
 

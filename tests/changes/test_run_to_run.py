@@ -14,7 +14,9 @@ RULE = RunToRunSettings()
 
 def arm(*growth):
     """Friction of an arm whose joints differ by some shares."""
-    return RunToRun(tuple(f"joint{k}" for k in range(len(growth))), np.ones(len(growth)), np.array(growth), RULE)
+    return RunToRun(
+        tuple(f"joint{k}" for k in range(len(growth))), np.ones(len(growth)), np.array(growth), RULE
+    )
 
 
 def test_alone_a_joint_may_differ_by_what_is_known_beforehand():
