@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.change_search import ChangeSearch
+from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
 from cdia_pin.effects import Effect, Term
+from cdia_pin.phrases import some
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.discovery_settings import RunToRunSettings
@@ -29,6 +31,7 @@ class UsualFrictionJson(TypedDict):
     """A usual difference of friction in JSON."""
 
     joint: str
+    effects: list[str]
     share: float
     limit: float
 
@@ -39,17 +42,19 @@ class UsualFriction:
 
     Attributes:
         joint: Name of the joint.
+        effects: Labels of the effects that differ.
         share: RMS torque of the difference over that of the friction before [1].
         limit: Share [1] above which it counts as a change.
     """
 
     joint: str
+    effects: tuple[str, ...]
     share: float
     limit: float
 
     def to_dict(self) -> UsualFrictionJson:
         """Return the difference for JSON."""
-        return {"joint": self.joint, "share": self.share, "limit": self.limit}
+        return {"joint": self.joint, "effects": [*self.effects], "share": self.share, "limit": self.limit}
 
 
 @dataclass(frozen=True, repr=False)
@@ -136,18 +141,38 @@ class RunToRun:
         """
         x = search.differing
         torque: dict[int, Array] = {}  # what friction of any kind differs by, joint by joint
+        labels: dict[int, list[str]] = {}
         for c, term in zip(chosen, terms, strict=True):
             if is_friction_of_joint(term.effect):
                 j = self.joints.index(term.effect.scope[0])
                 added = x.changes[search.evidence.effects[c]].columns[j] @ np.array(term.theta)
                 torque[j] = torque.get(j, 0.0) + added
+                labels.setdefault(j, []).append(term.label)
         out = []
         for j, f in torque.items():
             size = float(np.sqrt(np.mean(f[x.counted[:, j]] ** 2)))
             share, limit = size / max(float(self.friction[j]), 1e-12), self.limit(j)
             if share <= limit:
-                out.append(UsualFriction(self.joints[j], share, limit))
+                out.append(UsualFriction(self.joints[j], tuple(labels[j]), share, limit))
         return out
+
+
+def as_phenomena(usual: Sequence[UsualFriction]) -> tuple[Phenomenon, ...]:
+    """Return usual differences of friction as one phenomenon, for people; nothing if there are none.
+
+    Args:
+        usual: The differences.
+    """
+    if not usual:
+        return ()
+    said = some([f"{100 * u.share:.2g} % on {u.joint}" for u in usual], 3)
+    limits = [u.limit for u in usual]
+    sentence = (
+        f"friction differs by {said}; that is no change, because friction of an unchanged arm differs by up to "
+        f"{100 * max(limits):.2g} % from run to run here"
+    )
+    values = {u.joint: u.share for u in usual}
+    return (Phenomenon(PhenomenonKind.RUN_TO_RUN, tuple(values), sentence, values),)
 
 
 def is_friction_of_joint(effect: Effect) -> bool:

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from cdia_pin.changes.changes_result import ChangesVerdict
 from cdia_pin.changes.overlap import NotCompared
+from cdia_pin.changes.run_to_run import as_phenomena
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.effect_groups import MOST_RIVALS, on_joints, rivals
 from cdia_pin.viewers.words import (
@@ -72,8 +73,7 @@ def changes_table(found: Changes) -> RenderableType:
     if found.changes:
         parts.append(_changes(found))
         parts += [Padding(clean(s, "italic"), (0, 1)) for s in _doubts(found)]
-    if found.usual:
-        parts.append(_usual(found))
+    parts += [Padding(clean(f"{sentence_case(f.sentence)}."), (0, 1)) for f in as_phenomena(found.usual)]
     parts.append(_bounds(found))
     return Group(*parts)
 
@@ -162,21 +162,6 @@ def _doubts(found: Changes) -> list[str]:
         f"Hard to distinguish: {', '.join(pairs)}. {sentence_case(advice_words(motion))}."
         for motion, pairs in by_motion.items()
     ]
-
-
-def _usual(found: Changes) -> RenderableType:
-    """Return by how much friction differs without being a change."""
-    names = short_names(found.model.robot.joints)
-    said = listed([f"{percent(u.share)} on {names[u.joint]}" for u in found.usual])
-    limits = sorted(u.limit for u in found.usual)
-    within = listed(dict.fromkeys(percent(x) for x in (limits[0], limits[-1])))
-    return Padding(
-        clean(
-            f"Not counted as a change: friction differs by {said}. From run to run, friction of an unchanged arm "
-            f"differs by up to {within} here."
-        ),
-        (0, 1),
-    )
 
 
 def _bounds(found: Changes) -> RenderableType:
