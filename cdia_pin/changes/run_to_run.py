@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.change_search import ChangeSearch
+from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
 from cdia_pin.effects import Effect, Term
 from cdia_pin.phrases import some
@@ -85,37 +86,10 @@ class RunToRun:
             search: The search for changes.
             chosen: Indices of what it found.
         """
-        x, evidence = search.differing, search.evidence
-        robot, prediction = x.experiment.robot, x.prediction
-        torque = np.zeros_like(prediction.residual)
-        for term in prediction.model.terms:
-            if is_friction_of_joint(term.effect):
-                j = robot.joint_index(term.effect.scope[0])
-                torque[:, j] += x.experiment.columns(term.effect, prediction)[:, 0, :] @ np.array(term.theta)
-        plain = [c for c, e in enumerate(evidence.effects) if e.effect.name in PLAIN_FRICTION]
-        others = [c for c in chosen if not is_friction_of_joint(evidence.effects[c].effect)]
-        growth = np.full(robot.n, np.nan)
-        friction = rms(torque, x.counted)
-        if plain:
-            asked = [*others, *plain]
-            parts = ParameterBlocks.of([evidence.effects[c] for c in asked])
-            each = [*evidence.estimates(asked), evidence.estimate(asked)[0]]
-            for j, joint in enumerate(robot.joints):
-                own = [k for k, c in enumerate(asked) if c in plain and evidence.effects[c].scope == (joint,)]
-                along = np.where(x.counted[:, j], torque[:, j], 0.0)
-                power = float(along @ along)
-                if not own or power <= 0.0:
-                    continue
-                columns = [x.changes[evidence.effects[asked[k]]].columns[j] for k in own]
-                shares = [
-                    sum(float(along @ (f @ theta[parts[k]])) for f, k in zip(columns, own, strict=True))
-                    / power
-                    for theta in each
-                ]
-                moved = np.array(shares[:-1]) - shares[-1]
-                variance = (len(moved) - 1) / len(moved) * float(moved @ moved)
-                growth[j] = np.sqrt(max(shares[-1] ** 2 - variance, 0.0))
-        return cls(robot.joints, friction, growth, x.settings.run_to_run)
+        x = search.differing
+        torque = _friction_before(x)
+        growth = _growth(search, chosen, torque)
+        return cls(x.experiment.robot.joints, rms(torque, x.counted), growth, x.settings.run_to_run)
 
     def limit(self, joint: int) -> float:
         """Return the share of its friction by which a joint may differ although nothing happened [1].
@@ -155,6 +129,44 @@ class RunToRun:
             if share <= limit:
                 out.append(UsualFriction(self.joints[j], tuple(labels[j]), share, limit))
         return out
+
+
+def _friction_before(x: Differing) -> Array:
+    """Return the torque of all friction that both sides have, joint by joint [N·m or N], shape (K, n)."""
+    out = np.zeros_like(x.prediction.residual)
+    for term in x.prediction.model.terms:
+        if is_friction_of_joint(term.effect):
+            columns = x.experiment.columns(term.effect, x.prediction)[:, 0, :]
+            out[:, x.experiment.robot.joint_index(term.effect.scope[0])] += columns @ np.array(term.theta)
+    return out
+
+
+def _growth(search: ChangeSearch, chosen: Sequence[int], friction: Array) -> Array:
+    """Return the share by which friction differs, less its variance; NaN where it is not known [1], shape (n,)."""
+    x, evidence = search.differing, search.evidence
+    out = np.full(friction.shape[1], np.nan)
+    plain = [c for c, e in enumerate(evidence.effects) if e.effect.name in PLAIN_FRICTION]
+    if not plain:
+        return out
+    asked = [*(c for c in chosen if not is_friction_of_joint(evidence.effects[c].effect)), *plain]
+    parts = ParameterBlocks.of([evidence.effects[c] for c in asked])
+    best, without = (
+        evidence.estimate(asked)[0],
+        evidence.estimates(asked),
+    )  # of all blocks; without one at a time
+    for j, joint in enumerate(x.experiment.robot.joints):
+        own = [k for k, c in enumerate(asked) if c in plain and evidence.effects[c].scope == (joint,)]
+        along = np.where(x.counted[:, j], friction[:, j], 0.0)
+        power = float(along @ along)
+        if not own or power <= 0.0:
+            continue
+        per_unit = np.zeros(len(best))  # share of the friction for one unit of each parameter
+        for k in own:
+            per_unit[parts[k]] = along @ x.changes[evidence.effects[asked[k]]].columns[j] / power
+        share, moved = float(per_unit @ best), (without - best) @ per_unit
+        variance = (len(moved) - 1) / len(moved) * float(moved @ moved)  # of the jackknife
+        out[j] = np.sqrt(max(share**2 - variance, 0.0))
+    return out
 
 
 def as_phenomena(usual: Sequence[UsualFriction]) -> tuple[Phenomenon, ...]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.plant import Fault
-from cdia_pin.changes.run_to_run import RunToRun
+from cdia_pin.changes.run_to_run import RunToRun, as_phenomena
 from cdia_pin.selection.discovery_settings import RunToRunSettings
 from tests.changes.test_changes import changed
 from tests.hidden_plants import plant_of
@@ -56,3 +56,7 @@ def test_friction_of_all_joints_that_differs_a_little_is_no_change_and_wear_is()
     assert {u.joint for u in found.usual} <= {*plant.joints} - {"elbow_joint"}
     assert all(0.02 < u.share <= u.limit for u in found.usual)
     assert found.usual
+    assert {u["joint"] for u in found.to_dict()["usual_friction"]} == {u.joint for u in found.usual}
+    (said,) = as_phenomena(found.usual)
+    assert said.kind == "run-to-run"
+    assert "no change" in said.sentence
