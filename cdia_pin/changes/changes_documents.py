@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Literal, NotRequired, TypedDict
 
 from cdia_pin.changes.phenomenon import PhenomenonJson
+from cdia_pin.changes.run_to_run import UsualFrictionJson
 from cdia_pin.logs.motion import MotionRecord
 
 ByJoint = dict[str, float]  # one number per joint, by the joint's name
@@ -37,11 +38,12 @@ class ChangeJson(TypedDict):
 
 
 class BoundJson(TypedDict):
-    """The largest change of one kind that the logs would not show; the torque is in N·m or N."""
+    """The largest change of one kind that the logs would not show; torque in N·m or N, and over the joint's."""
 
     effect: str
     parameters: Mapping[str, Any]
     torque_rms: float
+    share: float
 
 
 class RmsOfSides(TypedDict):
@@ -62,6 +64,8 @@ class ChangesJson(TypedDict):
     verdict: str
     changes: list[ChangeJson]
     bounds: dict[str, BoundJson]
+    not_compared: dict[str, str]
+    usual_friction: list[UsualFrictionJson]
     findings: list[PhenomenonJson]
     rms: RmsOfSides
     record: ChangesRecord

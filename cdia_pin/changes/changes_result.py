@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
@@ -11,7 +12,9 @@ from numpy.typing import NDArray
 from cdia_pin import schemas
 from cdia_pin.changes.changes_documents import ChangeJson, ChangesJson, ChangesRecord
 from cdia_pin.changes.confidence import Confidence
+from cdia_pin.changes.overlap import NotCompared
 from cdia_pin.changes.phenomenon import Phenomenon
+from cdia_pin.changes.run_to_run import UsualFriction
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.identifiability.confusion import Confusion
@@ -26,6 +29,7 @@ class ChangesVerdict(StrEnum):
 
     CHANGED = "changed"
     UNCHANGED = "unchanged"
+    NOT_COMPARABLE = "not-comparable"
 
 
 @dataclass(frozen=True, repr=False)
@@ -113,6 +117,9 @@ class Changes:
         rms_before: RMS residual of the model in the logs before [N·m or N], shape (n,).
         rms_after: RMS residual of the model in the logs after [N·m or N], shape (n,).
         record: Logs, hashes and settings.
+        torque_rms: RMS measured torque where both sides are compared [N·m or N], shape (n,).
+        usual: Differences of friction that are no larger than what an unchanged arm shows from run to run.
+        not_compared: Why nothing is known about a joint, by its name.
     """
 
     model: Dynamics
@@ -124,6 +131,9 @@ class Changes:
     rms_before: Array
     rms_after: Array
     record: ChangesRecord
+    torque_rms: Array
+    usual: tuple[UsualFriction, ...] = ()
+    not_compared: Mapping[str, NotCompared] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         changed = some([clipped(c.term.label, 45) for c in self.changes], 2)
@@ -134,7 +144,9 @@ class Changes:
 
     @property
     def verdict(self) -> ChangesVerdict:
-        """Whether anything differs."""
+        """Whether anything differs, as far as the logs tell."""
+        if len(self.not_compared) == self.model.robot.n:
+            return ChangesVerdict.NOT_COMPARABLE
         return ChangesVerdict.CHANGED if self.changes else ChangesVerdict.UNCHANGED
 
     def to_dict(self) -> ChangesJson:
@@ -153,9 +165,12 @@ class Changes:
                     "effect": b.term.effect.name,
                     "parameters": b.term.parameters_to_dict(robot),
                     "torque_rms": b.torque,
+                    "share": b.torque / float(self.torque_rms[robot.joint_index(joint)]),
                 }
                 for joint, b in self.bounds.items()
             },
+            "not_compared": {j: str(why) for j, why in self.not_compared.items()},
+            "usual_friction": [u.to_dict() for u in self.usual],
             "findings": [f.to_dict() for f in self.findings],
             "rms": {"before": robot.by_joint(self.rms_before), "after": robot.by_joint(self.rms_after)},
             "record": self.record,

@@ -43,15 +43,16 @@ def changes_between(
 def effects_that_differ(changes: Sequence[Changes]) -> tuple[str, ...]:
     """Return the labels of the effects whose parameters differ between conditions.
 
+    Friction that differs as it usually does from run to run is among them: the arm is the same, its friction is not.
     An encoder offset is not among them, because it moves the arm and has one value in a model.
 
     Args:
         changes: Changes from the first condition to each other one.
     """
     terms = [c.term for found in changes for c in found.changes]
-    return tuple(
-        dict.fromkeys(t.label for t in terms if t.effect.traits.channel is not Channel.POSITION_READING)
-    )
+    changed = [t.label for t in terms if t.effect.traits.channel is not Channel.POSITION_READING]
+    usual = [label for found in changes for u in found.usual for label in u.effects]
+    return tuple(dict.fromkeys([*changed, *usual]))
 
 
 def with_parameters_per_log(model: Dynamics, logs: tuple[str, ...], asked: Sequence[str]) -> Dynamics:

@@ -11,6 +11,7 @@ from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.changes_result import Bound, Change, Changes
 from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.interpretation import findings_of
+from cdia_pin.changes.run_to_run import RunToRun, UsualFriction, is_friction_of_joint
 from cdia_pin.changes.sizes import friction_before, sized
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
@@ -62,7 +63,7 @@ def what_changed(
     search, chosen = searched(model, earlier, later, settings, tell)
     differing = search.differing
     tell("computing intervals", 0.9)
-    changes = sized_changes(search, chosen)
+    changes, usual = sized_changes(search, chosen)
     errors = [
         rms(differing.given.residual, differing.used & of[:, None])
         for of in (~differing.after, differing.after)
@@ -73,6 +74,9 @@ def what_changed(
         before=differing.names[0],
         after=differing.names[1],
         changes=changes,
+        usual=usual,
+        torque_rms=differing.torque,
+        not_compared={model.robot.joints[j]: why for j, why in differing.overlap.reasons.items()},
         bounds=_bounds(search, chosen),
         findings=findings_of(changes, model.robot),
         rms_before=errors[0],
@@ -121,8 +125,12 @@ def searched(
     return search, search.changes(settings.most_effects)
 
 
-def sized_changes(search: ChangeSearch, chosen: tuple[int, ...]) -> tuple[Change, ...]:
-    """Return the changes with their sizes, in the order of what would be lost without them.
+def sized_changes(
+    search: ChangeSearch, chosen: tuple[int, ...]
+) -> tuple[tuple[Change, ...], tuple[UsualFriction, ...]]:
+    """Return the changes with their sizes, in the order of what would be lost without them, and usual differences.
+
+    Sizes are fitted beside the usual differences of friction, which are no changes of the arm.
 
     Args:
         search: The search.
@@ -131,8 +139,13 @@ def sized_changes(search: ChangeSearch, chosen: tuple[int, ...]) -> tuple[Change
     evidence, effects = search.evidence, search.evidence.effects
     earlier = friction_before(search.differing, [effects[c] for c in chosen])
     with_all = float(np.sum(evidence.unexplained(chosen)))
-    out = []
-    for one, term in zip(chosen, sized(search, chosen), strict=True):
+    terms = sized(search, chosen)
+    usual = RunToRun.of(search, chosen).usual(search, chosen, terms) if chosen else []
+    slight = {u.joint for u in usual}
+    out: list[Change] = []
+    for one, term in zip(chosen, terms, strict=True):
+        if is_friction_of_joint(term.effect) and term.effect.scope[0] in slight:
+            continue
         rest = [c for c in chosen if c != one]
         without = float(np.sum(evidence.unexplained(rest)))
         rivals = [effects[c].effect for c in search.rivals(chosen, one)]
@@ -146,7 +159,7 @@ def sized_changes(search: ChangeSearch, chosen: tuple[int, ...]) -> tuple[Change
                 search.confidence(rest, one),
             )
         )
-    return tuple(sorted(out, key=lambda c: -c.evidence))
+    return tuple(sorted(out, key=lambda c: -c.evidence)), tuple(usual)
 
 
 def _confusions(term: Term, rivals: Sequence[Effect], robot: RobotModel) -> Iterator[Confusion]:

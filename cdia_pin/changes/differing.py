@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.changes.common_structure import common_effects, plainly_fitted
 from cdia_pin.changes.difference import Difference
+from cdia_pin.changes.overlap import Overlap
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.regression.block_evidence import BlockEvidence
 from cdia_pin.regression.design_matrix import DesignMatrix
@@ -37,7 +38,7 @@ class Differing:
         given: Prediction of the model as it is known.
         prediction: Prediction of that model with what every arm has, fitted to both sides.
         after: True for compared samples of the logs after, shape (K,).
-        used: True for samples that count: of joints that move in both logs, shape (K, n).
+        overlap: Samples that count, of joints that move alike in both logs.
         common: Columns of what the logs may have in common.
         changes: Columns of what may differ, zero before, without a prior.
         searched: Number of shapes in which each change is looked for, by label.
@@ -51,7 +52,7 @@ class Differing:
     given: Prediction
     prediction: Prediction
     after: Mask
-    used: Mask
+    overlap: Overlap
     common: tuple[ColumnGroup, ...]
     changes: dict[Difference, ColumnGroup]
     searched: dict[str, int]
@@ -76,9 +77,8 @@ class Differing:
         prediction = experiment.predict(plainly_fitted(model, experiment))
         ends = np.cumsum([0, *experiment.lengths])
         after = np.arange(ends[-1]) >= ends[before]
-        both = np.minimum(experiment.moving[~after].mean(axis=0), experiment.moving[after].mean(axis=0))
-        used = experiment.moving & (both >= settings.changes.least_moving)
-        used &= _within_reach(experiment, after, settings.changes.reach)
+        overlap = Overlap.of(experiment, after, settings.changes)
+        used = overlap.used
         logs = tuple(s.state.log for s in experiment.segments[before:])
         changes: dict[Difference, ColumnGroup] = {}
         searched: dict[str, int] = {}
@@ -104,7 +104,7 @@ class Differing:
             experiment.predict(model),
             prediction,
             after,
-            used,
+            overlap,
             tuple(common_effects(experiment, prediction, columns)),
             changes,
             searched,
@@ -119,6 +119,11 @@ class Differing:
         """Names of the logs before and of those after."""
         names = tuple(s.state.log for s in self.experiment.segments)
         return names[: self.before], names[self.before :]
+
+    @property
+    def used(self) -> Mask:
+        """True for samples that count, shape (K, n)."""
+        return self.overlap.used
 
     @cached_property
     def counted(self) -> Mask:
@@ -200,18 +205,3 @@ class Differing:
             left, _ = out.together(generic).residual()
             out = replace(out, size=np.maximum(rms(left, out.used) * out.size, 1e-12))
         return out
-
-
-def _within_reach(experiment: Experiment, after: Mask, reach: float) -> Mask:
-    """Return True where a joint is no faster than in the logs of the other side, shape (K, n).
-
-    Friction at a speed that one side never reaches is an extrapolation there, and its error seems to be a change.
-
-    Args:
-        experiment: The conditioned logs.
-        after: True for compared samples of the logs after, shape (K,).
-        reach: Largest speed over the fastest of the other side [1].
-    """
-    speed = np.abs(experiment.compared_motion()[2])
-    fastest = [speed[side].max(axis=0) for side in (after, ~after)]
-    return np.asarray(speed <= reach * np.where(after[:, None], fastest[1], fastest[0]), bool)

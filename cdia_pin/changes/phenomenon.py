@@ -16,6 +16,7 @@ class PhenomenonKind(StrEnum):
     COOLING = "cooling"
     DRIFT = "drift"
     MEMORY = "memory"
+    RUN_TO_RUN = "run-to-run"
 
 
 class PhenomenonJson(TypedDict):

@@ -12,8 +12,9 @@ from cdia_pin.discovery.discovery_documents import DiscoveryRecord
 from cdia_pin.discovery.discovery_result import Discovery, Ranked, Step
 from cdia_pin.discovery.ranking import taken_first
 from cdia_pin.discovery.recognition import recognised
+from cdia_pin.discovery.total_intervals import with_total_intervals
 from cdia_pin.discovery.trace import trace
-from cdia_pin.discovery.trust import trust_in, with_total_intervals
+from cdia_pin.discovery.trust import trust_in
 from cdia_pin.discovery.verdict import verdict_on
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.progress import Progress

@@ -9,6 +9,7 @@ from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.beyond_model import discover_beyond, is_known
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
+from cdia_pin.discovery.plain_friction import with_plain_friction
 from cdia_pin.discovery.ranking import rank
 from cdia_pin.discovery.symmetric_friction import with_symmetric_friction
 from cdia_pin.dynamics import Dynamics
@@ -109,6 +110,7 @@ def _answer(
     report: Progress,
     findings: tuple[Phenomenon, ...],
 ) -> Discovery:
+    found = with_plain_friction(problem, found, model)
     simpler = with_symmetric_friction(problem.problem, found, model)
     if simpler is not found:
         found = fitted_together(problem.regression, simpler)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,8 @@ from cdia_pin.effects import AsymmetricFriction, CoulombFriction, Term, ViscousF
 from cdia_pin.selection.problem import Problem
 
 CERTAIN = 3.0  # difference between the directions over its standard deviation [1], above which it is real
-# Difference between the directions over their sum [1], below which nobody would call it asymmetric.
+# RMS torque of what differs between the directions over that of the friction [1], below which nobody would call it
+# asymmetric.
 NOTABLE = 0.1
 
 
@@ -44,13 +46,30 @@ def _both_directions(term: Term) -> list[Term]:
     return [Term(CoulombFriction(joint), (level,)), Term(ViscousFriction(joint), (coefficient,))]
 
 
-def _is_asymmetric(repeat: Repeat, term: Term) -> bool:
-    """Tell whether levels or coefficients differ between the directions, surely and notably."""
+def _is_asymmetric(whole: Repeat, term: Term) -> bool:
+    """Tell whether the directions differ notably, surely, and in both halves of the log as far as they can show it."""
+    theta = np.array(term.theta)
+    mean = np.repeat([theta[:2].mean(), theta[2:].mean()], 2)
+    if np.max(whole.torque(term, theta - mean)) <= NOTABLE * np.max(whole.torque(term, theta)):
+        return False
+    halves = [replace(whole, part=0), replace(whole, part=1)]
+    return any(_differ(whole, halves, term, k) for k in (0, 2))
+
+
+def _differ(whole: Repeat, halves: Sequence[Repeat], term: Term, k: int) -> bool:
+    """Tell whether two parameters differ in the whole log, and alike in each half that could show it."""
+    difference, spread = _difference(whole, term, k)
+    if abs(difference) <= CERTAIN * spread:
+        return False
+    for value, uncertainty in (_difference(half, term, k) for half in halves):
+        could = abs(difference) >= 2 * CERTAIN * uncertainty
+        if could and value * np.sign(difference) <= CERTAIN * uncertainty:
+            return False
+    return True
+
+
+def _difference(repeat: Repeat, term: Term, k: int) -> tuple[float, float]:
+    """Return the difference of two neighbouring parameters, and its standard deviation."""
     theta, covariance = repeat.theta(term), repeat.covariance(term)
-    for k in (0, 2):
-        difference = abs(theta[k] - theta[k + 1])
-        variance = covariance[k, k] + covariance[k + 1, k + 1] - 2 * covariance[k, k + 1]
-        certain = difference > CERTAIN * np.sqrt(max(float(variance), 0.0))
-        if certain and difference > NOTABLE * abs(theta[k] + theta[k + 1]):
-            return True
-    return False
+    variance = covariance[k, k] + covariance[k + 1, k + 1] - 2 * covariance[k, k + 1]
+    return float(theta[k] - theta[k + 1]), float(np.sqrt(max(variance, 0.0)))

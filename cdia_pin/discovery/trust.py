@@ -8,7 +8,7 @@ the other links too, because the mass of a link is hard to tell from that of the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -72,7 +72,8 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     repeats = [replace(whole, part=0), replace(whole, part=1), *others]
     out = {}
     for term in found:
-        needed, survived = whole.is_visible(term), [r.survives(term) for r in repeats]
+        needed, size = whole.is_visible(term), whole.theta(term)
+        survived = [r.survives(term) for r in repeats if r.survives(term) or r.could_show(term, size)]
         if isinstance(term.effect, Body):  # the next link may have the same mass
             survived.append(crowded.survives(term))
         elif not is_everyday(term.effect):
@@ -83,7 +84,8 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         torque = whole.torque(term, np.array(term.theta))
         scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
         systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
-        out[term.label] = Trust(_confidence(needed, survived, settings.confidence), systematic)
+        shown = len(survived) >= settings.confidence.least_shown * len(repeats)
+        out[term.label] = Trust(_confidence(needed and shown, survived, settings.confidence), systematic)
     return out
 
 
@@ -165,6 +167,25 @@ class Repeat:
         one = self._at[term.label]
         fits = self._beside(one)
         return bool(fits.certainty[one] >= self.settings.confidence.least_certainty and fits.gain[one] > 0)
+
+    def could_show(self, term: Term, theta: Array) -> bool:
+        """Tell whether an effect of some size would be certain here. A joint that hardly moves shows nothing.
+
+        Args:
+            term: A term of the model.
+            theta: Its size in the whole log, shape (p,).
+        """
+        own = ParameterBlocks.of(self._evidence.effects)[self._at[term.label]]
+        power = (
+            self._evidence.norms[own] * np.asarray(theta) ** 2
+        )  # of its torque, over that of what is left [1]
+        if power.sum() < 1.0:
+            return False
+        spread = np.sqrt(np.diag(self.covariance(term))) + 1e-300
+        relative = self.covariance(term) / np.outer(spread, spread) + 1e-9 * np.eye(len(spread))
+        scaled = np.asarray(theta) / spread
+        expected = np.sqrt(scaled @ np.linalg.solve(relative, scaled) / len(scaled))
+        return bool(expected >= self.settings.confidence.power * self.settings.confidence.least_certainty)
 
     def certainty(self, term: Term) -> float:
         """Return the estimate of an effect over its standard deviation [1], root mean square over the parameters.
@@ -274,20 +295,3 @@ class Repeat:
         every = list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
         middle = len(every) // 2
         return every if self.part is None else (every[:middle] if self.part == 0 else every[middle:])
-
-
-def with_total_intervals(model: Dynamics, trust: Mapping[str, Trust]) -> Dynamics:
-    """Return a model whose 95 % intervals hold the statistical and the systematic part.
-
-    Args:
-        model: A model with statistical intervals.
-        trust: What the repeats say about its effects, by label.
-    """
-
-    def widened(term: Term) -> Term:
-        if term.label not in trust or term.ci95 is None:
-            return term
-        statistical = term.half_widths
-        return term.with_intervals(np.hypot(statistical, trust[term.label].systematic), statistical)
-
-    return replace(model, terms=tuple(map(widened, model.terms)))

@@ -137,6 +137,27 @@ class ChangeSettings:
 
 
 @dataclass(frozen=True, repr=False)
+class RunToRunSettings:
+    """By how much the friction of a joint differs between two runs although nothing happened to it.
+
+    Attributes:
+        spread: Standard deviation of the difference over the friction before [1], as known beforehand. Between runs of
+            one industrial arm friction differs by 1 to 9 % for reasons that no log tells, such as temperature.
+        weight: Joints of the logs at hand that count as much as this knowledge [1].
+        largest_spread: Largest standard deviation that the other joints can show [1]. A drive that warms up by tens of
+            degrees loses more friction than three times this; that is a change.
+        deviations: Size of a change over the standard deviation, from which it is named [1].
+    """
+
+    spread: float = 0.04
+    weight: float = 2.0
+    largest_spread: float = 0.07
+    deviations: float = 3.0
+
+    __repr__ = settings_repr
+
+
+@dataclass(frozen=True, repr=False)
 class ConfidenceSettings:
     """How the decision about an effect is repeated, and what it must show each time.
 
@@ -146,7 +167,10 @@ class ConfidenceSettings:
         wrong_links: Number of repeats with wrong links [1].
         link_error: Standard deviation of their error over the links' parameters [1]. URDFs of makers are about as good.
         least_certainty: Estimate over its standard deviation from blocks, root mean square over the parameters [1].
-        likely_share: Share of the repeats that a likely effect survives [1].
+        power: Certainty that an effect of the size found should have in a repeat, over ``least_certainty`` [1]. Where
+            it would have less, the repeat says nothing, as half of a log in which a joint hardly moves.
+        least_shown: Share of the repeats that must say something [1].
+        likely_share: Share of those repeats that a likely effect survives [1].
         unusual_certainty: The same certainty that a fluid, a steady wrench or a tilt needs beside all everyday effects
             unless the user expects it [1]. Such effects mop up what everyday ones leave.
     """
@@ -156,6 +180,8 @@ class ConfidenceSettings:
     wrong_links: int = 2
     link_error: float = 0.05
     least_certainty: float = 3.0
+    power: float = 2.0
+    least_shown: float = 0.5
     likely_share: float = 0.7
     unusual_certainty: float = 20.0
 
@@ -200,6 +226,7 @@ class DiscoverySettings:
         memory: When friction after a reversal counts as having memory.
         practice: When structure that is left does not matter.
         changes: When a difference between logs counts as a change of the arm.
+        run_to_run: By how much friction differs although nothing happened.
         confidence: How the decision about an effect is repeated.
         noise: How the noise of a joint is estimated.
         rest: Which samples show friction.
@@ -220,6 +247,7 @@ class DiscoverySettings:
     memory: MemorySettings = field(default_factory=MemorySettings)
     practice: PracticeSettings = field(default_factory=PracticeSettings)
     changes: ChangeSettings = field(default_factory=ChangeSettings)
+    run_to_run: RunToRunSettings = field(default_factory=RunToRunSettings)
     confidence: ConfidenceSettings = field(default_factory=ConfidenceSettings)
     noise: NoiseSettings = field(default_factory=NoiseSettings)
     rest: RestSettings = field(default_factory=RestSettings)

@@ -10,6 +10,9 @@ from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.table import Table
 
+from cdia_pin.changes.changes_result import ChangesVerdict
+from cdia_pin.changes.overlap import NotCompared
+from cdia_pin.changes.run_to_run import as_phenomena
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.effect_groups import MOST_RIVALS, on_joints, rivals
 from cdia_pin.viewers.words import (
@@ -64,11 +67,13 @@ def changes_table(found: Changes) -> RenderableType:
     Args:
         found: The outcome of ``what_changed``.
     """
-    said = clean(changes_sentence(found), "bold yellow" if found.changes else "bold green")
+    quiet = found.verdict is ChangesVerdict.UNCHANGED
+    said = clean(changes_sentence(found), "bold green" if quiet else "bold yellow")
     parts: list[RenderableType] = [Padding(said, (0, 1))]
     if found.changes:
         parts.append(_changes(found))
         parts += [Padding(clean(s, "italic"), (0, 1)) for s in _doubts(found)]
+    parts += [Padding(clean(f"{sentence_case(f.sentence)}."), (0, 1)) for f in as_phenomena(found.usual)]
     parts.append(_bounds(found))
     return Group(*parts)
 
@@ -80,6 +85,10 @@ def changes_sentence(found: Changes) -> str:
         found: The outcome of ``what_changed``.
     """
     before, after = listed(found.before), listed(found.after)
+    if found.verdict is ChangesVerdict.NOT_COMPARABLE:
+        return (
+            f"Whether anything changed from {before} to {after} cannot be told: no joint moves alike in both."
+        )
     if not found.changes:
         return f"These logs show no change from {before} to {after}."
     said = [f.sentence for f in found.findings]
@@ -160,17 +169,32 @@ def _bounds(found: Changes) -> RenderableType:
     robot, names = found.model.robot, short_names(found.model.robot.joints)
     said, sentences = [], []
     for joint, bound in found.bounds.items():
-        unit = joint_units(robot, joint)["load"]
+        unit, share = (
+            joint_units(robot, joint)["load"],
+            bound.torque / found.torque_rms[robot.joint_index(joint)],
+        )
         said.append(
-            f"{names[joint]} {with_unit(number(bound.torque, 2), unit)} ({effect_name(bound.term.effect)})"
+            f"{names[joint]} {with_unit(number(bound.torque, 2), unit)}"
+            f" ({percent(share)} of its torque, {effect_name(bound.term.effect)})"
         )
     if said:
         other = "The largest other change" if found.changes else "The largest change"
         sentences.append(f"{other} of one effect that these logs would not show (RMS): {', '.join(said)}.")
-    unknown = [j for j in robot.joints if j not in found.bounds]
-    if unknown:
-        where = on_joints(unknown, robot.joints).removeprefix(" on ")
+    unsure = [j for j in robot.joints if j not in found.bounds and j not in found.not_compared]
+    if unsure:
+        where = on_joints(unsure, robot.joints).removeprefix(" on ")
+        sentences.append(f"No bound for {where}: even a change as large as its torque could stay hidden.")
+    if found.not_compared:
+        why = {
+            NotCompared.RESTS_BEFORE: f"rests in {listed(found.before)}",
+            NotCompared.RESTS_AFTER: f"rests in {listed(found.after)}",
+            NotCompared.OTHER_SPEEDS: "hardly moves at the same speeds in both",
+        }
+        joints = {w: [j for j, of in found.not_compared.items() if of is w] for w in NotCompared}
+        each = [
+            f"{on_joints(js, robot.joints).removeprefix(' on ')} {why[w]}" for w, js in joints.items() if js
+        ]
         sentences.append(
-            f"No bound for {where}: a joint that rests in one of the logs, or hardly moves, does not show its changes."
+            f"Not compared: {'; '.join(each)}. Repeat the motion of the first log to compare them."
         )
     return Group(*(Padding(clean(s), (0, 1)) for s in sentences))

@@ -1,0 +1,196 @@
+"""Friction from run to run: it differs a little although nothing happened to the arm.
+
+Temperature, grease and the time at rest before a run are in no log. So a change of friction is named only if it is
+larger than what an unchanged arm shows. The other joints of the same two logs say how much that is here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.changes.change_search import ChangeSearch
+from cdia_pin.changes.differing import Differing
+from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
+from cdia_pin.effects import Effect, Term
+from cdia_pin.phrases import some
+from cdia_pin.regression.experiment import rms
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
+from cdia_pin.selection.discovery_settings import RunToRunSettings
+
+Array = NDArray[np.float64]
+
+MEDIAN_OF_NORMAL = 0.6745  # median of |x| over the standard deviation of a normal x [1]
+PLAIN_FRICTION = ("coulomb_friction", "viscous_friction")  # by their sum the friction of joints is compared
+
+
+class UsualFrictionJson(TypedDict):
+    """A usual difference of friction in JSON."""
+
+    joint: str
+    effects: list[str]
+    share: float
+    limit: float
+
+
+@dataclass(frozen=True)
+class UsualFriction:
+    """A difference of a joint's friction that is no larger than what an unchanged arm shows.
+
+    Attributes:
+        joint: Name of the joint.
+        effects: Labels of the effects that differ.
+        share: RMS torque of the difference over that of the friction before [1].
+        limit: Share [1] above which it counts as a change.
+    """
+
+    joint: str
+    effects: tuple[str, ...]
+    share: float
+    limit: float
+
+    def to_dict(self) -> UsualFrictionJson:
+        """Return the difference for JSON."""
+        return {"joint": self.joint, "effects": [*self.effects], "share": self.share, "limit": self.limit}
+
+
+@dataclass(frozen=True, repr=False)
+class RunToRun:
+    """Friction of two sides of logs, joint by joint.
+
+    Attributes:
+        joints: Names of the joints.
+        friction: RMS torque of the friction before, along the logs after [N·m or N], shape (n,).
+        growth: Share by which the friction differs, without what its uncertainty explains; NaN where it is not known
+            [1], shape (n,).
+        settings: How much an unchanged arm shows.
+    """
+
+    joints: tuple[str, ...]
+    friction: Array
+    growth: Array
+    settings: RunToRunSettings
+
+    def __repr__(self) -> str:
+        return f"RunToRun({int(np.isfinite(self.growth).sum())} of {len(self.joints)} joints)"
+
+    @classmethod
+    def of(cls, search: ChangeSearch, chosen: Sequence[int]) -> Self:
+        """Compare the friction of all joints beside the changes that are not of their friction.
+
+        Args:
+            search: The search for changes.
+            chosen: Indices of what it found.
+        """
+        x = search.differing
+        torque = _friction_before(x)
+        growth = _growth(search, chosen, torque)
+        return cls(x.experiment.robot.joints, rms(torque, x.counted), growth, x.settings.run_to_run)
+
+    def limit(self, joint: int) -> float:
+        """Return the share of its friction by which a joint may differ although nothing happened [1].
+
+        Args:
+            joint: Index of the joint.
+        """
+        rule, others = self.settings, np.delete(self.growth, joint)
+        others = others[np.isfinite(others)]
+        seen = float(np.median(others)) / MEDIAN_OF_NORMAL if len(others) else 0.0
+        known = rule.weight * rule.spread**2 + len(others) * seen**2
+        return rule.deviations * min(float(np.sqrt(known / (rule.weight + len(others)))), rule.largest_spread)
+
+    def usual(
+        self, search: ChangeSearch, chosen: Sequence[int], terms: Sequence[Term]
+    ) -> list[UsualFriction]:
+        """Return the joints whose friction differs, but no more than that of an unchanged arm.
+
+        Args:
+            search: The search for changes.
+            chosen: Indices of what it found.
+            terms: Their sizes, in the same order.
+        """
+        x = search.differing
+        torque: dict[int, Array] = {}  # what friction of any kind differs by, joint by joint
+        labels: dict[int, list[str]] = {}
+        for c, term in zip(chosen, terms, strict=True):
+            if is_friction_of_joint(term.effect):
+                j = self.joints.index(term.effect.scope[0])
+                added = x.changes[search.evidence.effects[c]].columns[j] @ np.array(term.theta)
+                torque[j] = torque.get(j, 0.0) + added
+                labels.setdefault(j, []).append(term.label)
+        out = []
+        for j, f in torque.items():
+            size = float(np.sqrt(np.mean(f[x.counted[:, j]] ** 2)))
+            share, limit = size / max(float(self.friction[j]), 1e-12), self.limit(j)
+            if share <= limit:
+                out.append(UsualFriction(self.joints[j], tuple(labels[j]), share, limit))
+        return out
+
+
+def _friction_before(x: Differing) -> Array:
+    """Return the torque of all friction that both sides have, joint by joint [N·m or N], shape (K, n)."""
+    out = np.zeros_like(x.prediction.residual)
+    for term in x.prediction.model.terms:
+        if is_friction_of_joint(term.effect):
+            columns = x.experiment.columns(term.effect, x.prediction)[:, 0, :]
+            out[:, x.experiment.robot.joint_index(term.effect.scope[0])] += columns @ np.array(term.theta)
+    return out
+
+
+def _growth(search: ChangeSearch, chosen: Sequence[int], friction: Array) -> Array:
+    """Return the share by which friction differs, less its variance; NaN where it is not known [1], shape (n,)."""
+    x, evidence = search.differing, search.evidence
+    out = np.full(friction.shape[1], np.nan)
+    plain = [c for c, e in enumerate(evidence.effects) if e.effect.name in PLAIN_FRICTION]
+    if not plain:
+        return out
+    asked = [*(c for c in chosen if not is_friction_of_joint(evidence.effects[c].effect)), *plain]
+    parts = ParameterBlocks.of([evidence.effects[c] for c in asked])
+    best, without = (
+        evidence.estimate(asked)[0],
+        evidence.estimates(asked),
+    )  # of all blocks; without one at a time
+    for j, joint in enumerate(x.experiment.robot.joints):
+        own = [k for k, c in enumerate(asked) if c in plain and evidence.effects[c].scope == (joint,)]
+        along = np.where(x.counted[:, j], friction[:, j], 0.0)
+        power = float(along @ along)
+        if not own or power <= 0.0:
+            continue
+        per_unit = np.zeros(len(best))  # share of the friction for one unit of each parameter
+        for k in own:
+            per_unit[parts[k]] = along @ x.changes[evidence.effects[asked[k]]].columns[j] / power
+        share, moved = float(per_unit @ best), (without - best) @ per_unit
+        variance = (len(moved) - 1) / len(moved) * float(moved @ moved)  # of the jackknife
+        out[j] = np.sqrt(max(share**2 - variance, 0.0))
+    return out
+
+
+def as_phenomena(usual: Sequence[UsualFriction]) -> tuple[Phenomenon, ...]:
+    """Return usual differences of friction as one phenomenon, for people; nothing if there are none.
+
+    Args:
+        usual: The differences.
+    """
+    if not usual:
+        return ()
+    said = some([f"{100 * u.share:.2g} % on {u.joint}" for u in usual], 3)
+    limits = [u.limit for u in usual]
+    sentence = (
+        f"friction differs by {said}; that is no change, because friction of an unchanged arm differs by up to "
+        f"{100 * max(limits):.2g} % from run to run here"
+    )
+    values = {u.joint: u.share for u in usual}
+    return (Phenomenon(PhenomenonKind.RUN_TO_RUN, tuple(values), sentence, values),)
+
+
+def is_friction_of_joint(effect: Effect) -> bool:
+    """Tell whether an effect is friction of one joint.
+
+    Args:
+        effect: The effect.
+    """
+    return effect.traits.dissipative and len(effect.scope) == 1
