@@ -10,7 +10,7 @@ from pathlib import Path
 from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import sort_names
 from cdia_pin.logs.joint_names import match_joints
-from cdia_pin.logs.readers.dispatch import read_table
+from cdia_pin.logs.readers.dispatch import Wanted, read_table
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def columns_of(path: Path, joints: Sequence[str]) -> LogColumns | None:
         joints: Joints of the robot, by which the topic of a bag is chosen.
     """
     try:
-        table, _ = read_table(path, joints)
+        table, _ = read_table(path, joints, Wanted())
     except LogError:
         return None
     names = sort_names((*table.columns, *table.not_numbers))

@@ -142,8 +142,7 @@ def learn_healthy_arm(
     rest_bound = _unknown_without_motion(rest_bound, moved, nominal.robot.limits.effort)
     torque = pooled([run.effort for run in runs])
     for half, other in refitted_halves(model, runs):
-        half = replace(half, delay=nominal.delay)
-        unseen += watched(half, other, dt, bank, settings, bandwidth)
+        unseen += watched(replace(half, delay=nominal.delay), other, dt, bank, settings, bandwidth)
     moving = learn_moving(seen, unseen, dt, rest_bound, torque, settings)
     bound = np.where(moved < LEAST_MOTION, rest_bound, moving.bound)
     notes += _what_was_missing(nominal, moved, wider, Sight(runs[0].joints, bound, torque))

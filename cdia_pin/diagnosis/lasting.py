@@ -85,9 +85,10 @@ class LastingDetector(Stateful):
         keep = np.where(counts, np.exp(-dt / self._memory), 1.0)
         self._gram *= keep[:, None, None]
         self._gram += (dt * counts)[:, None, None] * self._rows[:, :, None] * self._rows[:, None, :]
-        for total, now in ((self._energy, torque**2), (self.weight, 1.0)):
-            total *= keep
-            total += dt * counts * now
+        self._energy *= keep
+        self._energy += dt * counts * torque**2
+        self.weight *= keep
+        self.weight += dt * counts
 
     def explained(self) -> Array:
         """Return the RMS torque that each effect explains [N·m or N], zero without enough motion, shape (n, N)."""
