@@ -84,6 +84,6 @@ def _breaks(line: str, width: int) -> Iterator[int]:
 
 def _head(word: str, width: int) -> int:
     """Return how many characters of a long word go in a line: up to a sign that joins names, else all that fit."""
-    fits = len(chop_cells(word, width)[0])
+    fits = max(len(chop_cells(word, width)[0]), 1)  # a wide character may be wider than the column
     joined = max(word.rfind(sign, 0, fits) for sign in JOINING) + 1
     return joined if joined > fits // 2 else fits

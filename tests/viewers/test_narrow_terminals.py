@@ -50,6 +50,10 @@ def test_a_line_breaks_at_ordinary_spaces_or_inside_words_that_are_too_long(text
     assert all(WholeWords(line).widest <= max(width, 2) for line in lines)
 
 
+def test_a_wide_character_goes_into_the_narrowest_column():
+    assert [str(x) for x in WholeWords("关a").wrap(Console(), 1)] == ["关", "a"]
+
+
 def test_a_number_keeps_its_unit():
     assert [str(x) for x in WholeWords("load 0.25\N{NO-BREAK SPACE}%").wrap(Console(), 10)] == [
         "load",
