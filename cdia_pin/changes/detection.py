@@ -171,7 +171,7 @@ def _confusions(term: Term, rivals: Sequence[Effect], robot: RobotModel) -> Iter
 def _bounds(search: ChangeSearch, chosen: tuple[int, ...]) -> dict[str, Bound]:
     """Return for each joint that is compared the largest change of one parameter that would not be named."""
     differing, effects = search.differing, search.evidence.effects
-    robot = differing.experiment.robot
+    robot, run_to_run = differing.experiment.robot, RunToRun.of(search, chosen)
     out: dict[str, Bound] = {}
     for c, difference in enumerate(effects):
         joints = difference.acts_on(robot)
@@ -181,7 +181,11 @@ def _bounds(search: ChangeSearch, chosen: tuple[int, ...]) -> dict[str, Bound]:
         assert term.ci95 is not None
         furthest = max(term.ci95[0], key=abs)
         limit = replace(term, theta=(furthest,), ci95=None)
-        bound = Bound(limit, float(search.torque(c, np.array(limit.theta))[joints[0]]))
+        torque = float(search.torque(c, np.array(limit.theta))[joints[0]])
+        if is_friction_of_joint(difference.effect) and 0.0 < torque < run_to_run.size(joints[0]):
+            limit = limit.with_theta(np.array(limit.theta) * run_to_run.size(joints[0]) / torque)
+            torque = run_to_run.size(joints[0])
+        bound = Bound(limit, torque)
         joint = robot.joints[joints[0]]
         if bound.torque <= differing.torque[joints[0]] and (
             joint not in out or bound.torque > out[joint].torque

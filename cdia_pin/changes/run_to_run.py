@@ -103,6 +103,14 @@ class RunToRun:
         known = rule.weight * rule.spread**2 + len(others) * seen**2
         return rule.deviations * min(float(np.sqrt(known / (rule.weight + len(others)))), rule.largest_spread)
 
+    def size(self, joint: int) -> float:
+        """Return the RMS torque by which a joint's friction may differ although nothing happened [N·m or N].
+
+        Args:
+            joint: Index of the joint.
+        """
+        return self.limit(joint) * float(self.friction[joint])
+
     def usual(
         self, search: ChangeSearch, chosen: Sequence[int], terms: Sequence[Term]
     ) -> list[UsualFriction]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.alignment import slope_of
 from cdia_pin.diagnosis.bank import Bank
-from cdia_pin.diagnosis.healthy_part import halves
+from cdia_pin.diagnosis.healthy_part import halves, least_piece
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.residuals import SETTLING, pooled, residuals_of
@@ -68,7 +68,7 @@ def calibrated(
     if not settings.calibrate:
         return Calibration(nominal, (), tuple(notes))
     plain = replace(given, delay=nominal.delay)
-    first, second = halves(runs)
+    first, second = halves(runs, least_piece(settings))
     unseen = (
         (_fitted(given, first, dt, bank, settings), second),
         (_fitted(given, second, dt, bank, settings), first),

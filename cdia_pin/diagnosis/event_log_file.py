@@ -20,7 +20,7 @@ from cdia_pin.plain_json import plain
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.whole_files import require_place
 
-MOST_WAITING = 1000  # lines that wait for a disk; older ones are lost, and their number is noted
+MOST_WAITING = 1000  # events that wait for a disk; older ones are lost, and their number is noted
 
 
 class EventLogFile:
@@ -57,25 +57,21 @@ class EventLogFile:
         Args:
             events: At least one.
         """
-        if not self._has_begun:
-            names = {"robot": self._robot.name, "joints": list(self._robot.joints)}
-            self._wait({"schema": schemas.EVENT_LOG, **names})
-            self._has_begun = True
         for event in events:
-            self._wait(event.to_dict(self._robot))
+            self._lost += len(self._waiting) == MOST_WAITING
+            self._waiting.append(_line(event.to_dict(self._robot)))
+        names = {"robot": self._robot.name, "joints": list(self._robot.joints)}
+        first = [] if self._has_begun else [_line({"schema": schemas.EVENT_LOG, **names})]
         lost = [_line({"lost": self._lost})] if self._lost else []
         try:
-            self._append("".join([*lost, *self._waiting]).encode(errors="replace"))
+            self._append("".join([*first, *lost, *self._waiting]).encode(errors="replace"))
         except OSError as error:
             missing = len(self._waiting) + self._lost
-            self.warnings = (f"{missing} lines of the event log are not on disk: {error.strerror}",)
+            self.warnings = (f"{missing} events are not in the event log: {error.strerror}",)
             return
+        self._has_begun = True
         self._waiting.clear()
         self._lost, self.warnings = 0, ()
-
-    def _wait(self, line: Mapping[str, Any]) -> None:
-        self._lost += len(self._waiting) == MOST_WAITING
-        self._waiting.append(_line(line))
 
     def _append(self, text: bytes) -> None:
         with self._path.open("ab", buffering=0) as file:

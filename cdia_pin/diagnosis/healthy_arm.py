@@ -9,7 +9,7 @@ From less than two minutes the bound is widened, because the largest residual gr
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.calibration import calibrated
 from cdia_pin.diagnosis.growth import REFERENCE_DURATION, growth, moving_time
-from cdia_pin.diagnosis.healthy_part import LEAST_PIECE
+from cdia_pin.diagnosis.healthy_part import least_piece
 from cdia_pin.diagnosis.momentum_observer import LEAST_SIGN_WIDTH
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
-from cdia_pin.diagnosis.moving_residual import correlation_time, learn_moving
+from cdia_pin.diagnosis.moving_residual import LEAST_MOTION, bound_of, correlation_time, learn_moving
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.refitted_halves import refitted_halves
 from cdia_pin.diagnosis.residuals import (
@@ -40,7 +40,6 @@ from cdia_pin.phrases import some
 Array = NDArray[np.float64]
 
 ENOUGH_DURATION = 20.0  # [s], of all healthy runs together, below which a note says how wide thresholds are
-LEAST_MOTION = 1.0  # [s], of a joint, below which nothing is known of its healthy residual in motion
 LEAST_DURATION = 2.0  # [s], of all healthy runs together: a second for the level beside the settling filters
 ASSUMED_MEMORY = 0.1  # [s], correlation time of a healthy residual where it was not measured
 ASSUMED_SIGN_WIDTH = 0.005  # [rad/s or m/s], smoothing of sgn where noise was not measured
@@ -112,14 +111,15 @@ def learn_healthy_arm(
     Raises:
         LogError: If the runs are too short, at rest, or belong to other joints.
     """
-    runs = [run for run in runs if run.duration >= LEAST_PIECE]  # in a shorter one the filters do not settle
+    least = least_piece(settings)
+    runs = [run for run in runs if run.duration >= least]
     nominal = Nominal.of(model)
     dt = _check(nominal, runs)
     found = calibrated(nominal, runs, dt, bank, settings)
     nominal, notes = found.nominal, list(found.notes)
     seen = watched(nominal, runs, dt, bank, settings)
     residuals = [one.residual for one in seen]
-    bandwidth = _bandwidth(_bound(residuals, settings), runs, settings)
+    bandwidth = _bandwidth(bound_of(residuals, settings), runs, settings)
     if (bandwidth < settings.bandwidth).any():
         seen = watched(nominal, runs, dt, bank, settings, bandwidth)
         residuals = [one.residual for one in seen]
@@ -137,12 +137,12 @@ def learn_healthy_arm(
     moved = moving_time(velocities, sign_width, dt)
     wider = growth(moved, memory)
     rest_bound = np.max(
-        [_bound(r, settings, wider) for r in (residuals, [one.residual for one in unseen]) if r], axis=0
+        [bound_of(r, settings, wider) for r in (residuals, [one.residual for one in unseen]) if r], axis=0
     )
     rest_bound = _unknown_without_motion(rest_bound, moved, nominal.robot.limits.effort)
     torque = pooled([run.effort for run in runs])
-    for half, other in refitted_halves(model, runs):
-        unseen += watched(replace(half, delay=nominal.delay), other, dt, bank, settings, bandwidth)
+    for half, other in refitted_halves(model, runs, least):
+        unseen += watched(half.corrected(nominal.delay, nominal.masses), other, dt, bank, settings, bandwidth)
     moving = learn_moving(seen, unseen, dt, rest_bound, torque, settings)
     bound = np.where(moved < LEAST_MOTION, rest_bound, moving.bound)
     notes += _what_was_missing(nominal, moved, wider, Sight(runs[0].joints, bound, torque))
@@ -180,16 +180,8 @@ def _what_was_missing(nominal: Nominal, moved: Array, wider: Array, sight: Sight
     return notes
 
 
-def _bound(residuals: Sequence[Array], settings: MonitorSettings, wider: Array | float = 1.0) -> Array:
-    """Return the bound of a healthy residual [N·m or N], shape (n,); only the largest residual grows with time."""
-    largest = np.abs(np.concatenate(residuals)).max(axis=0)
-    return np.asarray(
-        np.maximum(wider * settings.margin * largest, settings.noise_margin * pooled(residuals))
-    )
-
-
 def _unknown_without_motion(bound: Array, moved: Array, limit: Array) -> Array:
-    """Return the bound, at least the effort limit where a joint did not move; limits not stated are endless."""
+    """Return the bound, at least the effort limit where a joint did not move; limits not stated are infinite."""
     return np.where((moved < LEAST_MOTION) & np.isfinite(limit), np.maximum(bound, limit), bound)
 
 

@@ -7,13 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.residuals import SETTLING
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
 
 HEALTHY_SHARE = 0.3  # [1], share of a log that is taken as healthy
 LEAST_HEALTHY = 5.0  # [s]; from less, thresholds come out too low
 MOST_HEALTHY = 20.0  # [s]; more teaches little, and hides faults that begin early
-LEAST_PIECE = 0.8  # [s], of a run that counts, or is cut: the slowest filter settles in 0.6 s
+PIECES = 1.3  # [1], least length of a run that counts, or is cut, over the time in which the slowest filter settles
 
 
 def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:
@@ -38,19 +40,29 @@ def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:
     return log.slice(0, begin), log.slice(begin, len(log.time))
 
 
-def halves(runs: Sequence[Log]) -> tuple[tuple[Log, ...], tuple[Log, ...]]:
+def least_piece(settings: MonitorSettings) -> float:
+    """Return the length of a run below which the filters may not settle in it [s].
+
+    Args:
+        settings: Bandwidths of the filters.
+    """
+    return PIECES * SETTLING / min(settings.slowest, settings.bandwidth)
+
+
+def halves(runs: Sequence[Log], least: float) -> tuple[tuple[Log, ...], tuple[Log, ...]]:
     """Return the first and the second half of the motion of several runs; at most one run is cut.
 
     Args:
         runs: Two seconds or more together.
+        least: Length of a piece below which nothing is cut [s].
     """
     left = 0.5 * sum(run.duration for run in runs)  # [s], that the first half still lacks
     first: list[Log] = []
     second: list[Log] = []
     for run in runs:
-        if left <= LEAST_PIECE:
+        if left <= least:
             second.append(run)
-        elif run.duration - left < LEAST_PIECE:
+        elif run.duration - left < least:
             first.append(run)
         else:
             cut = int(np.searchsorted(run.time, run.time[0] + left))

@@ -145,7 +145,8 @@ def advance(
         bound = joint[BOUND, j] + near * (joint[REST_BOUND, j] - joint[BOUND, j])
         beyond = max(v[j] - joint[HIGHEST_VELOCITY, j], joint[LOWEST_VELOCITY, j] - v[j])
         if beyond > 0.0:
-            bound = joint[REST_BOUND, j] * (1.0 + beyond / max(abs(v[j]) - beyond, joint[REST_SPEED, j]))
+            fastest = max(joint[HIGHEST_VELOCITY, j], -joint[LOWEST_VELOCITY, j], joint[REST_SPEED, j])
+            bound = joint[REST_BOUND, j] * (1.0 + beyond / fastest)
         threshold = E[j] * joint[THRESHOLD, j] + (1.0 - E[j]) * bound
         joint[THRESHOLD, j] = threshold
         remainder = r - explained - joint[LEARNED, j]

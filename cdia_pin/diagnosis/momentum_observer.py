@@ -241,7 +241,8 @@ class MomentumObserver(Stateful):
         Args:
             seen: Smallest and largest velocity of each joint [rad/s or m/s], shape (2, n).
         """
-        self.state.lowest_velocity, self.state.highest_velocity = seen
+        self.state.lowest_velocity = np.minimum(seen[0], 0.0)
+        self.state.highest_velocity = np.maximum(seen[1], 0.0)
         fastest = np.abs(seen).max(axis=0)
         self.state.rest_speed = np.maximum(REST_WIDTHS * self.state.sign_width, REST_SHARE * fastest)
 

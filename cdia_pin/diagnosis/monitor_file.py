@@ -106,7 +106,7 @@ def write_monitor(path: str | Path, parts: MonitorParts, state: Stateful) -> Pat
             archive.writestr(TEXT, text)
             for name, array in writer.arrays.items():
                 member = BytesIO()
-                np.lib.format.write_array(member, np.ascontiguousarray(array), allow_pickle=False)
+                np.lib.format.write_array(member, np.asarray(array, order="C"), allow_pickle=False)
                 archive.writestr(f"{name}.npy", member.getvalue())
     except OSError as error:
         raise ModelError(f"cannot write the monitor to {path}: {error.strerror}") from None

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.growth import growth
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
-from cdia_pin.diagnosis.residuals import Watched
+from cdia_pin.diagnosis.residuals import Watched, pooled
 
 Array = NDArray[np.float64]
 
 LEVEL_WINDOW = 1.0  # [s], over which the RMS of the healthy level is taken
-ENOUGH_MOTION = 1.0  # [s] in motion, below which nothing is known of it, and all samples count as motion
+LEAST_MOTION = 1.0  # [s] of a joint, below which nothing is known of its healthy residual in motion
 # [1], share of a joint's RMS torque below which the bound in motion is not lowered: on motions unlike the healthy ones
 # models of measured arms were up to 0.2 off, and a fault of 0.3 must be seen (`sight.BLIND_SHARE`)
 LEAST_LOWERED = 0.2
@@ -52,10 +52,11 @@ def learn_moving(
     """Learn from what an observer saw of healthy runs.
 
     Args:
-        seen: Of each run.
-        unseen: The same, of motion to which the model was not fitted; empty if it was fitted to none.
+        seen: What the observer saw of each run.
+        unseen: The same of motion to which the model was not fitted; empty if it was fitted to none.
         dt: Time between ticks [s].
-        rest_bound: Bound of the residual near rest, which is never exceeded [N·m or N], shape (n,).
+        rest_bound: Bound of the residual near rest [N·m or N], shape (n,). It is the largest bound in motion too: half
+            of a short run hardly determines a model, and must not make joints blind that the whole run lets us see.
         torque: RMS torque of the healthy runs [N·m or N], shape (n,).
         settings: Margins.
     """
@@ -65,16 +66,25 @@ def learn_moving(
     memory = np.array([correlation_time(parts, dt) for parts in moving])
     duration = dt * np.array([sum(map(len, parts)) for parts in moving])
     wider = growth(duration, memory)
-    bound = np.array(
-        [
-            max(settings.margin * np.abs(r).max(), settings.noise_margin * np.sqrt(np.mean(r**2)))
-            for r in (np.concatenate([*moving[j], *tried[j]]) for j in joints)
-        ]
-    )
-    bound = np.maximum(wider * bound, LEAST_LOWERED * torque)
+    bound = np.array([bound_of([*moving[j], *tried[j]], settings, wider[j]) for j in joints])
+    bound = np.maximum(bound, LEAST_LOWERED * torque)
     window = max(1, round(LEVEL_WINDOW / dt))
     level = np.array([max(_worst_window(part, window) for part in parts) for parts in moving])
     return MovingResidual(np.minimum(bound, rest_bound), level, memory)
+
+
+def bound_of(residuals: Sequence[Array], settings: MonitorSettings, wider: Array | float = 1.0) -> Array:
+    """Return the bound of a healthy residual [N·m or N], shape (n,) or ().
+
+    Args:
+        residuals: Of each run, shape (K, n) each, or (K,) of one joint.
+        settings: Margins over the largest residual, and over the RMS.
+        wider: Growth of the largest residual with time [1], shape (n,); the RMS does not grow.
+    """
+    largest = np.abs(np.concatenate(residuals)).max(axis=0)
+    return np.asarray(
+        np.maximum(wider * settings.margin * largest, settings.noise_margin * pooled(residuals))
+    )
 
 
 def correlation_time(series: Sequence[Array], dt: float) -> float:
@@ -97,8 +107,8 @@ def correlation_time(series: Sequence[Array], dt: float) -> float:
 def _moving(seen: Sequence[Watched], j: int, dt: float) -> list[Array]:
     """Return the residual of a joint in motion, run by run; all of it if there is hardly any motion."""
     parts = [one.residual[one.moves[:, j], j] for one in seen]
-    if dt * sum(map(len, parts)) < ENOUGH_MOTION:
-        return [one.residual[:, j] for one in seen]
+    if dt * sum(map(len, parts)) < LEAST_MOTION:
+        parts = [one.residual[:, j] for one in seen]
     return [part for part in parts if len(part)]
 
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from cdia_pin.diagnosis import kernel_rows as rows
 from cdia_pin.diagnosis.layout import Shape, allocate
 from cdia_pin.diagnosis.stateful import Stateful
+from cdia_pin.errors import ModelError
 
 Array = NDArray[np.float64]
 
@@ -75,6 +76,8 @@ class ObserverState(Stateful):
 
     def take(self, name: str, value: Array) -> None:
         """Take the stored array in place: all the rest are views of it."""
+        if value.shape != self.array.shape:
+            raise ModelError(f"its filters hold {value.size} numbers instead of {self.array.size}")
         self.array[:] = value
 
     # Of each joint, shape (n,).

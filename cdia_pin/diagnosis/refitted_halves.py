@@ -23,23 +23,27 @@ from cdia_pin.selection.problem import Problem
 SHARED_TIME = (
     0.5  # [1], share of a motion that a run must cover to be its log: a longer run may have been cut
 )
-SAME_POSITION = 0.02  # [1], distance over the range of a joint within which filtered and raw positions agree
+LEAST_TRAVEL = 0.01  # [rad or m], range of a joint above which it says whether two motions are the same
+SAME_POSITION = 0.02  # [1], distance over that range within which filtered and raw positions agree
 SAME_SHARE = 0.9  # [1], share of the samples that must agree; peaks are filtered away
 
 
-def refitted_halves(model: Dynamics, runs: Sequence[Log]) -> tuple[tuple[Nominal, tuple[Log, ...]], ...]:
+def refitted_halves(
+    model: Dynamics, runs: Sequence[Log], least: float
+) -> tuple[tuple[Nominal, tuple[Log, ...]], ...]:
     """Return the model fitted to each half of the motion, with the other half.
 
     Args:
         model: The model.
         runs: Healthy runs.
+        least: Length of a piece that counts [s].
 
     Returns:
         Empty if the model was not learned from these runs, or halves of them do not determine it.
     """
     if not model.terms or not any(is_log_of(motion, run) for motion in model.learned_from for run in runs):
         return ()
-    first, second = halves(runs)
+    first, second = halves(runs, least)
     try:
         return (_fitted(model, first), second), (_fitted(model, second), first)
     except (LogError, ModelError):  # too short, or a link without mass
@@ -54,11 +58,13 @@ def is_log_of(motion: Motion, run: Log) -> bool:
         run: The run, with the joints of the motion.
     """
     covered = (motion.time >= run.time[0]) & (motion.time <= run.time[-1])
-    if covered.mean() < SHARED_TIME:
+    travel = np.ptp(run.position, axis=0)
+    travels = travel > LEAST_TRAVEL
+    if covered.mean() < SHARED_TIME or not travels.any():
         return False
     then = motion.time[covered]
-    raw = np.column_stack([np.interp(then, run.time, q) for q in run.position.T])
-    near = np.abs(raw - motion.q[covered]) <= SAME_POSITION * np.ptp(run.position, axis=0)
+    raw = np.column_stack([np.interp(then, run.time, q) for q in run.position.T[travels]])
+    near = np.abs(raw - motion.q[covered][:, travels]) <= SAME_POSITION * travel[travels]
     return bool(near.mean() >= SAME_SHARE)
 
 

@@ -182,6 +182,8 @@ class StateReader:
             return tuple(self._each(x, now, owner))
         if not isinstance(x, dict):
             return x
+        if len(x) not in (1, 2):
+            raise ModelError("it holds a value without a kind")
         kind, held = next(iter(x.items()))
         if kind == "part":
             assert owner is not None

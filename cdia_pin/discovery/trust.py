@@ -74,6 +74,7 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     for term in found:
         needed, size = whole.is_visible(term), whole.theta(term)
         survived = [r.survives(term) for r in repeats if r.survives(term) or r.could_show(term, size)]
+        shown = len(survived) >= settings.confidence.least_shown * len(repeats)
         if isinstance(term.effect, Body):  # the next link may have the same mass
             survived.append(crowded.survives(term))
         elif not is_everyday(term.effect):
@@ -84,7 +85,6 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         torque = whole.torque(term, np.array(term.theta))
         scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
         systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
-        shown = len(survived) >= settings.confidence.least_shown * len(repeats)
         out[term.label] = Trust(_confidence(needed and shown, survived, settings.confidence), systematic)
     return out
 

@@ -62,11 +62,11 @@ def pick_effort(
         values, tolerance = _torques(values, gains, pick)
     elif gains is not None:
         pick.notes.append("drive gains not used: the log has efforts (--convert torque=A applies them)")
-    if facts.caveat:
-        pick.notes.append(facts.caveat)
     without_gravity = facts.without_gravity
     if conversion.gravity is not None:
         without_gravity = conversion.gravity == GravityInEffort.COMPENSATED
+    if facts.caveat and without_gravity == facts.without_gravity:
+        pick.notes.append(facts.caveat)
     origin = facts.origin
     if origin is not EffortOrigin.COMMANDED:
         origin = EffortOrigin.COMPENSATED if without_gravity else EffortOrigin.MEASURED

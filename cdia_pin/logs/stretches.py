@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 COUNT = 20  # stretches of a log [1]: every phase of it is seen, and each of ten blocks of time has two
 
 
@@ -28,8 +30,11 @@ def blocks(part: slice, largest: int, multiple: int = 1) -> list[slice]:
 
     Args:
         part: The part.
-        largest: Samples of a block at most [1], at least `multiple`.
+        largest: Usual number of samples of a block [1], at least `multiple`; the last one may have half as many more.
         multiple: Blocks begin so many samples after the beginning of the part, or a multiple of it [1].
     """
     step = largest // multiple * multiple
-    return [slice(start, min(start + step, part.stop)) for start in range(part.start, part.stop, step)]
+    starts = list(range(part.start, part.stop, step))
+    if len(starts) > 1 and part.stop - starts[-1] < step // 2:
+        starts.pop()  # a few samples say little by themselves: the block before takes them
+    return [slice(*ends) for ends in pairwise([*starts, part.stop])]

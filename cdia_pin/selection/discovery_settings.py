@@ -172,7 +172,7 @@ class ConfidenceSettings:
         least_shown: Share of the repeats that must say something [1].
         likely_share: Share of those repeats that a likely effect survives [1].
         unusual_certainty: The same certainty that a fluid, a steady wrench or a tilt needs beside all everyday effects
-            unless the user expects it [1]. Such effects mop up what everyday ones leave.
+            unless the user expects it [1]. Such effects take in what everyday ones leave.
     """
 
     blocks: int = 32

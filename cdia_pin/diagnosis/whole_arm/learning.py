@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.alignment import Alignment
 from cdia_pin.diagnosis.growth import growth
-from cdia_pin.diagnosis.healthy_arm import LEAST_MOTION, HealthyArm
+from cdia_pin.diagnosis.healthy_arm import HealthyArm
 from cdia_pin.diagnosis.lasting import LastingDetector, limit_of
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.moving_residual import LEAST_MOTION
 from cdia_pin.diagnosis.residuals import along, pooled
 from cdia_pin.diagnosis.whole_arm.contact import RESTING, ContactDetector, ContactLimits
 from cdia_pin.logs.log import Log
@@ -59,7 +60,7 @@ def learn(
     """
     n, settings = observer.nominal.robot.n, observer.settings
     rest, moving, resting, moved = (np.zeros(n) for _ in range(4))
-    still = np.zeros(n)  # of no matter: only what is explained is asked for
+    still = np.zeros(n)  # zero: the energy of the torque is not used here
     largest, friction = np.zeros_like(lasting.limit), np.zeros(n)
     for run in runs:
         detector = ContactDetector(_without_limits(n))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -135,7 +136,8 @@ def _storage_files(path: Path) -> list[Path]:
     """Return the files of a bag that hold messages, also compressed ones."""
     if not path.is_dir():
         return [path]
-    return sorted(p for p in path.iterdir() if any(kind in p.suffixes for kind in (".db3", ".mcap")))
+    files = [p for p in path.iterdir() if any(kind in p.suffixes for kind in (".db3", ".mcap"))]
+    return sorted(files, key=lambda p: [int(k) if k.isdigit() else k for k in re.split(r"(\d+)", p.name)])
 
 
 def _require_bounded(path: Path) -> None:
