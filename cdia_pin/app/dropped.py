@@ -3,26 +3,37 @@
 from __future__ import annotations
 
 import json
+import lzma
 import os
+import re
 import zipfile
+import zlib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from lxml import etree
 
+from cdia_pin import schemas
 from cdia_pin.errors import CdiaError, LogError, RobotError
 from cdia_pin.input_files import read_text, require_small_file
-from cdia_pin.logs.readers.dispatch import BAG_SUFFIXES, SUFFIXES
+from cdia_pin.logs.columns import sort_names
+from cdia_pin.logs.readers.bag_files import COMPRESSED, METADATA, is_bag
+from cdia_pin.logs.readers.dispatch import SUFFIXES
+from cdia_pin.logs.readers.lerobot import INFO
 from cdia_pin.phrases import some
 
 LARGEST = 500  # [MB], of a file that is dropped
-UNPACKED = 2000  # [MB], of what a zip file holds
-MOST_FILES = 5000  # of a folder or a zip file
+UNPACKED = 2000  # [MB], of what a zip file holds, and of all drops of a session
+MOST_FILES = 5000  # of a zip file, and of all drops of a session
+DAMAGED = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, UnicodeDecodeError)  # of a zip file
 MESHES = (".stl", ".dae", ".obj", ".ply", ".glb", ".gltf")
 ROBOTS = (".urdf", ".xacro", ".xml")
-USEFUL = (*SUFFIXES, *ROBOTS, *MESHES, ".json", ".zip", ".yaml")
+TEXT = ".txt"
+START = 4096  # [B], of a file, by which it is known
+USEFUL = (*SUFFIXES, *ROBOTS, *MESHES, ".json", ".zip", ".yaml", COMPRESSED)
 
 
 @dataclass(frozen=True)
@@ -69,15 +80,18 @@ def sort_dropped(folder: Path) -> Dropped:
     Raises:
         CdiaError: If a zip file cannot be unpacked, nothing can be used, or it is not clear which file is meant.
     """
-    for packed in sorted(folder.rglob("*.zip")):
-        _unpack(packed)
-    files = sorted(p for p in folder.rglob("*") if p.is_file())
-    documents = {p: _document(p) for p in files if p.suffix.lower() == ".json"}
-    gains = _one("file of drive gains", (p for p, d in documents.items() if d and "schema" not in d))
+    for packed in _files(folder):
+        if packed.suffix.lower() == ".zip":
+            _unpack(packed)
+    files = _files(folder)
+    documents = {
+        p: _document(p) for p in files if p.suffix.lower() == ".json" and p.parent.name != INFO.parent.name
+    }
+    gains = _one("file of drive gains", (p for p, d in documents.items() if _are_gains(d)))
     found = Dropped(
         robot=_one("robot", _robots(files)),
         log=_one("log", _logs(files)),
-        model=_one("saved model", (p for p, d in documents.items() if "schema" in d)),
+        model=_one("saved model", (p for p, d in documents.items() if d.get("schema") == schemas.MODEL)),
         meshes=tuple(p for p in files if p.suffix.lower() in MESHES),
         gains=documents[gains] if gains else {},
     )
@@ -106,8 +120,9 @@ def place_meshes(urdf: Path, meshes: Iterable[Path]) -> None:
         if not candidates or wanted.is_absolute() or ".." in wanted.parts or target.exists():
             continue
         best = max(candidates, key=lambda p: _shared_tail(p.parts, wanted.parts))
-        target.parent.mkdir(parents=True, exist_ok=True)
-        os.link(best, target)
+        with suppress(OSError):  # of a mesh whose folder another mesh is
+            target.parent.mkdir(parents=True, exist_ok=True)
+            os.link(best, target)
 
 
 def mesh_addresses(urdf: Path) -> list[str]:
@@ -138,12 +153,35 @@ def _shared_tail(one: tuple[str, ...], other: tuple[str, ...]) -> int:
 def _robots(files: list[Path]) -> list[Path]:
     """Return the descriptions of robots: URDF files, or else files that must become one."""
     urdfs = [p for p in files if p.suffix.lower() == ".urdf"]
-    return urdfs or [p for p in files if p.suffix.lower() in ROBOTS and b"<robot" in p.read_bytes()[:4096]]
+    return urdfs or [p for p in files if p.suffix.lower() in ROBOTS and b"<robot" in _start(p)]
+
+
+def _files(folder: Path) -> list[Path]:
+    """Return the files below a folder, without those that systems put beside them."""
+
+    def hidden(path: Path) -> bool:
+        return any(part.startswith(".") or part == "__MACOSX" for part in path.relative_to(folder).parts)
+
+    return sorted(p for p in folder.rglob("*") if p.is_file() and not hidden(p))
 
 
 def _logs(files: list[Path]) -> list[Path]:
-    bags = {p.parent for p in files if p.suffix in BAG_SUFFIXES and (p.parent / "metadata.yaml").exists()}
-    return [*bags, *(p for p in files if p.suffix.lower() in SUFFIXES and p.parent not in bags)]
+    """Return the logs; a text is one if nothing else is, and if it begins like a table."""
+    bags = {p.parent for p in files if p.name == METADATA and is_bag(p.parent)}
+    singles = [p for p in files if p.suffix.lower() in SUFFIXES and p.parent not in bags]
+    logs = [*bags, *(p for p in singles if p.suffix.lower() != TEXT)]
+    return logs or [p for p in singles if _is_table(p)]
+
+
+def _start(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(START)
+
+
+def _is_table(text: Path) -> bool:
+    """Tell whether the first line of a text has a delimiter or names a column of times."""
+    line = _start(text).decode(errors="replace").partition("\n")[0]
+    return bool(re.search(r"[,;\t]", line)) or bool(sort_names(line.split()).time)
 
 
 def _one(what: str, paths: Iterable[Path]) -> Path | None:
@@ -163,6 +201,16 @@ def _document(path: Path) -> dict[str, Any]:
     return document if isinstance(document, dict) else {}
 
 
+def _are_gains(document: Mapping[str, Any]) -> bool:
+    """Tell whether all that a document says is numbers, each alone or as ``value`` with a tolerance."""
+    parts = [
+        [v["value"], v.get("tolerance", 0)] if isinstance(v, dict) and "value" in v else [v]
+        for v in document.values()
+    ]
+    numbers = [number for part in parts for number in part]
+    return bool(numbers) and all(type(number) in {int, float} for number in numbers)
+
+
 def _unpack(packed: Path) -> None:
     folder = packed.with_suffix("")
     try:
@@ -178,6 +226,6 @@ def _unpack(packed: Path) -> None:
                 target = inside(folder, member.filename)
                 target.parent.mkdir(parents=True, exist_ok=True)
                 archive.extract(member, folder)
-    except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError) as error:
+    except (*DAMAGED, OSError, RuntimeError, NotImplementedError) as error:
         raise RobotError(f"{packed.name}: not a zip file that can be read ({error})") from None
     packed.unlink()

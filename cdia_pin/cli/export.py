@@ -16,7 +16,7 @@ from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs
 from cdia_pin.cli.next_command import show_next
 from cdia_pin.cli.options import Json, Robot
-from cdia_pin.cli.outputs import require_writable, write_all, write_json, write_text
+from cdia_pin.cli.outputs import require_writable, write_all, write_document, write_json
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -168,4 +168,4 @@ class Export:
 
     def write(self, file: str) -> None:
         """Write the file."""
-        write_text(self.text, file)
+        write_document(self.text, file)

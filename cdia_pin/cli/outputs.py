@@ -93,10 +93,10 @@ def write_json(document: Mapping[str, object], file: str) -> None:
         except BrokenPipeError:
             close_stdout()
         return
-    write_text(text, file)
+    write_document(text, file)
 
 
-def write_text(text: str, file: str) -> None:
+def write_document(text: str, file: str) -> None:
     """Write a text.
 
     Args:

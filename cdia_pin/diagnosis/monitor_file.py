@@ -162,8 +162,8 @@ def reading(path: str | Path, robot: RobotModel) -> Iterator[StoredMonitor]:
         yield StoredMonitor(MonitorParts(model, bank, **parts), reader, document["state"])
     except CdiaError as error:
         raise error if str(path) in str(error) else ModelError(f"{path}: {error}") from None
-    except (KeyError, TypeError, AttributeError, ValueError, IndexError, AssertionError) as error:
-        raise ModelError(f"{path} is not a whole monitor ({error!r})") from None
+    except (KeyError, TypeError, AttributeError, ValueError, IndexError, AssertionError):
+        raise ModelError(f"{path} is not a whole monitor: a value is missing or of another kind") from None
 
 
 def _read(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:

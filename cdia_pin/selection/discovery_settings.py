@@ -266,7 +266,8 @@ class DiscoverySettings:
             f.name for f in fields(self) if is_dataclass(f.default_factory) and f.name != "conditioning"
         ]
         both = ((g, getattr(self, g), getattr(usual, g)) for g in groups)
-        return {
+        own = {"most_samples": self.most_samples} if self.most_samples != usual.most_samples else {}
+        return own | {
             f"{group}.{f.name}": getattr(given, f.name)
             for group, given, default in both
             for f in fields(given)

@@ -157,7 +157,9 @@ def test_an_array_that_is_no_archive_and_names_that_are_no_text_are_refused(cdia
     ):
         np.savez(tmp_path / "odd.npz", time=t, position=q, effort=q, joints=names)
         assert "names" in cdia("check", tmp_path / "odd.npz", *ROBOT).error
-    np.savez(tmp_path / "bytes.npz", time=t, position=q, effort=q, joints=np.array([b"joint1", b"joint2"]))
+    np.savez(
+        tmp_path / "bytes.npz", time=t, position=q, effort=q + 1.0, joints=np.array([b"joint1", b"joint2"])
+    )
     assert cdia("check", tmp_path / "bytes.npz", *ROBOT).code == 0
 
 

@@ -11,7 +11,7 @@ import pytest
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.effects import EFFECTS, Drift, PerLog, Term, parse_effect, parse_term
 from cdia_pin.errors import ModelError
-from cdia_pin.exports import FORMATS, ranges_document, torque_left_out
+from cdia_pin.exports import FORMATS, first_format, ranges_document, torque_left_out
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
 
@@ -87,6 +87,12 @@ def test_every_effect_is_held_or_left_out_with_a_reason(robot, form):
         assert all(values.left_out.values()) and all(values.approximated.values())
 
 
+def test_the_first_format_is_one_that_holds_a_term(robot):
+    assert first_format(model_of(robot, f"coulomb_friction@{ELBOW}: level=1")) == "urdf"
+    assert first_format(model_of(robot, f"rotor_inertia@{ELBOW}: inertia=1")) == "mjcf"
+    assert first_format(model_of(robot, f"torque_offset@{ELBOW}: offset=2")) is None
+
+
 def test_the_torque_left_out_is_that_of_the_term(robot):
     offset = f"torque_offset@{ELBOW}: offset=2"
     model = remembering(model_of(robot, offset, f"coulomb_friction@{ELBOW}: level=1"))
@@ -106,6 +112,16 @@ def test_the_torque_that_a_mean_lacks_is_half_the_difference_of_the_directions(r
 def test_a_model_that_remembers_no_motion_has_no_torques(robot):
     model = model_of(robot, f"torque_offset@{ELBOW}: offset=2")
     assert torque_left_out(FORMATS["mjcf"].values(model), model) == {}
+
+
+def test_the_breakaway_is_held_where_friction_at_rest_has_a_place(robot):
+    label = f"stribeck_friction@{ELBOW}"
+    model = model_of(robot, f"{label}: level=3, breakaway=2, decay=5")
+    for form, breakaway in (("isaac_lab", 2.0), ("mjcf", 0.0), ("urdf", 0.0)):
+        values = FORMATS[form].values(model)
+        assert ("breakaway at rest" in values.approximated[label]) == bool(breakaway)
+        total = sum(sum(t.theta) for t in values.beyond[label].written)
+        assert total == pytest.approx(3.0 + breakaway)
 
 
 def test_isaac_lab_has_friction_at_rest_and_in_motion(robot):
