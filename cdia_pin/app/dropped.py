@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -14,6 +15,7 @@ from lxml import etree
 
 from cdia_pin.errors import CdiaError, LogError, RobotError
 from cdia_pin.input_files import read_text, require_small_file
+from cdia_pin.logs.columns import sort_names
 from cdia_pin.logs.readers.dispatch import BAG_SUFFIXES, SUFFIXES
 from cdia_pin.phrases import some
 
@@ -22,6 +24,8 @@ UNPACKED = 2000  # [MB], of what a zip file holds
 MOST_FILES = 5000  # of a folder or a zip file
 MESHES = (".stl", ".dae", ".obj", ".ply", ".glb", ".gltf")
 ROBOTS = (".urdf", ".xacro", ".xml")
+TEXT = ".txt"
+START = 4096  # [B], of a file, by which it is known
 USEFUL = (*SUFFIXES, *ROBOTS, *MESHES, ".json", ".zip", ".yaml")
 
 
@@ -71,7 +75,7 @@ def sort_dropped(folder: Path) -> Dropped:
     """
     for packed in sorted(folder.rglob("*.zip")):
         _unpack(packed)
-    files = sorted(p for p in folder.rglob("*") if p.is_file())
+    files = sorted(p for p in folder.rglob("*") if p.is_file() and not _hidden(p.relative_to(folder)))
     documents = {p: _document(p) for p in files if p.suffix.lower() == ".json"}
     gains = _one("file of drive gains", (p for p, d in documents.items() if d and "schema" not in d))
     found = Dropped(
@@ -141,9 +145,24 @@ def _robots(files: list[Path]) -> list[Path]:
     return urdfs or [p for p in files if p.suffix.lower() in ROBOTS and b"<robot" in p.read_bytes()[:4096]]
 
 
+def _hidden(path: Path) -> bool:
+    """Tell whether a file is one that systems put beside those of people."""
+    return any(part.startswith(".") or part == "__MACOSX" for part in path.parts)
+
+
 def _logs(files: list[Path]) -> list[Path]:
+    """Return the logs; a text is one if nothing else is, and if it begins like a table."""
     bags = {p.parent for p in files if p.suffix in BAG_SUFFIXES and (p.parent / "metadata.yaml").exists()}
-    return [*bags, *(p for p in files if p.suffix.lower() in SUFFIXES and p.parent not in bags)]
+    singles = [p for p in files if p.suffix.lower() in SUFFIXES and p.parent not in bags]
+    logs = [*bags, *(p for p in singles if p.suffix.lower() != TEXT)]
+    return logs or [p for p in singles if _is_table(p)]
+
+
+def _is_table(text: Path) -> bool:
+    """Tell whether the first line of a text has a delimiter or names a column of times."""
+    with text.open("rb") as file:
+        line = file.read(START).decode(errors="replace").partition("\n")[0]
+    return bool(re.search(r"[,;\t]", line)) or bool(sort_names(line.split()).time)
 
 
 def _one(what: str, paths: Iterable[Path]) -> Path | None:

@@ -30,6 +30,18 @@ def test_dropped_files_are_told_apart(tmp_path):
     assert [m.name for m in found.meshes] == ["x.stl"]
 
 
+def test_texts_and_hidden_files_beside_a_log_are_no_logs(tmp_path):
+    (tmp_path / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.10)\n")
+    with pytest.raises(CdiaError, match="nothing to use"):
+        sort_dropped(tmp_path)
+    (tmp_path / "run.txt").write_text("time q1 q2\n0 1 2\n")
+    assert sort_dropped(tmp_path).log.name == "run.txt"
+    (tmp_path / "__MACOSX").mkdir()
+    for name in ("a.csv", "._a.csv", "__MACOSX/b.csv"):
+        (tmp_path / name).write_text("time,q1\n")
+    assert sort_dropped(tmp_path).log.name == "a.csv"
+
+
 def test_a_zip_file_is_unpacked_and_cannot_write_elsewhere(tmp_path):
     for name, member in (("good", "arm/arm.urdf"), ("bad", "../arm.urdf")):
         folder = tmp_path / name
