@@ -17,6 +17,7 @@ from cdia_pin.errors import CdiaError, LogError, RobotError
 from cdia_pin.input_files import read_text, require_small_file
 from cdia_pin.logs.columns import sort_names
 from cdia_pin.logs.readers.dispatch import BAG_SUFFIXES, SUFFIXES
+from cdia_pin.logs.readers.lerobot import INFO
 from cdia_pin.phrases import some
 
 LARGEST = 500  # [MB], of a file that is dropped
@@ -76,8 +77,10 @@ def sort_dropped(folder: Path) -> Dropped:
     for packed in sorted(folder.rglob("*.zip")):
         _unpack(packed)
     files = sorted(p for p in folder.rglob("*") if p.is_file() and not _hidden(p.relative_to(folder)))
-    documents = {p: _document(p) for p in files if p.suffix.lower() == ".json"}
-    gains = _one("file of drive gains", (p for p, d in documents.items() if d and "schema" not in d))
+    documents = {
+        p: _document(p) for p in files if p.suffix.lower() == ".json" and p.parent.name != INFO.parent.name
+    }
+    gains = _one("file of drive gains", (p for p, d in documents.items() if _are_gains(d)))
     found = Dropped(
         robot=_one("robot", _robots(files)),
         log=_one("log", _logs(files)),
@@ -180,6 +183,16 @@ def _document(path: Path) -> dict[str, Any]:
     except (OSError, ValueError, RecursionError):
         return {}
     return document if isinstance(document, dict) else {}
+
+
+def _are_gains(document: Mapping[str, Any]) -> bool:
+    """Tell whether all that a document says is numbers, each alone or as ``value`` with a tolerance."""
+    parts = [
+        [v["value"], v.get("tolerance", 0)] if isinstance(v, dict) and "value" in v else [v]
+        for v in document.values()
+    ]
+    numbers = [number for part in parts for number in part]
+    return bool(numbers) and all(type(number) in {int, float} for number in numbers)
 
 
 def _unpack(packed: Path) -> None:

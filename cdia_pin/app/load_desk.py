@@ -139,7 +139,8 @@ class LoadDesk:
             form.log = form.dropped_as(found.log)
         if found.model is not None:
             form.model = found.model
-        form.fill("gain", {joint: gain_text(gain) for joint, gain in found.gains.items()})
+        joints = found.gains if self.arm is None or found.robot is not None else self.arm.robot.joints
+        form.fill("gain", {joint: gain_text(gain) for joint, gain in found.gains.items() if joint in joints})
         return form
 
     def _offer(self, log: Unmapped, arm: Dynamics) -> None:

@@ -30,6 +30,18 @@ def test_dropped_files_are_told_apart(tmp_path):
     assert [m.name for m in found.meshes] == ["x.stl"]
 
 
+@pytest.mark.parametrize(
+    "text",
+    ['{"fps": 30, "features": {"a": 1}}', '{"b": "ten"}', '{"b": true}', '{"b": {"value": "ten"}}', "{}"],
+)
+def test_a_document_that_is_not_of_numbers_holds_no_gains(tmp_path, text):
+    (tmp_path / "info.json").write_text(text)
+    with pytest.raises(CdiaError, match="nothing to use"):
+        sort_dropped(tmp_path)
+    (tmp_path / "gains.json").write_text('{"b": {"value": 10.0, "tolerance": 1}}')
+    assert sort_dropped(tmp_path).gains == {"b": {"value": 10.0, "tolerance": 1}}
+
+
 def test_texts_and_hidden_files_beside_a_log_are_no_logs(tmp_path):
     (tmp_path / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.10)\n")
     with pytest.raises(CdiaError, match="nothing to use"):

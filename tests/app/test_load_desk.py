@@ -47,6 +47,14 @@ def test_a_log_that_does_not_fit_opens_the_table_and_loads_from_it(foreign):
     assert loaded.session.inputs.log.joints == JOINTS
 
 
+def test_gains_of_joints_that_the_robot_does_not_have_are_not_kept(tmp_path):
+    desk = LoadDesk(Runner())
+    desk.form.robot = "ur5"
+    read(desk, desk.form.request())
+    (tmp_path / "gains.json").write_text(json.dumps({JOINTS[0]: 2.0, "another": 3.0}))
+    assert desk.take(tmp_path).joints == {JOINTS[0]: {"gain": "2.0"}}
+
+
 def test_a_robot_alone_is_read_and_asks_for_its_log():
     desk = LoadDesk(runner := Runner())
     loaded, drawn = read(desk, desk.form.request())
