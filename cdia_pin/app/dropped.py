@@ -13,6 +13,7 @@ from typing import Any
 
 from lxml import etree
 
+from cdia_pin import schemas
 from cdia_pin.errors import CdiaError, LogError, RobotError
 from cdia_pin.input_files import read_text, require_small_file
 from cdia_pin.logs.columns import sort_names
@@ -84,7 +85,7 @@ def sort_dropped(folder: Path) -> Dropped:
     found = Dropped(
         robot=_one("robot", _robots(files)),
         log=_one("log", _logs(files)),
-        model=_one("saved model", (p for p, d in documents.items() if "schema" in d)),
+        model=_one("saved model", (p for p, d in documents.items() if d.get("schema") == schemas.MODEL)),
         meshes=tuple(p for p in files if p.suffix.lower() in MESHES),
         gains=documents[gains] if gains else {},
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cdia_pin.app import picture
@@ -56,6 +56,7 @@ class LoadDesk:
         self.arm: Dynamics | None = None
         self.columns: LogColumns | None = None
         self.faults: dict[str, str] = {}
+        self._read_last: tuple[str, Path | None] = ("", None)  # robot, and its saved model
 
     def check(self) -> bool:
         """Tell whether the form can be read; if not, say why."""
@@ -74,6 +75,9 @@ class LoadDesk:
         Returns:
             The session; None if something cannot be used: the form is then open, and says what.
         """
+        robot, model = self._read_last
+        if asked.model == model and asked.robot != robot:
+            asked = replace(asked, model=None)  # it was of the robot before
         self.form.take(asked)
         self.faults, self.columns = {}, None
         read = await self._runner.run("Reading the robot", lambda tell: _read_arm(asked, tell))
@@ -81,7 +85,7 @@ class LoadDesk:
             self._refuse("robot", read or "")
             return None
         arm, scene = read
-        self.arm = arm
+        self.arm, self._read_last = arm, (asked.robot, asked.model)
         self.form.keep(arm.robot.joints)
         asked = self.form.request()  # without rows of another robot
         show(scene)

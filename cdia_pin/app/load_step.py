@@ -38,6 +38,16 @@ def load_step(bench: Workbench) -> None:
         for name, entry in catalogue().items():
             node("option", entry.description, value=name)
     _field(bench, "robot", "Robot", "a name, or the path of a URDF", "list=robots")
+    if desk.form.model is not None:
+        with node("p", data_mark="saved-model"):
+            node("span", f"with the terms of {desk.form.model.name} ", "soft")
+            button(
+                "Remove",
+                bench.remove_model,
+                mark="remove-model",
+                classes="quiet",
+                label="Remove the saved model",
+            )
     with node("div", classes="beside"):
         _field(bench, "log", "Log", "path of a log")
         files = node(
@@ -47,7 +57,7 @@ def load_step(bench: Workbench) -> None:
     node(
         "p",
         "Or drop files anywhere on the page: a log (CSV, Parquet, npz, ROS 2 bag), a URDF with its meshes as a folder "
-        f"or a zip file, drive gains. A dropped file has at most {LARGEST} MB; a path has no limit.",
+        f"or a zip file, drive gains, a saved model. A dropped file has at most {LARGEST} MB; a path has no limit.",
         "soft",
     )
     unmapped = "mapping" in desk.faults or any("-" in mark for mark in desk.faults)

@@ -132,6 +132,11 @@ class Workbench:
         if form is not None and form.robot:
             await self.submit()
 
+    def remove_model(self) -> None:
+        """Take the saved model out of the form."""
+        self.desk.form.model = None
+        self._show("load")
+
     async def convert(self, option: str) -> None:
         """Load the log again with a conversion.
 

@@ -24,6 +24,7 @@ def test_dropped_files_are_told_apart(tmp_path):
         "x.stl": "",
     }.items():
         (tmp_path / name).write_text(text)
+    (tmp_path / "check.json").write_text('{"schema": "cdia-check/1"}')
     found = sort_dropped(tmp_path)
     assert (found.robot.name, found.log.name, found.model.name) == ("arm.urdf", "run.csv", "better.json")
     assert found.gains == {"b": 10.0}

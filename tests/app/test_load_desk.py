@@ -5,10 +5,11 @@ import json
 
 import pytest
 
-from cdia_pin import load_robot
+from cdia_pin import Dynamics, load_robot, save_model
 from cdia_pin.app.inputs import Request
 from cdia_pin.app.load_desk import LoadDesk
 from cdia_pin.app.runner import Runner
+from cdia_pin.effects import parse_term
 from cdia_pin.resources import logs_dir
 
 JOINTS = load_robot("ur5").joints
@@ -66,6 +67,18 @@ def test_a_robot_alone_is_read_and_asks_for_its_log():
     loaded, drawn = read(desk, desk.form.request())
     assert loaded is None and len(drawn) == 1 and desk.faults == {}
     assert "now give its log" in runner.said and desk.is_open
+
+
+def test_a_saved_model_goes_with_its_robot(tmp_path):
+    robot = load_robot("ur5")
+    save_model(Dynamics(robot, (parse_term("payload: mass=0.1"),)), tmp_path / "model.json")
+    desk = LoadDesk(Runner())
+    desk.form.robot = "ur5"
+    read(desk, desk.take(tmp_path).request())
+    assert desk.form.model == tmp_path / "model.json" and len(desk.arm.terms) == 1
+    desk.form.robot = "ur10"
+    read(desk, desk.form.request())
+    assert desk.form.model is None and desk.faults == {} and desk.arm.robot.name == "ur10"
 
 
 def test_rows_of_another_robot_are_dropped():
