@@ -193,7 +193,11 @@ def _following(ctx: typer.Context, found: Discovery, logs: list[Path], save: Pat
         return again(ctx, save=free("model.json"))
     if found.verdict == "unexplained":
         return follow(ctx, "excite", model=save, out=free("motion.csv"))
-    return follow(ctx, "export", model=save, urdf=free("corrected.urdf"))
+    from cdia_pin.exports import FORMATS, first_format
+
+    name = first_format(found.model)
+    files = {name: FORMATS[name].file} if name else {"ranges": "ranges.json"}  # which every term has
+    return follow(ctx, "export", model=save, **{key: free(file) for key, file in files.items()})
 
 
 def named_effects(text: str | None) -> tuple[str, ...] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cdia_pin.exports.formats import FORMATS, TextFormat
+from cdia_pin.exports.formats import FORMATS, TextFormat, first_format
 from cdia_pin.exports.ranges import RangeRecord, RangesDocument, ranges_document
 from cdia_pin.exports.torque_left_out import torque_left_out
 
@@ -11,6 +11,7 @@ __all__ = [
     "RangeRecord",
     "RangesDocument",
     "TextFormat",
+    "first_format",
     "ranges_document",
     "torque_left_out",
 ]

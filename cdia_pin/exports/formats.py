@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.dynamics.simulator_values import FileFormat, SimulatorValues
 from cdia_pin.dynamics.urdf_terms import URDF
+from cdia_pin.errors import ModelError
 from cdia_pin.exports.drake import DRAKE, drake_text
 from cdia_pin.exports.isaac_lab import ISAAC_LAB, isaac_lab_text
 from cdia_pin.exports.mjcf import MJCF, mjcf_notes, mjcf_text
@@ -28,12 +30,14 @@ class TextFormat:
 
     Attributes:
         title: Name of the format.
+        file: Name that a file of it may have.
         holds: What it can hold.
         text: Returns the text for a model, for values of it, and for the folder of the file.
         notes: Returns what else a user must know of the file.
     """
 
     title: str
+    file: str
     holds: FileFormat
     text: Callable[[Dynamics, Values, Path], str]
     notes: Callable[[Dynamics, Values], Iterator[str]] = _no_notes
@@ -71,15 +75,37 @@ def _drake_notes(model: Dynamics, values: Values) -> Iterator[str]:
 
 
 FORMATS: dict[str, TextFormat] = {
-    "urdf": TextFormat("URDF", URDF, _urdf_text, _urdf_notes),
-    "mjcf": TextFormat("MJCF", MJCF, lambda model, values, _: mjcf_text(model, values), mjcf_notes),
+    "urdf": TextFormat("URDF", "corrected.urdf", URDF, _urdf_text, _urdf_notes),
+    "mjcf": TextFormat(
+        "MJCF", "corrected.xml", MJCF, lambda model, values, _: mjcf_text(model, values), mjcf_notes
+    ),
     "drake": TextFormat(
-        "Drake settings", DRAKE, lambda model, values, _: drake_text(model, values), _drake_notes
+        "Drake settings",
+        "drake_settings.py",
+        DRAKE,
+        lambda model, values, _: drake_text(model, values),
+        _drake_notes,
     ),
     "isaac_lab": TextFormat(
-        "Isaac Lab settings", ISAAC_LAB, lambda model, values, _: isaac_lab_text(model, values)
+        "Isaac Lab settings",
+        "isaac_lab_settings.py",
+        ISAAC_LAB,
+        lambda model, values, _: isaac_lab_text(model, values),
     ),
     "ur_payload": TextFormat(
-        "UR payload", UR_PAYLOAD, lambda model, values, _: ur_payload_text(model, values)
+        "UR payload", "payload.script", UR_PAYLOAD, lambda model, values, _: ur_payload_text(model, values)
     ),
 }
+
+
+def first_format(model: Dynamics) -> str | None:
+    """Return the name of the first format that can hold a term of a model; None if none can.
+
+    Args:
+        model: The model.
+    """
+    for name, form in FORMATS.items():
+        with suppress(ModelError):
+            if form.values(model).held:
+                return name
+    return None

@@ -3,6 +3,8 @@
 import re
 import shlex
 from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cdia_pin import Dynamics, load_robot, read_log, save_model, write_log
+from cdia_pin.cli.discover import _following
 from cdia_pin.cli.next_command import again, follow, free
 from cdia_pin.cli.program import app
 from cdia_pin.effects import parse_term
@@ -140,6 +143,18 @@ def test_a_command_ends_with_the_next_one(cdia, log, tmp_path, typed, then):
     assert program == "cdia"
     assert line[0] == then
     context(line)
+
+
+@pytest.mark.parametrize(
+    ("term", "option"), [("payload: mass=0.1", "--urdf"), ("torque_offset@joint2: offset=1", "--ranges")]
+)
+def test_the_export_after_a_search_is_one_that_holds_what_was_found(cdia, tmp_path, term, option):
+    model = Dynamics(load_robot("double_pendulum"), (parse_term(term),))
+    file = save_model(model, tmp_path / "model.json")
+    found = SimpleNamespace(model=model, steps=[term], verdict="explained")
+    line = shlex.split(_following(context(["discover", "LOG", *ROBOT]), found, [Path("LOG")], file))
+    assert line[-2] == option
+    assert cdia(*line[1:-1], tmp_path / line[-1]).code == 0
 
 
 def test_after_a_check_that_finds_degrees_the_next_command_reads_degrees(cdia, tmp_path):

@@ -11,7 +11,7 @@ import pytest
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.effects import EFFECTS, Drift, PerLog, Term, parse_effect, parse_term
 from cdia_pin.errors import ModelError
-from cdia_pin.exports import FORMATS, ranges_document, torque_left_out
+from cdia_pin.exports import FORMATS, first_format, ranges_document, torque_left_out
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
 
@@ -85,6 +85,12 @@ def test_every_effect_is_held_or_left_out_with_a_reason(robot, form):
         values = FORMATS[form].values(Dynamics(robot, (Term(effect, (0.0,) * effect.size),)))
         assert len(values.held) + len(values.left_out) == 1
         assert all(values.left_out.values()) and all(values.approximated.values())
+
+
+def test_the_first_format_is_one_that_holds_a_term(robot):
+    assert first_format(model_of(robot, f"coulomb_friction@{ELBOW}: level=1")) == "urdf"
+    assert first_format(model_of(robot, f"rotor_inertia@{ELBOW}: inertia=1")) == "mjcf"
+    assert first_format(model_of(robot, f"torque_offset@{ELBOW}: offset=2")) is None
 
 
 def test_the_torque_left_out_is_that_of_the_term(robot):
