@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import re
-
 import typer
 
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.next_command import follow, show_next, with_words
+from cdia_pin.cli.next_command import follow_checks, show_next
 from cdia_pin.cli.options import (
     Columns,
     Convert,
@@ -23,8 +21,6 @@ from cdia_pin.cli.options import (
     TorqueSide,
 )
 from cdia_pin.cli.outputs import require_writable, write_json
-
-MENDING = re.compile(r"--(?:convert|joint-map) [^\s;,]+(?:,[^\s;,]+)*")  # options that an advice names
 
 
 def check(
@@ -62,6 +58,4 @@ def check(
     console.print(check_table(found))
     if json:
         write_json(found.to_dict(), json)
-    mending = dict.fromkeys(option for f in found.obstacles for option in MENDING.findall(f.advice))
-    again_with = [word for option in mending for word in option.split()]
-    show_next(console, with_words(ctx, *again_with) if found.obstacles else follow(ctx, "compare", log))
+    show_next(console, follow_checks(ctx, [found], "compare", log))

@@ -18,7 +18,7 @@ from cdia_pin.cli.circumstances import (
 from cdia_pin.cli.conditions import Conditions, parse_conditions
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.next_command import follow, free, show_next
+from cdia_pin.cli.next_command import follow_checks, free, show_next
 from cdia_pin.cli.options import (
     Check,
     Columns,
@@ -127,7 +127,7 @@ def compare(
         (json, lambda f: write_json(document, f)),
         (report, lambda f: write_report(f, found, checks=checks, command=ctx.obj)),
     )
-    show_next(console, follow(ctx, "discover", *logs, save=free("model.json")))
+    show_next(console, follow_checks(ctx, checks, "discover", *logs, save=free("model.json")))
 
 
 def _compared(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
     import typer
     from rich.console import Console
 
+    from cdia_pin.logs import LogCheck
+
+MENDING = re.compile(r"--(?:convert|joint-map) [^\s;,]+(?:,[^\s;,]+)*")  # options that an advice names
 # Options that hold for every command on the same logs, beside those of how logs are read.
 CARRIED = {"robot", "model", "cutoff", "environment", "contact", "mounted", "condition"}
 
@@ -24,8 +28,10 @@ def show_next(console: Console, line: str) -> None:
 
     Args:
         console: Where.
-        line: The command.
+        line: The command; nothing is printed if it is empty.
     """
+    if not line:
+        return
     console.print(f"next: {printable(line)}", style="dim", markup=False, soft_wrap=True)
 
 
@@ -44,6 +50,31 @@ def follow(ctx: typer.Context, command: str, *arguments: str | Path, **options: 
     for parameter in nxt.params:
         words += _words(parameter, given.get(parameter.name))
     return shlex.join(["cdia", command, *words])
+
+
+def follow_checks(
+    ctx: typer.Context, checks: Sequence[LogCheck], command: str, *logs: Path, **options: Any
+) -> str:
+    """Return another command on checked logs; where they contradict their robot, the present one with what mends them.
+
+    Args:
+        ctx: Of the present command.
+        checks: Checks of the logs.
+        command: Name of the next one.
+        *logs: The logs, its arguments.
+        **options: As of `follow`.
+
+    Returns:
+        The command; empty if no option mends the logs, or not all of them alike.
+    """
+    if not any(check.obstacles for check in checks):
+        return follow(ctx, command, *logs, **options)
+    mends = {
+        tuple(dict.fromkeys(option for f in check.obstacles for option in MENDING.findall(f.advice)))
+        for check in checks
+    }
+    words = [word for option in mends.pop() if option not in (ctx.obj or "") for word in option.split()]
+    return with_words(ctx, *words) if words and not mends else ""
 
 
 def again(ctx: typer.Context, **options: Any) -> str:

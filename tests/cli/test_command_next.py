@@ -14,9 +14,11 @@ from hypothesis import strategies as st
 
 from cdia_pin import Dynamics, load_robot, read_log, save_model, write_log
 from cdia_pin.cli.discover import _following
-from cdia_pin.cli.next_command import again, follow, free
+from cdia_pin.cli.next_command import again, follow, follow_checks, free
 from cdia_pin.cli.program import app
 from cdia_pin.effects import parse_term
+from cdia_pin.logs import LogCheck
+from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.resources import logs_dir
 
 ROBOT = ["--robot", "double_pendulum"]
@@ -155,6 +157,25 @@ def test_the_export_after_a_search_is_one_that_holds_what_was_found(cdia, tmp_pa
     line = shlex.split(_following(context(["discover", "LOG", *ROBOT]), found, [Path("LOG")], file))
     assert line[-2] == option
     assert cdia(*line[1:-1], tmp_path / line[-1]).code == 0
+
+
+ELBOW = "flip_effort=elbow_joint"
+
+
+@pytest.mark.parametrize(
+    ("advice", "more", "then"),
+    [
+        ([f"--convert {ELBOW}"], [], f"cdia compare --convert {ELBOW} LOG --robot ur5"),
+        ([f"--convert {ELBOW}", ""], [], ""),  # one of two logs is right
+        (["record it again"], [], ""),
+        ([f"--convert {ELBOW}"], ["--convert", ELBOW], ""),  # it was given, and mends nothing
+    ],
+)
+def test_a_log_that_contradicts_its_robot_is_mended_before_it_is_used(advice, more, then):
+    error = [Finding(Topic.SIGN, Severity.ERROR, "flipped", advice=text) for text in advice]
+    checks = [LogCheck("log", "ur5", (finding,) if finding.advice else ()) for finding in error]
+    ctx = context(["compare", "LOG", "--robot", "ur5", *more])
+    assert follow_checks(ctx, checks, "discover", Path("LOG")) == then
 
 
 def test_after_a_check_that_finds_degrees_the_next_command_reads_degrees(cdia, tmp_path):
