@@ -1,6 +1,7 @@
 """Reading a log takes memory and time in proportion to its file, whatever the file holds."""
 
 import io
+import json
 import os
 import struct
 import time
@@ -12,6 +13,7 @@ from pyarrow import parquet
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs import read_log
+from cdia_pin.logs.readers.bounds import ALWAYS
 from cdia_pin.robot import load_robot
 
 ROWS = 20_000_000
@@ -50,6 +52,21 @@ def test_a_parquet_file_of_one_value_is_not_unpacked(pendulum, tmp_path):
     parquet.write_table(table, tmp_path / "bomb.parquet", compression="zstd")
     assert (tmp_path / "bomb.parquet").stat().st_size < 10**6
     refused(pendulum, tmp_path / "bomb.parquet", "decompressed")
+
+
+def test_vectors_of_one_value_are_not_unpacked_and_files_count_together(pendulum, tmp_path):
+    rows = 500_000
+    vector = {"dtype": "float32", "shape": [10], "names": None}
+    (tmp_path / "meta").mkdir()
+    (tmp_path / "meta" / "info.json").write_text(json.dumps({"features": {"observation.state": vector}}))
+    (tmp_path / "data").mkdir()
+    zeros = pa.FixedSizeListArray.from_arrays(pa.array(np.zeros(10 * rows)), 10)
+    columns = {"timestamp": np.zeros(rows), "episode_index": np.zeros(rows, np.int64)}
+    for name in ("a", "b"):
+        table = pa.table({**columns, "observation.state": zeros})
+        parquet.write_table(table, tmp_path / "data" / f"{name}.parquet", compression="zstd")
+    assert ALWAYS / 2 < 96 * rows < ALWAYS  # each file by itself is small enough
+    refused(pendulum, tmp_path, "decompressed")
 
 
 def record(opcode: int, content: bytes) -> bytes:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pyarrow import parquet
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, check_log, read_log
@@ -124,6 +125,19 @@ def test_lerobot_episodes_are_not_run_together(ur5, of_ur5, dataset):
     assert len(log.time) == len(of_ur5.time)
     with pytest.raises(LogError, match="7 is none of them"):
         read_log(folder, ur5, convert="angle=deg", episode=7)
+
+
+def test_lerobot_keeps_no_file_open(ur5, of_ur5, dataset, monkeypatch):
+    opened = []
+    usual = parquet.ParquetFile
+
+    def noted(file):
+        opened.append(usual(file))
+        return opened[-1]
+
+    monkeypatch.setattr(parquet, "ParquetFile", noted)
+    read_log(dataset(2), ur5, convert="angle=deg", episode=1)
+    assert len(opened) == 2 and all(file.closed for file in opened)
 
 
 def test_lerobot_without_torques_says_what_is_needed(ur5, of_ur5, tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.input_files import read_text
-from cdia_pin.logs.readers.bounds import require_bounded
+from cdia_pin.logs.readers.bounds import parquet_contents, require_bounded
 from cdia_pin.logs.readers.table import Table
 
 if TYPE_CHECKING:
@@ -59,15 +60,16 @@ def read_lerobot(path: Path, episode: int | None) -> tuple[Table, str]:
     files = [path] if path.is_file() else sorted(folder.glob("data/**/*.parquet"))
     if not files:
         raise LogError(f"{path}: a LeRobot dataset without data/…/*.parquet")
-    opened = [_opened(file, [TIME, EPISODE, *features]) for file in files]
-    episodes = [_column(file, EPISODE, path.name).astype(np.int64).ravel() for file in opened]
-    number = _one_of(sorted({int(k) for each in episodes for k in np.unique(each)}), episode, path.name)
-    holding = [k for k, each in enumerate(episodes) if (each == number).any()]
+    parts = [_part(file, (TIME, *features)) for file in files]
+    number = _one_of(sorted({int(k) for part in parts for k in np.unique(part.episodes)}), episode, path.name)
+    parts = [part for part in parts if (part.episodes == number).any()]
+    require_bounded(
+        sum(part.contents for part in parts), sum(part.file.stat().st_size for part in parts), path.name
+    )
+    read = [part.read((TIME, *features), number) for part in parts]
     columns: dict[str, NDArray[Any]] = {}
     for feature in (TIME, *features):
-        values = np.concatenate(
-            [_column(opened[k], feature, path.name)[episodes[k] == number] for k in holding]
-        )
+        values = np.concatenate([each[feature] for each in read])
         if feature == TIME:
             columns[TIME] = values.astype(np.float64).ravel()
             continue
@@ -77,8 +79,8 @@ def read_lerobot(path: Path, episode: int | None) -> tuple[Table, str]:
             )
         columns.update({f"{feature}.{n}": values[:, k] for k, n in enumerate(features[feature])})
     digest = hashlib.sha256((folder / INFO).read_bytes())
-    for k in holding:
-        digest.update(files[k].read_bytes())
+    for part in parts:
+        digest.update(part.file.read_bytes())
     notes = (f"episode {number} of a LeRobot dataset read",)
     return Table(columns, time_unit="s", notes=notes, format="lerobot"), digest.hexdigest()
 
@@ -122,28 +124,41 @@ def _one_of(known: Sequence[int], asked: int | None, source: str) -> int:
     raise LogError(f"{source}: {which}; {why}: choose one with --episode N")
 
 
-def _opened(file: Path, wanted: Sequence[str]) -> parquet.ParquetFile:
+@dataclass(frozen=True)
+class _Part:
+    """A data file: the episode of each of its rows, and the size of what may be read of it [B]."""
+
+    file: Path
+    episodes: NDArray[np.int64]
+    contents: int
+
+    def read(self, names: Sequence[str], number: int) -> dict[str, NDArray[Any]]:
+        """Return the rows of one episode of some columns."""
+        with _opened(self.file) as opened:
+            return {name: _column(opened, name, self.file.name)[self.episodes == number] for name in names}
+
+
+def _part(file: Path, names: Sequence[str]) -> _Part:
+    """Look at a data file that must have some columns."""
+    with _opened(file) as opened:
+        missing = [name for name in (EPISODE, *names) if name not in opened.schema_arrow.names]
+        if missing:
+            raise LogError(f"{file.name}: no column {', '.join(missing)}, which {INFO} names")
+        contents = parquet_contents(opened.metadata, (EPISODE, *names))
+        require_bounded(contents, file.stat().st_size, file.name)
+        return _Part(file, _column(opened, EPISODE, file.name).astype(np.int64).ravel(), contents)
+
+
+def _opened(file: Path) -> parquet.ParquetFile:
     import pyarrow as pa
     from pyarrow import parquet
 
     try:
-        opened = parquet.ParquetFile(file)
+        return parquet.ParquetFile(file)
     except (pa.ArrowException, OSError, ValueError) as error:
         raise LogError(
             f"{file.name}: not readable as Parquet ({' '.join(str(error).split())[:160]})"
         ) from None
-    missing = [name for name in wanted if name not in opened.schema_arrow.names]
-    if missing:
-        raise LogError(f"{file.name}: no column {', '.join(missing)}, which {INFO} names")
-    parts = (opened.metadata.row_group(k) for k in range(opened.metadata.num_row_groups))
-    contents = sum(
-        column.total_uncompressed_size
-        for part in parts
-        for column in (part.column(c) for c in range(part.num_columns))
-        if column.path_in_schema.split(".list.")[0] in wanted
-    )
-    require_bounded(contents, file.stat().st_size, file.name)
-    return opened
 
 
 def _column(file: parquet.ParquetFile, name: str, source: str) -> NDArray[Any]:
