@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from fastapi import Request, Response
 from fastapi.responses import PlainTextResponse
 from nicegui import app
 
-from cdia_pin.app.dropped import LARGEST, inside
+from cdia_pin.app.dropped import LARGEST
 from cdia_pin.app.shelf import Shelf
 from cdia_pin.errors import CdiaError
 from cdia_pin.whole_files import whole_file
@@ -33,14 +34,17 @@ def serve_drops(shelf: Shelf[Workbench]) -> None:
             return PlainTextResponse("this session has ended: load the page again", 404)
         size = 0
         try:
-            file = inside(bench.folder, f"{drop}/{path}")
+            file = bench.drops.place(drop, path)
             file.parent.mkdir(parents=True, exist_ok=True)
             with whole_file(file) as out:
                 async for chunk in request.stream():
                     size += len(chunk)
                     if size > LARGEST * 10**6:
                         raise CdiaError(f"it is larger than {LARGEST} MB, give its path instead")
+                    bench.drops.count(drop, len(chunk))
                     out.write(chunk)
         except (CdiaError, OSError) as error:
+            with suppress(CdiaError):  # of a drop without a name that can be
+                bench.drops.forget(drop)
             return PlainTextResponse(f"{path} cannot be kept: {error}", 400)
         return Response(status_code=204)

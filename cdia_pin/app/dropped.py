@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import lzma
 import os
 import re
 import zipfile
+import zlib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -22,8 +25,9 @@ from cdia_pin.logs.readers.lerobot import INFO
 from cdia_pin.phrases import some
 
 LARGEST = 500  # [MB], of a file that is dropped
-UNPACKED = 2000  # [MB], of what a zip file holds
-MOST_FILES = 5000  # of a folder or a zip file
+UNPACKED = 2000  # [MB], of what a zip file holds, and of all drops of a session
+MOST_FILES = 5000  # of a zip file, and of all drops of a session
+DAMAGED = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, UnicodeDecodeError)  # of a zip file
 MESHES = (".stl", ".dae", ".obj", ".ply", ".glb", ".gltf")
 ROBOTS = (".urdf", ".xacro", ".xml")
 TEXT = ".txt"
@@ -75,7 +79,7 @@ def sort_dropped(folder: Path) -> Dropped:
     Raises:
         CdiaError: If a zip file cannot be unpacked, nothing can be used, or it is not clear which file is meant.
     """
-    for packed in sorted(folder.rglob("*.zip")):
+    for packed in sorted(p for p in folder.rglob("*") if p.suffix.lower() == ".zip" and p.is_file()):
         _unpack(packed)
     files = sorted(p for p in folder.rglob("*") if p.is_file() and not _hidden(p.relative_to(folder)))
     documents = {
@@ -114,8 +118,9 @@ def place_meshes(urdf: Path, meshes: Iterable[Path]) -> None:
         if not candidates or wanted.is_absolute() or ".." in wanted.parts or target.exists():
             continue
         best = max(candidates, key=lambda p: _shared_tail(p.parts, wanted.parts))
-        target.parent.mkdir(parents=True, exist_ok=True)
-        os.link(best, target)
+        with suppress(OSError):  # of a mesh whose folder another mesh is
+            target.parent.mkdir(parents=True, exist_ok=True)
+            os.link(best, target)
 
 
 def mesh_addresses(urdf: Path) -> list[str]:
@@ -146,7 +151,7 @@ def _shared_tail(one: tuple[str, ...], other: tuple[str, ...]) -> int:
 def _robots(files: list[Path]) -> list[Path]:
     """Return the descriptions of robots: URDF files, or else files that must become one."""
     urdfs = [p for p in files if p.suffix.lower() == ".urdf"]
-    return urdfs or [p for p in files if p.suffix.lower() in ROBOTS and b"<robot" in p.read_bytes()[:4096]]
+    return urdfs or [p for p in files if p.suffix.lower() in ROBOTS and b"<robot" in _start(p)]
 
 
 def _hidden(path: Path) -> bool:
@@ -162,10 +167,14 @@ def _logs(files: list[Path]) -> list[Path]:
     return logs or [p for p in singles if _is_table(p)]
 
 
+def _start(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(START)
+
+
 def _is_table(text: Path) -> bool:
     """Tell whether the first line of a text has a delimiter or names a column of times."""
-    with text.open("rb") as file:
-        line = file.read(START).decode(errors="replace").partition("\n")[0]
+    line = _start(text).decode(errors="replace").partition("\n")[0]
     return bool(re.search(r"[,;\t]", line)) or bool(sort_names(line.split()).time)
 
 
@@ -211,6 +220,6 @@ def _unpack(packed: Path) -> None:
                 target = inside(folder, member.filename)
                 target.parent.mkdir(parents=True, exist_ok=True)
                 archive.extract(member, folder)
-    except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError) as error:
+    except (*DAMAGED, OSError, RuntimeError, NotImplementedError) as error:
         raise RobotError(f"{packed.name}: not a zip file that can be read ({error})") from None
     packed.unlink()

@@ -55,7 +55,7 @@ class FindPage:
         DropElement(
             ADDRESS + key,
             USEFUL,
-            lambda drop: bench.take_dropped(bench.folder / drop),
+            lambda drop: bench.take_dropped(str(drop)),
             bench.runner.refuse,
         )
         with node("div", classes="page"):

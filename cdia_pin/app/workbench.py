@@ -5,14 +5,17 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
 
 from cdia_pin.app import exports, picture
+from cdia_pin.app.bench_page import BenchPage
+from cdia_pin.app.drops import Drops
+from cdia_pin.app.form import Form
 from cdia_pin.app.inputs import Request
 from cdia_pin.app.load_desk import LoadDesk
 from cdia_pin.app.next_motion import Doubt, designed
 from cdia_pin.app.runner import Runner
 from cdia_pin.app.session import Session
+from cdia_pin.errors import CdiaError
 from cdia_pin.progress import Progress
 from cdia_pin.viewers.scene import SceneDocument, TimelineDocument
 from cdia_pin.viewers.words import percent
@@ -23,33 +26,6 @@ FILES: dict[str, tuple[Callable[[Session], bytes], str]] = {
     "report": (exports.report_file, "report.html"),
     "python": (exports.python_file, "same.py"),
 }
-
-
-class BenchPage(Protocol):
-    """What a workbench asks of each page that shows it."""
-
-    def show(self, *marks: str) -> None:
-        """Fill steps anew.
-
-        Args:
-            *marks: Which ones; all if none is given.
-        """
-
-    def draw_arm(self) -> None:
-        """Draw the arm anew, and its motion."""
-
-    def draw_motion(self) -> None:
-        """Show the motion of the log, coloured anew."""
-
-    def draw_joint(self) -> None:
-        """Show the joint that is chosen."""
-
-    def focus(self, mark: str) -> None:
-        """Move the keyboard to a step, for the button that had it is gone.
-
-        Args:
-            mark: Of the step.
-        """
 
 
 class Workbench:
@@ -70,6 +46,7 @@ class Workbench:
         runner: Runs the jobs.
         pages: Those that show this workbench.
         folder: For files that are dropped.
+        drops: Those files.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -81,7 +58,7 @@ class Workbench:
         self.joint, self.typed, self.own_fault = "", "", ""
         self.searching = False
         self.pages: list[BenchPage] = []
-        self.folder = folder
+        self.folder, self.drops = folder, Drops(folder)
 
     def close(self) -> None:
         """Cancel what runs, and remove what was dropped."""
@@ -121,16 +98,23 @@ class Workbench:
         if not mend:
             await self.search()
 
-    async def take_dropped(self, folder: Path) -> None:
+    async def take_dropped(self, drop: str) -> None:
         """Fill the form with files that were dropped, and load what can be loaded.
 
         Args:
-            folder: That holds them.
+            drop: Name of the drop, as its page gives it.
         """
-        form = await self.runner.run("Looking at the files", lambda tell: self.desk.take(folder))
+        form = await self.runner.run("Looking at the files", lambda tell: self._look_at(drop))
         self.open_form()
         if form is not None and form.robot:
             await self.submit()
+
+    def _look_at(self, drop: str) -> Form:
+        try:
+            return self.desk.take(self.drops.folder(drop))
+        except CdiaError:
+            self.drops.forget(drop)
+            raise
 
     def remove_model(self) -> None:
         """Take the saved model out of the form."""

@@ -1,5 +1,6 @@
 """Files of the app: what was dropped, where meshes go, and what is left behind."""
 
+import asyncio
 import subprocess
 import sys
 import zipfile
@@ -10,6 +11,7 @@ from cdia_pin import CdiaError
 from cdia_pin.app.dropped import inside, place_meshes, sort_dropped
 from cdia_pin.app.log_columns import columns_of
 from cdia_pin.app.scratch import PREFIX, Scratch
+from cdia_pin.app.workbench import Workbench
 from cdia_pin.resources import logs_dir
 
 URDF = '<robot name="a"><link name="b"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
@@ -81,6 +83,56 @@ def test_what_is_not_clear_is_refused(tmp_path):
         (tmp_path / name).write_text(URDF.format("x.stl"))
     with pytest.raises(CdiaError, match="more than one robot was dropped"):
         sort_dropped(tmp_path)
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_DEFLATED, zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2])
+def test_a_damaged_zip_file_is_refused(tmp_path, method):
+    with zipfile.ZipFile(tmp_path / "A.ZIP", "w", method) as packed:
+        packed.writestr("run.csv", "time,q1\n" * 100)
+    whole = (tmp_path / "A.ZIP").read_bytes()
+    assert sort_dropped(tmp_path).log.name == "run.csv"
+    for at in range(37, 50):  # what follows the name of the member
+        (tmp_path / "b").mkdir(exist_ok=True)
+        (tmp_path / "b" / "A.ZIP").write_bytes(whole[:at] + b"\xff" * 9 + whole[at + 9 :])
+        with pytest.raises(CdiaError, match="not a zip file that can be read"):
+            sort_dropped(tmp_path / "b")
+
+
+def test_a_mesh_below_another_mesh_is_left_out(tmp_path):
+    meshes = "".join(URDF.format(name)[16:-8] for name in ("a/b.stl", "a/b.stl/c.stl"))
+    (tmp_path / "arm.urdf").write_text(f'<robot name="a">{meshes}</robot>')
+    for name in ("b.stl", "c.stl"):
+        (tmp_path / name).write_text(name)
+    place_meshes(tmp_path / "arm.urdf", [tmp_path / "b.stl", tmp_path / "c.stl"])
+    assert (tmp_path / "a" / "b.stl").read_text() == "b.stl"
+
+
+def test_drops_are_bounded_and_a_refused_one_leaves_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr("cdia_pin.app.drops.MOST_FILES", 2)
+    monkeypatch.setattr("cdia_pin.app.drops.UNPACKED", 1)
+    bench = Workbench(tmp_path / "session")
+    for name in ("a.md", "b.md"):
+        file = bench.drops.place("drop", name)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text("x")
+    with pytest.raises(CdiaError, match="2 files at most"):
+        bench.drops.place("other", "c.md")
+    asyncio.run(bench.take_dropped("drop"))
+    assert "nothing to use in a.md" in bench.runner.wrong
+    assert not (tmp_path / "session" / "drop").exists()
+    bench.drops.place("other", "c.md")
+    with pytest.raises(CdiaError, match="1 MB at most"):
+        bench.drops.count("other", 2 * 10**6)
+
+
+def test_a_page_cannot_name_a_folder_elsewhere(tmp_path):
+    bench = Workbench(tmp_path / "session")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "arm.urdf").write_text(URDF.format("x.stl"))
+    for name in (str(tmp_path / "other"), "../other", "none"):
+        asyncio.run(bench.take_dropped(name))
+        assert bench.runner.wrong and bench.desk.form.robot == ""
+    assert (tmp_path / "other" / "arm.urdf").exists()
 
 
 @pytest.mark.parametrize("address", ["package://arm/meshes/visual/x.stl", "meshes/visual/x.stl"])
