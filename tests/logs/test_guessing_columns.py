@@ -87,3 +87,19 @@ def test_columns_in_no_group_of_joints_are_listed(ur5, made, tmp_path):
     path = write(tmp_path / "x.csv", {"zeit": -made.time, "angle": made.position[:, 0]})
     with pytest.raises(MissingColumnsError, match="found zeit, angle"):
         read_log(path, ur5)
+
+
+def test_a_velocity_in_another_unit_is_left_out(ur5, made, tmp_path):
+    columns = {"zeit": made.time, **numbered("a", np.degrees(made.position)), **numbered("c", made.effort)}
+    rpm = np.degrees(made.velocity) / 6.0
+    with pytest.raises(MissingColumnsError, match=r"velocity in another unit\?") as caught:
+        read_log(write(tmp_path / "x.csv", columns | numbered("b", rpm)), ur5)
+    assert "velocity" not in reading_of(caught.value.guesses, ur5)["columns"]
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+def test_of_very_few_samples_nothing_is_guessed(ur5, made, tmp_path, rows):
+    columns = {"zeit": made.time[:rows], **numbered("a", made.position[:rows])}
+    with pytest.raises(MissingColumnsError) as caught:
+        read_log(write(tmp_path / "x.csv", columns), ur5)
+    assert caught.value.guesses == []

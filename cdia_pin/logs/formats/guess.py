@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.logs.formats.groups import ColumnGroup, grouped
 from cdia_pin.logs.formats.patterns import TIME
+from cdia_pin.logs.timestamps import in_seconds
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
@@ -23,7 +24,11 @@ FULL_TURNS = 7.0  # [rad], above one turn; a joint that goes further in rad is r
 RATE_OF = 0.7  # [1], correlation with the derivative of another signal above which it is its velocity
 COPY_OF = 0.995  # [1], correlation with the positions above which a signal is their command
 SMALL = 0.05  # [1], largest torque over the limit of its joint below which it is rather a current
+# Within what factor a velocity has the size of its positions' derivative [1]. Noise moves it by less; the nearest other
+# units, turns of the motor aside, are revolutions: per minute for degrees a sixth, per second for radians as well.
+SAME_UNIT = 2.0
 WARM = (10.0, 100.0)  # [°C] of motors
+LEAST = 3  # [samples], of which something can be said
 SAMPLES = 20_000  # [samples] that are looked at
 # Words in names, which decide where sizes do not.
 WORDS = {
@@ -75,12 +80,15 @@ def guess_columns(columns: dict[str, NDArray[Any]], robot: RobotModel) -> list[C
     Returns:
         A guess for each group of columns with one for each joint, and for the column of times.
     """
+    if len(next(iter(columns.values()), ())) < LEAST:
+        return []
     groups = grouped(list(columns), robot.n)
     values = {g.pattern: _values(columns, g) for g in groups}
     groups = [g for g in groups if np.isfinite(values[g.pattern]).any(axis=0).all()]
     words = {g.pattern: _word(g.pattern) for g in groups}
     position, velocity = _moving([g for g in groups if not UNWANTED.search(g.pattern)], values, words)
     guesses = list(_times(columns, {c for g in groups for c in g.labels.values()}))
+    seconds = in_seconds(columns[guesses[0].pattern][:SAMPLES], None, "")[0] if guesses else None
     taken: set[str] = set()
     for group in groups:
         x = values[group.pattern]
@@ -88,6 +96,8 @@ def guess_columns(columns: dict[str, NDArray[Any]], robot: RobotModel) -> list[C
             signal, said = "position", "deg" if np.nanmax(np.abs(x)) > FULL_TURNS else "rad"
         elif group is velocity:
             signal, said = "velocity", "follows the change of the positions"
+            if position and seconds is not None and not _same_unit(values[position.pattern], x, seconds):
+                signal, said = "", "velocity in another unit?"
         elif position and not words[group.pattern] and _alike(x, values[position.pattern]) > COPY_OF:
             signal, said = "", "follows the positions: commanded?"
         else:
@@ -185,6 +195,16 @@ def _alike(x: Array, y: Array) -> float:
     size = np.sqrt(np.nansum(x * x, axis=0) * np.nansum(y * y, axis=0))
     moving = size > 0
     return float(np.median(np.nansum(x * y, axis=0)[moving] / size[moving])) if moving.any() else 0.0
+
+
+def _same_unit(position: Array, velocity: Array, seconds: Array) -> bool:
+    """Tell whether velocities have the size of the derivative of the positions."""
+    rate = np.gradient(position, seconds, axis=0)
+    moving = np.nanstd(rate, axis=0) > 0
+    if not moving.any():
+        return True
+    slope = float(np.median(np.nanstd(velocity, axis=0)[moving] / np.nanstd(rate, axis=0)[moving]))
+    return 1 / SAME_UNIT < slope < SAME_UNIT
 
 
 def _roughness(x: Array) -> float:
