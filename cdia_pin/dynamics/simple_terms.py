@@ -24,6 +24,7 @@ from cdia_pin.effects import (
     Varying,
     ViscousFriction,
 )
+from cdia_pin.effects.friction import LARGEST_DECAY
 
 
 class Quantity(StrEnum):
@@ -33,6 +34,7 @@ class Quantity(StrEnum):
     PAYLOAD = "payload"
     DAMPING = "joint damping"
     FRICTION = "dry friction"
+    BREAKAWAY = "dry friction at rest beyond that in motion"
     ARMATURE = "rotor inertia"
     SPRING = "joint springs"
     GRAVITY = "gravity"
@@ -44,10 +46,12 @@ QUANTITIES: dict[type[Effect], Quantity] = {
     Payload: Quantity.PAYLOAD,
     ViscousFriction: Quantity.DAMPING,
     CoulombFriction: Quantity.FRICTION,
+    StribeckFriction: Quantity.BREAKAWAY,  # as `_breakaway` makes it
     RotorInertia: Quantity.ARMATURE,
     JointSpring: Quantity.SPRING,
     BaseTilt: Quantity.GRAVITY,
 }
+FRICTION = CoulombFriction | ViscousFriction | StribeckFriction
 PARTS = {"log": "the logs", "time": "beginning and end"}  # of an effect that varies, by kind
 
 
@@ -64,20 +68,22 @@ class Simplified:
     how: str = ""
 
 
-def simplified(term: Term) -> Simplified | None:
+def simplified(term: Term, at_rest: bool = False) -> Simplified | None:
     """Return the terms of simulators that are nearest to a term; None if none is near.
 
     Args:
         term: An effect with numbers.
+        at_rest: Whether the simulator knows friction at rest beside that in motion.
     """
     effect, values = term.effect, term.values
     if isinstance(effect, JointSpring) and values["stiffness"] <= 0:
         return None  # what is left is an offset
-    if type(effect) in QUANTITIES:
-        return Simplified((term,))
     if isinstance(effect, Varying):
-        return _mean(effect, term)
+        return _mean(effect, term, at_rest)
     match effect:
+        case StribeckFriction(joint=joint) if at_rest:
+            terms = (*_friction(joint, values["level"]), _breakaway(effect, values["breakaway"]))
+            how = "its level at speed and its breakaway at rest"
         case AsymmetricFriction(joint=joint):
             level = (values["level_positive"] + values["level_negative"]) / 2
             coefficient = (values["coefficient_positive"] + values["coefficient_negative"]) / 2
@@ -89,15 +95,15 @@ def simplified(term: Term) -> Simplified | None:
         case ThermalFriction(joint=joint):
             terms, how = _friction(joint, values["level"], values["coefficient"]), "its size at 20 °C"
         case _:
-            return None
+            return Simplified((term,)) if type(effect) in QUANTITIES else None
     return Simplified(terms, how)
 
 
-def _mean(effect: Varying, term: Term) -> Simplified | None:
+def _mean(effect: Varying, term: Term, at_rest: bool) -> Simplified | None:
     """Return friction that varies as its mean; None for other effects, such as a payload that was exchanged."""
     theta = np.reshape(term.theta, (len(effect.parts), effect.effect.size)).mean(axis=0)
-    plain = simplified(Term(effect.effect, tuple(theta), term.profile))
-    if plain is None or not all(isinstance(t.effect, CoulombFriction | ViscousFriction) for t in plain.terms):
+    plain = simplified(Term(effect.effect, tuple(theta), term.profile), at_rest)
+    if plain is None or not all(isinstance(t.effect, FRICTION) for t in plain.terms):
         return None
     return Simplified(
         plain.terms, f"its mean over {PARTS[effect.kind]}" + (plain.how and f", and {plain.how}")
@@ -108,3 +114,8 @@ def _friction(joint: str, level: float, coefficient: float | None = None) -> tup
     """Return Coulomb friction [N·m or N], and viscous friction [N·m·s/rad or N·s/m] if there is any."""
     dry = Term.of(CoulombFriction(joint), level=level)
     return (dry,) if coefficient is None else (dry, Term.of(ViscousFriction(joint), coefficient=coefficient))
+
+
+def _breakaway(effect: StribeckFriction, size: float) -> Term:
+    """Return friction [N·m or N] that is gone as soon as the joint moves."""
+    return Term.of(effect.with_shape(decay=LARGEST_DECAY), level=0.0, breakaway=max(size, 0.0))

@@ -115,7 +115,8 @@ class SimulatorValues:
         """
         out = cls()
         for term in terms:
-            simple = None if term.profile != ALWAYS else simplified(_possible(term, robot))
+            at_rest = Quantity.BREAKAWAY in wanted.holds
+            simple = None if term.profile != ALWAYS else simplified(_possible(term, robot), at_rest)
             held = (
                 tuple(t for t in simple.terms if QUANTITIES[type(t.effect)] in wanted.holds) if simple else ()
             )
@@ -127,8 +128,6 @@ class SimulatorValues:
                 raise ModelError(f"no arm can be written with {why}")
             for t in held:
                 out._take(t, robot)
-            if isinstance(term.effect, StribeckFriction):
-                out.breakaway[term.effect.joint] = max(term.values["breakaway"], 0.0)
             lost = [str(QUANTITIES[type(t.effect)]) for t in simple.terms if t not in held]
             how = ", ".join(filter(None, [simple.how, f"without its {' and '.join(lost)}" if lost else ""]))
             if how:
@@ -150,6 +149,8 @@ class SimulatorValues:
                 self.damping[joint] = self.damping.get(joint, 0.0) + float(theta[0])
             case CoulombFriction(joint=joint):
                 self.friction[joint] = self.friction.get(joint, 0.0) + float(theta[0])
+            case StribeckFriction(joint=joint):
+                self.breakaway[joint] = self.breakaway.get(joint, 0.0) + float(theta[1])
             case RotorInertia(joint=joint):
                 self.armature[joint] = self.armature.get(joint, 0.0) + float(theta[0])
             case JointSpring(joint=joint):

@@ -14,7 +14,7 @@ from cdia_pin.exports.head import head
 
 ISAAC_LAB = FileFormat(
     "an actuator of Isaac Lab",
-    frozenset({Quantity.DAMPING, Quantity.FRICTION, Quantity.ARMATURE}),
+    frozenset({Quantity.DAMPING, Quantity.FRICTION, Quantity.BREAKAWAY, Quantity.ARMATURE}),
     {Quantity.BODIES: IN_URDF, Quantity.PAYLOAD: IN_URDF},
 )
 

@@ -21,7 +21,7 @@ from cdia_pin.robot.urdf_values import axis_of, homogeneous, welded
 
 Array = NDArray[np.float64]
 
-MJCF = FileFormat("an MJCF", frozenset(Quantity))
+MJCF = FileFormat("an MJCF", frozenset(Quantity) - {Quantity.BREAKAWAY})
 # Share of dry friction that MuJoCo's soft constraint keeps from the start [1]: slipping, a joint has its full level.
 STIFF = "0.9999 0.9999 0.001 0.5 2"
 LEAST = 1e-9  # [kg, kg·m²], mass and principal inertia of a moving link: MuJoCo refuses links without

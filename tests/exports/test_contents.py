@@ -114,6 +114,16 @@ def test_a_model_that_remembers_no_motion_has_no_torques(robot):
     assert torque_left_out(FORMATS["mjcf"].values(model), model) == {}
 
 
+def test_the_breakaway_is_held_where_friction_at_rest_has_a_place(robot):
+    label = f"stribeck_friction@{ELBOW}"
+    model = model_of(robot, f"{label}: level=3, breakaway=2, decay=5")
+    for form, breakaway in (("isaac_lab", 2.0), ("mjcf", 0.0), ("urdf", 0.0)):
+        values = FORMATS[form].values(model)
+        assert ("breakaway at rest" in values.approximated[label]) == bool(breakaway)
+        total = sum(sum(t.theta) for t in values.beyond[label].written)
+        assert total == pytest.approx(3.0 + breakaway)
+
+
 def test_isaac_lab_has_friction_at_rest_and_in_motion(robot):
     text = text_of(
         "isaac_lab",
