@@ -20,7 +20,8 @@ from cdia_pin import schemas
 from cdia_pin.errors import CdiaError, LogError, RobotError
 from cdia_pin.input_files import read_text, require_small_file
 from cdia_pin.logs.columns import sort_names
-from cdia_pin.logs.readers.dispatch import BAG_SUFFIXES, SUFFIXES
+from cdia_pin.logs.readers.bag_files import COMPRESSED, METADATA, is_bag
+from cdia_pin.logs.readers.dispatch import SUFFIXES
 from cdia_pin.logs.readers.lerobot import INFO
 from cdia_pin.phrases import some
 
@@ -32,7 +33,7 @@ MESHES = (".stl", ".dae", ".obj", ".ply", ".glb", ".gltf")
 ROBOTS = (".urdf", ".xacro", ".xml")
 TEXT = ".txt"
 START = 4096  # [B], of a file, by which it is known
-USEFUL = (*SUFFIXES, *ROBOTS, *MESHES, ".json", ".zip", ".yaml")
+USEFUL = (*SUFFIXES, *ROBOTS, *MESHES, ".json", ".zip", ".yaml", COMPRESSED)
 
 
 @dataclass(frozen=True)
@@ -161,7 +162,7 @@ def _hidden(path: Path) -> bool:
 
 def _logs(files: list[Path]) -> list[Path]:
     """Return the logs; a text is one if nothing else is, and if it begins like a table."""
-    bags = {p.parent for p in files if p.suffix in BAG_SUFFIXES and (p.parent / "metadata.yaml").exists()}
+    bags = {p.parent for p in files if p.name == METADATA and is_bag(p.parent)}
     singles = [p for p in files if p.suffix.lower() in SUFFIXES and p.parent not in bags]
     logs = [*bags, *(p for p in singles if p.suffix.lower() != TEXT)]
     return logs or [p for p in singles if _is_table(p)]

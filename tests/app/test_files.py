@@ -85,6 +85,14 @@ def test_what_is_not_clear_is_refused(tmp_path):
         sort_dropped(tmp_path)
 
 
+@pytest.mark.parametrize("name", ["bag_0.db3", "bag_0.db3.zstd"])
+def test_the_folder_of_a_bag_is_a_log(tmp_path, name):
+    (tmp_path / "bag").mkdir()
+    for each in (name, "metadata.yaml"):
+        (tmp_path / "bag" / each).write_text("")
+    assert sort_dropped(tmp_path).log == tmp_path / "bag"
+
+
 @pytest.mark.parametrize("method", [zipfile.ZIP_DEFLATED, zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2])
 def test_a_damaged_zip_file_is_refused(tmp_path, method):
     with zipfile.ZipFile(tmp_path / "A.ZIP", "w", method) as packed:

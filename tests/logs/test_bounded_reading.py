@@ -107,6 +107,19 @@ def test_a_chunk_that_becomes_huge_is_not_unpacked(pendulum, tmp_path, says, com
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000  # [kB]
 
 
+@pytest.mark.parametrize(
+    ("name", "metadata"),
+    [("bag_0.db3.zstd", None), ("bag_0.db3.zstd", "version: 5"), ("bag_0.db3", 'compression_mode: "FILE"')],
+)
+def test_a_bag_that_is_compressed_as_a_whole_is_not_unpacked(pendulum, tmp_path, name, metadata):
+    (tmp_path / name).write_bytes(b"x")
+    if metadata:
+        (tmp_path / "metadata.yaml").write_text(metadata)
+    refused(pendulum, tmp_path, "decompress it first")
+    if name.endswith("zstd"):
+        refused(pendulum, tmp_path / name, "decompress it first")
+
+
 @pytest.mark.parametrize("name", ["position.x{}", "position.j{}", "c{}", "x{}_joint1", "position.{}joint1"])
 def test_very_many_columns_take_time_in_proportion(pendulum, tmp_path, name):
     count = 20_000

@@ -9,13 +9,19 @@ from pathlib import Path
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.formats import CSV, LEROBOT, ROS2
+from cdia_pin.logs.readers.bag_files import (
+    BAG_SUFFIXES,
+    COMPRESSED,
+    METADATA,
+    require_plain_files,
+    storage_files,
+)
 from cdia_pin.logs.readers.lerobot import dataset_of, read_lerobot
 from cdia_pin.logs.readers.table import Table
 
 LONG = (
     32 * 2**20
 )  # [B], of a text that is read in blocks if it is a plain one: a minute of an arm at 1 kHz has 10 MB
-BAG_SUFFIXES = (".db3", ".mcap")
 SUFFIXES = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".npz", *BAG_SUFFIXES)
 
 
@@ -60,7 +66,7 @@ def read_table(path: Path, joints: Sequence[str], wanted: Wanted) -> tuple[Table
         return read_lerobot(path, wanted.episode)
     if wanted.episode is not None:
         raise LogError(f"{source}: only a LeRobot dataset has episodes, given --episode {wanted.episode}")
-    if path.is_dir() or suffix in BAG_SUFFIXES or wanted.format == ROS2.name:
+    if path.is_dir() or suffix in {*BAG_SUFFIXES, COMPRESSED} or wanted.format == ROS2.name:
         return _bag(path, joints, wanted)
     if suffix not in SUFFIXES and wanted.format is None:
         hint = "; ROS 1 bags become ROS 2 bags with rosbags-convert" if suffix == ".bag" else ""
@@ -106,17 +112,16 @@ def _bag(path: Path, joints: Sequence[str], wanted: Wanted) -> tuple[Table, str]
     """Read a bag, or the only storage file of a directory that has no metadata."""
     from cdia_pin.logs.readers.rosbag import read_rosbag
 
-    files = [path]
-    if path.is_dir():
-        files = sorted(p for p in path.iterdir() if p.suffix in BAG_SUFFIXES)
-        if not files:
-            raise LogError(f"{path}: a directory without .db3 or .mcap files is not a ROS 2 bag")
-        if not (path / "metadata.yaml").exists():
-            if len(files) > 1:
-                raise LogError(f"{path}: no metadata.yaml and several storage files; give one of them")
-            path = files[0]
+    files = storage_files(path)
+    if not files:
+        raise LogError(f"{path}: a directory without .db3 or .mcap files is not a ROS 2 bag")
     digest = hashlib.sha256()
     try:
+        require_plain_files(path)
+        if path.is_dir() and not (path / METADATA).exists():
+            if len(files) > 1:
+                raise LogError(f"{path}: no {METADATA} and several storage files; give one of them")
+            path = files[0]
         for file in files:
             digest.update(file.read_bytes())
     except OSError as error:

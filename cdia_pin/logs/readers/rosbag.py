@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.extras import require
 from cdia_pin.logs.joint_names import match_joints
 from cdia_pin.logs.readers import mcap
+from cdia_pin.logs.readers.bag_files import storage_files
 from cdia_pin.logs.readers.bounds import require_bounded
 from cdia_pin.logs.readers.joint_states import JointStates, joint_states
 from cdia_pin.logs.readers.table import Table
@@ -117,7 +117,7 @@ def _signal(states: list[JointStates], signal: str, source: str) -> dict[str, ND
 def _received(bag: Any, path: Path, wanted: list[Any]) -> dict[str, mcap.Received]:
     """Return the messages of some connections of an open bag, by topic."""
     found: dict[str, mcap.Received] = {}
-    files = _storage_files(path)
+    files = storage_files(path)
     if files and all(file.suffix == ".mcap" for file in files):
         for file in files:
             for topic, more in mcap.messages(file, {c.topic for c in wanted}).items():
@@ -132,17 +132,9 @@ def _received(bag: Any, path: Path, wanted: list[Any]) -> dict[str, mcap.Receive
     return found
 
 
-def _storage_files(path: Path) -> list[Path]:
-    """Return the files of a bag that hold messages, also compressed ones."""
-    if not path.is_dir():
-        return [path]
-    files = [p for p in path.iterdir() if any(kind in p.suffixes for kind in (".db3", ".mcap"))]
-    return sorted(files, key=lambda p: [int(k) if k.isdigit() else k for k in re.split(r"(\d+)", p.name)])
-
-
 def _require_bounded(path: Path) -> None:
     """Refuse MCAP files whose chunks become too large."""
-    for file in _storage_files(path):
+    for file in storage_files(path):
         if file.suffix == ".mcap":
             require_bounded(mcap.contents(file), file.stat().st_size, file.name)
 
