@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -42,7 +43,9 @@ def grouped(names: Sequence[str], count: int) -> list[ColumnGroup]:
     """
     groups: list[ColumnGroup] = []
     taken: set[str] = set()
-    for pattern in dict.fromkeys([*_numbered(names), *_named(names)]):
+    for pattern, often in Counter([*_numbered(names), *_named(names)]).items():
+        if often < count:  # too few names fit, and each look at all of them takes time
+            continue
         labels = labels_of(pattern, [name for name in names if name not in taken])
         if NUMBER in pattern:
             labels = dict(sorted(labels.items(), key=lambda item: int(item[0])))

@@ -37,7 +37,9 @@ def require_bounded(contents: int, size: int, source: str) -> None:
 
 
 def parquet_contents(metadata: parquet.FileMetaData, names: Collection[str]) -> int:
-    """Return the size of columns of a Parquet file in memory [B]; runs and dictionaries repeat a value at no cost there.
+    """Return the size of columns of a Parquet file in memory [B].
+
+    Runs and dictionaries repeat a value at no cost in the file, so the number of values counts.
 
     Args:
         metadata: Of the file.
