@@ -80,9 +80,10 @@ def sort_dropped(folder: Path) -> Dropped:
     Raises:
         CdiaError: If a zip file cannot be unpacked, nothing can be used, or it is not clear which file is meant.
     """
-    for packed in sorted(p for p in folder.rglob("*") if p.suffix.lower() == ".zip" and p.is_file()):
-        _unpack(packed)
-    files = sorted(p for p in folder.rglob("*") if p.is_file() and not _hidden(p.relative_to(folder)))
+    for packed in _files(folder):
+        if packed.suffix.lower() == ".zip":
+            _unpack(packed)
+    files = _files(folder)
     documents = {
         p: _document(p) for p in files if p.suffix.lower() == ".json" and p.parent.name != INFO.parent.name
     }
@@ -155,9 +156,13 @@ def _robots(files: list[Path]) -> list[Path]:
     return urdfs or [p for p in files if p.suffix.lower() in ROBOTS and b"<robot" in _start(p)]
 
 
-def _hidden(path: Path) -> bool:
-    """Tell whether a file is one that systems put beside those of people."""
-    return any(part.startswith(".") or part == "__MACOSX" for part in path.parts)
+def _files(folder: Path) -> list[Path]:
+    """Return the files below a folder, without those that systems put beside them."""
+
+    def hidden(path: Path) -> bool:
+        return any(part.startswith(".") or part == "__MACOSX" for part in path.relative_to(folder).parts)
+
+    return sorted(p for p in folder.rglob("*") if p.is_file() and not hidden(p))
 
 
 def _logs(files: list[Path]) -> list[Path]:

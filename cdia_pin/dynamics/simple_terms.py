@@ -51,7 +51,7 @@ QUANTITIES: dict[type[Effect], Quantity] = {
     JointSpring: Quantity.SPRING,
     BaseTilt: Quantity.GRAVITY,
 }
-FRICTION = CoulombFriction | ViscousFriction | StribeckFriction
+FRICTION = CoulombFriction | ViscousFriction | StribeckFriction  # has a mean that is friction again
 PARTS = {"log": "the logs", "time": "beginning and end"}  # of an effect that varies, by kind
 
 

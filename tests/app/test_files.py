@@ -52,7 +52,7 @@ def test_texts_and_hidden_files_beside_a_log_are_no_logs(tmp_path):
     (tmp_path / "run.txt").write_text("time q1 q2\n0 1 2\n")
     assert sort_dropped(tmp_path).log.name == "run.txt"
     (tmp_path / "__MACOSX").mkdir()
-    for name in ("a.csv", "._a.csv", "__MACOSX/b.csv"):
+    for name in ("a.csv", "._a.csv", "._a.zip", "__MACOSX/b.csv"):
         (tmp_path / name).write_text("time,q1\n")
     assert sort_dropped(tmp_path).log.name == "a.csv"
 
