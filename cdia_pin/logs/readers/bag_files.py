@@ -16,7 +16,7 @@ WHOLE_FILES = re.compile(
 
 
 def storage_files(path: Path) -> list[Path]:
-    """Return the files of a bag that hold messages, also compressed ones, in the order of the numbers in their names.
+    """Return the files of a bag that hold messages, also compressed ones, in the order of their numbers.
 
     Args:
         path: A storage file, or the directory of a bag.
