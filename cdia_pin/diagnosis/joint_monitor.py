@@ -26,6 +26,8 @@ from cdia_pin.effects import Profile, Term, Unknown
 from cdia_pin.identifiability.distinguishing_motions import prepare
 
 TRIAL_TIME = 3.0  # [s]; a belief that fails sooner was wrong, one that fails later met a further fault
+# rivals of a name [1]; where four effects or more fitted alike, it was a push or an error of the model on measured arms
+MOST_ALIKE = 2
 MOST_FAILURES = 3  # wrong beliefs in a row, after which the fault is called unknown
 CALM_TIME = 0.5  # [s] below the threshold after which an alarm without a fault is dismissed
 REACTION_LOOKS = 2  # looks after a decision in which an alarm is not answered: the filters still settle
@@ -201,6 +203,8 @@ class JointMonitor(Stateful):
             return self._none_possible(t) if decision.mask is None else self._dismiss(t)
         if not self._votes.are_clear and t - self.since < self.settings.ambiguous_after:
             return []
+        if len(decision.rivals) > MOST_ALIKE:
+            return []  # what fits so many names is no name yet; the motion goes on
         verdict = Verdict.AMBIGUOUS if decision.rivals else Verdict.UNIQUE
         belief = self.isolation.belief(decision, verdict)
         return self._commit(t, belief) if belief.is_certain(self.bank) else self._dismiss(t)
