@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from cdia_pin.logs import read_log
-from cdia_pin.logs.formats.guess import reading_of
+from cdia_pin.logs.formats.guess import guess_columns, reading_of
 from cdia_pin.logs.missing_columns import MissingColumnsError
+from cdia_pin.robot import load_robot
 from tests.made_formats import numbered, with_velocity, write
+from tests.one_joint import write_urdf
 
 
 @pytest.fixture(scope="module")
@@ -103,3 +105,18 @@ def test_of_very_few_samples_nothing_is_guessed(ur5, made, tmp_path, rows):
     with pytest.raises(MissingColumnsError) as caught:
         read_log(write(tmp_path / "x.csv", columns), ur5)
     assert caught.value.guesses == []
+
+
+def test_the_times_of_an_arm_of_one_joint_are_no_torque(tmp_path):
+    robot = load_robot(write_urdf("revolute", tmp_path))
+    t = np.arange(0.0, 6.0, 0.01)
+    q = np.sin(2.0 * t)
+    effort = np.array(
+        [robot.inverse_dynamics(*x) for x in zip(q[:, None], 0 * q[:, None], 0 * q[:, None], strict=True)]
+    )
+    guesses = guess_columns({"zeit_s": t, "motor_angle": q, "motor_torque": effort[:, 0]}, robot)
+    assert [(g.pattern, g.signal) for g in guesses] == [
+        ("zeit_s", "time"),
+        ("*_angle", "position"),
+        ("*_torque", "effort"),
+    ]

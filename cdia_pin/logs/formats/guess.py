@@ -82,12 +82,14 @@ def guess_columns(columns: dict[str, NDArray[Any]], robot: RobotModel) -> list[C
     """
     if len(next(iter(columns.values()), ())) < LEAST:
         return []
-    groups = grouped(list(columns), robot.n)
+    # On an arm of one joint every column is a group of its own, so the times are found first.
+    times = list(_times(columns, set())) if robot.n == 1 else []
+    groups = grouped([name for name in columns if name not in {t.pattern for t in times}], robot.n)
     values = {g.pattern: _values(columns, g) for g in groups}
     groups = [g for g in groups if np.isfinite(values[g.pattern]).any(axis=0).all()]
     words = {g.pattern: _word(g.pattern) for g in groups}
     position, velocity = _moving([g for g in groups if not UNWANTED.search(g.pattern)], values, words)
-    guesses = list(_times(columns, {c for g in groups for c in g.labels.values()}))
+    guesses = times or list(_times(columns, {c for g in groups for c in g.labels.values()}))
     seconds = in_seconds(columns[guesses[0].pattern][:SAMPLES], None, "")[0] if guesses else None
     taken: set[str] = set()
     for group in groups:
