@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.alignment import slope_of
 from cdia_pin.diagnosis.bank import Bank
-from cdia_pin.diagnosis.healthy_part import halves, least_piece
+from cdia_pin.diagnosis.healthy_part import halves
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
-from cdia_pin.diagnosis.residuals import SETTLING, pooled, residuals_of
+from cdia_pin.diagnosis.residuals import SETTLING, least_piece, pooled, watched
 from cdia_pin.logs.log import Log
 from cdia_pin.robot.model import RobotModel
 
@@ -73,8 +73,10 @@ def calibrated(
         (_fitted(given, first, dt, bank, settings), second),
         (_fitted(given, second, dt, bank, settings), first),
     )
-    stated = pooled(residuals_of(plain, runs, dt, bank, settings))
-    after = pooled([r for model, other in unseen for r in residuals_of(model, other, dt, bank, settings)])
+    stated = pooled([one.residual for one in watched(plain, runs, dt, bank, settings)])
+    after = pooled(
+        [one.residual for model, other in unseen for one in watched(model, other, dt, bank, settings)]
+    )
     share = float(np.mean(after / np.maximum(stated, TINY)))
     if share > WORTHWHILE:
         return Calibration(plain, (), tuple(notes))
@@ -159,12 +161,12 @@ def _with_masses(
 ) -> Nominal:
     """Return the model with inertial parameters corrected by ridge regression; unchanged if a mass would vanish."""
     robot = nominal.robot
-    residuals = residuals_of(nominal, runs, dt, bank, settings)
+    seen = watched(nominal, runs, dt, bank, settings)
     every = max(1, round(1 / ROWS_PER_SECOND / dt))
     regressors, missing = [], []
-    for run, r in zip(runs, residuals, strict=True):
+    for run, one in zip(runs, seen, strict=True):
         y = _filtered_regressor(_signals(run, nominal, dt, nominal.delay), robot, dt, settings, every)
-        thinned = r[::-1][::every][::-1]  # both end at the last sample
+        thinned = one.residual[::-1][::every][::-1]  # both end at the last sample
         count = min(len(thinned), len(y))
         regressors.append(y[-count:])
         missing.append(thinned[-count:])

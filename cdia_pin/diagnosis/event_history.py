@@ -11,8 +11,8 @@ from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event
 from cdia_pin.robot.model import RobotModel
 
-# Events kept in memory, some megabytes at most. An arm in use has some tens a day, one that is diagnosed some hundreds.
-MOST_EVENTS = 1000
+# An arm in use has some tens of events a day, one that is diagnosed some hundreds; a thousand take some megabytes.
+MOST_EVENTS = 1000  # events that are kept in memory [1]
 
 
 class EventHistory(Stateful):

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.calibration import calibrated
 from cdia_pin.diagnosis.growth import REFERENCE_DURATION, growth, moving_time
-from cdia_pin.diagnosis.healthy_part import least_piece
 from cdia_pin.diagnosis.momentum_observer import LEAST_SIGN_WIDTH
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.moving_residual import LEAST_MOTION, bound_of, correlation_time, learn_moving
@@ -26,6 +25,7 @@ from cdia_pin.diagnosis.refitted_halves import refitted_halves
 from cdia_pin.diagnosis.residuals import (
     NOISE_WIDTHS,
     aligned_velocity,
+    least_piece,
     pooled,
     ranges,
     velocity_noise,
@@ -118,11 +118,9 @@ def learn_healthy_arm(
     found = calibrated(nominal, runs, dt, bank, settings)
     nominal, notes = found.nominal, list(found.notes)
     seen = watched(nominal, runs, dt, bank, settings)
-    residuals = [one.residual for one in seen]
-    bandwidth = _bandwidth(bound_of(residuals, settings), runs, settings)
+    bandwidth = _bandwidth(bound_of([one.residual for one in seen], settings), runs, settings)
     if (bandwidth < settings.bandwidth).any():
         seen = watched(nominal, runs, dt, bank, settings, bandwidth)
-        residuals = [one.residual for one in seen]
         slow = [
             f"{j} {g:.0f}/s" for j, g in zip(runs[0].joints, bandwidth, strict=True) if g < settings.bandwidth
         ]
@@ -130,15 +128,16 @@ def learn_healthy_arm(
     unseen = [
         one for model, other in found.unseen for one in watched(model, other, dt, bank, settings, bandwidth)
     ]
-    memory = np.array([correlation_time([r[:, j] for r in residuals], dt) for j in range(nominal.robot.n)])
+    memory = np.array(
+        [correlation_time([one.residual[:, j] for one in seen], dt) for j in range(nominal.robot.n)]
+    )
     memory = np.maximum(memory, 1 / bandwidth)
-    sign_width = np.maximum(NOISE_WIDTHS * velocity_noise(runs, dt), LEAST_SIGN_WIDTH)
     velocities = [aligned_velocity(run, dt) for run in runs]
+    sign_width = np.maximum(NOISE_WIDTHS * velocity_noise(velocities), LEAST_SIGN_WIDTH)
     moved = moving_time(velocities, sign_width, dt)
     wider = growth(moved, memory)
-    rest_bound = np.max(
-        [bound_of(r, settings, wider) for r in (residuals, [one.residual for one in unseen]) if r], axis=0
-    )
+    bounds = [bound_of([one.residual for one in part], settings, wider) for part in (seen, unseen) if part]
+    rest_bound = np.max(bounds, axis=0)
     rest_bound = _unknown_without_motion(rest_bound, moved, nominal.robot.limits.effort)
     torque = pooled([run.effort for run in runs])
     for half, other in refitted_halves(model, runs, least):

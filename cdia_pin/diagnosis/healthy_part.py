@@ -7,15 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from cdia_pin.diagnosis.monitor_settings import MonitorSettings
-from cdia_pin.diagnosis.residuals import SETTLING
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
 
 HEALTHY_SHARE = 0.3  # [1], share of a log that is taken as healthy
 LEAST_HEALTHY = 5.0  # [s]; from less, thresholds come out too low
 MOST_HEALTHY = 20.0  # [s]; more teaches little, and hides faults that begin early
-PIECES = 1.3  # [1], least length of a run that counts, or is cut, over the time in which the slowest filter settles
 
 
 def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:
@@ -38,15 +35,6 @@ def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:
             "monitor; give runs of the healthy arm with --healthy"
         )
     return log.slice(0, begin), log.slice(begin, len(log.time))
-
-
-def least_piece(settings: MonitorSettings) -> float:
-    """Return the length of a run below which the filters may not settle in it [s].
-
-    Args:
-        settings: Bandwidths of the filters.
-    """
-    return PIECES * SETTLING / min(settings.slowest, settings.bandwidth)
 
 
 def halves(runs: Sequence[Log], least: float) -> tuple[tuple[Log, ...], tuple[Log, ...]]:

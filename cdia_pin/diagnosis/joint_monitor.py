@@ -26,8 +26,8 @@ from cdia_pin.effects import Profile, Term, Unknown
 from cdia_pin.identifiability.distinguishing_motions import prepare
 
 TRIAL_TIME = 3.0  # [s]; a belief that fails sooner was wrong, one that fails later met a further fault
-# rivals of a name [1]; where four effects or more fitted alike, it was a push or an error of the model on measured arms
-MOST_ALIKE = 2
+# Where four combinations or more fitted alike on measured arms, it was a push or an error of the model.
+MOST_ALIKE = 2  # rivals that a name may have [1]
 MOST_FAILURES = 3  # wrong beliefs in a row, after which the fault is called unknown
 CALM_TIME = 0.5  # [s] below the threshold after which an alarm without a fault is dismissed
 REACTION_LOOKS = 2  # looks after a decision in which an alarm is not answered: the filters still settle

@@ -25,9 +25,8 @@ from cdia_pin.diagnosis.stateful import Stateful
 
 Array = NDArray[np.float64]
 
-# [1], least limit over the joint's RMS torque, in the healthy runs and of late: how far a model may be off on motions
-# unlike those; models of measured arms were up to 0.13 off
-LEAST_SHARE = 0.15
+# On motions unlike the healthy runs, models of measured arms were up to 0.13 of the torque off.
+LEAST_SHARE = 0.15  # least limit over the joint's RMS torque, in the healthy runs and of late [1]
 LEAST_WINDOWS = (
     2.0  # [1], number of windows that healthy runs count as at least: its logarithm must be positive
 )

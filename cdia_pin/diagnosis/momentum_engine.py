@@ -91,7 +91,6 @@ class MomentumEngine(Stateful):
     ) -> None:
         robot = model.robot
         self.settings, self.bank = settings, bank
-        nominal = Nominal.of(model)
         if learned is not None and rate:
             self.healthy: HealthyArm = learned.healthy
         elif healthy:
@@ -99,7 +98,7 @@ class MomentumEngine(Stateful):
             rate = rate or float(np.median([run.rate for run in healthy]))
             position_only = healthy[0].velocity is None
         elif threshold is not None and rate:
-            self.healthy = assumed_healthy_arm(nominal, threshold, settings)
+            self.healthy = assumed_healthy_arm(Nominal.of(model), threshold, settings)
         else:
             raise ModelError(
                 "a monitor needs the size of a healthy residual: give healthy=[log, …], "

@@ -10,7 +10,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -90,14 +90,16 @@ def write_monitor(path: str | Path, parts: MonitorParts, state: Stateful) -> Pat
     for term in (*parts.model.terms, *bank):
         _require_name(term, robot)
     writer = StateWriter(robot)
-    held = {"settings", "rate", "has_velocity", "bounds", "learned", "record"}
+    held = [
+        f.name for f in fields(parts) if f.name not in ("model", "bank")
+    ]  # those have an entry of their own
     document = {
         "schema": schemas.MONITOR,
         "version": __version__,
         "model": writer.value(dict(model_document(parts.model)), "model"),
         "bodies": writer.value(_bodies(robot), "bodies"),
         "bank": writer.value(tuple(bank), "bank"),
-        "parts": {name: writer.value(getattr(parts, name), name) for name in sorted(held)},
+        "parts": {name: writer.value(getattr(parts, name), name) for name in held},
         "state": writer.part(state, "state"),
     }
     text = json.dumps(document, indent=1, allow_nan=False)

@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 
 LEVEL_WINDOW = 1.0  # [s], over which the RMS of the healthy level is taken
 LEAST_MOTION = 1.0  # [s] of a joint, below which nothing is known of its healthy residual in motion
-# [1], share of a joint's RMS torque below which the bound in motion is not lowered: on motions unlike the healthy ones
-# models of measured arms were up to 0.2 off, and a fault of 0.3 must be seen (`sight.BLIND_SHARE`)
-LEAST_LOWERED = 0.2
+# On motions unlike the healthy ones, models of measured arms were up to 0.2 of the torque off. A fault of 0.3 must be
+# seen (`sight.BLIND_SHARE`).
+LEAST_LOWERED = 0.2  # bound in motion over the joint's RMS torque, below which it is not lowered [1]
 
 
 @dataclass(frozen=True)

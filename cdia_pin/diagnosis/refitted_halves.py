@@ -20,9 +20,7 @@ from cdia_pin.regression.gauss_newton import refit
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.problem import Problem
 
-SHARED_TIME = (
-    0.5  # [1], share of a motion that a run must cover to be its log: a longer run may have been cut
-)
+SHARED_TIME = 0.5  # [1], share of a motion that a run must cover to be its log: the run may be a part of it
 LEAST_TRAVEL = 0.01  # [rad or m], range of a joint above which it says whether two motions are the same
 SAME_POSITION = 0.02  # [1], distance over that range within which filtered and raw positions agree
 SAME_SHARE = 0.9  # [1], share of the samples that must agree; peaks are filtered away
@@ -69,6 +67,6 @@ def is_log_of(motion: Motion, run: Log) -> bool:
 
 
 def _fitted(model: Dynamics, runs: Sequence[Log]) -> Nominal:
-    problem = Problem.of(model, runs, (), DiscoverySettings())
+    problem = Problem.conditioned(model.robot, runs, (), DiscoverySettings())
     fitted, _ = refit(problem.with_noise_of(problem.lack_of_fit(model)).regression, model)
     return Nominal.of(fitted)

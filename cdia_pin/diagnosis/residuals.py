@@ -19,6 +19,7 @@ from cdia_pin.logs.log import Log
 Array = NDArray[np.float64]
 
 SETTLING = 5.0  # [1], time constants of the filter until a run counts: it has then forgotten its start to 1 %
+PIECES = 1.3  # [1], least length of a run that counts, or is cut, over the time in which the slowest filter settles
 NOISE_WIDTHS = 2.0  # [1], standard deviations of the velocity's noise over which sgn q̇ is smoothed
 NORMAL_MEDIAN = 1.4826  # [1], standard deviation over the median size of normal noise
 
@@ -36,25 +37,13 @@ class Watched:
     moves: NDArray[np.bool_]
 
 
-def residuals_of(
-    nominal: Nominal,
-    runs: Sequence[Log],
-    dt: float,
-    bank: Bank,
-    settings: MonitorSettings,
-    bandwidth: Array | None = None,
-) -> list[Array]:
-    """Return the residuals of runs [N·m or N], shape (K, n) each.
+def least_piece(settings: MonitorSettings) -> float:
+    """Return the length of a run below which the filters may not settle in it [s].
 
     Args:
-        nominal: The model.
-        runs: Logs, all with velocities or all without.
-        dt: Time between ticks [s].
-        bank: The monitor's bank, so that what is compiled here serves the monitor too.
-        settings: Settings of the monitor, for its filter.
-        bandwidth: γ of each joint [1/s], shape (n,); that of the settings if omitted.
+        settings: Bandwidths of the filters.
     """
-    return [one.residual for one in watched(nominal, runs, dt, bank, settings, bandwidth)]
+    return PIECES * SETTLING / min(settings.slowest, settings.bandwidth)
 
 
 def watched(
@@ -75,9 +64,10 @@ def watched(
         settings: Settings of the monitor, for its filter.
         bandwidth: γ of each joint [1/s], shape (n,); that of the settings if omitted.
     """
+    velocities = [aligned_velocity(run, dt) for run in runs]
     observer = MomentumObserver(nominal, bank.prototypes, settings, dt, bandwidth=bandwidth)
-    observer.use_sign_width(NOISE_WIDTHS * velocity_noise(runs, dt))
-    observer.use_velocities(ranges([aligned_velocity(run, dt) for run in runs]))
+    observer.use_sign_width(NOISE_WIDTHS * velocity_noise(velocities))
+    observer.use_velocities(ranges(velocities))
     alignment = Alignment(dt, nominal.delay, runs[0].velocity is None)
     return [watched_along(observer, alignment, run) for run in runs]
 
@@ -122,14 +112,13 @@ def along(observer: MomentumObserver, alignment: Alignment, run: Log) -> Iterato
         yield t, t - begin > SETTLING / observer.bandwidth.min()
 
 
-def velocity_noise(runs: Sequence[Log], dt: float) -> Array:
+def velocity_noise(velocities: Sequence[Array]) -> Array:
     """Return the standard deviation of the velocities' white noise [rad/s or m/s], shape (n,).
 
     Args:
-        runs: Logs.
-        dt: Time between samples [s].
+        velocities: Of each run [rad/s or m/s], shape (K, n) each.
     """
-    third = [np.diff(aligned_velocity(run, dt), n=3, axis=0) for run in runs]
+    third = [np.diff(v, n=3, axis=0) for v in velocities]
     # Third differences of white noise have the variance 1 + 9 + 9 + 1; the median ignores reversals.
     return np.asarray(NORMAL_MEDIAN * np.median(np.abs(np.concatenate(third)), axis=0) / np.sqrt(20.0))
 

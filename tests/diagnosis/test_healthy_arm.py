@@ -96,7 +96,7 @@ def test_a_healthy_residual_stays_below_the_bound_on_another_motion(learned, oth
 
 
 def test_noise_of_velocities_is_measured_beside_the_motion(first: Log) -> None:
-    np.testing.assert_allclose(velocity_noise([first], DT), 1e-3, rtol=0.1)
+    np.testing.assert_allclose(velocity_noise([first.velocity]), 1e-3, rtol=0.1)
 
 
 def test_the_position_range_is_that_of_the_runs(learned, first: Log) -> None:

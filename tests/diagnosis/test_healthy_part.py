@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from cdia_pin.diagnosis.healthy_part import halves, least_piece
+from cdia_pin.diagnosis.healthy_part import halves
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.residuals import least_piece
 from cdia_pin.logs import Log
 
 RATE = 100.0

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cdia_pin.diagnosis.healthy_part import least_piece
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.refitted_halves import is_log_of, refitted_halves
+from cdia_pin.diagnosis.residuals import least_piece
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import parse_term
 from cdia_pin.logs import Log

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 def carried(nominal: Nominal, terms: tuple[Term, ...]) -> RobotModel:
-    """Return the arm with its load and its tilt; the healthy arm itself if nothing is believed.
+    """Return the arm with the load and the tilt that are believed. Without any it is the healthy arm.
 
     Args:
         nominal: The healthy arm.
