@@ -13,7 +13,7 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, require_unseen, show_inputs
-from cdia_pin.cli.next_command import again, follow, free, show_next
+from cdia_pin.cli.next_command import compare_saved, show_next
 from cdia_pin.cli.options import (
     Check,
     Columns,
@@ -111,8 +111,7 @@ def add(
     files.write(
         console, found, base, given, conditioning=settings.conditioning, checks=checks, command=ctx.obj
     )
-    following = follow(ctx, "compare", *logs, model=save) if save else again(ctx, save=free("model.json"))
-    show_next(console, following)
+    show_next(console, compare_saved(ctx, logs, save))
 
 
 def _without_replaced(known: Dynamics, label: str, found: Discovery) -> Dynamics:

@@ -90,17 +90,7 @@ def compare(
         from cdia_pin.logs.conditioning import Conditioning
         from cdia_pin.selection import DiscoverySettings
 
-        reading = Reading(
-            gains,
-            joint_map,
-            convert,
-            topic,
-            format,
-            columns,
-            episode,
-            conditions=conditions,
-            torque_side=torque_side,
-        )
+        reading = Reading(gains, joint_map, convert, topic, format, columns, episode, conditions, torque_side)
         given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         tell("comparing", 0.1)
         settings = DiscoverySettings(

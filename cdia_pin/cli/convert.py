@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +11,7 @@ from cdia_pin import schemas
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.next_command import show_next
+from cdia_pin.cli.next_command import command_line, show_next
 from cdia_pin.cli.options import (
     Columns,
     Convert,
@@ -72,4 +71,4 @@ def convert(
         "notes": list(read.notes),
     }
     write_all(console, (out, lambda f: write_log(read, f)), (json, lambda f: write_json(document, f)))
-    show_next(console, shlex.join(["cdia", "check", str(out), "--robot", robot]))
+    show_next(console, command_line("check", out, "--robot", robot))

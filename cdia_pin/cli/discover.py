@@ -139,17 +139,7 @@ def discover(
             per_log=parse_per_log(per_log, logs, conditions, known.robot),
             expected=expected_effects(environment, contact, mounted),
         )
-        reading = Reading(
-            gains,
-            joint_map,
-            convert,
-            topic,
-            format,
-            columns,
-            episode,
-            conditions=conditions,
-            torque_side=torque_side,
-        )
+        reading = Reading(gains, joint_map, convert, topic, format, columns, episode, conditions, torque_side)
         read = partial(
             read_logs, robot=known.robot, reading=reading, check=check, tell=tell, refuse=not anyway
         )

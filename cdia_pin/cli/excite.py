@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -11,7 +10,7 @@ import typer
 from cdia_pin.cli.console import progress, stdout, warn
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.next_command import show_next
+from cdia_pin.cli.next_command import command_line, show_next
 from cdia_pin.cli.options import OUTPUT, Columns, Episode, Format, Gains, Json, Model, Robot
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 
@@ -183,7 +182,7 @@ def excite(
         (json, lambda file: write_json(motion.to_dict() | {"command": ctx.obj}, file)),
     )
     console.print(f"Drive {out} on the arm, and record it as {RECORDED}.", markup=False, soft_wrap=True)
-    show_next(console, shlex.join(["cdia", "check", RECORDED, "--robot", robot]))
+    show_next(console, command_line("check", RECORDED, "--robot", robot))
 
 
 def named(text: str, robot: RobotModel) -> list[Effect]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,7 +13,7 @@ from cdia_pin.cli.console import stdout, warn
 from cdia_pin.cli.export_lines import NO_MOTION, TORQUES, show_contents, show_ranges
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs
-from cdia_pin.cli.next_command import show_next
+from cdia_pin.cli.next_command import command_line, show_next
 from cdia_pin.cli.options import Json, Robot
 from cdia_pin.cli.outputs import require_writable, write_all, write_document, write_json
 
@@ -103,7 +102,7 @@ def export(
         (ranges, lambda f: _write_ranges(known, f)),
         (json, lambda f: write_json(result, f)),
     )
-    show_next(console, shlex.join(["cdia", "compare", "LOG", "--robot", robot, "--model", str(model)]))
+    show_next(console, command_line("compare", "LOG", "--robot", robot, "--model", model))
 
 
 def _write_ranges(known: Dynamics, file: str) -> None:

@@ -10,7 +10,7 @@ import typer
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.export import Export
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, require_unseen, show_inputs
-from cdia_pin.cli.next_command import again, follow, free, show_next
+from cdia_pin.cli.next_command import compare_saved, show_next
 from cdia_pin.cli.options import (
     OUTPUT,
     Check,
@@ -113,8 +113,7 @@ def identify(
         (urdf, lambda file: _write_urdf(found, console, file)),
         (json, lambda file: write_json(found.to_dict(), file)),
     )
-    following = follow(ctx, "compare", *logs, model=save) if save else again(ctx, save=free("model.json"))
-    show_next(console, following)
+    show_next(console, compare_saved(ctx, logs, save))
 
 
 def _write_urdf(found: Identification, console: Console, file: str) -> None:

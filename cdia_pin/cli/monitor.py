@@ -164,11 +164,9 @@ def monitor(
         (json, lambda f: write_json(found.to_dict(), f)),
         (report, write_report_to),
     )
-    following = (
-        follow(ctx, "view", log, healthy=healthy) if report else again(ctx, report=free("monitor.html"))
-    )
     if state is None:  # the same command would go on with a log that the stored monitor has seen
-        show_next(console, following)
+        view = follow(ctx, "view", log, healthy=healthy) if report else ""
+        show_next(console, view or again(ctx, report=free("monitor.html")))
 
 
 def show_run(console: Console, found: MonitorRun) -> None:

@@ -35,6 +35,15 @@ def show_next(console: Console, line: str) -> None:
     console.print(f"next: {printable(line)}", style="dim", markup=False, soft_wrap=True)
 
 
+def command_line(*words: object) -> str:
+    """Return a command as it is typed.
+
+    Args:
+        *words: What follows ``cdia``.
+    """
+    return shlex.join(["cdia", *map(str, words)])
+
+
 def follow(ctx: typer.Context, command: str, *arguments: str | Path, **options: Any) -> str:
     """Return another command with the options that the user gave and that it has too.
 
@@ -45,11 +54,11 @@ def follow(ctx: typer.Context, command: str, *arguments: str | Path, **options: 
         **options: Its options by parameter name; they replace what the user gave, and None leaves an option out.
     """
     nxt = ctx.find_root().command.commands[command]  # type: ignore[attr-defined]
-    given = {name: value for name, value in ctx.params.items() if _carries(ctx, name)} | options
-    words = [str(a) for a in arguments]
+    given = {p.name: ctx.params[p.name] for p in ctx.command.params if _carries(ctx, p)} | options
+    words = list(map(str, arguments))
     for parameter in nxt.params:
         words += _words(parameter, given.get(parameter.name))
-    return shlex.join(["cdia", command, *words])
+    return command_line(command, *words)
 
 
 def follow_checks(
@@ -89,6 +98,17 @@ def again(ctx: typer.Context, **options: Any) -> str:
     )
 
 
+def compare_saved(ctx: typer.Context, logs: Sequence[Path], save: Path | None) -> str:
+    """Return the comparison of logs with a saved model; if none was saved, the present command that saves it.
+
+    Args:
+        ctx: Of the present command.
+        logs: The logs.
+        save: File of the model, or None.
+    """
+    return follow(ctx, "compare", *logs, model=save) if save else again(ctx, save=free("model.json"))
+
+
 def with_words(ctx: typer.Context, *words: str) -> str:
     """Return the command that the user typed, with more words before its arguments.
 
@@ -113,13 +133,12 @@ def free(name: str) -> Path:
     return path
 
 
-def _carries(ctx: typer.Context, name: str) -> bool:
+def _carries(ctx: typer.Context, parameter: Any) -> bool:
     """Tell whether the user typed an option that the next command takes over."""
-    source = ctx.get_parameter_source(name)
-    if source is None or source.name != "COMMANDLINE":
+    source = ctx.get_parameter_source(parameter.name)
+    if source is None or source.name != "COMMANDLINE" or parameter.name not in ctx.params:
         return False
-    panel = {p.name: getattr(p, "rich_help_panel", None) for p in ctx.command.params}[name]
-    return name in CARRIED or panel == READING
+    return parameter.name in CARRIED or getattr(parameter, "rich_help_panel", None) == READING
 
 
 def _words(parameter: Any, value: object) -> Iterator[str]:

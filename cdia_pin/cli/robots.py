@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import shlex
 from typing import TYPE_CHECKING, Annotated, TypedDict
 
 import typer
 
 from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
-from cdia_pin.cli.next_command import show_next
+from cdia_pin.cli.next_command import command_line, show_next
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_json
 
@@ -68,7 +67,7 @@ def robots(
     if json:
         write_json({"schema": schemas.ROBOTS, "robots": entries}, json)
     chosen = (
-        shlex.join(["cdia", "check", "LOG", "--robot", name]) if name else f"cdia robots {entries[0]['name']}"
+        command_line("check", "LOG", "--robot", name) if name else command_line("robots", entries[0]["name"])
     )
     show_next(console, chosen)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,7 +12,7 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs, show_inputs
 from cdia_pin.cli.monitor_options import DEFAULT_ENGINE, MONITOR, Bank, Engine
-from cdia_pin.cli.next_command import show_next
+from cdia_pin.cli.next_command import command_line, show_next
 from cdia_pin.cli.options import Json, Report, Robot
 from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
 from cdia_pin.cli.simulation_options import SIMULATION, Duration, Fault, Seed
@@ -122,7 +121,7 @@ def simulate(
             settings, duration, accommodate, engine, tuple(bank or ()), out, report, json, ctx.obj or ""
         )
         simulate_loop(console, plant, asked)
-        show_next(console, shlex.join(["cdia", "monitor", str(out), "--robot", robot]))
+        show_next(console, command_line("monitor", out, "--robot", robot))
         return
     if bank or report:
         raise CommandError("--bank and --report need a monitor: add --accommodate or --no-accommodate")
@@ -154,7 +153,7 @@ def simulate(
         },
     }
     write_all(console, (out, lambda f: write_log(log, f)), (json, lambda f: write_json(document, f)))
-    show_next(console, shlex.join(["cdia", "discover", str(out), "--robot", robot]))
+    show_next(console, command_line("discover", out, "--robot", robot))
 
 
 def _show(console: Console, plant: Dynamics, log: Log, tracking: dict[str, float]) -> None:

@@ -159,10 +159,10 @@ class SimulatorValues:
             case BaseTilt() as effect:
                 self.gravity = effect.tilt(robot, theta)
             case LinkInertia() | LinkInertias() as effect:
-                for body, part in effect.by_body(theta):
-                    joint = robot.joints[body.carrier(robot)]
-                    known = self.inertial.get(joint, robot.inertial_parameters[robot.joint_index(joint)])
-                    self.inertial[joint] = known + body.in_joint_frame(part, robot)
+                added = effect.on_links(theta, robot)
+                for j in dict.fromkeys(body.carrier(robot) for body in effect.bodies):
+                    joint = robot.joints[j]
+                    self.inertial[joint] = self.inertial.get(joint, robot.inertial_parameters[j]) + added[j]
             case Payload():
                 self.payload = theta if self.payload is None else self.payload + theta
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.dynamics.simulator_values import Beyond, SimulatorValues
 from cdia_pin.effects import State
-from cdia_pin.logs.motion import Motion
+from cdia_pin.logs.motion import Motion, names_of
 
 Array = NDArray[np.float64]
 
@@ -24,7 +24,8 @@ def torque_left_out(values: SimulatorValues, model: Dynamics) -> dict[str, dict[
         RMS torque [N·m or N] by joint, for the label of each term that is not held or not whole. It is empty if the
         model remembers no motion.
     """
-    states = [_state(motion, model) for motion in model.learned_from]
+    motions = model.learned_from
+    states = [_state(m, name, model) for m, name in zip(motions, names_of(motions), strict=True)]
     if not states:
         return {}
     predicted = [model.torques(x).reading for x in states]
@@ -42,9 +43,8 @@ def _without(model: Dynamics, beyond: Beyond) -> Dynamics:
     return Dynamics(model.robot, others + beyond.written)
 
 
-def _state(motion: Motion, model: Dynamics) -> State:
+def _state(motion: Motion, name: str, model: Dynamics) -> State:
     """Return the state along a motion, N samples."""
-    name = motion.record["condition"] or motion.record["source"]
     zero = np.zeros_like(motion.q)
     return State(
         model.robot,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypedDict
@@ -188,3 +189,20 @@ class Motion:
             Shape (K,) or (K, n), in the unit of the signal.
         """
         return np.asarray(signal)[self.kept]
+
+
+def names_of(motions: Sequence[Motion]) -> list[str]:
+    """Return each log's condition, or its own name; repeated names are numbered.
+
+    Args:
+        motions: Conditioned logs.
+    """
+    out: list[str] = []
+    for motion in motions:
+        name = given = motion.record["source"]
+        count = 1
+        while not motion.record["condition"] and name in out:
+            count += 1
+            name = f"{given} ({count})"
+        out.append(motion.record["condition"] or name)
+    return out

@@ -13,11 +13,12 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Channel, Effect, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
+from cdia_pin.logs.motion import names_of
 from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import clipped, some
 from cdia_pin.regression.prediction import Prediction
 from cdia_pin.regression.rest import RestSettings
-from cdia_pin.regression.segment import Segment, names_of
+from cdia_pin.regression.segment import Segment
 from cdia_pin.robot.model import RobotModel
 
 __all__ = ["Experiment", "Prediction", "Segment", "rms"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,20 +41,3 @@ class Segment:
         m = self.motion
         thin = np.s_[:: max(1, len(m.time) // JUDGED)]
         return side_evidence(self.state.robot, m.q[thin], m.v[thin], m.a[thin], m.effort[thin]).side
-
-
-def names_of(motions: Sequence[Motion]) -> list[str]:
-    """Return each log's condition, or its own name; repeated names are numbered.
-
-    Args:
-        motions: Conditioned logs.
-    """
-    out: list[str] = []
-    for motion in motions:
-        name = given = motion.record["source"]
-        count = 1
-        while not motion.record["condition"] and name in out:
-            count += 1
-            name = f"{given} ({count})"
-        out.append(motion.record["condition"] or name)
-    return out

@@ -14,6 +14,7 @@ from cdia_pin.errors import ModelError
 from cdia_pin.exports import FORMATS, first_format, ranges_document, torque_left_out
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
+from cdia_pin.logs.motion import names_of
 
 ELBOW = "elbow_joint"
 ASYMMETRIC = (
@@ -107,6 +108,15 @@ def test_the_torque_that_a_mean_lacks_is_half_the_difference_of_the_directions(r
     model = remembering(model_of(robot, f"asymmetric_friction@{ELBOW}: level_positive=3, level_negative=5"))
     lacking = torque_left_out(FORMATS["urdf"].values(model), model)
     assert lacking[f"asymmetric_friction@{ELBOW}"][ELBOW] == pytest.approx(1.0, rel=0.02)
+
+
+def test_two_logs_of_one_name_keep_their_own_numbers(robot):
+    (motion,) = remembering(Dynamics(robot)).learned_from
+    logs = names_of([motion, motion])
+    offset = PerLog(parse_effect(f"torque_offset@{ELBOW}", robot), tuple(logs))
+    model = Dynamics(robot, (Term(offset, (3.0, 4.0)),), learned_from=(motion, motion))
+    lacking = torque_left_out(FORMATS["urdf"].values(model), model)
+    assert lacking[f"torque_offset@{ELBOW}[log]"][ELBOW] == pytest.approx(np.sqrt(12.5))
 
 
 def test_a_model_that_remembers_no_motion_has_no_torques(robot):
