@@ -19,7 +19,7 @@ import time
 from collections.abc import Iterable
 from pathlib import Path
 
-from benchmarks.outcomes import CHECKOUT
+from benchmarks.outcomes import CHECKOUT, environment_of
 from benchmarks.real_residuals.pairs import single_recordings
 from benchmarks.real_residuals.recordings import Recording
 from cdia_pin import Dynamics, discover
@@ -69,10 +69,9 @@ def by_turns(arms: Iterable[str], others: Iterable[Path]) -> None:
     """
     for arm in arms:
         for checkout in (*others, CHECKOUT):
-            environment = os.environ | {"PYTHONPATH": str(checkout), "OPENBLAS_NUM_THREADS": "1"}
             line = [sys.executable, "-m", "benchmarks.discovery_time", arm]
             done = subprocess.run(
-                line, env=environment, cwd=checkout, check=True, capture_output=True, text=True
+                line, env=environment_of(checkout), cwd=checkout, check=True, capture_output=True, text=True
             )
             print(f"{checkout.name}:\n{done.stdout}", end="", flush=True)
 

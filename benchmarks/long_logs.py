@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.outcomes import CHECKOUT
+from benchmarks.outcomes import CHECKOUT, environment_of
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.effects import CoulombFriction, Payload, Term, ViscousFriction
 from cdia_pin.logs import Log, write_log
@@ -85,10 +85,9 @@ def spend(line: Sequence[str], checkout: Path) -> Spent:
         line: What follows ``cdia``.
         checkout: Folder of the package that runs.
     """
-    environment = os.environ | {"PYTHONPATH": str(checkout), "OPENBLAS_NUM_THREADS": "1"}
     with subprocess.Popen(
         [sys.executable, "-m", "cdia_pin", *line],
-        env=environment,
+        env=environment_of(checkout),
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     ) as process:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict
@@ -11,6 +12,15 @@ from pathlib import Path
 from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
 
 CHECKOUT = Path(__file__).resolve().parents[1]
+
+
+def environment_of(checkout: Path) -> dict[str, str]:
+    """Return the environment of a program that runs with the package of a checkout, on one thread.
+
+    Args:
+        checkout: Its folder.
+    """
+    return os.environ | {"PYTHONPATH": str(checkout), "OPENBLAS_NUM_THREADS": "1"}
 
 
 class Kept(Protocol):

@@ -7,6 +7,7 @@ from dataclasses import fields
 from typing import Any
 
 LONGEST_NAME = 80  # characters of a name that are shown in a list
+LONGEST_REASON = 160  # characters of a library's own message that are shown
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
@@ -51,6 +52,16 @@ def printable(text: str, also: str = "") -> str:
         return text
     keep = {*also, NO_BREAK}
     return "".join(c if c.isprintable() or c in keep else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def one_line(error: BaseException, most: int | None = None) -> str:
+    """Return an error's message as one line; its kind, if it has none.
+
+    Args:
+        error: Any exception.
+        most: Largest number of characters; no limit if None.
+    """
+    return " ".join(str(error).split())[:most] or type(error).__name__
 
 
 def clipped(text: str, most: int = 40) -> str:

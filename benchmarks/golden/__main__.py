@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -21,7 +20,7 @@ import cdia_pin
 from benchmarks.golden import logs, run
 from benchmarks.golden.compare import differences
 from benchmarks.measured_logs import folder
-from benchmarks.outcomes import CHECKOUT
+from benchmarks.outcomes import CHECKOUT, environment_of
 
 SHOWN = 12  # differences of a case that are printed
 LOGS = CHECKOUT / ".cache" / "golden"
@@ -84,8 +83,7 @@ def _run(given: argparse.Namespace, state: Path, out: Path) -> None:
         str(given.jobs),
     ]
     options += ["--quick"] if given.quick else []
-    environment = os.environ | {"PYTHONPATH": str(state), "OPENBLAS_NUM_THREADS": "1"}
-    subprocess.run([sys.executable, run.__file__, str(out), *options], check=True, env=environment)
+    subprocess.run([sys.executable, run.__file__, str(out), *options], check=True, env=environment_of(state))
 
 
 def _imported() -> Path:

@@ -63,7 +63,8 @@ def what_changed(
     search, chosen = searched(model, earlier, later, settings, tell)
     differing = search.differing
     tell("computing intervals", 0.9)
-    changes, usual = sized_changes(search, chosen)
+    run_to_run = RunToRun.of(search, chosen)
+    changes, usual = sized_changes(search, chosen, run_to_run)
     errors = [
         rms(differing.given.residual, differing.used & of[:, None])
         for of in (~differing.after, differing.after)
@@ -77,7 +78,7 @@ def what_changed(
         usual=usual,
         torque_rms=differing.torque,
         not_compared={model.robot.joints[j]: why for j, why in differing.overlap.reasons.items()},
-        bounds=_bounds(search, chosen),
+        bounds=_bounds(search, chosen, run_to_run),
         findings=findings_of(changes, model.robot),
         rms_before=errors[0],
         rms_after=errors[1],
@@ -126,7 +127,7 @@ def searched(
 
 
 def sized_changes(
-    search: ChangeSearch, chosen: tuple[int, ...]
+    search: ChangeSearch, chosen: tuple[int, ...], run_to_run: RunToRun
 ) -> tuple[tuple[Change, ...], tuple[UsualFriction, ...]]:
     """Return the changes with their sizes, in the order of what would be lost without them, and usual differences.
 
@@ -135,12 +136,13 @@ def sized_changes(
     Args:
         search: The search.
         chosen: Indices of what it found.
+        run_to_run: Friction of both sides beside what was found.
     """
     evidence, effects = search.evidence, search.evidence.effects
     earlier = friction_before(search.differing, [effects[c] for c in chosen])
     with_all = float(np.sum(evidence.unexplained(chosen)))
     terms = sized(search, chosen)
-    usual = RunToRun.of(search, chosen).usual(search, chosen, terms) if chosen else []
+    usual = run_to_run.usual(search, chosen, terms)
     slight = {u.joint for u in usual}
     out: list[Change] = []
     for one, term in zip(chosen, terms, strict=True):
@@ -168,10 +170,10 @@ def _confusions(term: Term, rivals: Sequence[Effect], robot: RobotModel) -> Iter
         yield Confusion((rival,), motion_between(term.effect, rival, robot))
 
 
-def _bounds(search: ChangeSearch, chosen: tuple[int, ...]) -> dict[str, Bound]:
+def _bounds(search: ChangeSearch, chosen: tuple[int, ...], run_to_run: RunToRun) -> dict[str, Bound]:
     """Return for each joint that is compared the largest change of one parameter that would not be named."""
     differing, effects = search.differing, search.evidence.effects
-    robot, run_to_run = differing.experiment.robot, RunToRun.of(search, chosen)
+    robot = differing.experiment.robot
     out: dict[str, Bound] = {}
     for c, difference in enumerate(effects):
         joints = difference.acts_on(robot)

@@ -122,20 +122,20 @@ class RunToRun:
             terms: Their sizes, in the same order.
         """
         x = search.differing
-        torque: dict[int, Array] = {}  # what friction of any kind differs by, joint by joint
+        torque = np.zeros_like(x.prediction.residual)  # what friction of any kind differs by
         labels: dict[int, list[str]] = {}
         for c, term in zip(chosen, terms, strict=True):
             if is_friction_of_joint(term.effect):
                 j = self.joints.index(term.effect.scope[0])
-                added = x.changes[search.evidence.effects[c]].columns[j] @ np.array(term.theta)
-                torque[j] = torque.get(j, 0.0) + added
+                group = x.changes[search.evidence.effects[c]]
+                torque += group.torque(np.array(term.theta), len(self.joints))
                 labels.setdefault(j, []).append(term.label)
         out = []
-        for j, f in torque.items():
-            size = float(np.sqrt(np.mean(f[x.counted[:, j]] ** 2)))
-            share, limit = size / max(float(self.friction[j]), 1e-12), self.limit(j)
+        size = rms(torque, x.counted)
+        for j, own in labels.items():
+            share, limit = float(size[j]) / max(float(self.friction[j]), 1e-12), self.limit(j)
             if share <= limit:
-                out.append(UsualFriction(self.joints[j], tuple(labels[j]), share, limit))
+                out.append(UsualFriction(self.joints[j], tuple(own), share, limit))
         return out
 
 

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cdia_pin.cli.console import close_stdout, warn
-from cdia_pin.cli.failures import CommandError, one_line
+from cdia_pin.cli.failures import CommandError
 from cdia_pin.extras import require
+from cdia_pin.phrases import one_line
 from cdia_pin.plain_json import plain
 from cdia_pin.whole_files import require_place, write_whole
 

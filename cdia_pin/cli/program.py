@@ -25,7 +25,7 @@ from cdia_pin.cli.discover import discover
 from cdia_pin.cli.effects import effects
 from cdia_pin.cli.excite import excite
 from cdia_pin.cli.export import export
-from cdia_pin.cli.failures import CommandError, one_line
+from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.identify import identify
 from cdia_pin.cli.interrupts import insistent
 from cdia_pin.cli.monitor import monitor
@@ -37,7 +37,7 @@ from cdia_pin.cli.study import study
 from cdia_pin.cli.view import view
 from cdia_pin.errors import CdiaError, unknown_name
 from cdia_pin.fault_report import fault_sentence, is_fault
-from cdia_pin.phrases import clipped, printable
+from cdia_pin.phrases import clipped, one_line, printable
 from cdia_pin.version import __version__
 
 BAD_INPUT, FAULT, INTERRUPTED = 2, 70, 130  # exit codes; 70 is EX_SOFTWARE of sysexits.h

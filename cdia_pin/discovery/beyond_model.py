@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.detection import searched, sized_changes
 from cdia_pin.changes.interpretation import findings_of
-from cdia_pin.changes.run_to_run import as_phenomena
+from cdia_pin.changes.run_to_run import RunToRun, as_phenomena
 from cdia_pin.discovery.conclusion import conclusion
 from cdia_pin.discovery.discovery_result import Discovery, Step
 from cdia_pin.discovery.trace import errors_of
@@ -45,7 +45,7 @@ def discover_beyond(model: Dynamics, logs: Problem, report: Progress) -> Discove
     after = [s.motion for s in logs.experiment.segments]
     before = [_remembered(m, k) for k, m in enumerate(model.learned_from)]
     search, chosen = searched(model, before, after, logs.settings, part(report, 0.0, 0.8))
-    changes, usual = sized_changes(search, chosen)
+    changes, usual = sized_changes(search, chosen, RunToRun.of(search, chosen))
     at = {search.evidence.effects[c].effect: c for c in chosen}
     known = {t.label for t in model.terms}
     later, steps, so_far = model, [Step(None, *errors_of(logs, model, None))], []

@@ -20,7 +20,7 @@ from cdia_pin.effects import (
     Term,
     ViscousFriction,
 )
-from cdia_pin.regression.gauss_newton import refit
+from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection.problem import WhitenedProblem
 
 PLAIN = (CoulombFriction, ViscousFriction)
@@ -54,11 +54,13 @@ def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynami
         return model
     kept = [t for t in model.terms if t not in doubtful]
     added = _of_each_joint(doubtful, [t.effect for t in kept])
-    plain, _ = refit(problem.regression, replace(model, terms=(*kept, *(Term(e, (0.0,)) for e in added))))
+    plain = fitted_together(
+        problem.regression, replace(model, terms=(*kept, *(Term(e, (0.0,)) for e in added)))
+    )
     repeat = Repeat(problem.problem.design, plain, problem.problem.settings)
     unsure = {t.label for t in plain.terms if t.effect in added and not repeat.survives(t)}
     certain = replace(plain, terms=tuple(t for t in plain.terms if t.label not in unsure))
-    return refit(problem.regression, certain)[0] if unsure else plain
+    return fitted_together(problem.regression, certain) if unsure else plain
 
 
 def _of_each_joint(terms: Sequence[Term], present: Sequence[Effect]) -> list[Effect]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -52,16 +51,15 @@ def _is_asymmetric(whole: Repeat, term: Term) -> bool:
     mean = np.repeat([theta[:2].mean(), theta[2:].mean()], 2)
     if np.max(whole.torque(term, theta - mean)) <= NOTABLE * np.max(whole.torque(term, theta)):
         return False
-    halves = [replace(whole, part=0), replace(whole, part=1)]
-    return any(_differ(whole, halves, term, k) for k in (0, 2))
+    return any(_differ(whole, term, k) for k in (0, 2))
 
 
-def _differ(whole: Repeat, halves: Sequence[Repeat], term: Term, k: int) -> bool:
+def _differ(whole: Repeat, term: Term, k: int) -> bool:
     """Tell whether two parameters differ in the whole log, and alike in each half that could show it."""
     difference, spread = _difference(whole, term, k)
     if abs(difference) <= CERTAIN * spread:
         return False
-    for value, uncertainty in (_difference(half, term, k) for half in halves):
+    for value, uncertainty in (_difference(half, term, k) for half in whole.halves):
         could = abs(difference) >= 2 * CERTAIN * uncertainty
         if could and value * np.sign(difference) <= CERTAIN * uncertainty:
             return False

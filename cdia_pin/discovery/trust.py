@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.changes.common_structure import common_effects
 from cdia_pin.changes.confidence import Confidence
+from cdia_pin.changes.run_to_run import is_friction_of_joint
 from cdia_pin.changes.sizes import effort_tolerance
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, RotorInertia, Term, TorqueOffset
@@ -28,7 +29,6 @@ from cdia_pin.logs.motion import Motion
 from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
-from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from cdia_pin.selection.discovery_settings import ConfidenceSettings, DiscoverySettings
 from cdia_pin.selection.problem import Problem
@@ -69,7 +69,7 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     others = [
         Repeat(DesignMatrix(x), replace(model, robot=x.robot), settings).settled() for x in _variations(logs)
     ]
-    repeats = [replace(whole, part=0), replace(whole, part=1), *others]
+    repeats = [*whole.halves, *others]
     out = {}
     for term in found:
         needed, size = whole.is_visible(term), whole.theta(term)
@@ -96,7 +96,7 @@ def is_everyday(effect: Effect) -> bool:
         effect: The effect.
     """
     plain = isinstance(effect, Body | RotorInertia | TorqueOffset)
-    return plain or (effect.traits.dissipative and len(effect.scope) == 1)
+    return plain or is_friction_of_joint(effect)
 
 
 def _confidence(needed: bool, survived: Sequence[bool], settings: ConfidenceSettings) -> Confidence:
@@ -152,6 +152,11 @@ class Repeat:
         """The logs."""
         return self.design.experiment
 
+    @cached_property
+    def halves(self) -> tuple[Self, Self]:
+        """The same fit on each half of the log alone."""
+        return replace(self, part=0), replace(self, part=1)
+
     def settled(self) -> Self:
         """Return the repeat with its normal equations, and without the regressors that they were computed from."""
         _ = self._evidence, self._size
@@ -175,7 +180,7 @@ class Repeat:
             term: A term of the model.
             theta: Its size in the whole log, shape (p,).
         """
-        own = ParameterBlocks.of(self._evidence.effects)[self._at[term.label]]
+        own = self._evidence.parameters[self._at[term.label]]
         power = (
             self._evidence.norms[own] * np.asarray(theta) ** 2
         )  # of its torque, over that of what is left [1]
@@ -230,7 +235,7 @@ class Repeat:
         Args:
             term: A term of the model.
         """
-        own = ParameterBlocks.of(self._evidence.effects)[self._at[term.label]]
+        own = self._evidence.parameters[self._at[term.label]]
         return self._estimate[0][own]
 
     def covariance(self, term: Term) -> Array:
@@ -239,7 +244,7 @@ class Repeat:
         Args:
             term: A term of the model.
         """
-        own = ParameterBlocks.of(self._evidence.effects)[self._at[term.label]]
+        own = self._evidence.parameters[self._at[term.label]]
         return self._estimate[1][own, own]
 
     @cached_property

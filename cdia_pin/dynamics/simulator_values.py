@@ -30,8 +30,8 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-# By how much a fit may pass a bound, relative to its largest parameter [1]; the file gets the bound.
-BOUNDARY = 0.01
+# A fit that ends on a bound passes it by what its solver leaves; the file gets the bound. More is another arm.
+BOUNDARY = 0.01  # by how much a fit may pass a bound, relative to its largest parameter [1]
 
 
 @dataclass(frozen=True)

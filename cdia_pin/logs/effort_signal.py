@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,20 +62,17 @@ def pick_effort(
         values, tolerance = _torques(values, gains, pick)
     elif gains is not None:
         pick.notes.append("drive gains not used: the log has efforts (--convert torque=A applies them)")
-    without_gravity = facts.without_gravity
-    if conversion.gravity is not None:
-        without_gravity = conversion.gravity == GravityInEffort.COMPENSATED
-    if facts.caveat and without_gravity == facts.without_gravity:
+    known = facts
+    if conversion.gravity is not None:  # the user knows better than the format
+        known = replace(facts, without_gravity=conversion.gravity == GravityInEffort.COMPENSATED)
+    if facts.caveat and known.without_gravity == facts.without_gravity:
         pick.notes.append(facts.caveat)
-    origin = facts.origin
-    if origin is not EffortOrigin.COMMANDED:
-        origin = EffortOrigin.COMPENSATED if without_gravity else EffortOrigin.MEASURED
     implied = facts.side if tolerance is None else TorqueSide.MOTOR
     asked, side = side, side if side is not TorqueSide.UNKNOWN else implied
     if side is TorqueSide.LINK:
         said = "as asked" if asked is TorqueSide.LINK else f"as format '{pick.choice.format.name}' records it"
         pick.notes.append(f"{BEHIND_THE_GEAR}, {said}")
-    return PickedEffort(values, side, origin, without_gravity, tolerance)
+    return PickedEffort(values, side, known.origin, known.without_gravity, tolerance)
 
 
 def _signal(pick: SignalPicker, gains: Gains | None) -> str:

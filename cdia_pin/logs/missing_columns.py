@@ -47,11 +47,6 @@ def require_columns(pick: SignalPicker, robot: RobotModel) -> None:
     said = pick.missing(missing[0])
     if pick.choice.format != CSV:
         raise LogError(f"{said}; found {pick.found}")
-    known = {name for columns in pick.columns.signals.values() for name in columns.values()}
-    others = {
-        name: x
-        for name, x in pick.table.columns.items()
-        if name not in known and name not in pick.columns.time
-    }
+    others = {name: x for name, x in pick.table.columns.items() if name in pick.columns.other}
     guesses = guess_columns(others, robot)
     raise MissingColumnsError(f"{said}; {said_of(guesses, robot) or f'found {pick.found}'}", guesses)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cdia_pin.errors import RobotError
-
 
 def arms_named_by(labels: Sequence[str]) -> list[str]:
     """Find the arms on this machine whose joints a log names.
@@ -16,16 +14,7 @@ def arms_named_by(labels: Sequence[str]) -> list[str]:
     Returns:
         Names of the catalogue, those with the most joints first.
     """
-    from cdia_pin.robot.catalogue import catalogue, load_robot
+    from cdia_pin.robot.catalogue import robots_here
 
-    found = {}
-    for name, entry in catalogue().items():
-        if not entry.available:
-            continue
-        try:
-            joints = load_robot(name).joints
-        except RobotError:  # a file that was damaged
-            continue
-        if set(joints) <= set(labels):
-            found[name] = len(joints)
+    found = {arm.name: arm.n for arm in robots_here() if set(arm.joints) <= set(labels)}
     return sorted(found, key=lambda name: -found[name])

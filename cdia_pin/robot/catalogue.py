@@ -7,7 +7,7 @@ import importlib.util
 import os
 import sys
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from fnmatch import fnmatchcase
@@ -179,6 +179,18 @@ def load_robot(
         package_dirs=[*map(Path, package_dirs), *_package_dirs(path)],
         warnings=warnings,
     )
+
+
+def robots_here() -> Iterator[RobotModel]:
+    """Yield every robot of the catalogue that is on this machine; one whose file was damaged is left out."""
+    for name, entry in catalogue().items():
+        if not entry.available:
+            continue
+        try:
+            robot = load_robot(name)
+        except RobotError:
+            continue
+        yield robot
 
 
 @cache

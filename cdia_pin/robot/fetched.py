@@ -17,9 +17,11 @@ from pathlib import Path
 from cdia_pin.errors import RobotError
 from cdia_pin.extras import require
 from cdia_pin.input_files import read_text
+from cdia_pin.phrases import one_line
 from cdia_pin.resources import cache_dir
 from cdia_pin.whole_files import whole_file
 
+LONGEST_ANSWER = 200  # characters of what git or xacro says that are shown
 INDEX = "robots.json"  # {name: URDF file}
 # git asks nobody for a password, and gives up a transfer below 1 kB/s for 20 s.
 GIT = {"GIT_TERMINAL_PROMPT": "0", "GIT_HTTP_LOW_SPEED_LIMIT": "1000", "GIT_HTTP_LOW_SPEED_TIME": "20"}
@@ -65,7 +67,7 @@ def fetched_urdf(name: str, module: str, arguments: Mapping[str, str], origin: s
             options = {"xacro_args": dict(arguments)} if arguments else {}
             path = Path(get_urdf_path(description, **options))
     except Exception as error:  # git, xacro and the network each raise their own
-        said = " ".join(str(error).split())[:200] or type(error).__name__
+        said = one_line(error, LONGEST_ANSWER)
         raise RobotError(
             f"the description of '{name}' cannot be fetched from {origin}: its first use needs git and the network; "
             f"without them give the path of a URDF file ({said})"

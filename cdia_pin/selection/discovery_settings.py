@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -205,6 +207,10 @@ class PracticeSettings:
     __repr__ = settings_repr
 
 
+# Settings that the record of a discovery states by themselves.
+RECORDED = ("conditioning", "effects", "extra", "per_log", "expected", "most_effects", "blocks")
+
+
 @dataclass(frozen=True, repr=False)
 class DiscoverySettings:
     """What a discovery searches for, and how.
@@ -261,15 +267,16 @@ class DiscoverySettings:
 
     def changed_decisions(self) -> dict[str, float]:
         """Return the numbers that decide and differ from their defaults, by name as ``criterion.least_share``."""
-        usual = type(self)()
-        groups = [
-            f.name for f in fields(self) if is_dataclass(f.default_factory) and f.name != "conditioning"
-        ]
-        both = ((g, getattr(self, g), getattr(usual, g)) for g in groups)
-        own = {"most_samples": self.most_samples} if self.most_samples != usual.most_samples else {}
-        return own | {
-            f"{group}.{f.name}": getattr(given, f.name)
-            for group, given, default in both
-            for f in fields(given)
-            if getattr(given, f.name) != getattr(default, f.name)
-        }
+        return dict(_changed(self, type(self)()))
+
+
+def _changed(given: Any, usual: Any, prefix: str = "") -> Iterator[tuple[str, float]]:
+    """Yield the numbers that differ, by name; settings within settings have a point in theirs."""
+    for f in fields(given):
+        name, one, default = prefix + f.name, getattr(given, f.name), getattr(usual, f.name)
+        if name in RECORDED or one == default:
+            continue
+        if is_dataclass(one):
+            yield from _changed(one, default, f"{name}.")
+        else:
+            yield name, one

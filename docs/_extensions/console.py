@@ -6,17 +6,14 @@ the number of lines of the output that are shown.
 
 from __future__ import annotations
 
-import os
 import re
 import shlex
-import subprocess
-import sys
 from concurrent.futures import Future
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, ClassVar
 
-from background import POOL, ROOT
+from background import POOL, run
 from docutils import nodes
 from docutils.parsers.rst import directives
 from sphinx.application import Sphinx
@@ -26,7 +23,6 @@ from sphinx.util.docutils import SphinxDirective
 
 LOGGER = logging.getLogger(__name__)
 BLOCK = re.compile(r"^```\{console\} (\w+)\n((?::\w+:[^\n]*\n)*)(.*?)^```", re.MULTILINE | re.DOTALL)
-PATIENCE = 600.0  # [s], for one command on a machine that does much else
 WIDTH = "80"  # characters of a terminal
 Outputs = dict[str, tuple[int, str]]  # by the commands of a block, the exit code and what was said
 RUNS: dict[str, Future[Outputs]] = {}
@@ -80,21 +76,12 @@ def _session(sample: str, blocks: list[str]) -> Outputs:
 
 def _run(commands: str, folder: str) -> tuple[int, str]:
     """Run the commands of a block, up to the first that fails."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": WIDTH, "NO_COLOR": "1"}
     words = ""
     for line in commands.replace("\\\n", " ").splitlines():
         program, *given = shlex.split(line, comments=True)
         if program != "cdia":
             return 2, f"only cdia is run here, given {program}"
-        done = subprocess.run(
-            [sys.executable, "-m", "cdia_pin", *given],
-            capture_output=True,
-            text=True,
-            cwd=folder,
-            env=environment,
-            timeout=PATIENCE,
-            check=False,
-        )
+        done = run(["-m", "cdia_pin", *given], folder, COLUMNS=WIDTH, NO_COLOR="1")
         words += done.stdout
         if done.returncode:
             return done.returncode, words + done.stderr

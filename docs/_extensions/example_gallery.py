@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import ast
-import os
 import subprocess
-import sys
 from concurrent.futures import Future
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from background import POOL, ROOT
+from background import POOL, ROOT, run
 from docutils import nodes
 from docutils.statemachine import StringList
 from sphinx.application import Sphinx
@@ -20,7 +18,6 @@ from sphinx.util.docutils import SphinxDirective
 
 LOGGER = logging.getLogger(__name__)
 EXAMPLES = sorted((ROOT / "examples").glob("[0-9][0-9]_*.py"))
-PATIENCE = 600.0  # [s], for one example on a machine that does much else
 RUNS: dict[Path, Future[subprocess.CompletedProcess[str]]] = {}
 
 
@@ -63,15 +60,7 @@ def _begin(app: Sphinx, env: Any, added: set[str], changed: set[str], removed: s
 
 def _run(path: Path) -> subprocess.CompletedProcess[str]:
     with TemporaryDirectory() as folder:
-        return subprocess.run(
-            [sys.executable, str(path)],
-            capture_output=True,
-            text=True,
-            cwd=folder,
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
-            timeout=PATIENCE,
-            check=False,
-        )
+        return run([str(path)], folder)
 
 
 def _printed(path: Path) -> str:

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.errors import RobotError
 from cdia_pin.logs.checks.effort_kind import GravityGain
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.fit import misfit
@@ -36,9 +35,8 @@ UNEXPLAINED = 1 / 3
 CLEARLY = 1.5  # [1], fall of the misfit that another arm must bring: a factor of e^1.5 in unexplained shares
 # [1], misfit by which it may be behind the arm that was named with ten parameters more, or with one more
 BEHIND_BODY, BEHIND_GAIN = 3.0, 1.5
-# [1], misfit behind the best within which another may be the one: arms of one maker and size differ by 0.6 to 2.2 on
-# measured logs.
-NEAR = 2.2
+# Arms of one maker and size differ by 0.6 to 2.2 on measured logs.
+NEAR = 2.2  # misfit behind the best, within which another arm may be the one [1]
 BODY = 10  # inertial parameters of a body on the tool
 
 
@@ -100,19 +98,17 @@ def check_arm(
     behind = min(alone.misfit - CLEARLY, loaded.misfit + BEHIND_BODY, scaled.misfit + BEHIND_GAIN)
     if best.misfit > behind or best.mean > UNEXPLAINED:
         return
-    near = [
-        f"'{f.name}'" for f in sorted(others, key=lambda fit: fit.misfit) if f.misfit < best.misfit + NEAR
-    ]
+    near = [f.name for f in sorted(others, key=lambda fit: fit.misfit) if f.misfit < best.misfit + NEAR]
     yield Finding(
         Topic.ROBOT,
         Severity.WARNING,
-        f"{_why(known, likely, robot)}: this looks like a log of {' or '.join(near)}; "
+        f"{_why(known, likely, robot)}: this looks like a log of {' or '.join(map(repr, near))}; "
         f"'{best.name}' leaves {best.mean:.0%} of the efforts unexplained where '{robot.name}' leaves {alone.mean:.0%}",
         advice=f"--robot {best.name} if it is that arm; otherwise check the unit of the efforts",
         value={
             "gravity_gains": known,
             "best": best.name,
-            "near": [name.strip("'") for name in near],
+            "near": near,
             "unexplained": {fit.name: fit.mean for fit in (alone, *others)},
             "unexplained_with_a_body_on_the_tool": loaded.mean,
             "unexplained_with_a_gain": scaled.mean,
@@ -167,14 +163,8 @@ def _outside(basis: Array, signal: Array) -> Array:
 
 def _others(robot: RobotModel) -> Iterator[RobotModel]:
     """Yield the arms on this machine with as many joints of the same kinds."""
-    from cdia_pin.robot.catalogue import catalogue, load_robot
+    from cdia_pin.robot.catalogue import robots_here
 
-    for name, entry in catalogue().items():
-        if name == robot.name or not entry.available:
-            continue
-        try:
-            arm = load_robot(name)
-        except RobotError:  # a file of the cache that was damaged
-            continue
-        if arm.n == robot.n and (arm.is_prismatic == robot.is_prismatic).all():
+    for arm in robots_here():
+        if arm.name != robot.name and arm.n == robot.n and (arm.is_prismatic == robot.is_prismatic).all():
             yield arm

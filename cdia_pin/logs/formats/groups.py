@@ -14,7 +14,7 @@ SEPARATORS = "._/ "
 
 
 @dataclass(frozen=True)
-class ColumnGroup:
+class JointColumns:
     """Columns of one quantity, one for each joint.
 
     Attributes:
@@ -25,13 +25,8 @@ class ColumnGroup:
     pattern: str
     labels: dict[str, str]
 
-    @property
-    def numbered(self) -> bool:
-        """True if the joints have numbers."""
-        return NUMBER in self.pattern
 
-
-def grouped(names: Sequence[str], count: int) -> list[ColumnGroup]:
+def grouped(names: Sequence[str], count: int) -> list[JointColumns]:
     """Find the groups of columns with one member for each joint.
 
     Args:
@@ -41,7 +36,7 @@ def grouped(names: Sequence[str], count: int) -> list[ColumnGroup]:
     Returns:
         The groups, those with numbers first, without overlap.
     """
-    groups: list[ColumnGroup] = []
+    groups: list[JointColumns] = []
     taken: set[str] = set()
     for pattern, often in Counter([*_numbered(names), *_named(names)]).items():
         if often < count:  # too few names fit, and each look at all of them takes time
@@ -53,7 +48,7 @@ def grouped(names: Sequence[str], count: int) -> list[ColumnGroup]:
         else:
             consecutive = len(labels) == count
         if consecutive:
-            groups.append(ColumnGroup(pattern, labels))
+            groups.append(JointColumns(pattern, labels))
             taken.update(labels.values())
     return groups
 

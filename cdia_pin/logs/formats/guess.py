@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.logs.formats.groups import ColumnGroup, grouped
+from cdia_pin.logs.formats.groups import JointColumns, grouped
 from cdia_pin.logs.formats.patterns import TIME
 from cdia_pin.logs.timestamps import in_seconds
 
@@ -24,9 +24,9 @@ FULL_TURNS = 7.0  # [rad], above one turn; a joint that goes further in rad is r
 RATE_OF = 0.7  # [1], correlation with the derivative of another signal above which it is its velocity
 COPY_OF = 0.995  # [1], correlation with the positions above which a signal is their command
 SMALL = 0.05  # [1], largest torque over the limit of its joint below which it is rather a current
-# Within what factor a velocity has the size of its positions' derivative [1]. Noise moves it by less; the nearest other
-# units, turns of the motor aside, are revolutions: per minute for degrees a sixth, per second for radians as well.
-SAME_UNIT = 2.0
+# Noise moves the size by less; the nearest other units, turns of the motor aside, are revolutions: per minute for
+# degrees a sixth, per second for radians as well.
+SAME_UNIT = 2.0  # factor within which a velocity has the size of its positions' derivative [1]
 WARM = (10.0, 100.0)  # [°C] of motors
 LEAST = 3  # [samples], of which something can be said
 SAMPLES = 20_000  # [samples] that are looked at
@@ -82,14 +82,14 @@ def guess_columns(columns: dict[str, NDArray[Any]], robot: RobotModel) -> list[C
     """
     if len(next(iter(columns.values()), ())) < LEAST:
         return []
-    # On an arm of one joint every column is a group of its own, so the times are found first.
-    times = list(_times(columns, set())) if robot.n == 1 else []
+    several = (g.labels.values() for g in grouped(list(columns), robot.n) if len(g.labels) > 1)
+    times = list(_times(columns, {name for names in several for name in names}))
     groups = grouped([name for name in columns if name not in {t.pattern for t in times}], robot.n)
     values = {g.pattern: _values(columns, g) for g in groups}
     groups = [g for g in groups if np.isfinite(values[g.pattern]).any(axis=0).all()]
     words = {g.pattern: _word(g.pattern) for g in groups}
     position, velocity = _moving([g for g in groups if not UNWANTED.search(g.pattern)], values, words)
-    guesses = times or list(_times(columns, {c for g in groups for c in g.labels.values()}))
+    guesses = list(times)
     seconds = in_seconds(columns[guesses[0].pattern][:SAMPLES], None, "")[0] if guesses else None
     taken: set[str] = set()
     for group in groups:
@@ -166,14 +166,14 @@ def said_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> str:
     return f"the columns look like: {looks}" + (f"; if that is right, type {options}" if options else "")
 
 
-def _values(columns: dict[str, NDArray[Any]], group: ColumnGroup) -> Array:
+def _values(columns: dict[str, NDArray[Any]], group: JointColumns) -> Array:
     x = np.column_stack([np.asarray(columns[name], dtype=np.float64) for name in group.labels.values()])
     return x[:SAMPLES]
 
 
 def _moving(
-    groups: Sequence[ColumnGroup], values: dict[str, Array], words: dict[str, str]
-) -> tuple[ColumnGroup | None, ColumnGroup | None]:
+    groups: Sequence[JointColumns], values: dict[str, Array], words: dict[str, str]
+) -> tuple[JointColumns | None, JointColumns | None]:
     """Find the positions, and the velocities that are their derivative; without those, the smoothest signal."""
     pairs = [
         (_alike(np.gradient(values[a.pattern], axis=0), values[b.pattern]), a, b)

@@ -9,6 +9,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import sort_names
 from cdia_pin.logs.readers.arrow import table_from_arrow
 from cdia_pin.logs.readers.table import Table
+from cdia_pin.phrases import LONGEST_REASON, one_line
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -160,7 +161,7 @@ def _parse(text: bytes, names: list[str], delimiter: str, source: str, notes: li
         )
     except (pa.ArrowException, ValueError) as error:
         raise LogError(
-            f"{source}: not readable as CSV with {len(names)} columns ({_one_line(error)})"
+            f"{source}: not readable as CSV with {len(names)} columns ({one_line(error, LONGEST_REASON)})"
         ) from None
     cut = text.rstrip().endswith(broken[0][1].strip().encode()) if len(broken) == 1 else False
     if broken and not (cut and broken[0][0] < len(names)):
@@ -184,7 +185,3 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split())[:160]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +15,7 @@ from cdia_pin.logs.readers.bag_files import (
     require_plain_files,
     storage_files,
 )
+from cdia_pin.logs.readers.checksum import sha256_of
 from cdia_pin.logs.readers.lerobot import dataset_of, read_lerobot
 from cdia_pin.logs.readers.table import Table
 
@@ -75,8 +75,7 @@ def read_table(path: Path, joints: Sequence[str], wanted: Wanted) -> tuple[Table
             f"or the directory of a ROS 2 bag or of a LeRobot dataset{hint}; --format {CSV.name} reads any text"
         )
     try:
-        with path.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        digest = sha256_of([path])
         if not path.stat().st_size:
             raise LogError(f"{source}: the file is empty")
         if suffix in {".parquet", ".pq"}:
@@ -115,16 +114,14 @@ def _bag(path: Path, joints: Sequence[str], wanted: Wanted) -> tuple[Table, str]
     files = storage_files(path)
     if not files:
         raise LogError(f"{path}: a directory without .db3 or .mcap files is not a ROS 2 bag")
-    digest = hashlib.sha256()
     try:
         require_plain_files(path)
         if path.is_dir() and not (path / METADATA).exists():
             if len(files) > 1:
                 raise LogError(f"{path}: no {METADATA} and several storage files; give one of them")
             path = files[0]
-        for file in files:
-            digest.update(file.read_bytes())
+        digest = sha256_of(files)
     except OSError as error:
         raise LogError(f"{path}: cannot be read ({error.strerror})") from None
     table = read_rosbag(path, joints, wanted.joint_map, wanted.topic)
-    return table, digest.hexdigest()
+    return table, digest

@@ -20,9 +20,9 @@ ENCAPSULATION = 4  # [B], before the body of a message, from which alignment cou
 BIG_ENDIAN, LITTLE_ENDIAN = 0, 1  # second byte of the encapsulation, of plain CDR
 STAMP = slice(ENCAPSULATION, ENCAPSULATION + 8)  # seconds and nanoseconds
 DOUBLE = 8  # [B]
-# Layouts [1] that are compared with all messages; where joints are listed in a new order each time, more of them cost
-# more than messages that are read one by one.
-MOST_LAYOUTS = 32
+# A publisher has one or two. Where joints are listed in a new order each time, more of them cost more than messages
+# that are read one by one.
+MOST_LAYOUTS = 32  # layouts that are compared with all messages [1]
 
 
 @dataclass(frozen=True)

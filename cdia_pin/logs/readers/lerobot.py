@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +14,9 @@ from numpy.typing import NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.input_files import read_text
 from cdia_pin.logs.readers.bounds import parquet_contents, require_bounded
+from cdia_pin.logs.readers.checksum import sha256_of
 from cdia_pin.logs.readers.table import Table
+from cdia_pin.phrases import LONGEST_REASON, one_line
 
 if TYPE_CHECKING:
     from pyarrow import parquet
@@ -78,11 +79,9 @@ def read_lerobot(path: Path, episode: int | None) -> tuple[Table, str]:
                 f"{path.name}: {feature} has {values.shape[1]} values, {INFO} names {len(features[feature])}"
             )
         columns.update({f"{feature}.{n}": values[:, k] for k, n in enumerate(features[feature])})
-    digest = hashlib.sha256((folder / INFO).read_bytes())
-    for part in parts:
-        digest.update(part.file.read_bytes())
+    digest = sha256_of([folder / INFO, *(part.file for part in parts)])
     notes = (f"episode {number} of a LeRobot dataset read",)
-    return Table(columns, time_unit="s", notes=notes, format="lerobot"), digest.hexdigest()
+    return Table(columns, time_unit="s", notes=notes, format="lerobot"), digest
 
 
 def _features(folder: Path) -> dict[str, list[str]]:
@@ -96,7 +95,7 @@ def _features(folder: Path) -> dict[str, list[str]]:
             if name.startswith(OBSERVED) and feature["dtype"] in NUMBERS and len(feature["shape"]) == 1
         }
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        said = " ".join(str(error).split())[:160]
+        said = one_line(error, LONGEST_REASON)
         raise LogError(f"{where}: not the information of a LeRobot dataset ({said})") from None
     if not measured:
         raise LogError(f"{where}: no vector of numbers named {OBSERVED}…; found {', '.join(features)}")
@@ -156,9 +155,7 @@ def _opened(file: Path) -> parquet.ParquetFile:
     try:
         return parquet.ParquetFile(file)
     except (pa.ArrowException, OSError, ValueError) as error:
-        raise LogError(
-            f"{file.name}: not readable as Parquet ({' '.join(str(error).split())[:160]})"
-        ) from None
+        raise LogError(f"{file.name}: not readable as Parquet ({one_line(error, LONGEST_REASON)})") from None
 
 
 def _column(file: parquet.ParquetFile, name: str, source: str) -> NDArray[Any]:
@@ -176,4 +173,4 @@ def _column(file: parquet.ParquetFile, name: str, source: str) -> NDArray[Any]:
             column = column.flatten()
         return np.asarray(column.to_numpy(zero_copy_only=False)).reshape(count, -1 if count else 1)
     except (pa.ArrowException, OSError, ValueError) as error:
-        raise LogError(f"{source}: {name} cannot be read ({' '.join(str(error).split())[:160]})") from None
+        raise LogError(f"{source}: {name} cannot be read ({one_line(error, LONGEST_REASON)})") from None

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from cdia_pin.logs.readers.arrow_batches import table_from_batches
 from cdia_pin.logs.readers.csv import column_names
 from cdia_pin.logs.readers.table import Table
-
-if TYPE_CHECKING:
-    import pyarrow as pa
 
 BLOCK = 8 * 2**20  # [B], of text that is read at once
 LONGEST_HEADER = 2**20  # [B], of the first line
@@ -45,13 +40,9 @@ def read_long_csv(path: Path) -> Table | None:
             ),
             parse_options=csv.ParseOptions(delimiter=delimiter),
         ) as reader:
-            return table_from_batches(_batches(reader), reader.schema, path.name)
+            return table_from_batches(reader, reader.schema, path.name)
     except (pa.ArrowException, ValueError):  # what is wrong is told where the text is read whole
         return None
-
-
-def _batches(reader: pa.RecordBatchReader) -> Iterator[pa.RecordBatch]:
-    yield from reader
 
 
 def _header(path: Path) -> bytes | None:

@@ -87,11 +87,11 @@ def messages(path: Path, topics: Collection[str]) -> dict[str, Received]:
         at = len(MAGIC)
         while at + RECORD.size <= end:
             file.seek(at)
-            opcode, length = RECORD.unpack(file.read(RECORD.size))
+            head = file.read(RECORD.size)
+            opcode, length = RECORD.unpack(head)
             if opcode in {CHANNEL, MESSAGE, CHUNK}:
                 record = file.read(length)
-                whole = RECORD.pack(opcode, length) + record  # of a file without chunks
-                records = _decompressed(record, path.name) if opcode == CHUNK else whole
+                records = _decompressed(record, path.name) if opcode == CHUNK else head + record
                 _take(records, topics, channels, found)
             at += RECORD.size + length
     return found

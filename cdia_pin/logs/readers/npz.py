@@ -14,6 +14,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import ALIASES
 from cdia_pin.logs.readers.bounds import require_bounded
 from cdia_pin.logs.readers.table import Table
+from cdia_pin.phrases import LONGEST_REASON, one_line
 
 _JOINT_KEYS = ("joints", "joint_names", "names", "name")
 _SIGNAL = {alias: signal for signal, aliases in ALIASES.items() for alias in aliases}
@@ -85,4 +86,4 @@ def _arrays(data: bytes, source: str) -> dict[str, NDArray[Any]]:
             require_bounded(sum(int(entry.file_size) for entry in entries), len(data), source)
             return {key: archive[key] for key in archive.files}
     except (OSError, ValueError, EOFError, KeyError, AttributeError, zipfile.BadZipFile, zlib.error) as error:
-        raise LogError(f"{source}: not readable as .npz ({' '.join(str(error).split())[:160]})") from None
+        raise LogError(f"{source}: not readable as .npz ({one_line(error, LONGEST_REASON)})") from None

@@ -8,6 +8,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs.readers.arrow_batches import ROWS, table_from_batches
 from cdia_pin.logs.readers.bounds import parquet_contents, require_bounded
 from cdia_pin.logs.readers.table import Table
+from cdia_pin.phrases import LONGEST_REASON, one_line
 
 
 def read_parquet(path: Path) -> Table:
@@ -32,4 +33,4 @@ def read_parquet(path: Path) -> Table:
             require_bounded(contents, path.stat().st_size, source)
             return table_from_batches(file.iter_batches(ROWS), file.schema_arrow, source)
     except (pa.ArrowException, OSError, ValueError) as error:
-        raise LogError(f"{source}: not readable as Parquet ({' '.join(str(error).split())[:160]})") from None
+        raise LogError(f"{source}: not readable as Parquet ({one_line(error, LONGEST_REASON)})") from None

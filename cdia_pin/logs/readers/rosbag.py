@@ -18,6 +18,7 @@ from cdia_pin.logs.readers.bag_files import storage_files
 from cdia_pin.logs.readers.bounds import require_bounded
 from cdia_pin.logs.readers.joint_states import JointStates, joint_states
 from cdia_pin.logs.readers.table import Table
+from cdia_pin.phrases import LONGEST_REASON, one_line
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 _COMMANDS = ("command", "cmd", "desired", "target", "reference", "goal")
@@ -184,7 +185,7 @@ def _joint_states(path: Path, source: str) -> tuple[list[_Topic], list[str]]:
             for name, r in received.items()
         ]
     except Exception as error:  # rosbags, apsw, struct and lz4 each raise their own
-        said = " ".join(str(error).split())[:160] or type(error).__name__
+        said = one_line(error, LONGEST_REASON)
         raise LogError(
             f"{source}: not readable as a ROS 2 bag ({said}); a recording that was cut off may be "
             "repaired with 'ros2 bag reindex' or 'mcap recover'"
