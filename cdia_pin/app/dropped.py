@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import lzma
 import os
-import re
 import zipfile
 import zlib
 from collections.abc import Iterable, Mapping
@@ -18,12 +17,14 @@ from lxml import etree
 
 from cdia_pin import schemas
 from cdia_pin.errors import CdiaError, LogError, RobotError
-from cdia_pin.input_files import read_text, require_small_file
+from cdia_pin.input_files import read_text
 from cdia_pin.logs.columns import sort_names
 from cdia_pin.logs.readers.bag_files import COMPRESSED, METADATA, is_bag
+from cdia_pin.logs.readers.csv import column_names
 from cdia_pin.logs.readers.dispatch import SUFFIXES
 from cdia_pin.logs.readers.lerobot import INFO
 from cdia_pin.phrases import some
+from cdia_pin.robot.urdf import parse_xml
 
 LARGEST = 500  # [MB], of a file that is dropped
 UNPACKED = 2000  # [MB], of what a zip file holds, and of all drops of a session
@@ -132,9 +133,7 @@ def mesh_addresses(urdf: Path) -> list[str]:
         urdf: The file.
     """
     try:
-        require_small_file(urdf)
-        parser = etree.XMLParser(resolve_entities=False, no_network=True)
-        tree = etree.parse(str(urdf), parser)
+        tree = parse_xml(urdf)
     except (OSError, etree.XMLSyntaxError):  # whoever loads the robot says so
         return []
     return list(dict.fromkeys(str(m.get("filename", "")) for m in tree.getroot().iter("mesh")))
@@ -180,8 +179,8 @@ def _start(path: Path) -> bytes:
 
 def _is_table(text: Path) -> bool:
     """Tell whether the first line of a text has a delimiter or names a column of times."""
-    line = _start(text).decode(errors="replace").partition("\n")[0]
-    return bool(re.search(r"[,;\t]", line)) or bool(sort_names(line.split()).time)
+    names, delimiter = column_names(_start(text).decode(errors="replace").partition("\n")[0])
+    return delimiter != " " or bool(sort_names(names).time)
 
 
 def _one(what: str, paths: Iterable[Path]) -> Path | None:

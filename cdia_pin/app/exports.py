@@ -9,9 +9,8 @@ from pathlib import Path
 from cdia_pin.app.python_lines import python_lines
 from cdia_pin.app.session import Session
 from cdia_pin.dynamics import save_model
-from cdia_pin.dynamics.urdf_terms import UrdfValues
 from cdia_pin.errors import ModelError
-from cdia_pin.robot.urdf_export import corrected_urdf
+from cdia_pin.exports.formats import FORMATS
 from cdia_pin.viewers import write_report
 
 
@@ -34,12 +33,12 @@ def urdf_file(session: Session) -> bytes:
     Raises:
         ModelError: If the model has no term with a place in a URDF.
     """
-    robot = session.inputs.robot
-    values = UrdfValues.of(session.present.model.terms, robot)
+    model, urdf = session.present.model, FORMATS["urdf"]
+    values = urdf.values(model)
     if not values.held:
         have = ", ".join(values.left_out) or "no terms"
         raise ModelError(f"nothing of the model has a place in a URDF; it has {have}")
-    return corrected_urdf(robot, robot.urdf.parent, **values.arguments).encode()
+    return urdf.text(model, values, model.robot.urdf.parent).encode()
 
 
 def report_file(session: Session) -> bytes:

@@ -78,6 +78,15 @@ class Form:
         """
         self.joints.setdefault(joint, {})[key] = value
 
+    def cell(self, joint: str, key: str) -> Cell | None:
+        """Return a cell of the table of joints; None where nothing was noted.
+
+        Args:
+            joint: Row.
+            key: Column, as of `note`.
+        """
+        return self.joints.get(joint, {}).get(key)
+
     def keep(self, joints: Sequence[str]) -> None:
         """Drop the rows of joints that a robot does not have.
 

@@ -80,20 +80,17 @@ class Inputs:
         return self.model.robot
 
     @classmethod
-    def load(cls, asked: Request, tell: Progress, model: Dynamics | None = None) -> Inputs:
-        """Read and check everything.
+    def load(cls, asked: Request, tell: Progress, model: Dynamics) -> Inputs:
+        """Read and check a log.
 
         Args:
             asked: What to read.
             tell: Reports progress.
-            model: What `read_model` returned for the same request; it is called if omitted.
+            model: What `read_model` returned for the same request.
 
         Raises:
             CdiaError: If a file cannot be used; its message says what to do.
         """
-        if model is None:
-            tell("reading the robot", 0.0)
-            model = read_model(asked)
         if asked.log == Path() or not asked.log.exists():
             raise LogError(f"there is no log {asked.log}")
         tell("reading the log", 0.2)

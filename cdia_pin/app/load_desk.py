@@ -18,6 +18,8 @@ from cdia_pin.errors import CdiaError, LogError
 from cdia_pin.progress import Progress
 from cdia_pin.viewers.scene import Scene, SceneDocument, TimelineDocument
 
+FIELDS = ("robot", "log", "mapping")  # marks of a fault that is of no cell
+
 
 @dataclass(frozen=True)
 class Loaded:
@@ -57,6 +59,11 @@ class LoadDesk:
         self.columns: LogColumns | None = None
         self.faults: dict[str, str] = {}
         self._read_last: tuple[str, Path | None] = ("", None)  # robot, and its saved model
+
+    @property
+    def cell_faults(self) -> dict[str, str]:
+        """What is wrong in cells of the table of joints, by their marks."""
+        return {mark: sentence for mark, sentence in self.faults.items() if mark not in FIELDS}
 
     def check(self) -> bool:
         """Tell whether the form can be read; if not, say why."""
@@ -152,7 +159,7 @@ class LoadDesk:
         self.columns = log.columns
         if log.columns is not None:
             for joint, label in log.columns.proposed(arm.robot.joints).items():
-                if not self.form.joints.get(joint, {}).get("label"):
+                if not self.form.cell(joint, "label"):
                     self.form.note(joint, "label", label)
 
     def _refuse(self, field: str, why: str) -> None:

@@ -60,7 +60,7 @@ def load_step(bench: Workbench) -> None:
         f"or a zip file, drive gains, a saved model. A dropped file has at most {LARGEST} MB; a path has no limit.",
         "soft",
     )
-    unmapped = "mapping" in desk.faults or any("-" in mark for mark in desk.faults)
+    unmapped = "mapping" in desk.faults or bool(desk.cell_faults)
     with folded("Names, units, drive gains", mark="mapping", open_=unmapped or not desk.form.plain):
         if "mapping" in desk.faults:
             node("p", desk.faults["mapping"], "fault", data_mark="mapping-fault")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from cdia_pin.app.form import FLIPS
 from cdia_pin.app.load_desk import LoadDesk
 from cdia_pin.app.parts import node
 
@@ -11,8 +12,6 @@ COLUMNS = {
     "label": ("name in log", "name in the log"),
     "gain": ("N·m/A", "drive gain"),
     "reduction": ("gear", "gear ratio"),
-}
-FLIPS = {
     "flip_position": ("−q", "flip position"),
     "flip_effort": ("−τ", "flip torque"),
 }  # heads, and what they mean
@@ -30,11 +29,7 @@ def mapping_table(desk: LoadDesk, joints: Sequence[str]) -> None:
     with node("datalist", id="labels"):
         for label in names:
             node("option", value=label)
-    if (
-        columns is not None
-        and columns.currents
-        and not all(desk.form.joints.get(j, {}).get("gain") for j in joints)
-    ):
+    if columns is not None and columns.currents and not all(desk.form.cell(j, "gain") for j in joints):
         node(
             "p",
             "The log has motor currents: type each drive gain, or drop a file with them. A tolerance may follow: "
@@ -49,47 +44,33 @@ def mapping_table(desk: LoadDesk, joints: Sequence[str]) -> None:
     with node("div", classes="scroll"), node("table", classes="mapping"):
         with node("thead"), node("tr"):
             node("th", "joint")
-            for head, meaning in (*COLUMNS.values(), *FLIPS.values()):
+            for head, meaning in COLUMNS.values():
                 node("th", head, title=meaning)
         with node("tbody"):
             for joint in joints:
                 with node("tr"):
                     node("td", joint)
-                    _text(desk, joint, "label", list="labels")
-                    _text(desk, joint, "gain", inputmode="decimal")
-                    _text(desk, joint, "reduction", inputmode="decimal")
+                    _cell(desk, joint, "label", "value", list="labels")
+                    _cell(desk, joint, "gain", "value", inputmode="decimal")
+                    _cell(desk, joint, "reduction", "value", inputmode="decimal")
                     for key in FLIPS:
-                        _mark(desk, joint, key)
-    for mark, sentence in desk.faults.items():
-        if "-" in mark:
-            node("p", sentence, "fault", id=f"fault-{mark}")
+                        _cell(desk, joint, key, "checked", type="checkbox")
+    for mark, sentence in desk.cell_faults.items():
+        node("p", sentence, "fault", id=f"fault-{mark}")
 
 
-def _text(desk: LoadDesk, joint: str, key: str, **attributes: str) -> None:
+def _cell(desk: LoadDesk, joint: str, key: str, what: str, **attributes: str) -> None:
+    """Show a cell; its text or mark is the property ``what`` of the element: ``value`` or ``checked``."""
     mark = f"{key}-{joint}"
     with node("td"):
         cell = node("input", aria_label=f"{joint}: {COLUMNS[key][1]}", data_mark=mark, **attributes)
-        if value := desk.form.joints.get(joint, {}).get(key):
-            cell.props["value"] = str(value)
+        if value := desk.form.cell(joint, key):
+            cell.props[what] = value if isinstance(value, bool) else str(value)
         if mark in desk.faults:
             cell.props["aria-invalid"] = "true"
             cell.props["aria-describedby"] = f"fault-{mark}"
         cell.on(
             "change",
             lambda event: desk.form.note(joint, key, event.args),
-            js_handler="(event) => emit(event.target.value)",
-        )
-
-
-def _mark(desk: LoadDesk, joint: str, key: str) -> None:
-    with node("td"):
-        cell = node(
-            "input", type="checkbox", aria_label=f"{joint}: {FLIPS[key][1]}", data_mark=f"{key}-{joint}"
-        )
-        if desk.form.joints.get(joint, {}).get(key):
-            cell.props["checked"] = True
-        cell.on(
-            "change",
-            lambda event: desk.form.note(joint, key, event.args),
-            js_handler="(event) => emit(event.target.checked)",
+            js_handler=f"(event) => emit(event.target.{what})",
         )

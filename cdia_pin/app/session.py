@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from cdia_pin.app.history import History, Version
-from cdia_pin.app.inputs import Inputs, Request
+from cdia_pin.app.inputs import Inputs, Request, read_model
 from cdia_pin.discovery import Discovery, add_effect_in, compare_in, discover_in
 from cdia_pin.effects import parse_effect
 from cdia_pin.errors import CdiaError
@@ -43,7 +43,8 @@ class Session:
         Raises:
             CdiaError: If they cannot be read or used.
         """
-        return cls.of(Inputs.load(asked, tell), tell)
+        tell("reading the robot", 0.0)
+        return cls.of(Inputs.load(asked, tell, read_model(asked)), tell)
 
     @classmethod
     def of(cls, inputs: Inputs, tell: Progress = silent) -> Session:

@@ -165,7 +165,7 @@ class Workbench:
         Args:
             text: Such as ``coulomb_friction@elbow_joint``.
         """
-        await self._step(f"Fitting {text}", lambda s, tell: s.with_preview(text, tell))
+        await self._step(f"Fitting {text}", lambda s, tell: s.with_preview(text, tell), effect=text)
 
     async def add(self, text: str) -> None:
         """Add an effect, then search again.
@@ -173,7 +173,7 @@ class Workbench:
         Args:
             text: Such as ``coulomb_friction@elbow_joint``.
         """
-        if await self._step(f"Adding {text}", lambda s, tell: s.add(text, tell)):
+        if await self._step(f"Adding {text}", lambda s, tell: s.add(text, tell), effect=text):
             await self.search()
 
     async def add_found(self) -> None:
@@ -195,8 +195,10 @@ class Workbench:
         if done and self.session is not None and self.session.found is None:
             await self.search()
 
-    async def _step(self, sentence: str, step: Callable[[Session, Progress], Session]) -> bool:
-        """Take a step of the session; return whether it was taken."""
+    async def _step(
+        self, sentence: str, step: Callable[[Session, Progress], Session], effect: str = ""
+    ) -> bool:
+        """Take a step of the session, with the effect that it fits; return whether it was taken."""
         asked = self.session
         if asked is None:
             return False
@@ -208,7 +210,7 @@ class Workbench:
         self.searching, self.own_fault = False, ""
         done = await self.runner.run(sentence, work)
         if done is None:
-            if self.typed and sentence.endswith(self.typed):
+            if effect and effect == self.typed:
                 self.own_fault = self.runner.wrong
             self._show("missing")
             return False

@@ -75,14 +75,18 @@ def progress() -> Iterator[Tell]:
 
     console = _console(stderr=True)
     columns = (BarColumn(24), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
-    with Progress(*columns, console=console, transient=True) as bar, _among(bar, _RUNNING):
+    with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("", total=None)  # moves to and fro until a share is known
 
         def tell(sentence: str, share: float) -> None:
             done = max(share, bar.tasks[0].completed)  # never back
             bar.update(task, description=sentence, completed=done, total=1.0 if done else None)
 
-        yield tell
+        _RUNNING.append(bar)
+        try:
+            yield tell
+        finally:
+            _RUNNING.remove(bar)
 
 
 @contextmanager
@@ -96,12 +100,3 @@ def paused() -> Iterator[Console]:
     finally:
         for bar in bars:
             bar.start()
-
-
-@contextmanager
-def _among(bar: Progress, running: list[Progress]) -> Iterator[None]:
-    running.append(bar)
-    try:
-        yield
-    finally:
-        running.remove(bar)

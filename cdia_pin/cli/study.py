@@ -146,7 +146,7 @@ def _show_thesis(console: Console, found: ThesisStudy) -> None:
     from cdia_pin.viewers.whole_table import WholeTable
 
     for name, cases in found.cases.items():
-        table = WholeTable(title=f"preset {name}, RMS of q − q_d", title_justify="left")
+        table = WholeTable(title=f"preset {name}, RMS of q − q_d")
         table.add_column("fault", style="bold")
         table.add_column("run", no_wrap=True)
         for joint, unit in zip(found.joints, UNITS, strict=True):
@@ -173,7 +173,7 @@ def _arms(console: Console, asked: StudyRequest) -> None:
         found = arm_study(progress=tell)
         tell("drawing", 0.98)
         pictures = list(arm_pictures(found))
-    table = WholeTable(title="RMS of q − q_d over all joints \\[mrad]", title_justify="left")
+    table = WholeTable(title="RMS of q − q_d over all joints \\[mrad]")
     for k, heading in enumerate(HEADINGS):
         table.add_column(heading, justify="right" if 2 <= k < 6 else "left", no_wrap=2 <= k < 6)
     for row in arm_rows(found):

@@ -3,30 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TypedDict
-
-import numpy as np
-from numpy.typing import NDArray
 
 from cdia_pin.dynamics.simple_terms import Quantity
 from cdia_pin.dynamics.simulator_values import FileFormat, SimulatorValues
 from cdia_pin.effects import Term
 from cdia_pin.robot.model import RobotModel
-
-Array = NDArray[np.float64]
+from cdia_pin.robot.urdf_export import UrdfChanges
 
 URDF = FileFormat(
     "a URDF", frozenset({Quantity.BODIES, Quantity.PAYLOAD, Quantity.DAMPING, Quantity.FRICTION})
 )
-
-
-class UrdfChanges(TypedDict):
-    """Arguments of ``write_corrected_urdf``; keys and units as the attributes of `SimulatorValues`."""
-
-    inertial: dict[str, Array]
-    damping: dict[str, float]
-    friction: dict[str, float]
-    payload: Array | None
 
 
 class UrdfValues(SimulatorValues):
@@ -51,9 +37,18 @@ class UrdfValues(SimulatorValues):
     @property
     def arguments(self) -> UrdfChanges:
         """Keyword arguments of ``write_corrected_urdf``."""
-        return {
-            "inertial": self.inertial,
-            "damping": self.damping,
-            "friction": self.friction,
-            "payload": self.payload,
-        }
+        return urdf_changes(self)
+
+
+def urdf_changes(values: SimulatorValues) -> UrdfChanges:
+    """Return values as keyword arguments of ``write_corrected_urdf``.
+
+    Args:
+        values: What `URDF` can hold of a model.
+    """
+    return {
+        "inertial": values.inertial,
+        "damping": values.damping,
+        "friction": values.friction,
+        "payload": values.payload,
+    }

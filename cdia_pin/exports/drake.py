@@ -6,12 +6,12 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.dynamics.simple_terms import Quantity
 from cdia_pin.dynamics.simulator_values import FileFormat, SimulatorValues
 from cdia_pin.exports.head import head
+from cdia_pin.exports.joint_settings import BODIES_ELSEWHERE, for_every_joint
 
-IN_URDF = "belongs in the corrected URDF, --urdf"
 DRAKE = FileFormat(
     "a joint of Drake",
     frozenset({Quantity.DAMPING, Quantity.ARMATURE}),
-    {Quantity.BODIES: IN_URDF, Quantity.PAYLOAD: IN_URDF},
+    BODIES_ELSEWHERE,
 )
 
 
@@ -55,4 +55,6 @@ def apply(plant):
 
 
 def _rows(model: Dynamics, numbers: dict[str, float]) -> str:
-    return "".join(f"    {joint!r}: {numbers.get(joint, 0.0)!r},\n" for joint in model.robot.joints)
+    return "".join(
+        f"    {joint!r}: {number!r},\n" for joint, number in for_every_joint(numbers, model.robot).items()
+    )

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.dynamics.simulator_values import FileFormat, SimulatorValues
-from cdia_pin.dynamics.urdf_terms import URDF
+from cdia_pin.dynamics.urdf_terms import URDF, urdf_changes
 from cdia_pin.errors import ModelError
 from cdia_pin.exports.drake import DRAKE, drake_text
 from cdia_pin.exports.isaac_lab import ISAAC_LAB, isaac_lab_text
@@ -55,14 +55,7 @@ class TextFormat:
 
 
 def _urdf_text(model: Dynamics, values: Values, folder: Path) -> str:
-    return corrected_urdf(
-        model.robot,
-        folder,
-        inertial=values.inertial,
-        damping=values.damping,
-        friction=values.friction,
-        payload=values.payload,
-    )
+    return corrected_urdf(model.robot, folder, **urdf_changes(values))
 
 
 def _urdf_notes(model: Dynamics, values: Values) -> Iterator[str]:

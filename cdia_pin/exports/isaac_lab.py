@@ -9,13 +9,13 @@ import numpy as np
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.dynamics.simple_terms import Quantity
 from cdia_pin.dynamics.simulator_values import FileFormat, SimulatorValues
-from cdia_pin.exports.drake import IN_URDF
 from cdia_pin.exports.head import head
+from cdia_pin.exports.joint_settings import BODIES_ELSEWHERE, for_every_joint
 
 ISAAC_LAB = FileFormat(
     "an actuator of Isaac Lab",
     frozenset({Quantity.DAMPING, Quantity.FRICTION, Quantity.BREAKAWAY, Quantity.ARMATURE}),
-    {Quantity.BODIES: IN_URDF, Quantity.PAYLOAD: IN_URDF},
+    BODIES_ELSEWHERE,
 )
 
 
@@ -29,16 +29,19 @@ def isaac_lab_text(model: Dynamics, values: SimulatorValues) -> str:
         values: What `ISAAC_LAB` can hold of it.
     """
     joints = model.robot.joints
-    at_rest = {j: values.friction.get(j, 0.0) + values.breakaway.get(j, 0.0) for j in joints}
+    armature, moving, breakaway, viscous = (
+        for_every_joint(numbers, model.robot)
+        for numbers in (values.armature, values.friction, values.breakaway, values.damping)
+    )
     limits = {
         j: float(most) for j, most in zip(joints, model.robot.limits.effort, strict=True) if np.isfinite(most)
     }
     settings = {
         "effort_limit_sim": (limits, "N·m or N; joint_effort_limit from Isaac Lab 3 on"),
-        "armature": ({j: values.armature.get(j, 0.0) for j in joints}, "kg·m² or kg"),
-        "friction": (at_rest, "N·m or N, at rest"),
-        "dynamic_friction": ({j: values.friction.get(j, 0.0) for j in joints}, "N·m or N, in motion"),
-        "viscous_friction": ({j: values.damping.get(j, 0.0) for j in joints}, "N·m·s/rad or N·s/m"),
+        "armature": (armature, "kg·m² or kg"),
+        "friction": ({j: moving[j] + breakaway[j] for j in joints}, "N·m or N, at rest"),
+        "dynamic_friction": (moving, "N·m or N, in motion"),
+        "viscous_friction": (viscous, "N·m·s/rad or N·s/m"),
     }
     names = "".join(f"            {re.escape(j)!r},\n" for j in joints)
     blocks = "".join(_block(key, numbers, unit) for key, (numbers, unit) in settings.items() if numbers)

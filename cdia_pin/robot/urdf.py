@@ -150,6 +150,21 @@ class Urdf:
         return inertial_of(self.links[link], f"{self.path.name}: link '{link}'")
 
 
+def parse_xml(path: Path) -> etree._ElementTree:
+    """Parse a small XML file, without entities and addresses.
+
+    Args:
+        path: The file.
+
+    Raises:
+        OSError: If it cannot be read, or `require_small_file` refuses it.
+        etree.XMLSyntaxError: If it is not XML.
+    """
+    require_small_file(path)
+    # An entity or an address in a robot's file must not make this process read something else.
+    return etree.parse(str(path), etree.XMLParser(resolve_entities=False, no_network=True))
+
+
 def read_urdf(path: Path) -> Urdf:
     """Read and check a URDF file.
 
@@ -225,9 +240,7 @@ def _parse(path: Path) -> etree._ElementTree:
     if path.suffix == ".xacro":
         raise RobotError(f"{path}: xacro must be expanded first: xacro {path.name} > {path.stem}")
     try:
-        require_small_file(path)
-        # An entity or an address in a robot's file must not make this process read something else.
-        tree = etree.parse(str(path), etree.XMLParser(resolve_entities=False, no_network=True))
+        tree = parse_xml(path)
     except etree.XMLSyntaxError as error:
         raise RobotError(f"{path}: not an XML file ({error.msg})") from None
     except OSError as error:  # also bytes that are not of the stated encoding

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import TypedDict, Unpack
 
 import numpy as np
 from lxml import etree
@@ -39,6 +40,15 @@ from cdia_pin.whole_files import write_whole
 Array = NDArray[np.float64]
 
 PAYLOAD_LINK = "cdia_payload"
+
+
+class UrdfChanges(TypedDict, total=False):
+    """Values that a URDF can get, as `write_corrected_urdf` takes them; their keys are its keywords."""
+
+    inertial: Mapping[str, ArrayLike] | None
+    damping: Mapping[str, float] | None
+    friction: Mapping[str, float] | None
+    payload: ArrayLike | None
 
 
 def write_corrected_urdf(
@@ -94,25 +104,15 @@ def write_corrected_urdf(
 
 
 def corrected_urdf(
-    robot: RobotModel,
-    folder: Path,
-    *,
-    inertial: Mapping[str, ArrayLike] | None = None,
-    damping: Mapping[str, float] | None = None,
-    friction: Mapping[str, float] | None = None,
-    payload: ArrayLike | None = None,
-    allow_unphysical: bool = False,
+    robot: RobotModel, folder: Path, *, allow_unphysical: bool = False, **changes: Unpack[UrdfChanges]
 ) -> str:
     """Return the text that `write_corrected_urdf` writes.
 
     Args:
         robot: The arm; its file is read again and is not changed.
         folder: Folder from which relative mesh paths shall hold.
-        inertial: As in `write_corrected_urdf`.
-        damping: As in `write_corrected_urdf` [N·m·s/rad or N·s/m].
-        friction: As in `write_corrected_urdf` [N·m or N].
-        payload: As in `write_corrected_urdf`.
         allow_unphysical: As in `write_corrected_urdf`.
+        **changes: As in `write_corrected_urdf`.
 
     Returns:
         Text of the URDF.
@@ -120,52 +120,36 @@ def corrected_urdf(
     Raises:
         RobotError: If a joint is unknown, or a value is not possible.
     """
-    urdf = corrected_tree(
-        robot,
-        inertial=inertial,
-        damping=damping,
-        friction=friction,
-        payload=payload,
-        allow_unphysical=allow_unphysical,
-    )
+    urdf = corrected_tree(robot, allow_unphysical=allow_unphysical, **changes)
     rebase_meshes(urdf.tree, urdf.path.parent, folder)
-    changed = {"inertial": inertial, "damping": damping, "friction": friction}
-    add_note(urdf.tree, _summary(robot, changed, payload is not None))
+    add_note(urdf.tree, _summary(robot, changes))
     return text_of(urdf.tree)
 
 
 def corrected_tree(
-    robot: RobotModel,
-    *,
-    inertial: Mapping[str, ArrayLike] | None = None,
-    damping: Mapping[str, float] | None = None,
-    friction: Mapping[str, float] | None = None,
-    payload: ArrayLike | None = None,
-    allow_unphysical: bool = False,
+    robot: RobotModel, *, allow_unphysical: bool = False, **changes: Unpack[UrdfChanges]
 ) -> Urdf:
     """Return the corrected URDF as a tree of links and joints; its meshes are still named from the robot's folder.
 
     Args:
         robot: The arm; its file is read again and is not changed.
-        inertial: As in `write_corrected_urdf`.
-        damping: As in `write_corrected_urdf` [N·m·s/rad or N·s/m].
-        friction: As in `write_corrected_urdf` [N·m or N].
-        payload: As in `write_corrected_urdf`.
         allow_unphysical: As in `write_corrected_urdf`.
+        **changes: As in `write_corrected_urdf`.
 
     Raises:
         RobotError: If a joint is unknown, or a value is not possible.
     """
     urdf = read_urdf(robot.urdf)
-    totals = {joint: _ten(joint, given) for joint, given in (inertial or {}).items()}
-    for joint in (*totals, *(damping or {}), *(friction or {})):
+    totals = {joint: _ten(joint, given) for joint, given in (changes.get("inertial") or {}).items()}
+    damping, friction = changes.get("damping") or {}, changes.get("friction") or {}
+    for joint in (*totals, *damping, *friction):
         robot.joint_index(joint)
-    if payload is not None:
+    if (payload := changes.get("payload")) is not None:
         _add_payload(robot, urdf, _payload(payload), totals)
     for joint, total in totals.items():
         _set_body(robot, urdf, joint, total, allow_unphysical)
-    _set_dynamics(urdf, "damping", damping or {})
-    _set_dynamics(urdf, "friction", friction or {})
+    _set_dynamics(urdf, "damping", damping)
+    _set_dynamics(urdf, "friction", friction)
     return urdf_of(urdf.tree, urdf.path)
 
 
@@ -236,15 +220,18 @@ def _set_dynamics(urdf: Urdf, key: str, values: Mapping[str, float]) -> None:
         child_of(urdf.joints[joint].element, "dynamics").set(key, repr(float(value)))
 
 
-def _summary(
-    robot: RobotModel, per_joint: Mapping[str, Mapping[str, object] | None], has_payload: bool
-) -> str:
+def _summary(robot: RobotModel, changes: UrdfChanges) -> str:
     """Summarise the changes, for the head of the file."""
+    per_joint = {
+        "inertial": changes.get("inertial"),
+        "damping": changes.get("damping"),
+        "friction": changes.get("friction"),
+    }
     parts = [f"{what} of {', '.join(joints)}" for what, joints in per_joint.items() if joints]
-    if has_payload:
+    if changes.get("payload") is not None:
         parts.append(f"payload on {robot.tool_frame}")
-    changes = "; ".join(parts) or "nothing changed"
-    return f"{robot.urdf.name} corrected by cdia-pin {__version__}: {changes}"
+    said = "; ".join(parts) or "nothing changed"
+    return f"{robot.urdf.name} corrected by cdia-pin {__version__}: {said}"
 
 
 def _ten(joint: str, given: ArrayLike) -> Array:

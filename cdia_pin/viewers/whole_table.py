@@ -25,9 +25,8 @@ class WholeTable(Table):
     Cells and headings are `WholeWords`; other texts are made such.
     """
 
-    def __init__(self, **given: object) -> None:
-        given = {"box": box.SIMPLE_HEAD, "pad_edge": False, "collapse_padding": True, **given}
-        super().__init__(header_style="bold", caption_justify="left", **given)  # type: ignore[arg-type]
+    def __init__(self, title: str | None = None) -> None:
+        super().__init__(title=title, title_justify="left", header_style="bold", box=box.SIMPLE_HEAD)
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield the table, in parts where it is too wide."""
