@@ -149,6 +149,14 @@ class Changes:
             return ChangesVerdict.NOT_COMPARABLE
         return ChangesVerdict.CHANGED if self.changes else ChangesVerdict.UNCHANGED
 
+    def share_of(self, joint: str) -> float:
+        """Return the bound of a joint over the joint's RMS torque [1].
+
+        Args:
+            joint: A joint with a bound.
+        """
+        return self.bounds[joint].torque / float(self.torque_rms[self.model.robot.joint_index(joint)])
+
     def to_dict(self) -> ChangesJson:
         """Return the JSON of schema ``cdia-changes/1``."""
         robot = self.model.robot
@@ -165,7 +173,7 @@ class Changes:
                     "effect": b.term.effect.name,
                     "parameters": b.term.parameters_to_dict(robot),
                     "torque_rms": b.torque,
-                    "share": b.torque / float(self.torque_rms[robot.joint_index(joint)]),
+                    "share": self.share_of(joint),
                 }
                 for joint, b in self.bounds.items()
             },

@@ -169,14 +169,9 @@ def _bounds(found: Changes) -> RenderableType:
     robot, names = found.model.robot, short_names(found.model.robot.joints)
     said, sentences = [], []
     for joint, bound in found.bounds.items():
-        unit, share = (
-            joint_units(robot, joint)["load"],
-            bound.torque / found.torque_rms[robot.joint_index(joint)],
-        )
-        said.append(
-            f"{names[joint]} {with_unit(number(bound.torque, 2), unit)}"
-            f" ({percent(share)} of its torque, {effect_name(bound.term.effect)})"
-        )
+        size = with_unit(number(bound.torque, 2), joint_units(robot, joint)["load"])
+        share = percent(found.share_of(joint))
+        said.append(f"{names[joint]} {size} ({share} of its torque, {effect_name(bound.term.effect)})")
     if said:
         other = "The largest other change" if found.changes else "The largest change"
         sentences.append(f"{other} of one effect that these logs would not show (RMS): {', '.join(said)}.")
