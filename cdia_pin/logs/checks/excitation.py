@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
+from cdia_pin.logs.checks.joint_units import units_of
 from cdia_pin.logs.checks.motion import SmoothedMotion
 from cdia_pin.logs.log import Log
 
@@ -37,7 +38,7 @@ def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
         )
     gravity = np.ptp(robot.gravity(motion.q), axis=0)
     for k, joint in enumerate(log.joints):
-        unit = "m" if robot.is_prismatic[k] else "rad"
+        unit, effort_unit = units_of(robot, k)
         if not motion.moves[k]:
             yield Finding(
                 Topic.EXCITATION,
@@ -66,8 +67,8 @@ def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
         }
         message = (
             f"covers {value['range']:.3g} {unit} at up to {value['max_speed']:.3g} {unit}/s and "
-            f"{value['max_acceleration']:.3g} {unit}/s², {reversals} reversals, "
-            f"gravity changes by {round(gravity[k], 6):.3g}"
+            f"{value['max_acceleration']:.3g} {unit}/s², {reversals} reversal{'s' * (reversals != 1)}, "
+            f"gravity changes by {round(gravity[k], 6):.3g} {effort_unit}"
         )
         lacks = []
         if reversals == 0:
