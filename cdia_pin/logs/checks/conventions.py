@@ -134,9 +134,6 @@ def search_conventions(
 ) -> ConventionSearch:
     """Adopt the change of conventions that explains most, one at a time, while it explains much more.
 
-    Of changes of one joint that explain about as much, a turned effort is adopted: drives often count their torque
-    against the axis of the URDF, while a position that is turned alone is rare.
-
     Args:
         motion: Signals as logged, thinned.
         robot: The robot of the log.
@@ -155,7 +152,7 @@ def search_conventions(
             return ConventionSearch(start, tuple(steps), tuple(trials), current, before, share)
         first = trials[0]
         alike = [t for t in trials if t.gain > first.gain - LIKELY and set(t.joints) & set(first.joints)]
-        best = next((t for t in alike if _is_commoner(t, first)), first)
+        best = commonest(alike)
         rivals = tuple(t for t in alike if t is not best)
         steps.append((best, rivals))
         current, share = best.conventions, best.share
@@ -171,14 +168,20 @@ def _trials(current: Conventions, shares: _Shares, share: Array) -> list[Trial]:
     return sorted(trials, key=lambda t: -t.gain)
 
 
-def _is_commoner(trial: Trial, first: Trial) -> bool:
-    """Tell whether a trial turns the effort of the joint whose position the first trial turns."""
-    return (
-        trial.joints == first.joints
-        and trial.kind is ConventionChange.EFFORT_SIGN
-        and first.kind is ConventionChange.POSITION_SIGN
-        and trial.gain > CERTAIN
-    )
+def commonest(alike: Sequence[Trial]) -> Trial:
+    """Return the change that is adopted of those that explain about as much.
+
+    A turned effort comes before a turned position of the same joint: drives often count their torque against the axis
+    of the URDF, while a position that is turned alone is rare.
+
+    Args:
+        alike: The changes, best first.
+    """
+    first = alike[0]
+    if first.kind is not ConventionChange.POSITION_SIGN:
+        return first
+    efforts = (t for t in alike if t.kind is ConventionChange.EFFORT_SIGN and t.joints == first.joints)
+    return next((t for t in efforts if t.gain > CERTAIN), first)
 
 
 def _mends(old: Array, new: Array) -> bool:

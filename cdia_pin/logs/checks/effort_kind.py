@@ -53,8 +53,9 @@ KINDS = (
         0.04,
         Severity.WARNING,
         "efforts are {middle:.2g} of the URDF's gravity (gain {said}): motor torque before a gear of about "
-        "{inverse:.0f}, or another unit; the log cannot prove it",
-        "if it is motor torque, --convert reduction={inverse} with the gear ratios of the data sheet",
+        "{inverse:.0f}, motor currents in A, or another unit; the log cannot prove it",
+        "if it is motor torque, --convert reduction={inverse} with the gear ratios of the data sheet; if they are "
+        "currents, --convert torque=A --gains gains.json",
     ),
     EffortKind(
         0.04,

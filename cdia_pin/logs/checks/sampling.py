@@ -72,6 +72,7 @@ def check_gaps(log: Log) -> Iterator[Finding]:
         longest = float(step[gaps].max())
         at = float(log.time[gaps[step[gaps].argmax()]])
         left_out = len(log.time) - len(longest_stretch(log).time)
+        said = f"{longest:.3g} s" if longest >= 1.0 else f"{longest * 1e3:.3g} ms"
         split = (
             f"; only the longest stretch without a gap over {LONGEST_GAP:g} s is checked further, "
             f"{left_out} samples are not"
@@ -79,7 +80,7 @@ def check_gaps(log: Log) -> Iterator[Finding]:
         yield Finding(
             Topic.GAPS,
             Severity.WARNING if longest > LONG_GAP else Severity.INFO,
-            f"{len(gaps)} gap(s), the longest {longest * 1e3:.3g} ms after t = {at:.4g} s"
+            f"{len(gaps)} gap(s), the longest {said} after t = {at:.4g} s"
             + (split if longest > LONGEST_GAP else ""),
             advice="make two logs of it, split there, if the arm moved meanwhile"
             if longest > LONG_GAP
