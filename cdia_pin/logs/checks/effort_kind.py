@@ -277,7 +277,7 @@ def _judge(log: Log, known: dict[int, GravityGain], value: Mapping[str, object])
     )
 
 
-def _said(log: Log, gains: dict[int, GravityGain]) -> str:
+def _said(log: Log, gains: Mapping[int, GravityGain]) -> str:
     return ", ".join(f"{log.joints[k]} {g.gain:.3g} ± {2 * g.error:.1g}" for k, g in gains.items())
 
 
