@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from cdia_pin.errors import LogError
+from cdia_pin.logs.columns import ALIASES
 from cdia_pin.logs.formats import CSV
 from cdia_pin.logs.formats.guess import ColumnGuess, guess_columns, said_of
+from cdia_pin.logs.formats.patterns import TIME
 from cdia_pin.logs.signal_picker import SignalPicker
 
 if TYPE_CHECKING:
@@ -48,5 +50,6 @@ def require_columns(pick: SignalPicker, robot: RobotModel) -> None:
     if pick.choice.format != CSV:
         raise LogError(f"{said}; found {pick.found}")
     others = {name: x for name, x in pick.table.columns.items() if name in pick.columns.other}
-    guesses = guess_columns(others, robot)
+    known = [signal for signal in ALIASES if labels(signal)]
+    guesses = guess_columns(others, robot, known if pick.columns.time_column is None else [*known, TIME])
     raise MissingColumnsError(f"{said}; {said_of(guesses, robot) or f'found {pick.found}'}", guesses)

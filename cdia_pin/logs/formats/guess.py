@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +33,7 @@ SAMPLES = 20_000  # [samples] that are looked at
 # Words in names, which decide where sizes do not.
 WORDS = {
     "temperature": r"temp|°c|celsius",
-    "current": r"curr|cur\b|amp|iq\b|\bi[_#*]",
+    "current": r"curr|cur(?![a-z])|amp|iq\b|\bi[_#*]",
     "effort": r"torq|trq|tau|moment|eff|\bnm\b|load",
     "velocity": r"vel|speed|spd|omega|rate|dq|qd|\bw[_#*]",
     "position": r"pos|ang|enc|deg|rad|joint|\bq[_#*]",
@@ -70,12 +70,15 @@ class ColumnGuess:
         return f"{self.pattern} {self.lowest:.3g} to {self.highest:.3g} {self.said_short}".rstrip()
 
 
-def guess_columns(columns: dict[str, NDArray[Any]], robot: RobotModel) -> list[ColumnGuess]:
+def guess_columns(
+    columns: dict[str, NDArray[Any]], robot: RobotModel, known: Collection[str] = ()
+) -> list[ColumnGuess]:
     """Guess what the columns of a table hold.
 
     Args:
         columns: Numbers by name of the column, each of shape (N,).
         robot: The arm, for the number of joints and their limits.
+        known: Signals, or ``time``, that other columns hold, so that none of these is guessed to be one of them.
 
     Returns:
         A guess for each group of columns with one for each joint, and for the column of times.
@@ -83,15 +86,19 @@ def guess_columns(columns: dict[str, NDArray[Any]], robot: RobotModel) -> list[C
     if len(next(iter(columns.values()), ())) < LEAST:
         return []
     several = (g.labels.values() for g in grouped(list(columns), robot.n) if len(g.labels) > 1)
-    times = list(_times(columns, {name for names in several for name in names}))
+    times = [] if TIME in known else list(_times(columns, {name for names in several for name in names}))
     groups = grouped([name for name in columns if name not in {t.pattern for t in times}], robot.n)
     values = {g.pattern: _values(columns, g) for g in groups}
     groups = [g for g in groups if np.isfinite(values[g.pattern]).any(axis=0).all()]
     words = {g.pattern: _word(g.pattern) for g in groups}
     position, velocity = _moving([g for g in groups if not UNWANTED.search(g.pattern)], values, words)
+    position, velocity = (
+        (None if "position" in known else position),
+        (None if "velocity" in known else velocity),
+    )
     guesses = list(times)
     seconds = in_seconds(columns[guesses[0].pattern][:SAMPLES], None, "")[0] if guesses else None
-    taken: set[str] = set()
+    taken = set(known)
     for group in groups:
         x = values[group.pattern]
         if group is position:
@@ -113,6 +120,17 @@ def guess_columns(columns: dict[str, NDArray[Any]], robot: RobotModel) -> list[C
             )
         )
     return guesses
+
+
+def torques_among(names: Sequence[str], count: int) -> list[str]:
+    """Return the patterns of columns that may be measured torques or currents by their names.
+
+    Args:
+        names: Names of columns.
+        count: Number of joints.
+    """
+    patterns = (group.pattern for group in grouped(names, count))
+    return [p for p in patterns if _word(p) in {"effort", "current"} and not UNWANTED.search(p)]
 
 
 def reading_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> dict[str, str]:
