@@ -10,15 +10,16 @@ from cdia_pin.app import picture
 from cdia_pin.app.dropped import place_meshes, sort_dropped
 from cdia_pin.app.form import Form, gain_text
 from cdia_pin.app.inputs import Inputs, Request, read_model
-from cdia_pin.app.log_columns import LogColumns, columns_of
+from cdia_pin.app.log_columns import LogColumns, as_guessed, columns_of
 from cdia_pin.app.runner import Runner
 from cdia_pin.app.session import Session
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.errors import CdiaError, LogError
+from cdia_pin.logs.missing_columns import MissingColumnsError
 from cdia_pin.progress import Progress
 from cdia_pin.viewers.scene import Scene, SceneDocument, TimelineDocument
 
-FIELDS = ("robot", "log", "mapping")  # marks of a fault that is of no cell
+FIELDS = ("robot", "log", "mapping", "episode")  # marks of a fault that is of no cell
 
 
 @dataclass(frozen=True)
@@ -32,10 +33,17 @@ class Loaded:
 
 @dataclass(frozen=True)
 class Unmapped:
-    """A log that could not be read, and what its columns hold; None if that is not known either."""
+    """A log that could not be read.
+
+    Attributes:
+        why: What is wrong with it.
+        columns: What its columns hold; None if that is not known either.
+        guessed: How to read it by a guess of what columns of unknown names hold; None without one.
+    """
 
     why: str
     columns: LogColumns | None
+    guessed: Request | None = None
 
 
 class LoadDesk:
@@ -104,8 +112,11 @@ class LoadDesk:
         def work(tell: Progress) -> Loaded | Unmapped:
             try:
                 inputs = Inputs.load(asked, tell, arm)
+            except MissingColumnsError as error:
+                columns = columns_of(asked, arm.robot.joints, error.guesses)
+                return Unmapped(error.missing, columns, as_guessed(asked, error.guesses, arm.robot))
             except LogError as error:
-                return Unmapped(str(error), columns_of(asked.log, arm.robot.joints))
+                return Unmapped(str(error), columns_of(asked, arm.robot.joints))
             session = Session.of(inputs, tell)
             return Loaded(session, scene, picture.timeline(session))
 
@@ -113,11 +124,11 @@ class LoadDesk:
         if isinstance(done, Unmapped):
             self._offer(done, arm)
             if done.columns is None:
-                self._refuse("log", done.why)
+                self._refuse("log", _for_people(done.why))
             else:
                 self._refuse("mapping", _for_people(done.why))
                 self._runner.refuse(
-                    f"{asked.name or asked.log.name} is not read yet: see the table of joints."
+                    f"{asked.name or asked.log.name} is not read yet: see names, units and drive gains."
                 )
             return None
         if done is not None:
@@ -155,8 +166,10 @@ class LoadDesk:
         return form
 
     def _offer(self, log: Unmapped, arm: Dynamics) -> None:
-        """Propose names of a log whose joints are not the robot's."""
+        """Propose columns of a log of unknown names, and names of a log whose joints are not the robot's."""
         self.columns = log.columns
+        if log.guessed is not None:
+            self.form.take(log.guessed)
         if log.columns is not None:
             for joint, label in log.columns.proposed(arm.robot.joints).items():
                 if not self.form.cell(joint, "label"):
@@ -171,8 +184,8 @@ class LoadDesk:
 
 
 def _for_people(why: str) -> str:
-    """Return a message without what to type on a command line; the table of joints is there instead."""
-    return "; ".join(part for part in why.split("; ") if "--" not in part)
+    """Return a message without what to type on a command line, if more is said; the form is there instead."""
+    return "; ".join(part for part in why.split("; ") if "--" not in part) or why
 
 
 def _read_arm(asked: Request, tell: Progress) -> tuple[Dynamics, SceneDocument] | str:

@@ -17,12 +17,13 @@ class MissingColumnsError(LogError):
     """Positions or torques of a log have no columns of a known name.
 
     Attributes:
+        missing: What is missing, without the guesses.
         guesses: What its columns may hold.
     """
 
-    def __init__(self, message: str, guesses: list[ColumnGuess]):
-        super().__init__(message)
-        self.guesses = guesses
+    def __init__(self, missing: str, guessed: str, guesses: list[ColumnGuess]):
+        super().__init__(f"{missing}; {guessed}")
+        self.missing, self.guesses = missing, guesses
 
 
 def require_columns(pick: SignalPicker, robot: RobotModel) -> None:
@@ -49,4 +50,4 @@ def require_columns(pick: SignalPicker, robot: RobotModel) -> None:
         raise LogError(f"{said}; found {pick.found}")
     others = {name: x for name, x in pick.table.columns.items() if name in pick.columns.other}
     guesses = guess_columns(others, robot)
-    raise MissingColumnsError(f"{said}; {said_of(guesses, robot) or f'found {pick.found}'}", guesses)
+    raise MissingColumnsError(said, said_of(guesses, robot) or f"found {pick.found}", guesses)

@@ -5,11 +5,12 @@ import shlex
 import numpy as np
 import pytest
 
+from benchmarks.recordings import numbered, write
 from cdia_pin.logs import read_log
 from cdia_pin.logs.formats.guess import guess_columns, reading_of
 from cdia_pin.logs.missing_columns import MissingColumnsError
 from cdia_pin.robot import load_robot
-from tests.made_formats import numbered, with_velocity, write
+from tests.made_logs import with_velocity
 from tests.one_joint import write_urdf
 
 
