@@ -80,7 +80,7 @@ def as_guessed(asked: Request, guesses: Sequence[ColumnGuess], robot: RobotModel
         robot: The arm.
     """
     reading = reading_of(guesses, robot)
-    columns = column_patterns(reading["columns"]) if "columns" in reading else {}
+    columns = column_patterns(reading["columns"], one_joint=robot.n == 1) if "columns" in reading else {}
     joints = joint_map_of(reading["joint_map"]) if "joint_map" in reading else {}
     guessed = replace(asked, columns=columns | dict(asked.columns), joint_map=joints | dict(asked.joint_map))
     if "convert" in reading and "angle" not in asked.convert:

@@ -34,7 +34,8 @@ def match_joints(
     """Find the log's label of every joint of a robot.
 
     Labels are matched by name, after ``joint_map``; then with one beginning or end that all of them have or lack; then
-    by number (``q_1`` … ``q_6``, ``joint0`` … ``joint5``), in the robot's order.
+    by number (``q_1`` … ``q_6``, ``joint0`` … ``joint5``), in the robot's order. The only label is that of the only
+    joint.
 
     Args:
         given: Labels of the log.
@@ -52,6 +53,8 @@ def match_joints(
     if all(j in by_name for j in joints):
         labels = tuple(by_name[j] for j in joints)
         return JointNames(labels, _note("joints renamed", labels, joints) if joint_map else "")
+    if len(given) == len(joints) == 1:
+        return JointNames(tuple(given), _note("the only joint renamed", given, joints))
     if found := _same_but_for_an_end(given, joints):
         return JointNames(
             found, _note("joint names differ from the robot's by one beginning or end", found, joints)

@@ -74,7 +74,7 @@ def read_log(
     conversion = Conversion.of(convert)
     conversion.check_joints(robot.joints)
     renames = joint_map_of(joint_map)
-    own = column_patterns(columns)
+    own = column_patterns(columns, one_joint=robot.n == 1)
     if format is not None:
         format_of(format)
     table, sha256 = read_table(path, robot.joints, Wanted(format, renames, topic, episode))

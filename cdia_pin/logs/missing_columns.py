@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 
+MOTION = ("position", "velocity")  # signals by which others are judged
+
+
 class MissingColumnsError(LogError):
     """Positions or torques of a log have no columns of a known name.
 
@@ -48,6 +51,8 @@ def require_columns(pick: SignalPicker, robot: RobotModel) -> None:
     said = pick.missing(missing[0])
     if pick.choice.format != CSV:
         raise LogError(f"{said}; found {pick.found}")
-    others = {name: x for name, x in pick.table.columns.items() if name in pick.columns.other}
-    guesses = guess_columns(others, robot)
+    known = {name: s for s in MOTION for name in labels(s).values() if name in pick.table.columns}
+    asked = {*known, *pick.columns.other}
+    columns = {name: x for name, x in pick.table.columns.items() if name in asked}
+    guesses = guess_columns(columns, robot, known)
     raise MissingColumnsError(said, said_of(guesses, robot) or f"found {pick.found}", guesses)
