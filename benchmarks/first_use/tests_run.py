@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,16 +32,20 @@ class TestRun:
     figures: dict[str, float]
 
 
-def run(tests: Iterable[str], results: Path) -> list[TestRun]:
-    """Run tests in a process of their own.
+def run(tests: Iterable[str], folder: Path) -> Iterator[TestRun]:
+    """Run tests, those of the package and those of the docs in a process each, for some files have the same names.
 
     Args:
         tests: Files, or ``file::test``.
-        results: File for what pytest writes.
+        folder: For what pytest writes.
     """
-    command = [sys.executable, "-m", "pytest", "-q", f"--junitxml={results}", "-o", "junit_family=xunit1"]
-    subprocess.run([*command, *dict.fromkeys(tests)], cwd=CHECKOUT, env=environment_of(CHECKOUT), check=False)
-    return [_read(case) for case in etree.parse(results).iter("testcase")]
+    asked = dict.fromkeys(tests)
+    for root in dict.fromkeys(Path(test).parts[0] for test in asked):
+        results = folder / f"{root}.xml"
+        command = [sys.executable, "-m", "pytest", "-q", f"--junitxml={results}", "-o", "junit_family=xunit1"]
+        chosen = [test for test in asked if Path(test).parts[0] == root]
+        subprocess.run([*command, *chosen], cwd=CHECKOUT, env=environment_of(CHECKOUT), check=False)
+        yield from (_read(case) for case in etree.parse(results).iter("testcase"))
 
 
 def of_promise(runs: Iterable[TestRun], tests: Iterable[str]) -> list[TestRun]:
