@@ -22,6 +22,8 @@ ASKED_ARMS = ("ur3e", "ur5e", "ur10e", "ur16e", "fr3", "iiwa14", "gen3", "xarm6"
 DEMO = 60.0  # [s]
 READING = 250  # words that a person reads in a minute
 NOTEBOOKS = 3
+TUTORIALS = 4  # a UR, a ROS 2 bag, a Franka, a monitor in one's own loop
+RUNS = re.compile(r"^```\{(console|code-cell)\}", re.MULTILINE)
 CODE = re.compile(r"^```.*?^```|^    .*?$|!\[.*?\]\(.*?\)", re.MULTILINE | re.DOTALL)
 
 
@@ -44,6 +46,14 @@ def figures(messages: int) -> Iterator[Figure]:
     )  # fmt: skip
     notebooks = len([p for p in (DOCS / "notebooks").glob("*.md") if p.name != "index.md"])
     yield "Docs", "notebooks, run by `make docs`", str(NOTEBOOKS), str(notebooks), notebooks >= NOTEBOOKS
+    tutorials = [p for p in (DOCS / "tutorials").glob("*.md") if RUNS.search(p.read_text(encoding="utf-8"))]
+    yield (
+        "Docs",
+        "tutorials, run by `make docs`",
+        str(TUTORIALS),
+        str(len(tutorials)),
+        len(tutorials) >= TUTORIALS,
+    )
     entries = sum(p.read_text(encoding="utf-8").count("```{effect}") for p in (DOCS / "effects").glob("*.md"))
     yield (
         "Docs",

@@ -17,7 +17,7 @@ SIGNALS = {
     "current": "motor currents",
     "temperature": "temperatures",
 }  # as the table names them
-NONE = "none"  # said of a signal that the log lacks, or whose columns have known names
+NONE = "by name, or none"  # said of a signal for which no columns are chosen
 
 
 def column_table(desk: LoadDesk) -> None:

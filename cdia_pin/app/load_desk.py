@@ -66,7 +66,7 @@ class LoadDesk:
         self.arm: Dynamics | None = None
         self.columns: LogColumns | None = None
         self.faults: dict[str, str] = {}
-        self._read_last: tuple[str, Path | None] = ("", None)  # robot, and its saved model
+        self._tried = Request("", Path())  # last
 
     @property
     def cell_faults(self) -> dict[str, str]:
@@ -90,9 +90,7 @@ class LoadDesk:
         Returns:
             The session; None if something cannot be used: the form is then open, and says what.
         """
-        robot, model = self._read_last
-        if asked.model == model and asked.robot != robot:
-            asked = replace(asked, model=None)  # it was of the robot before
+        asked = _without_what_was_of_others(asked, self._tried)
         self.form.take(asked)
         self.faults, self.columns = {}, None
         read = await self._runner.run("Reading the robot", lambda tell: _read_arm(asked, tell))
@@ -100,7 +98,7 @@ class LoadDesk:
             self._refuse("robot", read or "")
             return None
         arm, scene = read
-        self.arm, self._read_last = arm, (asked.robot, asked.model)
+        self.arm, self._tried = arm, asked
         self.form.keep(arm.robot.joints)
         asked = self.form.request()  # without rows of another robot
         show(scene)
@@ -186,6 +184,17 @@ class LoadDesk:
 def _for_people(why: str) -> str:
     """Return a message without what to type on a command line, if more is said; the form is there instead."""
     return "; ".join(part for part in why.split("; ") if "--" not in part) or why
+
+
+def _without_what_was_of_others(asked: Request, before: Request) -> Request:
+    """Return a request without the model of the robot before, and without the columns of the log before."""
+    if asked.model == before.model and asked.robot != before.robot:
+        asked = replace(asked, model=None)
+    if before.log in {Path(), asked.log}:
+        return asked
+    format_ = None if asked.format == before.format else asked.format
+    episode = None if asked.episode == before.episode else asked.episode
+    return replace(asked, columns={}, format=format_, episode=episode)
 
 
 def _read_arm(asked: Request, tell: Progress) -> tuple[Dynamics, SceneDocument] | str:

@@ -67,6 +67,9 @@ def test_columns_of_any_names_are_proposed_and_load_as_proposed(tmp_path, chosen
     assert not desk.is_open
     np.testing.assert_allclose(loaded.session.inputs.log.position, log.position)
     assert "columns={'position': 'J# ang'" in python_lines(loaded.session)
+    desk.form.log, desk.form.units["angle"] = str(logs_dir() / "demo_ur5.csv"), ""
+    loaded, _ = read(desk, desk.form.request())
+    assert loaded.session.inputs.request.columns == {}  # they were of the log before
 
 
 def test_an_episode_is_asked_for_and_read(tmp_path):
