@@ -34,43 +34,33 @@ def figures(messages: int) -> Iterator[Figure]:
         messages: Of each bag that is read.
     """
     for kind, rate in rates(messages):
-        yield (
-            "Formats", f"{kind}: JointState messages a second", f"≥ {WANTED:,}", f"{rate:,.0f}", rate >= WANTED
-        )  # fmt: skip
+        claim = f"{kind}: JointState messages a second"
+        yield "Formats", claim, f"≥ {WANTED:,}", f"{rate:,.0f}", rate >= WANTED
     yield "Formats", "five formats, from `pip install` to a report", "5 of 5", *_newcomers()
     yield "Command line", "`cdia demo`, from the command to the report", f"≤ {DEMO:g} s", *_demo()
     there = [name for name in ASKED_ARMS if name in catalogue()]
-    yield (
-        "Arms", "e-series, FR3, iiwa, Gen3, xArm6 by name", f"{len(ASKED_ARMS)}",
-        f"{len(there)}; {len(catalogue())} arms in all", len(there) == len(ASKED_ARMS),
-    )  # fmt: skip
-    notebooks = len([p for p in (DOCS / "notebooks").glob("*.md") if p.name != "index.md"])
-    yield "Docs", "notebooks, run by `make docs`", str(NOTEBOOKS), str(notebooks), notebooks >= NOTEBOOKS
-    tutorials = [p for p in (DOCS / "tutorials").glob("*.md") if RUNS.search(p.read_text(encoding="utf-8"))]
-    yield (
-        "Docs",
-        "tutorials, run by `make docs`",
-        str(TUTORIALS),
-        str(len(tutorials)),
-        len(tutorials) >= TUTORIALS,
-    )
-    entries = sum(p.read_text(encoding="utf-8").count("```{effect}") for p in (DOCS / "effects").glob("*.md"))
-    yield (
-        "Docs",
-        "effects with physics, picture, sizes and rivals",
-        str(len(EFFECTS)),
-        str(entries),
-        entries == len(EFFECTS),
-    )
+    yield _count("Arms", "e-series, FR3, iiwa, Gen3, xArm6 by name", len(ASKED_ARMS), len(there))
+    yield from _of_docs()
     words = _words(CHECKOUT / "README.md", "\n## Install")
-    yield (
-        "README",
-        "words before *Install*, without output and code",
-        f"≤ {READING}",
-        str(words),
-        words <= READING,
-    )
+    claim = "words before *Install*, without output and code"
+    yield "README", claim, f"≤ {READING}", str(words), words <= READING
     yield from _of_pages()
+
+
+def _count(area: str, claim: str, wanted: int, found: int) -> Figure:
+    return area, claim, str(wanted), str(found), found >= wanted
+
+
+def _of_docs() -> Iterator[Figure]:
+    """Yield how many pages of each kind there are."""
+    notebooks, tutorials = (
+        len([p for p in (DOCS / folder).glob("*.md") if RUNS.search(p.read_text(encoding="utf-8"))])
+        for folder in ("notebooks", "tutorials")
+    )
+    yield _count("Docs", "notebooks, run by `make docs`", NOTEBOOKS, notebooks)
+    yield _count("Docs", "tutorials, run by `make docs`", TUTORIALS, tutorials)
+    entries = sum(p.read_text(encoding="utf-8").count("```{effect}") for p in (DOCS / "effects").glob("*.md"))
+    yield _count("Docs", "effects with physics, picture, sizes and rivals", len(EFFECTS), entries)
 
 
 def _newcomers() -> tuple[str, bool]:

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from benchmarks.markdown import details, table
 from benchmarks.newcomer.guide import steps
-from benchmarks.newcomer.newcomer import Newcomer, StoppedError
+from benchmarks.newcomer.newcomer import Newcomer
 from benchmarks.newcomer.samples import SAMPLES
 from benchmarks.outcomes import CHECKOUT, tell
 from benchmarks.publishing import made_by, publish, stated
@@ -43,7 +43,7 @@ def main() -> int:
     given = parser.parse_args()
     if unknown := set(given.pages) - set(SAMPLES):
         parser.error(f"no pages: {', '.join(sorted(unknown))}")
-    rows, typed, stopped = [], [], False
+    rows, typed, stopped = [], [], []
     with tempfile.TemporaryDirectory() as folder:
         wheel = built(Path(folder))
         for name in given.pages or SAMPLES:
@@ -53,11 +53,10 @@ def main() -> int:
                 somebody.folder.mkdir()
                 sample = SAMPLES[name]
                 sample.write(somebody.folder, sample.log(SEED))
-                try:
-                    somebody.follow(steps(PAGES / f"{name}.md"))
-                except StoppedError as error:
-                    tell(f"{name}: stopped at {error}")
-                    stopped = True
+                somebody.follow(steps(PAGES / f"{name}.md"))
+                if somebody.stopped:
+                    tell(f"{name}: stopped at {somebody.stopped}")
+                    stopped.append(name)
                 rows.append(row(name, somebody))
                 typed.append(details(name, "\n".join(["```text", *map(str, somebody.typed), "```"])))
     command = stated(parser, given, ())
@@ -72,7 +71,7 @@ def main() -> int:
         *typed,
     ]
     publish("\n\n".join(text) + "\n", None if given.pages else PAGE)
-    return int(stopped)
+    return 1 if stopped else 0
 
 
 def built(folder: Path) -> Path:
@@ -86,7 +85,7 @@ def row(name: str, somebody: Newcomer) -> tuple[str, ...]:
     """Return what came of a page as a row of the table."""
     there = {path: printed for path, printed in somebody.reports.items() if path.is_file()}
     said = list(dict.fromkeys("; ".join(answers(printed)) for printed in there.values()))
-    found = bool(said) and all(HIDDEN in words for words in said)
+    found = bool(said) and all(HIDDEN in words for words in said) and not somebody.stopped
     return (
         f"[{name}](formats/{name}.md)",
         f"{somebody.installing:.0f} s",

@@ -34,6 +34,7 @@ class Newcomer:
         working: Time that the commands took [s].
         typed: The commands of cdia, in their order.
         reports: What was printed by the command that wrote a report, by the report.
+        stopped: Why they could not go on; empty if they came to the end.
     """
 
     folder: Path
@@ -42,24 +43,28 @@ class Newcomer:
     working: float = 0.0
     typed: list[Command] = field(default_factory=list)
     reports: dict[Path, str] = field(default_factory=dict)
+    stopped: str = ""
 
     def follow(self, page: Iterable[Step]) -> None:
-        """Do what a page says.
+        """Do what a page says, until a command fails, or answers something else than the page says.
 
         Args:
             page: Its steps.
-
-        Raises:
-            StoppedError: If a command fails, or answers something else than the page says.
         """
-        for step in page:
-            match step:
-                case Install():
-                    self._install(step)
-                case TextFile():
-                    (self.folder / step.name).write_text(step.text, encoding="utf-8")
-                case Command():
-                    self._type(step)
+        try:
+            for step in page:
+                self._do(step)
+        except StoppedError as error:
+            self.stopped = str(error)
+
+    def _do(self, step: Step) -> None:
+        match step:
+            case Install():
+                self._install(step)
+            case TextFile():
+                (self.folder / step.name).write_text(step.text, encoding="utf-8")
+            case Command():
+                self._type(step)
 
     @property
     def _environment(self) -> Path:
