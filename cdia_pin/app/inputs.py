@@ -14,14 +14,8 @@ from cdia_pin.logs.conversion import Conversion
 from cdia_pin.progress import Progress
 from cdia_pin.robot import RobotModel, load_robot
 
-READING = (
-    "gains",
-    "joint_map",
-    "convert",
-    "format",
-    "columns",
-    "episode",
-)  # fields that are options of `read_log`
+# Fields of a request that are options of `read_log`.
+READING = ("gains", "joint_map", "convert", "format", "columns", "episode")
 Gain = float | Mapping[str, Any]  # [N·m/A], or {"value": …, "tolerance": …}, as `read_gains` takes them
 
 

@@ -53,7 +53,7 @@ def match_joints(
     if all(j in by_name for j in joints):
         labels = tuple(by_name[j] for j in joints)
         return JointNames(labels, _note("joints renamed", labels, joints) if joint_map else "")
-    if len(given) == len(joints) == 1:
+    if len(given) == len(joints) == 1 and not _words(given[0]) & _NOT_MEASURED:
         return JointNames(tuple(given), _note("the only joint renamed", given, joints))
     if found := _same_but_for_an_end(given, joints):
         return JointNames(

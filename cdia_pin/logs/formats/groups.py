@@ -37,7 +37,7 @@ def grouped(names: Sequence[str], count: int) -> list[JointColumns]:
         The groups, those with numbers first, without overlap.
     """
     if count == 1:
-        return [JointColumns(name, {ONLY: name}) for name in names]
+        return [JointColumns(name, {ONLY: name}) for name in names if not set(name) & {NUMBER, NAME}]
     groups: list[JointColumns] = []
     taken: set[str] = set()
     for pattern, often in Counter([*_numbered(names), *_named(names)]).items():
