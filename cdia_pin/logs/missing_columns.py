@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from cdia_pin.errors import LogError
+from cdia_pin.logs.columns import ALIASES
 from cdia_pin.logs.formats import CSV
 from cdia_pin.logs.formats.guess import ColumnGuess, guess_columns, said_of
+from cdia_pin.logs.formats.patterns import TIME
 from cdia_pin.logs.signal_picker import SignalPicker
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
-
-
-MOTION = ("position", "velocity")  # signals by which others are judged
 
 
 class MissingColumnsError(LogError):
@@ -51,7 +50,9 @@ def require_columns(pick: SignalPicker, robot: RobotModel) -> None:
     said = pick.missing(missing[0])
     if pick.choice.format != CSV:
         raise LogError(f"{said}; found {pick.found}")
-    known = {name: s for s in MOTION for name in labels(s).values() if name in pick.table.columns}
+    known = {name: signal for signal in ALIASES for name in labels(signal).values()}
+    if pick.columns.time_column is not None:
+        known[pick.columns.time_column] = TIME
     asked = {*known, *pick.columns.other}
     columns = {name: x for name, x in pick.table.columns.items() if name in asked}
     guesses = guess_columns(columns, robot, known)

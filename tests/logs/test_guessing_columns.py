@@ -77,6 +77,30 @@ def test_a_current_is_told_by_its_size_and_asks_for_gains(ur5, made, tmp_path):
         read_log(path, ur5)
 
 
+def test_what_is_known_is_not_guessed_again(ur5, made, tmp_path):
+    columns = {
+        "time": made.time,
+        **numbered("pos_joint", made.position),
+        **numbered("cur_joint", made.effort),
+    }
+    path = write(tmp_path / "x.csv", columns)
+    with pytest.raises(MissingColumnsError, match=r"type --columns 'current=cur_joint_#' --gains") as caught:
+        read_log(path, ur5)
+    log = read_log(path, ur5, gains=dict.fromkeys(ur5.joints, 2.0), **reading_of(caught.value.guesses, ur5))
+    np.testing.assert_array_equal(log.effort, 2.0 * made.effort)
+
+
+def test_other_columns_that_may_be_torques_are_noted_until_one_is_chosen(ur5, made, tmp_path):
+    columns = {"time": made.time, **numbered("q", made.position), **numbered("tau", made.effort)}
+    path = write(
+        tmp_path / "x.csv", columns | numbered("TorqueSm", made.effort) | numbered("tau_ref", made.effort)
+    )
+    (note,) = (n for n in read_log(path, ur5).notes if "may be torques too" in n)
+    assert "'tau_0'" in note and "TorqueSm_#" in note and "tau_ref" not in note
+    chosen = read_log(path, ur5, columns="effort=TorqueSm_#")
+    assert not any("may be torques" in n for n in chosen.notes)
+
+
 def test_a_command_that_follows_the_positions_is_not_taken_for_a_torque(ur5, made, tmp_path):
     columns = {"zeit": made.time, **numbered("a", made.position), **numbered("b", made.velocity)}
     columns |= numbered("c", made.position + 1e-3)

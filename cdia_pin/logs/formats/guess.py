@@ -33,7 +33,7 @@ SAMPLES = 20_000  # [samples] that are looked at
 # Words in names, which decide where sizes do not.
 WORDS = {
     "temperature": r"temp|°c|celsius",
-    "current": r"curr|cur\b|amp|iq\b|\bi[_#*]",
+    "current": r"curr|cur(?![a-z])|amp|iq\b|\bi[_#*]",
     "effort": r"torq|trq|tau|moment|eff|\bnm\b|load",
     "velocity": r"vel|speed|spd|omega|rate|dq|qd|\bw[_#*]",
     "position": r"pos|ang|enc|deg|rad|joint|\bq[_#*]",
@@ -78,7 +78,7 @@ def guess_columns(
     Args:
         columns: Numbers by name of the column, each of shape (N,).
         robot: The arm, for the number of joints and their limits.
-        known: Signal of each column that needs no guess.
+        known: Signal, or ``time``, of each column that needs no guess; positions and velocities judge the others.
 
     Returns:
         A guess for each other group of columns with one for each joint, and for the column of times.
@@ -87,8 +87,11 @@ def guess_columns(
     if len(next(iter(columns.values()), ())) < LEAST:
         return []
     several = (g.labels.values() for g in grouped(list(columns), robot.n) if len(g.labels) > 1)
-    times = list(_times(columns, {name for names in several for name in names} | set(known)))
-    groups = grouped([name for name in columns if name not in {t.pattern for t in times}], robot.n)
+    times = (
+        [] if TIME in known.values() else list(_times(columns, {name for names in several for name in names}))
+    )
+    clocks = {*(t.pattern for t in times), *(name for name, signal in known.items() if signal == TIME)}
+    groups = grouped([name for name in columns if name not in clocks], robot.n)
     values = {g.pattern: _values(columns, g) for g in groups}
     groups = [g for g in groups if np.isfinite(values[g.pattern]).any(axis=0).all()]
     words = {g.pattern: _word(g.pattern) for g in groups}
@@ -96,7 +99,8 @@ def guess_columns(
     moving = [g for g in groups if named[g.pattern] or not UNWANTED.search(g.pattern)]
     position, velocity = _moving(moving, values, words, named)
     guesses = list(times)
-    seconds = in_seconds(columns[guesses[0].pattern][:SAMPLES], None, "")[0] if guesses else None
+    clock = next((columns[name][:SAMPLES] for name in clocks if name in columns), np.zeros(0))
+    seconds = in_seconds(clock, None, "")[0] if len(clock) and (np.diff(clock) > 0).all() else None
     taken = set(known.values())
     for group in groups:
         if named[group.pattern]:
@@ -121,6 +125,17 @@ def guess_columns(
             )
         )
     return guesses
+
+
+def torques_among(names: Sequence[str], count: int) -> list[str]:
+    """Return the patterns of columns that may be measured torques or currents by their names.
+
+    Args:
+        names: Names of columns.
+        count: Number of joints.
+    """
+    patterns = (group.pattern for group in grouped(names, count))
+    return [p for p in patterns if _word(p) in {"effort", "current"} and not UNWANTED.search(p)]
 
 
 def reading_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> dict[str, str]:
