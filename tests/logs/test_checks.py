@@ -405,6 +405,20 @@ def test_a_log_of_another_bundled_arm_is_named(ur5, ur5_log, name):
     assert found.advice.startswith(f"--robot {name}")
 
 
+def test_an_arm_is_named_though_another_gain_would_do_as_well(ur5_log):
+    """A small arm of the same maker, times a gain that no unit has, has nearly the torques of the large one."""
+    ur3 = load_robot("ur3")
+    (found,) = check_log(small_arm_log(ur3, load_robot("ur10"), ur5_log), ur3).about("robot")
+    assert found.value["best"] == "ur10"
+    assert "check the unit" in found.advice
+
+
+def test_another_unit_is_not_another_arm(ur5, ur5_log):
+    for factor in (100.0, 1000.0):  # N·cm, N·mm
+        check = check_log(replace(ur5_log, effort=factor * ur5_log.effort), ur5)
+        assert not check.about("robot")
+
+
 def test_a_heavy_payload_is_not_another_arm(ur5, ur5_log):
     loaded = Dynamics(ur5, (parse_term("payload: mass=8, first_moment_z=0.8"),))
     made = ur5_log.position, ur5_log.velocity, differentiate(ur5_log.velocity, ur5_log.rate)

@@ -5,11 +5,12 @@ import shlex
 import numpy as np
 import pytest
 
+from benchmarks.recordings import numbered, write
 from cdia_pin.logs import read_log
 from cdia_pin.logs.formats.guess import guess_columns, reading_of
 from cdia_pin.logs.missing_columns import MissingColumnsError
 from cdia_pin.robot import load_robot
-from tests.made_formats import numbered, with_velocity, write
+from tests.made_logs import with_velocity
 from tests.one_joint import write_urdf
 
 
@@ -141,6 +142,37 @@ def test_the_times_of_an_arm_of_one_joint_are_no_torque(tmp_path):
     guesses = guess_columns({"zeit_s": t, "motor_angle": q, "motor_torque": effort[:, 0]}, robot)
     assert [(g.pattern, g.signal) for g in guesses] == [
         ("zeit_s", "time"),
-        ("*_angle", "position"),
-        ("*_torque", "effort"),
+        ("motor_angle", "position"),
+        ("motor_torque", "effort"),
     ]
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("zeit", "winkel", "moment"),
+        ("zeit", "motor_angle", "motor_torque"),  # the torque has a known name, and another label
+        ("time", "angle", "tau"),
+    ],
+)
+def test_an_arm_of_one_joint_has_columns_by_their_whole_names(tmp_path, names):
+    robot = load_robot(write_urdf("revolute", tmp_path))
+    t = np.arange(0.0, 6.0, 0.01)
+    q, effort = np.sin(2.0 * t), 3.0 * np.cos(5.0 * t)
+    path = write(tmp_path / "x.csv", dict(zip(names, (t, q, effort), strict=True)))
+    with pytest.raises(MissingColumnsError) as caught:
+        read_log(path, robot)
+    options = reading_of(caught.value.guesses, robot)
+    assert options.keys() == {"columns"}
+    log = read_log(path, robot, **options)
+    np.testing.assert_array_equal(log.position[:, 0], q)
+    np.testing.assert_array_equal(log.effort[:, 0], effort)
+
+
+def test_what_the_user_names_is_not_guessed_again(ur5, made, tmp_path):
+    columns = {"zeit": made.time, **numbered("a", made.position), **numbered("b", made.velocity)}
+    path = write(tmp_path / "x.csv", columns | numbered("c", made.effort))
+    with pytest.raises(MissingColumnsError, match="no effort columns") as caught:
+        read_log(path, ur5, columns={"position": "a_#"})
+    guessed = {g.signal: g.pattern for g in caught.value.guesses if g.signal}
+    assert guessed == {"time": "zeit", "velocity": "b_#", "effort": "c_#"}

@@ -81,6 +81,20 @@ def test_a_prefix_that_only_the_robot_has_is_added():
     assert found.labels == ("joint1", "joint2")
 
 
+@pytest.mark.parametrize(
+    ("names", "joints"),
+    [
+        (("shoulder_pan", "elbow", "wrist_1"), JOINTS),  # which all end with _joint
+        (("hip.deg", "knee.deg"), ("hip", "knee")),
+        (("motor",), ("only",)),
+    ],
+)
+def test_one_common_end_may_be_missing_or_more_and_an_only_label_is_the_only_joint(names, joints):
+    found = match_joints([*names, *(f"{joint}_target" for joint in joints if len(joints) > 1)], joints)
+    assert found.labels == names
+    assert f"{names[0]} → {joints[0]}" in found.note
+
+
 def test_two_arms_in_one_log_need_a_joint_map():
     both = [f"{side}_{j}" for side in ("left", "right") for j in JOINTS]
     with pytest.raises(LogError, match=r"left_shoulder_pan_joint.*--joint-map"):
