@@ -15,8 +15,8 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-# [Hz], range of the cut-off: a working motion of an arm needs the lower end. The resonances of structures and drives begin
-# at the upper end, which also filters logs of any rate above 67 Hz alike.
+# [Hz], range of the cut-off: a working motion of an arm needs the lower end. The resonances of structures and
+# drives begin at the upper end, which also filters logs of any rate above 67 Hz alike.
 LOWEST_CUTOFF, HIGHEST_CUTOFF = 5.0, 10.0
 HIGHEST_SHARE = 0.15  # [1], of the log's rate; nearer to half the rate, central differences lose amplitude
 FINEST = 1e-15  # [1], smallest floor of a position over its peak power: an error of about 10⁻⁶ of its travel
