@@ -15,9 +15,10 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-# [Hz], range of the cut-off: a working motion of an arm needs the lower end. The resonances of structures and
-# drives begin at the upper end, which also filters logs of any rate above 67 Hz alike.
-LOWEST_CUTOFF, HIGHEST_CUTOFF = 5.0, 10.0
+LOWEST_CUTOFF = 5.0  # [Hz], which a working motion of an arm needs
+# [Hz], upper ends of the cut-off: the first that the rate allows. An end that moved with the rate would give the
+# same log, resampled, another filter and other names.
+HIGHEST_CUTOFFS = (25.0, 10.0)
 HIGHEST_SHARE = 0.15  # [1], of the log's rate; nearer to half the rate, central differences lose amplitude
 FINEST = 1e-15  # [1], smallest floor of a position over its peak power: an error of about 10⁻⁶ of its travel
 FINEST_EFFORT = 1e-9  # [1], the same for torques, which no sensor measures that finely
@@ -42,10 +43,11 @@ def choose_cutoff(even: Log, robot: RobotModel) -> float:
         robot: Its robot.
 
     Returns:
-        Cut-off [Hz], within 5 to 10 Hz and at most 0.15 of the rate.
+        Cut-off [Hz], within 5 to 25 Hz, or 5 to 10 Hz below a rate of 167 Hz; at most 0.15 of the rate.
     """
     rate = (len(even.time) - 1) / even.duration
-    highest = min(HIGHEST_CUTOFF, HIGHEST_SHARE * rate)
+    allowed = HIGHEST_SHARE * rate
+    highest = next((end for end in HIGHEST_CUTOFFS if end <= allowed), allowed)
     if highest <= LOWEST_CUTOFF:
         return highest
     edges = np.geomspace(LOWEST_CUTOFF, highest, BANDS + 1)
