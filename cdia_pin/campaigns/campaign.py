@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from cdia_pin.campaigns.campaign_result import CampaignResult, summarised
 from cdia_pin.campaigns.campaign_spec import CampaignError, CampaignSpec
@@ -49,7 +51,7 @@ def run_campaign(
     with store.writing():
         if pending:
             for one in run_each(run_batch, pending, workers=workers, scheduler=scheduler, progress=tell):
-                store.add(rows_of(one))
+                store.add(rows_of(one, [one.item]))
     return kept_result(store)
 
 
@@ -63,15 +65,16 @@ def kept_result(store: RunStore) -> CampaignResult:
     return summarised(store.spec, store.read().values(), total)
 
 
-def rows_of(finished: Finished[Batch, list[RunRow]]) -> list[RunRow]:
-    """Return the rows of an arm's runs; with the error that ended all of them, if there was one.
+def rows_of(finished: Finished[Any, list[RunRow]], batches: Iterable[Batch]) -> list[RunRow]:
+    """Return the rows of some arms' runs; with the error that ended all of them, if there was one.
 
     Args:
-        finished: The batch.
+        finished: What came of the runs.
+        batches: The arms.
     """
     if finished.error is None:
         return finished.result
-    return [replace(described(finished.item.arm, s), error=finished.why) for s in finished.item.scenarios]
+    return [replace(described(b.arm, s), error=finished.why) for b in batches for s in b.scenarios]
 
 
 def found_scenario(spec: CampaignSpec, number: int) -> tuple[DrawnArm, Scenario]:

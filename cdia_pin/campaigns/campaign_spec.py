@@ -188,6 +188,31 @@ def spec_from(given: Mapping[str, Any]) -> CampaignSpec:
     return CampaignSpec(**{"robots": (), **out})
 
 
+def plan_text(spec: CampaignSpec) -> str:
+    """Return a plan as TOML, which `read_spec` reads back.
+
+    Args:
+        spec: The plan.
+    """
+    lines = []
+    for f in fields(spec):
+        value = getattr(spec, f.name)
+        if f.name not in {"settings", "faults"}:
+            lines.append(f"{f.name} = {_toml(value)}")
+    if spec.settings:
+        lines += ["", "[settings]", *(f"{name} = {_toml(values)}" for name, values in spec.settings)]
+    for case in spec.faults:
+        lines += ["", "[[faults]]", f"terms = {_toml(case.terms)}"]
+        if case.shares != (None,):
+            lines.append(f"share = {_toml(case.shares)}")
+    return "\n".join(lines) + "\n"
+
+
+def _toml(value: Any) -> str:
+    """Return a value as TOML; a string of JSON is one of TOML."""
+    return f"[{', '.join(map(_toml, value))}]" if isinstance(value, tuple) else json.dumps(value)
+
+
 def _fault_case(given: Mapping[str, Any]) -> FaultCase:
     _require_known("key of a fault", given, ["terms", "share"])
     terms = tuple(_of_type(str, "terms", t) for t in _listed(given.get("terms", [])))

@@ -149,7 +149,7 @@ def _replay(
 ) -> None:
     """Make one run again, with all that the monitor recorded."""
     from cdia_pin.campaigns.campaign import found_scenario
-    from cdia_pin.campaigns.scenario_run import watched
+    from cdia_pin.campaigns.watched_run import watched
     from cdia_pin.cli.monitor import show_run
     from cdia_pin.viewers import write_monitor_report
 

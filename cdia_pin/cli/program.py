@@ -35,6 +35,7 @@ from cdia_pin.cli.robots import robots
 from cdia_pin.cli.simulate import simulate
 from cdia_pin.cli.streams import mend_streams
 from cdia_pin.cli.study import study
+from cdia_pin.cli.tune import tune
 from cdia_pin.cli.view import view
 from cdia_pin.errors import CdiaError, unknown_name
 from cdia_pin.fault_report import fault_sentence, is_fault
@@ -177,6 +178,14 @@ for command, panel, example in (
             "cdia campaign friction.toml --out friction",
             "cdia campaign friction.toml --scheduler tcp://10.0.0.7:8786",
             "cdia campaign friction --replay 17 --report run.html",
+        ],
+    ),
+    (
+        tune,
+        MANY,
+        [
+            "cdia tune friction.toml --false-alarms 0.1",
+            "cdia tune friction.toml --false-alarms 1 --out tuned --json tuned.json",
         ],
     ),
     (convert, MODELS, ["cdia convert run.db3 run.csv --robot ur10"]),

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import isfinite
 
-from cdia_pin.viewers.words import number, percent
+from cdia_pin.viewers.words import number
 
 WIDTH, HEIGHT = 720, 320  # [px]
 LEFT, RIGHT, TOP, BOTTOM = 56, 16, 14, 46  # [px], margins
@@ -81,7 +81,7 @@ def _axes(place: Place, most: float, across: str, up: str) -> list[str]:
             f"<text x='{x:.1f}' y='{bottom + 16:.1f}' text-anchor='middle' fill='currentColor'>"
             f"{number(most * k / TICKS, 2)}</text>",
             f"<text x='{left - 6:.1f}' y='{y + 4:.1f}' text-anchor='end' fill='currentColor'>"
-            f"{percent(k / TICKS)}</text>",
+            f"{100 * k / TICKS:.0f} %</text>",
         ]
     middle = (LEFT + WIDTH - RIGHT) / 2
     out.append(
