@@ -62,13 +62,14 @@ def scores(ratio: Array, time: Array, debounce: int, onset: float, joints: NDArr
     """
     held = sustained(ratio, debounce)
     before = (time < onset) & (time >= time[0] + QUIET)
-    block = np.floor((time[before] - time[0]) / BLOCK).astype(int)
     highest = held[before].max(axis=1, initial=0.0)
-    peaks = [float(highest[block == b].max()) for b in np.unique(block)]
+    per_block = max(1, round(BLOCK / float(np.median(np.diff(time)))) if len(time) > 1 else 1)
+    whole = len(highest) // per_block  # what is left at the end is no whole second
+    peaks = highest[: whole * per_block].reshape(whole, per_block).max(axis=1)
     late = time >= onset
     after = held[late][:, joints].max(axis=1, initial=0.0)
     delays = tuple(_first(after >= f, time[late] - onset) for f in FACTORS)
-    return AlarmScores(tuple(peaks), delays)
+    return AlarmScores(tuple(peaks.tolist()), delays)
 
 
 def alarms(peaks: Array, factor: float) -> int:

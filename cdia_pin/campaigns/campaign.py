@@ -13,7 +13,7 @@ from cdia_pin.campaigns.run_row import RunRow
 from cdia_pin.campaigns.run_store import RunStore
 from cdia_pin.campaigns.scenario import Batch, DrawnArm, Scenario, planned
 from cdia_pin.campaigns.scenario_run import described, run_batch
-from cdia_pin.cluster import Finished, run_each
+from cdia_pin.cluster import Finished, number_of_workers, run_each
 from cdia_pin.progress import Progress, silent
 
 
@@ -40,6 +40,7 @@ def run_campaign(
         CampaignError: If the folder holds another campaign.
         CdiaError: If the plan is not valid, or the scheduler cannot be used.
     """
+    number_of_workers(workers, scheduler)  # what is wrong with them is told before anything is written
     spec.check()
     store = RunStore.made(folder, spec)
     done = {number for number, row in store.read().items() if not row.error}

@@ -27,7 +27,7 @@ from cdia_pin.campaigns.scenario import Batch, planned
 from cdia_pin.campaigns.scenario_run import debounce_of, described, settings_words
 from cdia_pin.campaigns.tuning_result import TradeOff, TuningResult
 from cdia_pin.campaigns.watched_run import watched
-from cdia_pin.cluster import run_each
+from cdia_pin.cluster import number_of_workers, run_each
 from cdia_pin.diagnosis import MonitorSettings
 from cdia_pin.errors import CdiaError
 from cdia_pin.phrases import one_line
@@ -66,6 +66,7 @@ def tune(
         CampaignError: If there are no faults or no healthy runs, the engine is another one, or the folder holds
             another campaign.
     """
+    number_of_workers(workers, scheduler)  # what is wrong with them is told before anything is written
     tried = tuning_spec(spec, false_alarms)
     tried.check()
     store = RunStore.made(folder, tried)

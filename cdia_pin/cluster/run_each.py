@@ -48,19 +48,35 @@ def run_each(
             or the number of workers is given together with a scheduler or is below 1.
         MissingExtraError: If there are several workers and the extra ``fleet`` is not installed.
     """
-    if scheduler is not None and workers is not None:
-        raise ClusterError(f"the scheduler {scheduler} has its own workers: leave their number out")
-    if workers is not None and workers < 1:
-        raise ClusterError(f"there must be at least one worker, given {workers}")
-    count = workers or usable_cores()
-    if scheduler is None and count == 1:
+    count = number_of_workers(workers, scheduler)
+    if count == 1:
         results = run_here(function, items)
     else:
-        require("fleet", "several workers")
         from cdia_pin.cluster.distributed_run import run_on_workers
 
         results = run_on_workers(function, items, count, scheduler)
     return _told(results, Pace(len(items) if isinstance(items, Sized) else None), progress)
+
+
+def number_of_workers(workers: int | None, scheduler: str | None) -> int:
+    """Return how many processes of this machine are asked for; 0 if the workers are those of a scheduler.
+
+    Args:
+        workers: Number of processes; one a core if None.
+        scheduler: Address of a running scheduler, or None.
+
+    Raises:
+        ClusterError: If both are given, or the number is below 1.
+        MissingExtraError: If there are several workers and the extra ``fleet`` is not installed.
+    """
+    if scheduler is not None and workers is not None:
+        raise ClusterError(f"the scheduler {scheduler} has its own workers: leave their number out")
+    if workers is not None and workers < 1:
+        raise ClusterError(f"there must be at least one worker, given {workers}")
+    count = 0 if scheduler is not None else workers or usable_cores()
+    if count != 1:
+        require("fleet", "several workers")
+    return count
 
 
 def usable_cores() -> int:

@@ -163,8 +163,8 @@ def test_ctrl_c_ends_the_work_and_its_processes(tmp_path):
     begin = time.monotonic()
     process.communicate(timeout=20)
     assert process.returncode != 0
-    assert time.monotonic() - begin < 5
-    while alive_in(process.pid) and time.monotonic() - begin < 10:
+    assert time.monotonic() - begin < 10
+    while alive_in(process.pid) and time.monotonic() - begin < 15:
         time.sleep(0.05)
     assert not alive_in(process.pid)
 
