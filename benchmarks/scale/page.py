@@ -23,7 +23,8 @@ Gain = tuple[int, float, float]
 
 TEMPLATE = """# Scale: what many logs and many runs need
 
-{made} The machine's load was {load:.1f}: on an idle one the times are shorter.
+{made} Costs are times of the processor at a load of {load:.1f}; an idle machine needs less, because its memory is not
+shared.
 
 Two kinds of work are shared by workers: the logs of a fleet, and the runs of a campaign. Each item is independent.
 A coordinator holds a few items for each thread on their way (`cdia_pin.cluster`), takes each result as it comes, and
@@ -107,7 +108,7 @@ def _measured(log: LogCost, run: ScenarioCost, engine: EngineCost) -> str:
             "a run while the result is put together",
             f"{run.summary / 1e3:.1f} kB, {1e6 * run.summary_time:.0f} µs",
         ),
-        (f"the engine: an item without work, mean of {ITEMS}", f"{1e3 * engine.item:.1f} ms"),
+        (f"the engine: the coordinator for an item, mean of {ITEMS}", f"{1e3 * engine.item:.1f} ms"),
         ("the engine: until the first result", f"{engine.start:.1f} s"),
         (
             f"the engine in the time of an arm of {run.runs} runs, target ≤ {MOST_OVERHEAD:.0%}",
@@ -130,7 +131,7 @@ def _gain(gain: Gain | None) -> str:
 
 def _needs(what: str, count: int, seconds: float, items: int, item: float, size: float) -> str:
     """Return what many of a kind need on several numbers of workers."""
-    heads = (what, "time", "engine busy", "moved", "moved a second")
+    heads = (what, "time", "engine busy", "moved", "a second")
     rows = []
     for workers in WORKERS:
         work, engine = count * seconds / workers, items * item

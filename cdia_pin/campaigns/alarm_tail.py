@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.campaigns.alarm_scores import BLOCK
-from cdia_pin.campaigns.estimates import LEVEL, RESAMPLES, SEED
+from cdia_pin.campaigns.estimates import LEVEL, SEED
 from cdia_pin.campaigns.run_row import RunRow
 from cdia_pin.errors import CdiaError
 
@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 HOUR = 3600.0  # [s]
 TAIL = 0.05  # [1], share of the highest seconds that the tail is fitted to
+RESAMPLES = 200  # of the bootstrap: its highest twentieth is then ten values
 FEWEST = 20  # seconds in the tail: an exponential's mean is then known to a fifth
 
 

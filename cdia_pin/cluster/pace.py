@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from time import monotonic
 
-MINUTE, HOUR = 60.0, 3600.0  # [s]
+MINUTE, HOUR, DAY = 60.0, 3600.0, 86400.0  # [s]
 
 
 class Pace:
@@ -55,4 +55,6 @@ def duration_words(seconds: float) -> str:
         return f"{seconds:.0f} s"
     if seconds < 2 * HOUR:
         return f"{seconds / MINUTE:.0f} min"
-    return f"{seconds / HOUR:.1f} h"
+    if seconds < 2 * DAY:
+        return f"{seconds / HOUR:.1f} h"
+    return f"{seconds / DAY:.1f} days"

@@ -32,7 +32,7 @@ def ran(cdia, tmp_path_factory):
 def test_the_answer_comes_first_and_a_run_that_went_wrong_can_be_repeated(cdia, ran):
     outcome, folder = ran
     assert outcome.code == 0, outcome.err
-    answer = " ".join(outcome.out.splitlines()[:2])
+    answer = " ".join(outcome.out.split())
     assert answer.startswith("50 % [1, 99] of 2 faults detected")
     assert "not detected" in outcome.out
     assert json.loads((folder / "c.json").read_text())["schema"] == "cdia-campaign/1"
@@ -64,7 +64,8 @@ def test_what_cannot_be_is_said_in_one_line(cdia, ran):
 def test_tuning_keeps_its_rate_and_says_how_to_confirm_it(cdia, tmp_path):
     plan = tmp_path / "plan.toml"
     more = "repeats = 2\nhealthy = 210.0\n[settings]\nbandwidth = [30.0]\ndebounce = [1, 4]"
-    plan.write_text(PLAN.format(more=more, share="0.2"), encoding="utf-8")
+    slow = PLAN.replace("250.0", "100.0")
+    plan.write_text(slow.format(more=more, share="0.2"), encoding="utf-8")
     outcome = cdia(
         "tune",
         plan,

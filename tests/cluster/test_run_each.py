@@ -137,7 +137,7 @@ def test_the_pace_says_rate_and_time_left():
     assert pace.share == 0.1
     assert str(pace) == "10 of 100, 30 a minute, 3 min left"
     assert str(Pace(None, clock=lambda: now)) == "0, 0 a minute"
-    assert [duration_words(s) for s in (5, 600, 36000)] == ["5 s", "10 min", "10.0 h"]
+    assert [duration_words(s) for s in (5, 600, 36000, 864000)] == ["5 s", "10 min", "10.0 h", "10.0 days"]
 
 
 def test_ctrl_c_ends_the_work_and_its_processes(tmp_path):
