@@ -9,6 +9,7 @@ from benchmarks.publishing import made_by
 from benchmarks.scale.costs import ARMS, ITEMS, EngineCost, LogCost, ScenarioCost
 from cdia_pin.campaigns.run_store import WRITE_EVERY
 from cdia_pin.cluster.pace import duration_words
+from cdia_pin.viewers.words import number
 
 LOGS, RUNS = 10**5, 10**6
 WORKERS = (1, 10, 100, 1000)
@@ -131,7 +132,7 @@ def _gain(gain: Gain | None) -> str:
 
 def _needs(what: str, count: int, seconds: float, items: int, item: float, size: float) -> str:
     """Return what many of a kind need on several numbers of workers."""
-    heads = (what, "time", "engine busy", "moved", "a second")
+    heads = (what, "time", "engine busy", "moved", "moved a second")
     rows = []
     for workers in WORKERS:
         work, engine = count * seconds / workers, items * item
@@ -142,7 +143,7 @@ def _needs(what: str, count: int, seconds: float, items: int, item: float, size:
                 duration_words(time),
                 f"{min(engine / time, 1.0):.1%}",
                 f"{count * size / 1e9:.1f} GB",
-                f"{count * size / time / 1e6:.2g} MB",
+                f"{number(count * size / time / 1e3, 2)} kB",
             )
         )
     return table(heads, rows)
@@ -152,17 +153,28 @@ def _breaks(log: LogCost, run: ScenarioCost, engine: EngineCost) -> str:
     busy_logs, busy_runs = log.seconds / engine.item, run.seconds * run.runs / engine.item
     link = LINK * log.seconds / log.bytes
     held, files = MEMORY / run.summary, 86400 / WRITE_EVERY
-    return f"""1. **The result of a campaign** is put together in memory, {run.summary / 1e3:.1f} kB a run:
-   {RUNS:,} runs take {RUNS * run.summary / 1e9:.1f} GB and {duration_words(RUNS * run.summary_time)}. A coordinator of
-   {MEMORY / 1e9:.0f} GB holds {held / 1e6:.1f} million runs. Beyond that, read the Parquet files with DuckDB, which
-   does not hold them all.
-2. **The coordinator** takes {1 / engine.item:.0f} items a second. It is busy all the time at {busy_logs:.0f} workers
-   that fit logs, and at {busy_runs:.0f} that make runs. More workers then wait. Longer logs, and more runs of an arm,
-   move this limit up in proportion.
-3. **The disk of the logs**: {link:.0f} workers read one gigabit a second. A fleet sends the names of its logs, so a
-   shared disk has to deliver them.
-4. **Files**: a campaign writes one every {WRITE_EVERY:.0f} s, {files:.0f} a day, {run.parquet:.0f} B a run.
-   {RUNS:,} runs are {RUNS * run.parquet / 1e9:.1f} GB.
+    limits = [
+        (
+            busy_logs,
+            f"""**The coordinator** takes {1 / engine.item:.0f} items a second. It is busy all the time
+   at {busy_logs:.0f} workers that fit logs, and at {busy_runs:.0f} that make runs. More workers then wait. Longer
+   logs, and more runs of an arm, move this limit up in proportion.""",
+        ),
+        (
+            link,
+            f"""**The disk of the logs**: {link:.0f} workers read one gigabit a second. A fleet sends the names of its
+   logs, so a shared disk has to deliver them.""",
+        ),
+    ]
+    (_, first), (_, second) = sorted(limits)
+    return f"""1. {first}
+2. {second}
+3. **The result of a campaign** is put together in memory, {run.summary / 1e3:.1f} kB a run: {RUNS:,} runs take
+   {RUNS * run.summary / 1e9:.1f} GB and {duration_words(RUNS * run.summary_time)}. A coordinator of
+   {MEMORY / 1e9:.0f} GB holds {held / 1e6:.1f} million runs. Beyond that, read the
+   Parquet files with DuckDB, which does not hold them all.
+4. **Files**: a campaign writes one every {WRITE_EVERY:.0f} s, {files:.0f} a day, {run.parquet:.0f} B a run. {RUNS:,}
+   runs are {RUNS * run.parquet / 1e9:.1f} GB.
 
 A worker that is lost costs what it had begun: one arm, {duration_words(run.seconds * run.runs)} here. If one of 1,000
 workers is lost in each hour, that is {run.seconds * run.runs / 3600 / 1000:.4%} of the work."""

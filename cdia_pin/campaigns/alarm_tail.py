@@ -32,6 +32,9 @@ class AlarmTail:
 
     peaks: tuple[Array, ...]
 
+    def __repr__(self) -> str:
+        return f"AlarmTail({len(self.peaks)} arms, {self.hours:.3g} h)"
+
     @classmethod
     def of(cls, rows: Sequence[RunRow]) -> AlarmTail:
         """Return the tail of runs.

@@ -15,6 +15,7 @@ from cdia_pin.campaigns.alarm_scores import FACTORS, alarms
 from cdia_pin.campaigns.campaign_spec import CampaignSpec
 from cdia_pin.campaigns.estimates import Estimate, median, quantile, rate, share
 from cdia_pin.campaigns.run_row import RunRow
+from cdia_pin.phrases import shortened
 from cdia_pin.version import __version__
 
 HOUR = 3600.0  # [s]
@@ -62,6 +63,9 @@ class Cell:
     exact: Estimate
     tracking: Estimate
     tracking_alone: Estimate
+
+    def __repr__(self) -> str:
+        return f"Cell({self.robot}, {shortened(self.fault)}, {self.runs} runs)"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the cell for JSON."""
@@ -225,10 +229,10 @@ def _names(labels: str) -> str:
 
 
 def _badness(row: RunRow) -> tuple[float, ...]:
-    """Order runs: ran away, false alarms, missed, wrongly named, then late."""
+    """Order runs: not made, ran away, false alarms, missed, wrongly named, then late."""
     missed, wrong = bool(row.fault) and not row.detected, bool(row.fault) and not row.exact
     late = 0.0 if isnan(row.delay) else row.delay
-    return (row.diverged, row.false_alarms, missed, wrong, row.elsewhere, late, -row.number)
+    return (bool(row.error), row.diverged, row.false_alarms, missed, wrong, row.elsewhere, late, -row.number)
 
 
 def _why(row: RunRow) -> str:

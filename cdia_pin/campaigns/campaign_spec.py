@@ -17,6 +17,7 @@ from cdia_pin.diagnosis.engines import settings_of
 from cdia_pin.effects import parse_term
 from cdia_pin.errors import CdiaError, unknown_name
 from cdia_pin.input_files import read_text
+from cdia_pin.phrases import some
 from cdia_pin.robot import load_robot
 
 ANY = "*"  # joint of a term: drawn anew for each arm
@@ -93,6 +94,9 @@ class CampaignSpec:
         for case in self.faults:
             if not case.terms or any(s is not None and not s > 0 for s in case.shares):
                 raise CampaignError(f"a case of faults needs terms, and shares above 0, given {case}")
+
+    def __repr__(self) -> str:
+        return f"CampaignSpec({some(self.robots, 3)}; {len(self.faults)} cases of faults, {self.repeats} repeats)"
 
     def combinations(self) -> list[tuple[Setting, ...]]:
         """Return every combination of the engine's settings."""

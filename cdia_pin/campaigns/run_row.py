@@ -6,6 +6,8 @@ from dataclasses import asdict, dataclass, fields
 from math import isnan, nan
 from typing import TYPE_CHECKING, Any
 
+from cdia_pin.phrases import shortened
+
 if TYPE_CHECKING:
     import pyarrow as pa
 
@@ -73,6 +75,10 @@ class RunRow:
     delays: tuple[float, ...] = ()
     seconds: float = 0.0
     error: str = ""
+
+    def __repr__(self) -> str:
+        said = "failed" if self.error else "detected" if self.detected else "not detected"
+        return f"RunRow({self.number}, {self.robot}, {shortened(self.fault or 'healthy')}, {said})"
 
 
 def row_schema() -> pa.Schema:

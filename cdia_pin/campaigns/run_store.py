@@ -18,6 +18,7 @@ from cdia_pin.version import __version__
 from cdia_pin.whole_files import whole_file, write_whole
 
 PLAN, RUNS = "campaign.json", "runs"
+CAMPAIGN, TUNING = "campaign", "tuning"  # purposes
 WRITE_EVERY = 15.0  # [s], what a loss of power costs at most; each time makes one file
 MOST_ROWS = 10_000  # rows that wait to be written
 
@@ -29,20 +30,23 @@ class RunStore:
     Attributes:
         folder: The folder.
         spec: The plan of its campaign.
+        purpose: ``campaign`` or ``tuning``: what its runs were made for.
     """
 
     folder: Path
     spec: CampaignSpec
+    purpose: str = CAMPAIGN
     _waiting: list[RunRow] = field(default_factory=list, repr=False)
     _written: float = field(default_factory=monotonic, repr=False)
 
     @classmethod
-    def made(cls, folder: str | Path, spec: CampaignSpec) -> RunStore:
+    def made(cls, folder: str | Path, spec: CampaignSpec, purpose: str = CAMPAIGN) -> RunStore:
         """Return the folder of a campaign; a new one is made, and that of the same plan goes on.
 
         Args:
             folder: The folder.
             spec: The plan.
+            purpose: What its runs are made for.
 
         Raises:
             CampaignError: If it holds another campaign, or runs of another version of the package.
@@ -50,23 +54,29 @@ class RunStore:
         """
         folder = Path(folder)
         if (folder / PLAN).exists():
-            found = cls.opened(folder)
+            found = cls.opened(folder, purpose)
             if found.spec != spec:
                 raise CampaignError(
                     f"{folder} holds the runs of another campaign: give another folder to --out"
                 )
             return found
         (folder / RUNS).mkdir(parents=True, exist_ok=True)
-        document = {"schema": schemas.CAMPAIGN_PLAN, "version": __version__, "spec": asdict(spec)}
+        document = {
+            "schema": schemas.CAMPAIGN_PLAN,
+            "version": __version__,
+            "purpose": purpose,
+            "spec": asdict(spec),
+        }
         write_whole(folder / PLAN, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
-        return cls(folder, spec)
+        return cls(folder, spec, purpose)
 
     @classmethod
-    def opened(cls, folder: str | Path) -> RunStore:
+    def opened(cls, folder: str | Path, purpose: str = CAMPAIGN) -> RunStore:
         """Return the folder of a campaign that has been run.
 
         Args:
             folder: The folder.
+            purpose: What its runs must have been made for.
 
         Raises:
             CampaignError: If it holds none, or one of another version of the package.
@@ -75,6 +85,7 @@ class RunStore:
         try:
             document = json.loads(read_text(folder / PLAN))
             schema, version, given = document["schema"], document["version"], document["spec"]
+            made_for = document["purpose"]
             spec = _spec_from_json(given) if schema == schemas.CAMPAIGN_PLAN else None
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise CampaignError(f"{folder} holds no campaign: {error}") from None
@@ -85,7 +96,9 @@ class RunStore:
                 f"{folder} was made by cdia-pin {version}, and this is {__version__}: runs of two versions do not "
                 "add up"
             )
-        return cls(folder, spec)
+        if made_for != purpose:
+            raise CampaignError(f"{folder} holds the runs of a {made_for}, expected those of a {purpose}")
+        return cls(folder, spec, purpose)
 
     def read(self) -> dict[int, RunRow]:
         """Return the runs by number; of a run that was made again, the last."""

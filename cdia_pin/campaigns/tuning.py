@@ -22,7 +22,7 @@ from cdia_pin.campaigns.campaign_result import HOUR
 from cdia_pin.campaigns.campaign_spec import CampaignError, CampaignSpec
 from cdia_pin.campaigns.estimates import quantile, share
 from cdia_pin.campaigns.run_row import RunRow
-from cdia_pin.campaigns.run_store import RunStore
+from cdia_pin.campaigns.run_store import TUNING, RunStore
 from cdia_pin.campaigns.scenario import Batch, planned
 from cdia_pin.campaigns.scenario_run import debounce_of, described, settings_words
 from cdia_pin.campaigns.tuning_result import TradeOff, TuningResult
@@ -69,7 +69,7 @@ def tune(
     number_of_workers(workers, scheduler)  # what is wrong with them is told before anything is written
     tried = tuning_spec(spec, false_alarms)
     tried.check()
-    store = RunStore.made(folder, tried)
+    store = RunStore.made(folder, tried, TUNING)
     done = {number for number, row in store.read().items() if not row.error}
     groups = [tuple(g) for _, g in groupby(planned(tried), key=_without_debounce)]
     pending = [g for g in groups if not {s.number for b in g for s in b.scenarios} <= done]

@@ -38,6 +38,9 @@ class TradeOff:
     late_delay: float
     time_to_detect: float
 
+    def __repr__(self) -> str:
+        return f"TradeOff({self.alarms_per_hour:g} /h, {self.factor:.3g} ×, {self.time_to_detect:.3g} s to detect)"
+
     def to_dict(self) -> dict[str, Any]:
         """Return the trade-off for JSON."""
         return {**vars(self), "settings": dict(self.settings), "detected": self.detected.to_dict()}

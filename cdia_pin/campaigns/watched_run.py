@@ -77,6 +77,9 @@ class WatchedRun:
     time: Array
     ratio: Array
 
+    def __repr__(self) -> str:
+        return f"WatchedRun({len(self.time)} ticks, {len(self.faults)} faults, {len(self.events)} events)"
+
     @property
     def faulty_joints(self) -> frozenset[str]:
         """Names of the joints that have a fault; all joints of the arm if it is one of the whole arm."""

@@ -173,11 +173,21 @@ def test_a_run_that_fails_is_a_row_with_its_reason_and_is_made_again(tmp_path, m
     assert sum(cell.failed for cell in run_campaign(spec, tmp_path, workers=1).whole) == 0
 
 
+def test_a_repr_is_one_short_line(folder):
+    store = RunStore.opened(folder)
+    found, rows = campaign.kept_result(store), store.read()
+    for shown in (store.spec, rows[2], found, found.cells[0]):
+        assert repr(shown).startswith(type(shown).__name__ + "(")
+        assert len(repr(shown)) < 200
+
+
 def test_a_folder_holds_one_campaign(folder, tmp_path):
     with pytest.raises(CampaignError, match="another campaign"):
         run_campaign(spec_from({**SMALL, "seed": 9}), folder, workers=1)
     with pytest.raises(CampaignError, match="holds no campaign"):
         RunStore.opened(tmp_path)
+    with pytest.raises(CampaignError, match="holds the runs of a campaign, expected those of a tuning"):
+        RunStore.opened(folder, "tuning")
     document = json.loads((folder / "campaign.json").read_text())
     (tmp_path / "campaign.json").write_text(json.dumps({**document, "version": "0.0"}))
     with pytest.raises(CampaignError, match=r"made by cdia-pin 0\.0"):
