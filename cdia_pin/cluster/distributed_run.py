@@ -22,7 +22,6 @@ AHEAD = (
     3  # items per thread that are submitted: one that runs, and two for the time until the next ones arrive
 )
 COUNT_EVERY = 2.0  # [s] between two looks at how many threads there are: workers come and go
-SUSPECT = "killed"  # status of an item that was on a worker each time one was lost
 
 
 def run_on_workers(
@@ -91,7 +90,7 @@ class Backlog(Generic[I, R]):
                     done.add(future)
                 if not running:
                     return
-                for future, reply in self._replies(done.next_batch()):
+                for future, reply in self._replies(done):
                     item = running.pop(future)
                     if reply is None:
                         suspects.append(item)
@@ -110,21 +109,28 @@ class Backlog(Generic[I, R]):
         key = f"{self._name}-{next(self._numbers)}"
         return self._asked(self._client.submit, answer, self._function, item, __version__, key=key)
 
-    def _replies(self, futures: list[Any]) -> list[tuple[Any, Reply | None]]:
-        """Return the reply of each future; None where a lost worker is blamed on it."""
+    def _replies(self, done: Any) -> list[tuple[Any, Reply | None]]:
+        """Return the reply of each future that has ended; None where a lost worker is blamed on it."""
         from distributed import KilledWorker
 
         given: list[tuple[Any, Reply | None]] = []
-        for future in futures:
-            if future.status == "error":
+        finished = []
+        for future in done.next_batch():
+            status = future.status  # read once: a result that is lost with its worker is made again
+            if status == "error":
                 error = self._asked(future.exception)
                 if not isinstance(error, KilledWorker):
                     raise ClusterError(f"the workers {self._where} cannot do the work: {one_line(error)}")
                 given.append((future, None))
-            elif future.status == "cancelled":
+            elif status == "cancelled":
                 raise ClusterError(f"the scheduler {self._where} was lost")
-        finished = [f for f in futures if f.status not in {"error", "cancelled"}]
-        replies = self._asked(self._client.gather, finished)
+            else:
+                finished.append(future)
+        try:
+            replies = self._asked(self._client.gather, finished)
+        except KilledWorker:  # one was lost after it had ended, and so were the workers that made it again
+            done.update(finished)
+            return given
         for reply in replies:
             if reply.version != __version__:
                 raise ClusterError(

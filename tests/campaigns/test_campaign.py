@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from pathlib import Path
 
 import duckdb
 import numpy as np
@@ -15,6 +16,7 @@ from cdia_pin.campaigns.scenario_run import described
 from cdia_pin.campaigns.watched_run import taught, watched
 from cdia_pin.errors import CdiaError
 
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 ARM = {"robots": "double_pendulum", "rate": 250.0, "healthy_runs": 1, "healthy_duration": 8.0}
 FAULT = {"terms": "viscous_friction@*: coefficient=1, after=3", "share": [0.1, 0.4]}
 SMALL = {
@@ -55,6 +57,12 @@ def test_a_plan_is_read_and_written_back(tmp_path):
     again = dataclasses.replace(spec, settings=(("accommodate", (False,)), ("bandwidth", (15.0, 30.0))))
     (tmp_path / "again.toml").write_text(plan_text(again), encoding="utf-8")
     assert read_spec(tmp_path / "again.toml") == again
+
+
+def test_the_plan_that_ships_can_be_run():
+    spec = read_spec(EXAMPLES / "friction.toml")
+    spec.check()
+    assert sum(len(b.scenarios) for b in planned(spec)) == 20 * (1 + 3 + 1 + 1)
 
 
 @pytest.mark.parametrize(
