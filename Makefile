@@ -6,7 +6,7 @@ JOBS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1  # small matrices: threads only cost
 
 .PHONY: install test lint docs demo lock bench bench-discovery bench-real bench-cdia bench-samples
-.PHONY: bench-logs bench-sensitivity clean help
+.PHONY: bench-logs bench-scale bench-sensitivity clean help
 
 help:  ## show this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -51,6 +51,9 @@ bench-samples: $(VENV)/.installed-dev  ## give the monitor samples that cannot b
 
 bench-sensitivity: $(VENV)/.installed-dev  ## halve and double each number that decides; an hour, an interrupted run goes on
 	$(BIN)/python -m benchmarks.sensitivity --jobs $(JOBS)
+
+bench-scale: $(VENV)/.installed-dev  ## measure what many logs and runs need; an hour, best on an idle machine
+	$(BIN)/python -m benchmarks.scale --speed-up 1000
 
 lock: | $(BIN)/python  ## choose the versions of make install again, within the ranges of pyproject.toml
 	$(BIN)/python -m pip install --quiet uv

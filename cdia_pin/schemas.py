@@ -5,6 +5,9 @@ from __future__ import annotations
 from typing import Final
 
 CALIBRATION: Final = "cdia-calibration/1"
+CAMPAIGN: Final = "cdia-campaign/1"
+CAMPAIGN_PLAN: Final = "cdia-campaign-plan/1"
+CAMPAIGN_RUNS: Final = "cdia-campaign-runs/1"
 CHANGES: Final = "cdia-changes/1"
 CHECK: Final = "cdia-check/1"
 COMPARISON: Final = "cdia-comparison/1"
@@ -26,3 +29,4 @@ SCENE: Final = "cdia-scene/1"
 STUDY_ARMS: Final = "cdia-study-arms/1"
 STUDY_SCARA_MODEL: Final = "cdia-study-scara-model/1"
 STUDY_THESIS: Final = "cdia-study-thesis/1"
+TUNING: Final = "cdia-tuning/1"

@@ -75,6 +75,7 @@ def test_a_missing_module_is_named_with_the_line_that_installs_it(monkeypatch, e
         ("app", ("app", "--no-open")),
         ("figures", ("study", "thesis")),
         ("figures", ("study", "arms")),
+        ("fleet", ("campaign", str(ROOT / "examples" / "friction.toml"), "--workers", "2")),
     ],
 )
 def test_a_command_says_so_before_it_works(extra, arguments, tmp_path, monkeypatch):

@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from benchmarks.fault_injection.running import ARMS, rounds, run_all
+from benchmarks.fault_injection.running import ARMS, rounds, run_arms
 from benchmarks.outcomes import CHECKOUT
 from benchmarks.publishing import publish, stated
 
@@ -28,12 +28,12 @@ def main() -> None:
     given.add_argument(
         "--ticks", type=int, default=10_000_000, help="ticks in all; at least one run of each kind"
     )
-    given.add_argument("--jobs", type=int, default=2, help="processes, one arm each")
+    given.add_argument("--jobs", type=int, default=2, help="processes")
     given.add_argument(
         "--out", type=Path, help="page to write; by default docs/results-bad-samples.md for all arms"
     )
     options = given.parse_args()
-    outcomes = run_all(options.arms, rounds(options.ticks), options.jobs)
+    outcomes = run_arms(options.arms, rounds(options.ticks), options.jobs)
 
     from benchmarks.fault_injection.page import page
 

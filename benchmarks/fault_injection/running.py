@@ -1,17 +1,16 @@
-"""Run all kinds on all arms with both engines, one process for each arm, and keep the outcomes."""
+"""Run all kinds on all arms with both engines, and keep the outcomes."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from dataclasses import dataclass
 
 from benchmarks import outcomes
 from benchmarks.fault_injection.kinds import RATE, kinds
 from benchmarks.fault_injection.recordings import LENGTH
 from benchmarks.fault_injection.trial import ENGINES, Outcome, run
-from benchmarks.outcomes import CHECKOUT, package_text, tell, text_hash
+from benchmarks.outcomes import CHECKOUT, package_text, text_hash
+from benchmarks.running import run_all
 
 STORE = CHECKOUT / ".cache" / "fault_injection"
 APART = {"__main__.py", "page.py", "running.py"}  # files that no outcome depends on
@@ -23,7 +22,7 @@ def fingerprint() -> str:
     """Return a hash of all text that an outcome depends on."""
     parts = ("fault_injection", "online")
     here = [f for p in parts for f in (CHECKOUT / "benchmarks" / p).glob("*.py") if f.name not in APART]
-    return text_hash([*package_text(("cli", "viewers", "campaigns", "discovery")), *here])
+    return text_hash([*package_text(("cli", "viewers", "campaigns", "cluster", "discovery")), *here])
 
 
 def rounds(ticks: int) -> int:
@@ -31,36 +30,48 @@ def rounds(ticks: int) -> int:
     return max(1, round(ticks / (len(kinds()) * len(ARMS) * len(ENGINES) * LENGTH * RATE)))
 
 
-def run_all(arms: Sequence[str], count: int, jobs: int) -> list[Outcome]:
+@dataclass(frozen=True)
+class Trial:
+    """A run to be made.
+
+    Attributes:
+        arm: Name of the arm.
+        engine: Name of the engine.
+        number: Which repetition.
+        kind: Name of the kind of bad sample.
+    """
+
+    arm: str
+    engine: str
+    number: int
+    kind: str
+
+    @property
+    def id(self) -> str:
+        """Name that stays the same."""
+        return f"{self.arm}/{self.engine}/{self.kind}/{self.number}"
+
+
+def run_arms(arms: Sequence[str], count: int, jobs: int) -> list[Outcome]:
     """Run what has not been run; returns all outcomes, arm by arm."""
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # small matrices; processes that start inherit it
     version = fingerprint()
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        running = [pool.submit(run_arm, arm, count, version) for arm in arms]
-        for done in as_completed(running):
-            done.result()
-    known = {arm: _store(arm, version).read() for arm in arms}
-    return [o for arm in arms for o in known[arm].values() if int(o.id.rsplit("/", 1)[1]) < count]
+    out: list[Outcome] = []
+    for arm in arms:  # one after the other: a process keeps the monitors that it has taught for an arm
+        trials = [Trial(arm, e, number, k.name) for e in ENGINES for number in range(count) for k in kinds()]
+        store = Store(STORE / f"{arm}-{version}.jsonl", Outcome.from_json)
+        out += run_all(trials, run_trial, store, jobs, _word)
+    return out
 
 
-def _store(arm: str, version: str) -> Store:
-    return Store(STORE / f"{arm}-{version}.jsonl", Outcome.from_json)
+def run_trial(trial: Trial) -> Outcome:
+    """Run one."""
+    kind = next(k for k in kinds() if k.name == trial.kind)
+    return run(trial.arm, trial.engine, kind, trial.number)
 
 
-def run_arm(arm: str, count: int, version: str) -> None:
-    """Run what has not been run of one arm."""
-    store = _store(arm, version)
-    known = store.read()
-    for engine in ENGINES:
-        for number in range(count):
-            for kind in kinds():
-                if f"{arm}/{engine}/{kind.name}/{number}" in known:
-                    continue
-                outcome = run(arm, engine, kind, number)
-                store.add(outcome)
-                if why := fell_short(outcome):
-                    tell(f"MISS  {outcome.id}: {'; '.join(why)}")
-            tell(f"{arm} {engine}: {number + 1} of {count}")
+def _word(o: Outcome) -> str:
+    why = fell_short(o)
+    return f"{'MISS' if why else 'ok  '}  {o.id}  {'; '.join(why)}"
 
 
 MOST_PUSH = 0.05  # [1], of the largest torque, by which a bad sample may move a correction

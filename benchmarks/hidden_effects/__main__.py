@@ -19,10 +19,11 @@ from benchmarks.hidden_effects.contest import Score, entries, run_entry
 from benchmarks.hidden_effects.outcome import Outcome
 from benchmarks.hidden_effects.page import page
 from benchmarks.hidden_effects.precision import Estimate, repeats, run_repeat
-from benchmarks.hidden_effects.running import run_all, store_of
+from benchmarks.hidden_effects.running import store_of
 from benchmarks.hidden_effects.trial import run_case
 from benchmarks.outcomes import CHECKOUT
 from benchmarks.publishing import publish, stated
+from benchmarks.running import run_all
 
 REPEATED, CONTEST = "repeated", "contest"  # kinds that are not suites of cases
 KINDS = [*SUITES, REPEATED, CONTEST]

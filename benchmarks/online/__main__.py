@@ -14,7 +14,7 @@ import argparse
 from pathlib import Path
 
 from benchmarks.online.plan import SUITES
-from benchmarks.online.running import run_all
+from benchmarks.online.running import run_arms
 from benchmarks.online.scenarios import ARMS
 from benchmarks.outcomes import CHECKOUT, tell
 from benchmarks.publishing import publish, stated
@@ -27,7 +27,7 @@ def main() -> None:
     given = argparse.ArgumentParser(prog="python -m benchmarks.online", description="Measure the monitor.")
     given.add_argument("--arms", nargs="+", choices=ARMS, default=list(ARMS))
     given.add_argument("--suites", nargs="+", choices=[*SUITES, "cost"], default=[*SUITES, "cost"])
-    given.add_argument("--jobs", type=int, default=2, help="processes, one arm each")
+    given.add_argument("--jobs", type=int, default=2, help="processes")
     given.add_argument("--quick", action="store_true", help="a sample of the cases, printed")
     given.add_argument("--fresh", action="store_true", help="forget outcomes of earlier runs")
     given.add_argument(
@@ -37,7 +37,7 @@ def main() -> None:
 
     whole = set(options.arms) == set(ARMS) and {*SUITES, "cost"} == set(options.suites) and not options.quick
     suites = tuple(s for s in options.suites if s != "cost")
-    outcomes = run_all(options.arms, suites, options.jobs, options.quick, options.fresh)
+    outcomes = run_arms(options.arms, suites, options.jobs, options.quick, options.fresh)
 
     from benchmarks.online.cost import measure
     from benchmarks.online.page import page

@@ -51,7 +51,7 @@ def planned(arm: str, suites: Iterable[str] = SUITES, quick: bool = False) -> li
 def fingerprint() -> str:
     """Return a hash of all text that an outcome depends on: the package, the plant, the cases."""
     here = [f for f in (CHECKOUT / "benchmarks" / "online").glob("*.py") if f.name not in APART]
-    return text_hash([*package_text(("cli", "viewers", "campaigns", "discovery")), *here])
+    return text_hash([*package_text(("cli", "viewers", "campaigns", "cluster", "discovery")), *here])
 
 
 class Store(outcomes.Store[Outcome]):

@@ -14,7 +14,6 @@ import argparse
 import os
 from pathlib import Path
 
-from benchmarks.hidden_effects.running import run_all
 from benchmarks.measured_logs import folder
 from benchmarks.outcomes import CHECKOUT, tell
 from benchmarks.publishing import publish, stated
@@ -26,6 +25,7 @@ from benchmarks.real_residuals.recordings import ARMS
 from benchmarks.real_residuals.repeats import Repeat, planned_repeats, run_repeat
 from benchmarks.real_residuals.running import store_of
 from benchmarks.real_residuals.trial import run_case
+from benchmarks.running import run_all
 
 UNTOUCHED = "untouched"  # not a flow of cases: what is found in the logs themselves, and whether it repeats
 PAGE = CHECKOUT / "docs" / "results-real-residuals.md"

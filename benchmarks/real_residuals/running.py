@@ -19,7 +19,14 @@ APART = (  # files that no outcome depends on
     "stability.py",
     "tables.py",
 )
-WITHOUT = ("cli", "viewers", "app", "campaigns", "diagnosis")  # parts of the package that no outcome needs
+WITHOUT = (
+    "cli",
+    "viewers",
+    "app",
+    "campaigns",
+    "cluster",
+    "diagnosis",
+)  # parts of the package that no outcome needs
 
 O = TypeVar("O", bound=Kept)  # noqa: E741
 

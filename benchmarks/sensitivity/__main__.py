@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import argparse
 
-from benchmarks.hidden_effects.running import run_all, store_of
+from benchmarks.hidden_effects.running import store_of
 from benchmarks.outcomes import CHECKOUT
 from benchmarks.publishing import publish, stated
+from benchmarks.running import run_all
 from benchmarks.sensitivity.page import page
 from benchmarks.sensitivity.trial import Trial, TrialOutcome, cases, run_trial
 from benchmarks.sensitivity.variation import variations

@@ -175,6 +175,7 @@ class ClosedLoop:
         *,
         noise: int = 0,
         progress: Callable[[float], None] | None = None,
+        watch: Callable[[Tick], None] = lambda tick: None,
     ) -> LoopRun:
         """Let the plant follow a motion.
 
@@ -184,6 +185,7 @@ class ClosedLoop:
             monitor: Monitors the run, and compensates if its settings allow it; None for no monitor.
             noise: Number of the noise; the same number gives the same noise.
             progress: Called with the share that is done [1], now and then.
+            watch: Called with each tick.
 
         Returns:
             True motion, readings and the output of the monitor.
@@ -196,12 +198,13 @@ class ClosedLoop:
         recorder = Recorder(monitor) if monitor is not None else None
         seen = []
 
-        def watch(tick: Tick) -> None:
+        def note(tick: Tick) -> None:
+            watch(tick)
             seen.append((tick.time, tick.q, tick.v, tick.effort))
             if recorder is not None and tick.status is not None:
                 recorder(tick.status, tick.q, tick.v, tick.effort, tick.desired)
 
-        control = self._control(monitor, noise, watch)
+        control = self._control(monitor, noise, note)
         step = 1.0 / self.settings.rate / inner
         run = run_plant(plant, motion, control, stiffness, step=step, progress=progress)
         time, q, v, tau = (np.array(column) for column in zip(*seen, strict=True))

@@ -16,6 +16,7 @@ from typer.core import TyperGroup
 from cdia_pin.cli.add import add
 from cdia_pin.cli.app import app as app_command
 from cdia_pin.cli.calibrate import calibrate
+from cdia_pin.cli.campaign import campaign
 from cdia_pin.cli.check import check
 from cdia_pin.cli.compare import compare
 from cdia_pin.cli.console import close_stdout
@@ -34,6 +35,7 @@ from cdia_pin.cli.robots import robots
 from cdia_pin.cli.simulate import simulate
 from cdia_pin.cli.streams import mend_streams
 from cdia_pin.cli.study import study
+from cdia_pin.cli.tune import tune
 from cdia_pin.cli.view import view
 from cdia_pin.errors import CdiaError, unknown_name
 from cdia_pin.fault_report import fault_sentence, is_fault
@@ -96,7 +98,7 @@ def unwrapped(text: str) -> str:
     return "\n\n".join(" ".join(paragraph.split()) for paragraph in inspect.cleandoc(text).split("\n\n"))
 
 
-JOB, MODELS, KNOWN = "The job", "Models and logs", "What there is"
+JOB, MODELS, MANY, KNOWN = "The job", "Models and logs", "Many robots and runs", "What there is"
 for command, panel, example in (
     (demo, JOB, ["cdia demo"]),
     (check, JOB, ["cdia check run.csv --robot ur5"]),
@@ -168,6 +170,23 @@ for command, panel, example in (
         simulate,
         MODELS,
         ["cdia simulate --robot ur5 --fault 'coulomb_friction@elbow_joint: level=5, after=4' --out run.csv"],
+    ),
+    (
+        campaign,
+        MANY,
+        [
+            "cdia campaign friction.toml --out friction",
+            "cdia campaign friction.toml --scheduler tcp://10.0.0.7:8786",
+            "cdia campaign friction --replay 17 --report run.html",
+        ],
+    ),
+    (
+        tune,
+        MANY,
+        [
+            "cdia tune friction.toml --false-alarms 0.1",
+            "cdia tune friction.toml --false-alarms 1 --out tuned --json tuned.json",
+        ],
     ),
     (convert, MODELS, ["cdia convert run.db3 run.csv --robot ur10"]),
     (study, MODELS, ["cdia study scara-model", "cdia study thesis --preset physical --out figures"]),
