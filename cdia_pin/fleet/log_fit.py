@@ -1,0 +1,301 @@
+"""The fit of one log: by how much each effect of a robot differs from its model in this log.
+
+The model stays as it is. All effects of its joints, what every joint has besides, and what changes with the job are
+fitted together, as differences. Bodies and other effects of the whole arm do not wear: they may move within their own
+intervals, so that their uncertainty reaches the intervals of the others. Effects that the model lacks are then looked
+for, each alone beside this fit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.changes.run_to_run import is_friction_of_joint
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import EFFECTS, CoulombFriction, Effect, Term, TorqueOffset, ViscousFriction
+from cdia_pin.effects.body import Body
+from cdia_pin.fleet.fleet_settings import FleetFitSettings
+from cdia_pin.logs.motion import Motion
+from cdia_pin.regression.block_evidence import BlockEvidence
+from cdia_pin.regression.experiment import Experiment, Prediction, rms
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
+from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
+from cdia_pin.robot.model import RobotModel
+from cdia_pin.selection.candidates import enumerate_candidates
+from cdia_pin.selection.discovery_settings import DiscoverySettings
+
+Array = NDArray[np.float64]
+
+ROUNDS = 2  # rounds of weighting [1], because weights and residuals depend on each other
+DEVIATIONS = 1.96  # half width of a 95 % interval of a normal distribution over its standard deviation [1]
+PLAIN = (CoulombFriction, ViscousFriction)
+
+
+class Role(StrEnum):
+    """What an effect is in the fit of a log."""
+
+    MODEL = "model"
+    USUAL = "usual"
+    JOB = "job"
+    SEARCHED = "searched"
+
+
+@dataclass(frozen=True)
+class FleetEffects:
+    """The effects of one robot, by what is done with them in each log.
+
+    Attributes:
+        fitted: Effects that are fitted together, with their roles.
+        searched: Effects that are looked for, each alone beside these.
+        held: Terms of the model that may move within their intervals.
+        of_model: The terms of the model by label.
+    """
+
+    fitted: dict[Effect, Role]
+    searched: tuple[Effect, ...]
+    held: tuple[Term, ...]
+    of_model: dict[str, Term]
+
+    @classmethod
+    def of(cls, model: Dynamics, settings: FleetFitSettings) -> Self:
+        """Sort the effects of a robot.
+
+        Args:
+            model: Its model.
+            settings: What changes with the job, and what is looked for.
+        """
+        robot = model.robot
+        wearing = [t.effect for t in model.terms if t.effect.scope and not isinstance(t.effect, Body)]
+        rubbing = {e.scope[0] for e in wearing if is_friction_of_joint(e)}
+        plain = [kind(j) for kind in PLAIN for j in robot.joints if j not in rubbing]
+        job = [EFFECTS[name].from_scope(s, {}) for name in settings.job for s in EFFECTS[name].scopes(robot)]
+        usual = [*plain, *(TorqueOffset(j) for j in robot.joints)]
+        of_model = {t.label: t for t in model.terms}
+        roles = {Role.USUAL: usual, Role.MODEL: wearing, Role.JOB: job}  # the last one that holds counts
+        fitted = {e.label: role for role, effects in roles.items() for e in effects}
+        named = {e.label: e for effects in roles.values() for e in effects} | {
+            label: t.effect for label, t in of_model.items()
+        }
+        others = (EFFECTS[name].from_scope((j,), {}) for name in settings.searched for j in robot.joints)
+        return cls(
+            {named[label]: role for label, role in fitted.items()},
+            tuple(e for e in others if e.label not in fitted),
+            tuple(t for t in model.terms if t.label not in fitted),
+            of_model,
+        )
+
+
+@dataclass(frozen=True, repr=False)
+class LogFit:
+    """One log beside the model of its robot.
+
+    Attributes:
+        experiment: The conditioned log.
+        prediction: Prediction of the model.
+        effects: The effects that can be seen in this log.
+        settings: How it is fitted.
+        every: All effects of the robot with their roles.
+        hidden: Why the log does not show an effect.
+    """
+
+    experiment: Experiment
+    prediction: Prediction
+    effects: FleetEffects
+    settings: FleetFitSettings
+    every: tuple[tuple[Effect, Role], ...]
+    hidden: dict[Effect, str]
+
+    def __repr__(self) -> str:
+        return f"LogFit({self.experiment!r}, {len(self.effects.fitted)} effects)"
+
+    @classmethod
+    def of(cls, experiment: Experiment, model: Dynamics, settings: FleetFitSettings) -> Self:
+        """Prepare the fit.
+
+        Args:
+            experiment: The conditioned log.
+            model: The model of its robot.
+            settings: What is fitted.
+        """
+        prediction = experiment.predict(model)
+        given = FleetEffects.of(model, settings)
+        hidden = dict(_hidden(experiment, prediction, given, settings))
+        effects = replace(
+            given,
+            fitted={e: role for e, role in given.fitted.items() if e not in hidden},
+            searched=tuple(e for e in given.searched if e not in hidden),
+        )
+        every = given.fitted | dict.fromkeys(given.searched, Role.SEARCHED)
+        return cls(experiment, prediction, effects, settings, tuple(every.items()), hidden)
+
+    @property
+    def robot(self) -> RobotModel:
+        """The arm."""
+        return self.experiment.robot
+
+    @property
+    def motion(self) -> Motion:
+        """The conditioned log."""
+        return self.experiment.segments[0].motion
+
+    @property
+    def quantile(self) -> float:
+        """Half width of a 95 % interval over the standard deviation from the blocks [1]."""
+        from scipy.special import stdtrit
+
+        return float(stdtrit(self.settings.blocks - 1, 0.975))
+
+    def in_model(self, effect: Effect) -> Array:
+        """Return the parameters of an effect in the model, zero where the model lacks it, shape (p,).
+
+        Args:
+            effect: Any effect of the robot.
+        """
+        term = self.effects.of_model.get(effect.label)
+        return np.zeros(effect.size) if term is None else np.array(term.theta)
+
+    def why_not_shown(self, effect: Effect) -> str:
+        """Return why this log says nothing about an effect; empty if it does.
+
+        Args:
+            effect: Any effect of the robot.
+        """
+        if effect in self.hidden:
+            return self.hidden[effect]
+        unseen = all(not x.any() for x in self._columns[effect].columns.values())
+        return "the motion does not depend on it" if unseen else ""
+
+    def difference(self, effect: Effect) -> tuple[Array, Array]:
+        """Return by how much the parameters of an effect differ from the model, shape (p,), and their covariance.
+
+        Args:
+            effect: One that is fitted, or looked for.
+        """
+        if effect in self._at_fitted:
+            own = self._blocks[self._at_fitted[effect]]
+            theta, covariance = self._together
+        else:
+            k = self._count + self.effects.searched.index(effect)
+            theta, covariance = self._evidence.estimate([*range(self._count), k])
+            own = slice(len(theta) - effect.size, len(theta))
+        return theta[own], covariance[own, own]
+
+    def torque(self, effect: Effect, theta: Array) -> Array:
+        """Return the RMS torque of some parameters of an effect [N·m or N], shape (n,).
+
+        Args:
+            effect: One that is fitted, or looked for.
+            theta: The parameters, shape (p,).
+        """
+        return rms(self._columns[effect].torque(theta, self.robot.n), self.experiment.informative)
+
+    def is_named(self, effect: Effect) -> bool:
+        """Tell whether this log alone would name an effect beside the fit, by the rule of `compare`.
+
+        Args:
+            effect: One that is looked for.
+        """
+        rule, use = self.settings.discovery.changes, self.experiment.informative
+        k = self._count + self.effects.searched.index(effect)
+        fits = self._evidence.fits(range(self._count))
+        gain, torque = float(fits.gain[k]), self.torque(effect, fits.theta[k])
+        measured = np.maximum(rms(self.experiment.measured, use), 1e-12)
+        return rule.is_sure(fits.certainty[k], gain) and rule.is_visible(
+            gain, torque, self.error, measured, use.sum(axis=0)
+        )
+
+    @cached_property
+    def error(self) -> Array:
+        """RMS torque of each joint that the fit leaves [N·m or N], shape (n,)."""
+        return self._weights
+
+    @cached_property
+    def given_error(self) -> Array:
+        """RMS torque of each joint that the model leaves [N·m or N], shape (n,)."""
+        return rms(self.prediction.residual, self.experiment.informative)
+
+    @cached_property
+    def _columns(self) -> dict[Effect, ColumnGroup]:
+        every = (*self.effects.fitted, *self.effects.searched)
+        return {e: ColumnGroup.of(e, self._columns_of(e), self.robot) for e in every}
+
+    def _columns_of(self, effect: Effect) -> Array:
+        term = self.effects.of_model.get(effect.label)
+        return self.experiment.columns(effect, self.prediction, None if term is None else np.array(term.theta))
+
+    @cached_property
+    def _held(self) -> list[ColumnGroup]:
+        """Columns of what may move within its interval only; what has no interval stays as it is."""
+        out = []
+        for term in self.effects.held:
+            scale = term.half_widths / DEVIATIONS
+            if (scale > 0).any():
+                columns = self._columns_of(term.effect) * (scale > 0)
+                out.append(ColumnGroup.of(term.effect, columns, self.robot, np.where(scale > 0, scale, np.inf)))
+        return out
+
+    @cached_property
+    def _weights(self) -> Array:
+        """RMS torque of each joint that the fit leaves, by which its rows are weighted [N·m or N], shape (n,)."""
+        use = self.experiment.informative
+        size = np.maximum(self.given_error, 1e-12)
+        for _ in range(ROUNDS):
+            left, _ = self._regression(tuple(self.effects.fitted), size).residual()
+            size = np.maximum(rms(left, use) * size, 1e-12)
+        return size
+
+    def _regression(self, effects: Sequence[Effect], size: Array) -> SharedRegression:
+        use = self.experiment.informative
+        return SharedRegression.of(
+            [*self._held, *(self._columns[e] for e in effects)],
+            self.prediction.residual,
+            lambda j, x: np.where(use[:, [j]], x / size[j], 0.0),
+        )
+
+    @cached_property
+    def _evidence(self) -> BlockEvidence[Effect]:
+        every = (*self.effects.fitted, *self.effects.searched)
+        edges = np.linspace(0, len(self.experiment.measured), self.settings.blocks + 1).astype(int)
+        blocks = list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
+        return BlockEvidence.of(every, self._regression(every, self._weights), blocks, self.robot)
+
+    @cached_property
+    def _together(self) -> tuple[Array, Array]:
+        return self._evidence.estimate(range(self._count))
+
+    @cached_property
+    def _blocks(self) -> ParameterBlocks:
+        return ParameterBlocks.of(self.effects.fitted)
+
+    @cached_property
+    def _at_fitted(self) -> dict[Effect, int]:
+        return {e: k for k, e in enumerate(self.effects.fitted)}
+
+    @property
+    def _count(self) -> int:
+        return len(self.effects.fitted)
+
+
+def _hidden(
+    experiment: Experiment, prediction: Prediction, effects: FleetEffects, settings: FleetFitSettings
+) -> Iterator[tuple[Effect, str]]:
+    """Yield the effects that this motion does not show, and why: a joint rests, or carries no load."""
+    every = (*effects.fitted, *effects.searched)
+    names = tuple(dict.fromkeys(e.name for e in every if e.name in EFFECTS))
+    shown = {
+        f[0].label for f in enumerate_candidates(experiment, prediction, DiscoverySettings(effects=names))
+    }
+    moving = experiment.robot.by_joint(experiment.moving.mean(axis=0))
+    for e in every:
+        resting = [j for j in e.scope if moving[j] < settings.least_moving]
+        if resting:
+            yield e, f"{resting[0]} moves in {100 * moving[resting[0]]:.0f} % of the log, {100 * settings.least_moving:.0f} % are needed"
+        elif e.label not in shown and e.label not in effects.of_model:
+            yield e, "the motion does not show it"
