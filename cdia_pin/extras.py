@@ -15,6 +15,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = MappingProxyType({
     "ros": ("rosbags",),
     "figures": ("matplotlib",),
     "robots": ("robot_descriptions", "xacrodoc"),
+    "fleet": ("distributed",),
 })  # fmt: skip
 
 

@@ -24,6 +24,7 @@ ORDER = (
     "changes",
     "discovery",
     "diagnosis",
+    "cluster",
     "campaigns",
     "viewers",
     "app",
