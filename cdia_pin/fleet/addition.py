@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from cdia_pin.cluster import run_each
 from cdia_pin.errors import LogError
 from cdia_pin.fleet.fleet_map import FleetMap
 from cdia_pin.fleet.log_rows import FleetLog, rows_of
@@ -36,6 +37,8 @@ def add_logs(
     logs: Sequence[str | Path] = (),
     *,
     retry: bool = False,
+    workers: int | None = 1,
+    scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> FleetAddition:
     """Add logs to a store: each is checked, compared with its robot's model, fitted and searched.
@@ -47,6 +50,8 @@ def add_logs(
         fleet: The robots, and which logs are theirs.
         logs: Files of logs; all that the map finds if empty.
         retry: Whether logs that failed before are tried again.
+        workers: Number of processes on this machine; one a core if None.
+        scheduler: Address of a running scheduler of Dask, whose workers do the work.
         progress: Called with a sentence and the share done, from 0 to 1.
 
     Raises:
@@ -65,14 +70,13 @@ def add_logs(
         else:
             wanted.append(log)
     added, failed = [], {}
-    for done, log in enumerate(wanted):
-        tell(f"{log.robot.name}: {log.path.name}, {done + 1} of {len(wanted)}", done / len(wanted))
-        rows = rows_of(log)
+    for one in run_each(rows_of, wanted, workers=workers, scheduler=scheduler, progress=tell):
+        rows, name = one.result, one.item.path.name
         store.write(rows)
         if rows[0]["failure"]:
-            failed[log.path.name] = str(rows[0]["failure"])
+            failed[name] = str(rows[0]["failure"])
         else:
-            added.append(log.path.name)
+            added.append(name)
     return FleetAddition(tuple(added), tuple(known), failed)
 
 

@@ -22,6 +22,7 @@ COLUMNS: Final[Mapping[str, tuple[str, str, str]]] = {
     "setup": (TEXT, "", "hash of the robot's URDF, model, gains, options of reading and settings of the fit"),
     "recorded": (TIME, "", "when the log was recorded, UTC; empty if nothing says it"),
     "recorded_from": (TEXT, "", "where that is known from: map, log, name or absent"),
+    "added": (TIME, "", "when the row was made, UTC"),
     "version": (TEXT, "", "version of cdia-pin that made the row"),
     "settings": (TEXT, "", "settings of the fit, JSON"),
     "failure": (TEXT, "", "why the log gave nothing; empty if it did"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +56,7 @@ def rows_of(log: FleetLog) -> list[Row]:
         "log": log.path.name,
         "sha256": log.sha256,
         "setup": setup.hash,
+        "added": datetime.now(UTC),
         "version": __version__,
         "settings": setup.settings,
     }
