@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from cdia_pin import schemas
 from cdia_pin.cluster import run_each
 from cdia_pin.errors import LogError
 from cdia_pin.fleet.fleet_map import FleetMap
@@ -29,6 +30,10 @@ class FleetAddition:
     added: tuple[str, ...]
     known: tuple[str, ...]
     failed: dict[str, str]
+
+    def to_dict(self) -> dict[str, object]:
+        """Return what was done for JSON."""
+        return {"schema": schemas.FLEET, "added": [*self.added], "known": [*self.known], "failed": self.failed}
 
 
 def add_logs(

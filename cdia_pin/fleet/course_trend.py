@@ -18,6 +18,8 @@ LEAST_WARMING = 1.0  # [K], range of temperature below which it explains nothing
 LEAST_LOADING = 0.05  # range of the load over its mean [1], below which it explains nothing
 LOGS_PER_REGRESSOR = 4  # logs [1] that each regressor needs besides those around a change
 MOST_LOOKS = 200  # times [1] at which a long course is looked at; each look is a fit
+NOTICED_AFTER = 7  # logs [1] after which it is asked how large a change must be to be noticed
+DISAGREEMENT = 0.01  # probability [1] below which a few logs do not agree
 INTERVAL = 1.96  # half width of a 95 % interval over the standard deviation [1]
 
 
@@ -104,6 +106,26 @@ class CourseTrend:
     def is_judged(self) -> bool:
         """Whether there are enough logs for an alarm."""
         return len(self.fitted) > 0
+
+    @property
+    def noticed(self) -> float:
+        """Change that is noticed when it has lasted for a week of daily logs, in the unit of the parameter."""
+        return self.limit * self.spread / float(np.sqrt(NOTICED_AFTER))
+
+    @property
+    def scatter(self) -> float:
+        """Standard deviation of the values of the compared logs, in the unit of the parameter."""
+        return float(np.std(self.course.value[self.compared], ddof=1))
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the values of a few logs agree within their total intervals, at a level of 1 %."""
+        from scipy.special import chdtrc
+
+        value, half = self.course.value[self.compared], self.course.half_width[self.compared]
+        weight = (INTERVAL / np.maximum(half, 1e-300)) ** 2
+        mean = np.sum(weight * value) / np.sum(weight)
+        return bool(chdtrc(len(value) - 1, float(np.sum(weight * (value - mean) ** 2))) > DISAGREEMENT)
 
 
 def trend_of(course: Course, limit: float, *, temperature: bool = True) -> CourseTrend:

@@ -223,12 +223,33 @@ class LogFit:
 
     @cached_property
     def _columns(self) -> dict[Effect, ColumnGroup]:
-        every = (*self.effects.fitted, *self.effects.searched)
-        return {e: ColumnGroup.of(e, self._columns_of(e), self.robot) for e in every}
+        fitted = {e: ColumnGroup.of(e, self._columns_of(e), self.robot) for e in self.effects.fitted}
+        return fitted | self._searched_columns(fitted)
 
     def _columns_of(self, effect: Effect) -> Array:
         term = self.effects.of_model.get(effect.label)
         return self.experiment.columns(effect, self.prediction, None if term is None else np.array(term.theta))
+
+    def _searched_columns(self, fitted: dict[Effect, ColumnGroup]) -> dict[Effect, ColumnGroup]:
+        """Return the columns of what is looked for, along the fitted torque: a gain scales friction and payload too."""
+        groups = [*self._held, *fitted.values()]
+        first, use = len(groups) - len(fitted), self.experiment.informative
+        theta = SharedRegression.of(
+            groups, self.prediction.residual, lambda j, x: np.where(use[:, [j]], x / self._given_size[j], 0.0)
+        ).theta()
+        parts = ParameterBlocks(tuple(len(g.scale) for g in groups)).split(theta)[first:]
+        model = self.prediction.model
+        there = [t for t in model.terms if t.effect not in fitted]
+        refitted = [Term(e, tuple(self.in_model(e) + d)) for e, d in zip(fitted, parts, strict=True)]
+        along = self.experiment.predict(replace(model, terms=(*there, *refitted)))
+        return {
+            e: ColumnGroup.of(e, self.experiment.columns(e, along), self.robot) for e in self.effects.searched
+        }
+
+    @property
+    def _given_size(self) -> Array:
+        """RMS torque of each joint that the model leaves, above zero [N·m or N], shape (n,)."""
+        return np.maximum(self.given_error, 1e-12)
 
     @cached_property
     def _held(self) -> list[ColumnGroup]:
@@ -245,7 +266,7 @@ class LogFit:
     def _weights(self) -> Array:
         """RMS torque of each joint that the fit leaves, by which its rows are weighted [N·m or N], shape (n,)."""
         use = self.experiment.informative
-        size = np.maximum(self.given_error, 1e-12)
+        size = self._given_size
         for _ in range(ROUNDS):
             left, _ = self._regression(tuple(self.effects.fitted), size).residual()
             size = np.maximum(rms(left, use) * size, 1e-12)

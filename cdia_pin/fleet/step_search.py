@@ -6,7 +6,8 @@ A value of log i is explained by regressors, such as a constant and the temperat
 
     y_i = x_i^T b + \delta\, [i \ge k] + e_i, \qquad \mathrm{var}(e_i) = s_i^2 + \sigma^2
 
-s is what the log itself says of its uncertainty, and σ is what differs from log to log besides. Both fits share the
+s is what the log itself says of its uncertainty, at least that of a usual log, and σ is what differs from log to log
+besides. Both fits share the
 regressors, so the temperature cannot take the step, nor the step the temperature, beyond what the data tell. Values far
 from the fit count as if they were :math:`c` standard deviations away [Huber1981].
 """
@@ -64,6 +65,8 @@ def find_step(values: Array, deviations: Array, regressors: Array) -> Step | Non
     freedom = count - p - 1
     if count < FEWEST_BEFORE + FEWEST_AFTER or freedom < FEWEST_BEFORE:
         return None
+    # a dozen blocks do not tell a standard deviation well: no log counts for more than a usual one
+    deviations = np.maximum(deviations, np.median(deviations))
     clipped, variance = values, deviations**2 + np.var(values) * 1e-12 + 1e-300
     at, fitted = 0, np.zeros(count)
     for _ in range(ROUNDS):
