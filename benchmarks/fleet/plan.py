@@ -15,7 +15,10 @@ Array = NDArray[np.float64]
 
 ARM = "ur5"
 FIRST_DAY = datetime(2026, 3, 1, 6, tzinfo=UTC)
-SUITES = {"tuning": 100, "reporting": 200}  # first seed of each; what is tuned never saw the draws for reporting
+SUITES = {
+    "tuning": 100,
+    "reporting": 200,
+}  # first seed of each; what is tuned never saw the draws for reporting
 FAULTY = 8  # robots that get a fault [1], the first ones, so that a part of the fleet has them too
 # Friction of a UR5 at 30 °C, as a sum of Coulomb [N·m] and viscous [N·m·s/rad], base to wrist.
 LEVEL = np.array([8.0, 8.0, 6.0, 2.0, 2.0, 1.5])
@@ -99,7 +102,11 @@ class FleetRobotPlan:
         rng = np.random.default_rng([self.seed, 2])
         day = np.arange(self.days)
         season = 28.0 + 6.0 * np.sin(2 * np.pi * (day / 50.0 + rng.uniform()))
-        return season[:, None] + rng.normal(0.0, 2.0, (self.days, 1)) + rng.uniform(2.0, 8.0, (self.days, len(LEVEL)))
+        return (
+            season[:, None]
+            + rng.normal(0.0, 2.0, (self.days, 1))
+            + rng.uniform(2.0, 8.0, (self.days, len(LEVEL)))
+        )
 
     @cached_property
     def hidden(self) -> Hidden | None:

@@ -26,7 +26,10 @@ class Action(StrEnum):
 
 def fleet(
     action: Annotated[
-        Action, typer.Argument(metavar="add|show", show_default=False, help="Add logs to a store, or show what it holds.")
+        Action,
+        typer.Argument(
+            metavar="add|show", show_default=False, help="Add logs to a store, or show what it holds."
+        ),
     ],
     paths: Annotated[
         list[Path] | None,
@@ -40,22 +43,36 @@ def fleet(
     robots: Annotated[
         Path | None,
         typer.Option(
-            "--robots", metavar="MAP.toml", show_default=False, help="Which robot has which model, and which logs are its own."
+            "--robots",
+            metavar="MAP.toml",
+            show_default=False,
+            help="Which robot has which model, and which logs are its own.",
         ),
     ] = None,
     store: Annotated[
         Path | None,
-        typer.Option("--store", metavar="DIR", show_default=False, help="Folder of the store; made if it is not there."),
+        typer.Option(
+            "--store", metavar="DIR", show_default=False, help="Folder of the store; made if it is not there."
+        ),
     ] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Try logs again that failed before.")] = False,
     workers: Annotated[
         int | None,
-        typer.Option("--workers", min=1, metavar="N", show_default=False, help="Processes on this machine; 1 if left out."),
+        typer.Option(
+            "--workers",
+            min=1,
+            metavar="N",
+            show_default=False,
+            help="Processes on this machine; 1 if left out.",
+        ),
     ] = None,
     scheduler: Annotated[
         str | None,
         typer.Option(
-            "--scheduler", metavar="ADDRESS", show_default=False, help="Scheduler of Dask whose workers do the work, tcp://…"
+            "--scheduler",
+            metavar="ADDRESS",
+            show_default=False,
+            help="Scheduler of Dask whose workers do the work, tcp://…",
         ),
     ] = None,
     json: Json = None,
@@ -90,7 +107,8 @@ def fleet(
             progress=tell,
         )
     console.print(
-        f"{len(done.added)} logs added, {len(done.known)} were there already, {len(done.failed)} failed", markup=False
+        f"{len(done.added)} logs added, {len(done.known)} were there already, {len(done.failed)} failed",
+        markup=False,
     )
     for name, why in list(done.failed.items())[:MOST_FAILURES]:
         warn(f"{name}: {why}")

@@ -167,7 +167,14 @@ for command, panel, example in (
             "cdia fleet show fleet",
         ],
     ),
-    (trend, JOB, ["cdia trend fleet --report trend.html", "cdia trend fleet --false-alarms 0.02 --prometheus cdia.prom"]),
+    (
+        trend,
+        JOB,
+        [
+            "cdia trend fleet --report trend.html",
+            "cdia trend fleet --false-alarms 0.02 --prometheus cdia.prom",
+        ],
+    ),
     (
         export,
         MODELS,

@@ -28,7 +28,8 @@ def trend(
     regressors: Annotated[
         bool,
         typer.Option(
-            "--regressors/--no-regressors", help="Take out what temperature and load explain, where logs have them."
+            "--regressors/--no-regressors",
+            help="Take out what temperature and load explain, where logs have them.",
         ),
     ] = True,
     everything: Annotated[

@@ -33,7 +33,12 @@ class FleetAddition:
 
     def to_dict(self) -> dict[str, object]:
         """Return what was done for JSON."""
-        return {"schema": schemas.FLEET, "added": [*self.added], "known": [*self.known], "failed": self.failed}
+        return {
+            "schema": schemas.FLEET,
+            "added": [*self.added],
+            "known": [*self.known],
+            "failed": self.failed,
+        }
 
 
 def add_logs(

@@ -75,7 +75,11 @@ class Course:
     @property
     def label(self) -> str:
         """Effect, joints and parameter."""
-        return f"{self.effect}@{'+'.join(self.joints)}.{self.parameter}" if self.joints else f"{self.effect}.{self.parameter}"
+        return (
+            f"{self.effect}@{'+'.join(self.joints)}.{self.parameter}"
+            if self.joints
+            else f"{self.effect}.{self.parameter}"
+        )
 
     @cached_property
     def use(self) -> NDArray[np.bool_]:
@@ -135,7 +139,9 @@ def _robot(name: str, table: pa.Table) -> RobotCourses:
         if cells["effect"][k]:
             key = (cells["effect"][k], cells["joints"][k], cells["parameter"][k])
             groups.setdefault(key, {})[cells["log"][k]] = k
-    courses = tuple(_course(name, [rows[log] for log in order if log in rows], cells) for rows in groups.values())
+    courses = tuple(
+        _course(name, [rows[log] for log in order if log in rows], cells) for rows in groups.values()
+    )
     return RobotCourses(name, courses, len(current), failed, len(set(cells["log"]) - current), dated, days)
 
 

@@ -8,9 +8,10 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.fleet.course import Course
-from cdia_pin.fleet.step_search import FEWEST_BEFORE, Step, find_step
 from cdia_pin.fleet.alarm_limit import FEWEST_AFTER
+from cdia_pin.fleet.course import Course
+from cdia_pin.fleet.onset import find_onset
+from cdia_pin.fleet.step_search import FEWEST_BEFORE, Step, find_step
 
 Array = NDArray[np.float64]
 
@@ -54,6 +55,7 @@ class Alarm:
         level: The parameter before, at mean temperature and load.
         certainty: Size over its standard deviation [1].
         lasting: Whether it still holds with all logs.
+        logs: Number of logs over which it grew; 1 where it came at once.
     """
 
     since: str
@@ -65,6 +67,12 @@ class Alarm:
     level: float
     certainty: float
     lasting: bool
+    logs: int
+
+    @property
+    def is_growth(self) -> bool:
+        """Whether it grew over several logs; else it came at once."""
+        return self.logs > 1
 
     @property
     def growth(self) -> float:
@@ -86,6 +94,8 @@ class CourseTrend:
         spread: Standard deviation of the value of a usual log, in the unit of the parameter; NaN if unknown.
         half_width: Half width of the 95 % interval of the level.
         alarm: The change; None if there is none.
+        certainty: Certainty of a change after each log that was looked at, in order [1].
+        looked: Number of compared logs at each of these looks.
     """
 
     course: Course
@@ -97,6 +107,8 @@ class CourseTrend:
     spread: float
     half_width: float
     alarm: Alarm | None
+    certainty: tuple[float, ...] = ()
+    looked: tuple[int, ...] = ()
 
     def __repr__(self) -> str:
         said = "no change" if self.alarm is None else f"changed by {self.alarm.size:.3g}"
@@ -145,40 +157,43 @@ def trend_of(course: Course, limit: float, *, temperature: bool = True) -> Cours
         return CourseTrend(course, at, (), limit, np.zeros(0), level, float("nan"), half, None)
     looks = _looks(value, deviation, columns, step)
     raised = next((n for n, s in looks if abs(s.z) > limit), None)
-    alarm = None
+    alarm, fitted = None, columns @ step.coefficients
     if raised is not None:
-        best = max((s for _, s in looks), key=lambda s: abs(s.z))
-        first, last = int(at[best.at]), int(at[raised - 1])
+        lasts = abs(step.z) > limit
+        seen = len(value) if lasts else max(looks, key=lambda look: abs(look[1].z))[0]
+        onset = find_onset(value[:seen], deviation[:seen], columns[:seen])
+        first, last = int(at[onset.at]), int(at[raised - 1])
         alarm = Alarm(
             course.logs[first],
             course.recorded[first],
             course.logs[last],
             course.recorded[last],
-            best.size,
-            INTERVAL * best.deviation,
-            float(best.coefficients[0]),
-            abs(best.z),
-            abs(step.z) > limit,
+            onset.size,
+            INTERVAL * onset.deviation,
+            onset.level,
+            max(abs(s.z) for _, s in looks),
+            lasts,
+            onset.logs,
         )
+        fitted = onset.fitted if lasts else fitted
     regressors = tuple(
         Regressor(name, unit, float(b), float(INTERVAL * d))
         for (name, unit), b, d in zip(
             units.items(), step.coefficients[1:], step.coefficient_deviations[1:], strict=True
         )
     )
-    fitted = columns @ step.coefficients
-    if alarm is not None and alarm.lasting:
-        fitted[step.at :] += step.size
     return CourseTrend(
         course,
         at,
         regressors,
         limit,
         fitted,
-        float(step.coefficients[0]),
+        alarm.level if alarm is not None else float(step.coefficients[0]),
         step.spread,
         float(INTERVAL * step.coefficient_deviations[0]),
         alarm,
+        tuple(abs(s.z) for _, s in looks),
+        tuple(n for n, _ in looks),
     )
 
 
@@ -186,7 +201,10 @@ def _regressors(course: Course, at: NDArray[np.intp]) -> tuple[dict[str, str], A
     """Return the units of the regressors by name, and their columns after a constant, centred, shape (M, p)."""
     columns, units = [np.ones(len(at))], {}
     effort = "N" if course.unit.startswith("N") and "m" not in course.unit else "N·m"
-    for name, unit, signal in (("temperature", "K", course.temperature[at]), ("load", effort, course.load[at])):
+    for name, unit, signal in (
+        ("temperature", "K", course.temperature[at]),
+        ("load", effort, course.load[at]),
+    ):
         enough = FEWEST_BEFORE + FEWEST_AFTER + LOGS_PER_REGRESSOR * (len(units) + 1)
         if len(at) < enough or not np.isfinite(signal).all():
             continue

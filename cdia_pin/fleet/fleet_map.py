@@ -111,7 +111,9 @@ class FleetMap:
             patterns = some([shortened(p, 60) for r in self.robots for p in r.logs], 3)
             raise FleetError(f"{log} is of no robot of {self.path}: its patterns of logs are {patterns}")
         if len(owners) > 1:
-            raise FleetError(f"{log} is of several robots of {self.path}: {some([r.name for r in owners], 3)}")
+            raise FleetError(
+                f"{log} is of several robots of {self.path}: {some([r.name for r in owners], 3)}"
+            )
         return owners[0]
 
     @property
@@ -147,7 +149,9 @@ def _robot(path: Path, name: str, given: Any) -> FleetRobot:
     reading = [(key, _option(given, key, where)) for key in READING if key in given]
     effects = {key: _effects(given, key, where) for key in ("job", "searched") if key in given}
     cutoff = given.get("cutoff")
-    if cutoff is not None and (not isinstance(cutoff, int | float) or isinstance(cutoff, bool) or cutoff <= 0):
+    if cutoff is not None and (
+        not isinstance(cutoff, int | float) or isinstance(cutoff, bool) or cutoff <= 0
+    ):
         raise FleetError(f"{where}: cutoff must be a number above 0 [Hz], given {cutoff!r}")
     return FleetRobot(
         name,
@@ -201,7 +205,9 @@ def _effects(given: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
             raise FleetError(f"{where}, {key}: {unknown_name('effect', name, EFFECTS)}")
         of_joint = len(EFFECTS[name].scope_fields) == 1
         if EFFECTS[name].shape or (key == "searched" and not of_joint):
-            raise FleetError(f"{where}, {key}: '{name}' has a shape or several joints, so one log cannot size it")
+            raise FleetError(
+                f"{where}, {key}: '{name}' has a shape or several joints, so one log cannot size it"
+            )
     return names
 
 

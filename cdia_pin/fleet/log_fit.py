@@ -196,6 +196,16 @@ class LogFit:
         """
         return rms(self._columns[effect].torque(theta, self.robot.n), self.experiment.informative)
 
+    def is_drowned(self, effect: Effect, half_widths: Array) -> bool:
+        """Tell whether an effect of the size of its interval would be as large as all torque of a joint.
+
+        Args:
+            effect: One that is fitted, or looked for.
+            half_widths: Of its parameters' intervals, shape (p,).
+        """
+        measured = rms(self.experiment.measured, self.experiment.informative)
+        return bool((self.torque(effect, half_widths) > np.maximum(measured, 1e-12)).any())
+
     def is_named(self, effect: Effect) -> bool:
         """Tell whether this log alone would name an effect beside the fit, by the rule of `compare`.
 
@@ -228,7 +238,9 @@ class LogFit:
 
     def _columns_of(self, effect: Effect) -> Array:
         term = self.effects.of_model.get(effect.label)
-        return self.experiment.columns(effect, self.prediction, None if term is None else np.array(term.theta))
+        return self.experiment.columns(
+            effect, self.prediction, None if term is None else np.array(term.theta)
+        )
 
     def _searched_columns(self, fitted: dict[Effect, ColumnGroup]) -> dict[Effect, ColumnGroup]:
         """Return the columns of what is looked for, along the fitted torque: a gain scales friction and payload too."""
@@ -259,7 +271,9 @@ class LogFit:
             scale = term.half_widths / DEVIATIONS
             if (scale > 0).any():
                 columns = self._columns_of(term.effect) * (scale > 0)
-                out.append(ColumnGroup.of(term.effect, columns, self.robot, np.where(scale > 0, scale, np.inf)))
+                out.append(
+                    ColumnGroup.of(term.effect, columns, self.robot, np.where(scale > 0, scale, np.inf))
+                )
         return out
 
     @cached_property
@@ -317,6 +331,9 @@ def _hidden(
     for e in every:
         resting = [j for j in e.scope if moving[j] < settings.least_moving]
         if resting:
-            yield e, f"{resting[0]} moves in {100 * moving[resting[0]]:.0f} % of the log, {100 * settings.least_moving:.0f} % are needed"
+            yield (
+                e,
+                f"{resting[0]} moves in {100 * moving[resting[0]]:.0f} % of the log, {100 * settings.least_moving:.0f} % are needed",
+            )
         elif e.label not in shown and e.label not in effects.of_model:
             yield e, "the motion does not show it"

@@ -115,7 +115,11 @@ def _joint_cells(fit: LogFit, j: int) -> Row:
 def _effect_rows(effect: Effect, role: Role, fit: LogFit, repeats: Sequence[LogFit]) -> Iterator[Row]:
     """Yield a row for each parameter of an effect."""
     robot, at_model = fit.experiment.robot, fit.in_model(effect)
-    about: Row = {"effect": effect.name, "joints": "+".join(effect.joints(robot) if effect.scope else ()), "role": str(role)}
+    about: Row = {
+        "effect": effect.name,
+        "joints": "+".join(effect.joints(robot) if effect.scope else ()),
+        "role": str(role),
+    }
     names = zip(effect.parameters, effect.units(robot), at_model, strict=True)
     head = [about | {"parameter": p.name, "unit": unit, "model_value": float(m)} for p, unit, m in names]
     why = fit.why_not_shown(effect)
@@ -124,6 +128,11 @@ def _effect_rows(effect: Effect, role: Role, fit: LogFit, repeats: Sequence[LogF
         return
     difference, covariance = fit.difference(effect)
     statistical = fit.quantile * np.sqrt(np.diag(covariance))
+    if effect.scope and fit.is_drowned(effect, statistical):
+        yield from (
+            row | {"not_shown": "its interval is as large as the torque of the joint"} for row in head
+        )
+        return
     moved = [np.abs(r.difference(effect)[0] - difference) for r in repeats if not r.why_not_shown(effect)]
     torque, value = fit.torque(effect, difference), at_model + difference
     scale = effort_tolerance(fit.experiment, effect, fit.torque(effect, value)) * np.abs(value)

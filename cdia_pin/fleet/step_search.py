@@ -27,7 +27,9 @@ CLIP = 2.5  # c, standard deviations [1] beyond which a value counts no more; a 
 CLIPPED_VARIANCE = 0.9556  # of a standard normal value that is clipped there [1]
 ROUNDS = 3  # rounds [1] of weights and clipped values, which depend on each other
 FEWEST_BEFORE = 5  # logs before a change [1], so that there is something to compare with
-HALVINGS = 40  # of the interval in which σ is looked for [1]
+SMALLEST = 1e-300  # probability [1] that a double still holds
+LEAST = 1e-6  # variance over the largest one that is possible [1]
+HALVINGS = 14  # of six decades in which a variance is looked for [1]: to a thousandth of itself
 
 
 @dataclass(frozen=True)
@@ -67,16 +69,18 @@ def find_step(values: Array, deviations: Array, regressors: Array) -> Step | Non
         return None
     # a dozen blocks do not tell a standard deviation well: no log counts for more than a usual one
     deviations = np.maximum(deviations, np.median(deviations))
-    clipped, variance = values, deviations**2 + np.var(values) * 1e-12 + 1e-300
-    at, fitted = 0, np.zeros(count)
+    # first without a step, so that one bad log does not pass for one
+    clipped, variance = values, deviations**2 + 1e-300
+    for _ in range(ROUNDS):
+        fitted = weighted_fit(clipped, variance, regressors)[0]
+        clipped, variance = clipped_values(values, fitted, deviations, (freedom + 1) / count)
+    at = 0
     for _ in range(ROUNDS):
         at = _likeliest(clipped, variance, regressors)
-        fitted = _fit(clipped, variance, _with_step(regressors, at))[0]
-        variance = _variance(values - fitted, deviations, freedom / count)
-        reach = CLIP * np.sqrt(variance)
-        clipped = fitted + np.clip(values - fitted, -reach, reach)
+        fitted = weighted_fit(clipped, variance, _with_step(regressors, at))[0]
+        clipped, variance = clipped_values(values, fitted, deviations, freedom / count)
     at = _likeliest(clipped, variance, regressors)
-    fitted, b, covariance = _fit(clipped, variance, _with_step(regressors, at))
+    fitted, b, covariance = weighted_fit(clipped, variance, _with_step(regressors, at))
     scaled = np.clip((values - fitted) / np.sqrt(variance), -CLIP, CLIP)
     covariance = covariance * _inflation(scaled)
     spread = np.sqrt(np.diag(covariance))
@@ -89,6 +93,20 @@ def find_step(values: Array, deviations: Array, regressors: Array) -> Step | Non
         spread[:-1],
         float(np.sqrt(np.median(variance))),
     )
+
+
+def clipped_values(values: Array, fitted: Array, deviations: Array, share: float) -> tuple[Array, Array]:
+    """Return the values, no further from the fit than counts, and their variance, shape (N,) each.
+
+    Args:
+        values: Shape (N,).
+        fitted: The fit, shape (N,).
+        deviations: What the logs state, shape (N,).
+        share: Degrees of freedom of the fit over the number of logs [1].
+    """
+    variance = _variance(values - fitted, deviations, share)
+    reach = CLIP * np.sqrt(variance)
+    return fitted + np.clip(values - fitted, -reach, reach), variance
 
 
 def _with_step(regressors: Array, at: int) -> Array:
@@ -118,8 +136,14 @@ def _sums(x: Array) -> Array:
     return np.asarray(np.cumsum(x[::-1], axis=0)[::-1])
 
 
-def _fit(values: Array, variance: Array, columns: Array) -> tuple[Array, Array, Array]:
-    """Return the fitted values (N,), the coefficients (p,) and their covariance (p, p)."""
+def weighted_fit(values: Array, variance: Array, columns: Array) -> tuple[Array, Array, Array]:
+    """Return the fitted values (N,), the coefficients (p,) and their covariance (p, p).
+
+    Args:
+        values: Shape (N,).
+        variance: Of each value, shape (N,).
+        columns: Shape (N, p).
+    """
     w = 1.0 / np.sqrt(variance)
     inverse = np.linalg.pinv(columns * w[:, None])
     b = inverse @ (w * values)
@@ -139,18 +163,21 @@ def _variance(left: Array, deviations: Array, share: float) -> Array:
     def size(variance: Array) -> float:
         return float(np.mean(np.minimum(left**2 / variance, CLIP**2)))
 
-    stated = deviations**2 + 1e-300
-    if size(stated) <= wanted:  # logs that scatter less than they state
-        low, high = 1e-6, 1.0
-        for _ in range(HALVINGS):
-            middle = np.sqrt(low * high)
-            low, high = (middle, high) if size(stated * middle) > wanted else (low, middle)
-        return np.asarray(stated * high)
-    low, high = 0.0, float(np.max(left**2)) / wanted + 1e-300
+    squares, stated = left**2, deviations**2 + 1e-300
+    most = CLIP**2
+
+    def is_too_small(variance: Array) -> bool:
+        return float(np.minimum(squares / variance, most).mean()) > wanted
+
+    more = is_too_small(stated)  # than the logs state; else they scatter less
+    low, high = (
+        (LEAST * float(squares.max()) / wanted, float(squares.max()) / wanted) if more else (LEAST, 1.0)
+    )
     for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if size(stated + middle) > wanted else (low, middle)
-    return np.asarray(stated + high)
+        middle = (low * high) ** 0.5
+        trial = stated + middle if more else stated * middle
+        low, high = (middle, high) if is_too_small(trial) else (low, middle)
+    return np.asarray(stated + high if more else stated * high)
 
 
 def _inflation(scaled: Array) -> float:
@@ -168,7 +195,6 @@ def _inflation(scaled: Array) -> float:
 
 def _normal(t: float, freedom: int) -> float:
     """Return the standard normal value that is as improbable as a value of Student's distribution."""
-    from scipy.special import ndtri_exp
-    from scipy.stats import t as student
+    from scipy.special import ndtri, stdtr
 
-    return float(np.copysign(-ndtri_exp(student.logsf(abs(t), freedom)), t))
+    return float(np.copysign(-ndtri(max(stdtr(freedom, -abs(t)), SMALLEST)), t))

@@ -57,7 +57,9 @@ class FleetStore:
             if mark.is_file():
                 document = json.loads(read_text(mark))
             elif not make:
-                raise FleetError(f"{folder} is no store of a fleet: cdia fleet add LOG --store {folder} makes one")
+                raise FleetError(
+                    f"{folder} is no store of a fleet: cdia fleet add LOG --store {folder} makes one"
+                )
             elif folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
                 raise FleetError(f"{folder} is not empty and no store of a fleet: give a new folder")
             else:
@@ -70,7 +72,9 @@ class FleetStore:
             raise FleetError(f"{mark} is damaged: it must be JSON") from None
         found = document.get("schema") if isinstance(document, dict) else None
         if found != schemas.FLEET:
-            raise FleetError(f"{folder} has schema '{found}', this version of cdia-pin reads '{schemas.FLEET}'")
+            raise FleetError(
+                f"{folder} has schema '{found}', this version of cdia-pin reads '{schemas.FLEET}'"
+            )
         return cls(folder)
 
     def file_of(self, robot: str, log_hash: str, setup_hash: str) -> Path:
@@ -100,7 +104,9 @@ class FleetStore:
 
         first = rows[0]
         path = self.file_of(str(first["robot"]), str(first["sha256"]), str(first["setup"]))
-        table = pa.Table.from_pylist(list(rows), arrow_schema({"schema": schemas.FLEET, "version": __version__}))
+        table = pa.Table.from_pylist(
+            list(rows), arrow_schema({"schema": schemas.FLEET, "version": __version__})
+        )
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             with whole_file(path) as file:
@@ -134,6 +140,13 @@ class FleetStore:
 
 def _mark() -> str:
     """Return what the store says of itself."""
-    columns = {name: {"type": kind, "unit": unit, "meaning": text} for name, (kind, unit, text) in COLUMNS.items()}
-    document = {"schema": schemas.FLEET, "version": __version__, "rows": f"{ROWS}/*/*.parquet", "columns": columns}
+    columns = {
+        name: {"type": kind, "unit": unit, "meaning": text} for name, (kind, unit, text) in COLUMNS.items()
+    }
+    document = {
+        "schema": schemas.FLEET,
+        "version": __version__,
+        "rows": f"{ROWS}/*/*.parquet",
+        "columns": columns,
+    }
     return json.dumps(document, indent=2, ensure_ascii=False) + "\n"

@@ -30,6 +30,7 @@ class ChangeRecord(TypedDict):
     certainty: float
     limit: float
     lasting: bool
+    logs: int
     beyond: list[str]
     along: list[str]
 
@@ -99,6 +100,7 @@ def change_record(change: FleetChange) -> ChangeRecord:
         "certainty": alarm.certainty,
         "limit": change.trend.limit,
         "lasting": alarm.lasting,
+        "logs": alarm.logs,
         "beyond": [r.name for r in change.trend.regressors],
         "along": [t.course.label for t in change.along],
     }

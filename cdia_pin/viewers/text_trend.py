@@ -91,7 +91,9 @@ def _courses(robot: RobotTrend) -> Table:
         if t.course.role is Role.JOB or not len(t.compared):
             continue
         slopes = {
-            r.name: with_interval(r.slope, (r.slope - r.half_width, r.slope + r.half_width), f"{t.course.unit}/{r.unit}")
+            r.name: with_interval(
+                r.slope, (r.slope - r.half_width, r.slope + r.half_width), f"{t.course.unit}/{r.unit}"
+            )
             for r in t.regressors
         }
         ends = (t.level - t.half_width, t.level + t.half_width)

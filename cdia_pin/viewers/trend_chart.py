@@ -52,15 +52,21 @@ def course_chart(trend: CourseTrend) -> str:
 
     parts = []
     for tick in _round_ticks(low, high):
-        parts.append(f"<line class='grid' x1='{LEFT:g}' x2='{WIDTH - RIGHT:g}' y1='{up(tick):.1f}' y2='{up(tick):.1f}'/>")
+        parts.append(
+            f"<line class='grid' x1='{LEFT:g}' x2='{WIDTH - RIGHT:g}' y1='{up(tick):.1f}' y2='{up(tick):.1f}'/>"
+        )
         parts.append(f"<text x='{LEFT - 8:g}' y='{up(tick) + 4:.1f}' text-anchor='end'>{number(tick)}</text>")
     for k in np.unique(np.linspace(0, len(x) - 1, TICKS + 1).astype(int)):
         anchor = "start" if k == 0 else "end" if k == len(x) - 1 else "middle"
-        parts.append(f"<text x='{across(x[k]):.1f}' y='{HEIGHT - 8:g}' text-anchor='{anchor}'>{_date(course.recorded[k], int(k))}</text>")
+        parts.append(
+            f"<text x='{across(x[k]):.1f}' y='{HEIGHT - 8:g}' text-anchor='{anchor}'>{_date(course.recorded[k], int(k))}</text>"
+        )
     for k in np.flatnonzero(shown):
         here, half = across(x[k]), 2 * course.deviation[k]
         if course.use[k]:
-            parts.append(f"<line class='interval' x1='{here:.1f}' x2='{here:.1f}' y1='{up(course.value[k] - half):.1f}' y2='{up(course.value[k] + half):.1f}'/>")
+            parts.append(
+                f"<line class='interval' x1='{here:.1f}' x2='{here:.1f}' y1='{up(course.value[k] - half):.1f}' y2='{up(course.value[k] + half):.1f}'/>"
+            )
             parts.append(f"<circle class='value' cx='{here:.1f}' cy='{up(course.value[k]):.1f}' r='2.6'/>")
         elif low <= course.value[k] <= high:
             parts.append(f"<circle class='left' cx='{here:.1f}' cy='{up(course.value[k]):.1f}' r='2.6'/>")
@@ -69,7 +75,9 @@ def course_chart(trend: CourseTrend) -> str:
         parts.append(f"<polyline class='fit' points='{line}'/>")
     if trend.alarm is not None:
         here = across(x[course.logs.index(trend.alarm.since)])
-        parts.append(f"<line class='since' x1='{here:.1f}' x2='{here:.1f}' y1='{TOP:g}' y2='{HEIGHT - BOTTOM:g}'/>")
+        parts.append(
+            f"<line class='since' x1='{here:.1f}' x2='{here:.1f}' y1='{TOP:g}' y2='{HEIGHT - BOTTOM:g}'/>"
+        )
     label = html.escape(f"{course.label} [{course.unit}]", quote=True)
     unit = "" if course.unit == "1" else html.escape(course.unit)
     parts.append(f"<text x='4' y='{TOP + 8:g}'>{unit}</text>")
@@ -92,4 +100,4 @@ def _round_ticks(low: float, high: float) -> Array:
     rough = (high - low) / TICKS
     power = 10.0 ** np.floor(np.log10(rough))
     step = power * min((f for f in (1.0, 2.0, 5.0, 10.0) if f * power >= rough), default=10.0)
-    return np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step
+    return np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step + 0.0

@@ -59,7 +59,7 @@ def trend_page(trend: FleetTrend, command: str = "") -> str:
     (head, first), *rest = trend_answer(trend)
     body = [
         f"<section class='card verdict'><div><span class='chip {'warn' if lasting else 'good'}'>{_text(head)}</span>"
-        f"<p class='first'>{_text(sentence_case(first))}.</p>",
+        f"<p class='first'>{_text(first)}.</p>",
         "<dl class='answer'>",
         *(f"<dt>{_text(h)}</dt><dd>{_text(t)}</dd>" for h, t in rest),
         "</dl></div></section>",
@@ -70,10 +70,16 @@ def trend_page(trend: FleetTrend, command: str = "") -> str:
         body += ["<h2>What changed, the surest first</h2>", _changes(trend)]
         body += [_of_change(c) for c in trend.changes[:MOST_CHARTS]]
         if len(trend.changes) > MOST_CHARTS:
-            body.append(f"<p class='soft'>{len(trend.changes) - MOST_CHARTS} more changes have no chart here.</p>")
+            body.append(
+                f"<p class='soft'>{len(trend.changes) - MOST_CHARTS} more changes have no chart here.</p>"
+            )
     body.append("<h2>Every robot</h2>")
     body += [_of_robot(r, is_open=len(trend.robots) == 1) for r in trend.robots]
-    title = f"Trend of {len(trend.robots)} robots" if len(trend.robots) != 1 else f"Trend of {trend.robots[0].robot}"
+    title = (
+        f"Trend of {len(trend.robots)} robots"
+        if len(trend.robots) != 1
+        else f"Trend of {trend.robots[0].robot}"
+    )
     style = f"{asset('charts.css')}\n{page_style()}\n{CHART_STYLE}"
     return PAGE.format(title=_text(title), style=style, body="\n".join(body))
 
@@ -85,7 +91,9 @@ def _text(text: str) -> str:
 def _table(heads: list[str], rows: Iterator[list[str]]) -> str:
     head = "".join(f"<th>{_text(h)}</th>" for h in heads)
     lines = "".join(f"<tr>{''.join(f'<td>{_text(c)}</td>' for c in row)}</tr>" for row in rows)
-    return f"<div class='card scroll'><table><thead><tr>{head}</tr></thead><tbody>{lines}</tbody></table></div>"
+    return (
+        f"<div class='card scroll'><table><thead><tr>{head}</tr></thead><tbody>{lines}</tbody></table></div>"
+    )
 
 
 def _changes(trend: FleetTrend) -> str:
@@ -111,7 +119,11 @@ def _of_change(change: FleetChange) -> str:
         f"<h3 style='margin-top:14px'>moved along: {_text(course_words(t.course))}</h3>{course_chart(t)}"
         for t in change.along[:MOST_ALONG]
     )
-    folded = f"<details><summary>{len(change.along)} parameters moved along</summary>{along}</details>" if along else ""
+    folded = (
+        f"<details><summary>{len(change.along)} parameters moved along</summary>{along}</details>"
+        if along
+        else ""
+    )
     return (
         f"<section class='card' style='margin-top:16px'><h3>{_text(change.trend.course.robot)}: "
         f"{_text(change_sentence(change))}</h3>{course_chart(change.trend)}{folded}</section>"
@@ -143,7 +155,9 @@ def _of_robot(robot: RobotTrend, *, is_open: bool) -> str:
 
     heads = ["parameter", "level ± 95 %", "spread", "compared logs", "explained by"]
     sentences = "".join(f"<p>{_text(sentence_case(s))}.</p>" for s in agreement_words(robot))
-    failed = "".join(f"<p class='soft'>{_text(log)} failed: {_text(why)}</p>" for log, why in c.failed.items())
+    failed = "".join(
+        f"<p class='soft'>{_text(log)} failed: {_text(why)}</p>" for log, why in c.failed.items()
+    )
     return (
         f"<details{' open' if is_open else ''}><summary><b>{_text(robot.robot)}</b> <span class='soft'>{_text(said)}</span>"
         f"</summary>{sentences}{failed}{_table(heads, rows())}</details>"

@@ -11,7 +11,16 @@ from cdia_pin.fleet import Course, CourseTrend, FleetChange, FleetTrend, RobotTr
 from cdia_pin.fleet.log_fit import Role
 from cdia_pin.fleet.step_search import FEWEST_AFTER, FEWEST_BEFORE
 from cdia_pin.phrases import NO_BREAK
-from cdia_pin.viewers.words import listed, number, parameter_name, percent, with_interval, with_sign, with_unit
+from cdia_pin.viewers.words import (
+    few,
+    listed,
+    number,
+    parameter_name,
+    percent,
+    with_interval,
+    with_sign,
+    with_unit,
+)
 
 MOST_NAMED = 3  # robots or courses that a line names before it counts the others
 
@@ -26,9 +35,10 @@ def change_sentence(change: FleetChange) -> str:
     beyond = listed(r.name for r in change.trend.regressors)
     since = day_words(alarm.since_time, alarm.since)
     gone = "" if alarm.lasting else ", which does not hold any more"
+    grown = f", grown over {alarm.logs} logs" if alarm.is_growth else ""
     return (
         f"{course_words(change.trend.course)}: {size_words(change)}"
-        f"{f' beyond {beyond}' if beyond else ''} since {since}{gone}"
+        f"{f' beyond {beyond}' if beyond else ''} since {since}{grown}{gone}"
     )
 
 
@@ -86,9 +96,7 @@ def trend_answer(trend: FleetTrend) -> list[tuple[str, str]]:
         said = f"{first.trend.course.robot}: {change_sentence(first)}"
         others = [r for r in robots if r != first.trend.course.robot]
         head = f"{len(robots)} of {len(trend.robots)} robots changed"
-        named = f"; also {listed(others[:MOST_NAMED])}" if others else ""
-        more = f" and {len(others) - MOST_NAMED} more" if len(others) > MOST_NAMED else ""
-        lines = [(head, said + named + more)]
+        lines = [(head, said + (f"; also {listed(few(others, MOST_NAMED))}" if others else ""))]
     else:
         lines = [("nothing changed", _what_was_judged(trend))]
     lines.append(("would be noticed", _noticed(trend)))
@@ -101,10 +109,11 @@ def trend_answer(trend: FleetTrend) -> list[tuple[str, str]]:
 def _what_was_judged(trend: FleetTrend) -> str:
     judged = sum(len(r.judged) for r in trend.robots)
     if not judged:
-        most = max((len(t.compared) for r in trend.robots for t in r.trends), default=0)
+        wearing = [t for r in trend.robots for t in r.trends if t.course.role is not Role.JOB]
+        most = max((len(t.compared) for t in wearing), default=0)
         return (
-            f"that can be told: a parameter has at most {most} comparable logs, and an alarm needs "
-            f"{FEWEST_BEFORE + FEWEST_AFTER} and more"
+            f"as far as can be told: a parameter has at most {most} comparable logs, and an alarm needs "
+            f"more than {FEWEST_BEFORE + FEWEST_AFTER}"
         )
     return f"in {judged} parameters of {len(trend.robots)} robots"
 
@@ -131,7 +140,10 @@ def _temperature(trend: FleetTrend) -> str:
         for r in trend.robots
         for t in r.judged
         for g in t.regressors
-        if g.name == "temperature" and t.course.effect.endswith("friction") and abs(g.slope) > g.half_width and t.level
+        if g.name == "temperature"
+        and t.course.effect.endswith("friction")
+        and abs(g.slope) > g.half_width
+        and t.level
     ]
     if not trend.settings.regressors:
         return "left out, as asked; it moves friction more than wear does"
@@ -147,17 +159,27 @@ def _not_compared(trend: FleetTrend) -> str:
     failed = sum(len(r.courses.failed) for r in trend.robots)
     said = f"{len(left)} of {every} values"
     if left:
-        kinds = {"the joint rests": " moves in ", "other speeds": "other speeds", "the motion hardly shows it": "the motion"}
+        kinds = {
+            "the joint rests": " moves in ",
+            "other speeds": "other speeds",
+            "the motion hardly shows it": "the motion",
+        }
         counts = {kind: sum(mark in why for why in left) for kind, mark in kinds.items()}
         said += f" ({listed(f'{kind}: {n}' for kind, n in counts.items() if n)})"
     undated = sum(not r.courses.dated for r in trend.robots)
-    parts = [said, f"{failed} logs failed" if failed else "", f"{undated} robots have logs without a date" if undated else ""]
+    parts = [
+        said,
+        f"{failed} logs failed" if failed else "",
+        f"logs without a date on {undated} of {len(trend.robots)} robots" if undated else "",
+    ]
     return "; ".join(p for p in parts if p)
 
 
 def _false_alarms(trend: FleetTrend) -> str:
     rate, years = trend.settings.false_alarms, trend.robot_years
-    expected = f"; {number(rate * years, 2)} expected in these {number(years, 2)} robot-years" if years else ""
+    expected = (
+        f"; {number(rate * years, 2)} expected in these {number(years, 2)} robot-years" if years else ""
+    )
     return f"at most {number(rate, 2)} a year for each robot{expected}"
 
 
@@ -167,15 +189,21 @@ def agreement_words(robot: RobotTrend) -> list[str]:
     Args:
         robot: A robot of a trend.
     """
-    few = [t for t in robot.trends if not t.is_judged and t.course.role is not Role.JOB and len(t.compared) > 1]
+    few = [
+        t for t in robot.trends if not t.is_judged and t.course.role is not Role.JOB and len(t.compared) > 1
+    ]
     agree = [t for t in few if t.agrees]
     out = []
     if agree:
-        widest = [percent(t.scatter / abs(t.level)) for t in agree if t.course.effect.endswith("friction")]
+        widest = sorted(t.scatter / abs(t.level) for t in agree if t.course.effect.endswith("friction"))
         kinds = sorted({t.course.effect.replace("_", " ") for t in agree})
         out.append(
             f"no drift shows in {len(agree)} of {len(few)} parameters ({listed(kinds)}): they agree within their intervals"
-            + (f", friction to {widest[0]} to {widest[-1]} from log to log" if len(widest) > 1 else "")
+            + (
+                f"; friction scatters by {percent(widest[0])} to {percent(widest[-1])}"
+                if len(widest) > 1
+                else ""
+            )
         )
     for t in few:
         if not t.agrees:
