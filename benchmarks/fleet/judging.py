@@ -80,7 +80,10 @@ def _of_fault(robot: RobotTrend, plan: FleetRobotPlan, hidden: Hidden, joint: st
 
 
 def _bound(own: CourseTrend, hidden: Hidden, days: int) -> float:
-    """Return the delay of the best CUSUM [logs]: its sum must gain the logarithm of the logs to a false alarm [Lorden1971]."""
+    """Return the delay of the best CUSUM [logs] [Lorden1971].
+
+    Its sum must gain the logarithm of the logs to a false alarm.
+    """
     needed, gained = math.log(run_length(own.limit)), 0.0
     for day in range(hidden.day, days):
         gained += (hidden.at(day) / own.spread) ** 2 / 2

@@ -10,8 +10,8 @@ from benchmarks.fleet.judging import RATES, FaultOutcome, false_alarms, fault_ou
 from benchmarks.fleet.plan import (
     ARM,
     COULOMB_DECAY,
-    OF_DAY,
     LINKS,
+    OF_DAY,
     PAYLOADS,
     SUITES,
     VISCOUS_DECAY,
@@ -21,7 +21,7 @@ from benchmarks.fleet.recording import DURATION, RATE
 from benchmarks.markdown import table
 from benchmarks.publishing import made_by
 from cdia_pin.fleet import FleetTrend
-from cdia_pin.fleet.log_fit import Role
+from cdia_pin.fleet.fleet_effects import Role
 from cdia_pin.viewers.trend_words import agreement_words, course_words, trend_answer
 from cdia_pin.viewers.words import number, sentence_case, with_interval
 
@@ -60,20 +60,23 @@ def page(
         "# Results of fleets",
         made_by(command, PACKAGES),
         "## A simulated fleet",
-        f"{len(plans)} arms ({ARM}) in MuJoCo, one log of {DURATION:g} s at {RATE:g} Hz on each of {days} days. Every day has another "
-        f"motion, another payload ({', '.join(f'{m:g}' for m in PAYLOADS)} kg) and another temperature: Coulomb friction "
-        f"falls by {100 * COULOMB_DECAY:g} % and viscous friction by {100 * VISCOUS_DECAY:g} % per kelvin, exponentially, and both "
-        f"scatter by {100 * OF_DAY:g} % from day to day. The links are up to {100 * LINKS:g} % off the URDF. The program knows the URDF "
-        f"alone. {faulty} arms get a fault in the second third of the time, which steps or grows in 20 days. Draws for tuning "
-        f"(seeds {SUITES['tuning']}000 and on) are not those for reporting ({SUITES['reporting']}000 and on).{cost}",
+        f"{len(plans)} arms ({ARM}) in MuJoCo, one log of {DURATION:g} s at {RATE:g} Hz on each of {days} days. Every "
+        f"day has another motion, another payload ({', '.join(f'{m:g}' for m in PAYLOADS)} kg) and another temperature: "
+        f"Coulomb friction falls by {100 * COULOMB_DECAY:g} % and viscous friction by {100 * VISCOUS_DECAY:g} % per "
+        f"kelvin, exponentially, and both scatter by {100 * OF_DAY:g} % from day to day. The links are up to "
+        f"{100 * LINKS:g} % off the URDF. The program knows the URDF alone. {faulty} arms get a fault in the second third "
+        f"of the time, which steps or grows in {GROWTH:g} days. Draws for tuning (seeds {SUITES['tuning']}000 and on) are "
+        f"not those for reporting ({SUITES['reporting']}000 and on).{cost}",
         _size_note(plans),
         table(
             ("must show", "target", "measured", "met", "without temperature and load"),
             _claims(outcomes, bare, trend, without, plans),
         ),
         "### Each fault",
-        "Delays count logs from the first one with the fault to the alarm. The bound is that of a CUSUM that knows the level, the spread "
-        "and the size of the fault, at the same rate of false alarms [Lorden1971]. `cdia trend` knows none of them, and one bad log is no alarm for it.",
+        "Delays count logs from the first one with the fault to the alarm. The bound is that of a CUSUM that knows the "
+        "level, the spread and the size of the fault, at the same rate of false alarms [Lorden1971]. `cdia trend` knows "
+        "none of them, and one bad log is no alarm for it. A fault that grows can be noticed before the bound, which is a "
+        "mean.",
         table(
             ("robot", "hidden", "day", "said", "size hidden", "size said ± 95 %", "delay", "bound"),
             map(_fault_row, outcomes),
@@ -206,8 +209,8 @@ def _measured(one: FleetTrend | None) -> list[str]:
         if t.course.role is not Role.JOB and len(t.compared) > 1
     )
     return [
-        f"{logs.logs} logs of one arm, currents with nominal gains, the URDF alone, nothing says when they were recorded or how warm the "
-        "joints were. `cdia fleet add` and `cdia trend` say:",
+        f"{logs.logs} logs of one arm, currents with nominal gains, the URDF alone. Nothing says when they were recorded, "
+        "or how warm the joints were. `cdia fleet add` and `cdia trend` say:",
         "\n".join(answer),
         *(f"{sentence_case(s)}." for s in agreement_words(robot)),
         table(("parameter", "mean ± 95 %", "compared logs", "within their total intervals they"), rows),
@@ -222,6 +225,6 @@ def _payload(one: FleetTrend) -> str:
     with_it, without = found["loaded_2600g.csv"], [found[f"fourier_{n}s.csv"] for n in (40, 50)]
     base = float(np.mean([v for v, _ in without]))
     return (
-        f"What changes with the job is fitted too: the log with 2.6 kg on the flange has {with_it[0] - base:.2f} kg more at the tool than the "
-        f"two Fourier logs without it, so its friction can be compared with theirs."
+        f"What changes with the job is fitted too: the log with 2.6 kg on the flange has {with_it[0] - base:.2f} kg more "
+        "at the tool than the two Fourier logs without it, so its friction can be compared with theirs."
     )

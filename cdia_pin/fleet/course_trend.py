@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cdia_pin.fleet.alarm_limit import FEWEST_AFTER
 from cdia_pin.fleet.course import Course
 from cdia_pin.fleet.onset import find_onset
+from cdia_pin.fleet.robust_fit import robust_fit, usual_deviations
 from cdia_pin.fleet.step_search import FEWEST_BEFORE, Step, find_step
 
 Array = NDArray[np.float64]
@@ -156,8 +157,8 @@ def trend_of(course: Course, limit: float, *, temperature: bool = True) -> Cours
         level, half = _mean(value, deviation)
         return CourseTrend(course, at, (), limit, np.zeros(0), level, float("nan"), half, None)
     looks = _looks(value, deviation, columns, step)
+    alarm, fit = None, robust_fit(value, usual_deviations(deviation), columns)
     raised = next((n for n, s in looks if abs(s.z) > limit), None)
-    alarm, fitted = None, columns @ step.coefficients
     if raised is not None:
         lasts = abs(step.z) > limit
         seen = len(value) if lasts else max(looks, key=lambda look: abs(look[1].z))[0]
@@ -170,27 +171,26 @@ def trend_of(course: Course, limit: float, *, temperature: bool = True) -> Cours
             course.recorded[last],
             onset.size,
             INTERVAL * onset.deviation,
-            onset.level,
+            float(onset.fit.coefficients[0]),
             max(abs(s.z) for _, s in looks),
             lasts,
             onset.logs,
         )
-        fitted = onset.fitted if lasts else fitted
+        fit = onset.fit if lasts else fit
+    half_widths = INTERVAL * fit.deviations
     regressors = tuple(
-        Regressor(name, unit, float(b), float(INTERVAL * d))
-        for (name, unit), b, d in zip(
-            units.items(), step.coefficients[1:], step.coefficient_deviations[1:], strict=True
-        )
+        Regressor(name, unit, float(fit.coefficients[k]), float(half_widths[k]))
+        for k, (name, unit) in enumerate(units.items(), start=1)
     )
     return CourseTrend(
         course,
         at,
         regressors,
         limit,
-        fitted,
-        alarm.level if alarm is not None else float(step.coefficients[0]),
-        step.spread,
-        float(INTERVAL * step.coefficient_deviations[0]),
+        fit.fitted,
+        float(fit.coefficients[0]),
+        fit.spread,
+        float(half_widths[0]),
         alarm,
         tuple(abs(s.z) for _, s in looks),
         tuple(n for n, _ in looks),

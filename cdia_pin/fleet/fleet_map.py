@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date, datetime, time
 from fnmatch import fnmatch
 from functools import cached_property
-from glob import glob
 from pathlib import Path
 from typing import Any, Self
 
@@ -126,10 +125,19 @@ class FleetMap:
         """The robots of each log that is on the disk."""
         out: dict[Path, list[FleetRobot]] = {}
         for robot in self.robots:
-            found = {Path(p).resolve() for pattern in robot.logs for p in glob(pattern, recursive=True)}
+            found = {p.resolve() for pattern in robot.logs for p in _found(pattern)}
             for log in found:
                 out.setdefault(log, []).append(robot)
         return out
+
+
+def _found(pattern: str) -> Iterator[Path]:
+    """Yield the paths that a pattern with an absolute beginning finds."""
+    root = Path(Path(pattern).anchor)
+    try:
+        yield from root.glob(str(Path(pattern).relative_to(root)))
+    except (ValueError, NotImplementedError) as error:  # such as "a**b"
+        raise FleetError(f"the pattern of logs {pattern} cannot be used: {one_line(error)}") from None
 
 
 def _robot(path: Path, name: str, given: Any) -> FleetRobot:
@@ -216,11 +224,9 @@ def _recorded(given: Any, where: str) -> list[tuple[str, datetime]]:
         raise FleetError(f'{where}: recorded must be a table {{"LOG" = DATE}}, given {given!r}')
     out = []
     for pattern, at in given.items():
-        if isinstance(at, date) and not isinstance(at, datetime):
-            at = datetime.combine(at, time())
-        if not isinstance(at, datetime):
+        if not isinstance(at, date):  # which a datetime is too
             raise FleetError(
                 f"{where}: recorded.'{pattern}' must be a date such as 2026-05-12T14:30:00 without quotes, given {at!r}"
             )
-        out.append((pattern, at))
+        out.append((pattern, at if isinstance(at, datetime) else datetime.combine(at, time())))
     return out

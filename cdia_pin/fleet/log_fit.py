@@ -8,19 +8,17 @@ for, each alone beside this fit.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from functools import cached_property
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.run_to_run import is_friction_of_joint
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import EFFECTS, CoulombFriction, Effect, Term, TorqueOffset, ViscousFriction
-from cdia_pin.effects.body import Body
+from cdia_pin.effects import Effect, Term
+from cdia_pin.fleet.fleet_effects import FleetEffects, Role
 from cdia_pin.fleet.fleet_settings import FleetFitSettings
 from cdia_pin.logs.motion import Motion
 from cdia_pin.regression.block_evidence import BlockEvidence
@@ -28,68 +26,14 @@ from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from cdia_pin.robot.model import RobotModel
-from cdia_pin.selection.candidates import enumerate_candidates
-from cdia_pin.selection.discovery_settings import DiscoverySettings
 
 Array = NDArray[np.float64]
 
 ROUNDS = 2  # rounds of weighting [1], because weights and residuals depend on each other
+NEGLIGIBLE = (
+    1e-6  # torque of one unit of a parameter over the joint's [1], below which rounding decides its value
+)
 DEVIATIONS = 1.96  # half width of a 95 % interval of a normal distribution over its standard deviation [1]
-PLAIN = (CoulombFriction, ViscousFriction)
-
-
-class Role(StrEnum):
-    """What an effect is in the fit of a log."""
-
-    MODEL = "model"
-    USUAL = "usual"
-    JOB = "job"
-    SEARCHED = "searched"
-
-
-@dataclass(frozen=True)
-class FleetEffects:
-    """The effects of one robot, by what is done with them in each log.
-
-    Attributes:
-        fitted: Effects that are fitted together, with their roles.
-        searched: Effects that are looked for, each alone beside these.
-        held: Terms of the model that may move within their intervals.
-        of_model: The terms of the model by label.
-    """
-
-    fitted: dict[Effect, Role]
-    searched: tuple[Effect, ...]
-    held: tuple[Term, ...]
-    of_model: dict[str, Term]
-
-    @classmethod
-    def of(cls, model: Dynamics, settings: FleetFitSettings) -> Self:
-        """Sort the effects of a robot.
-
-        Args:
-            model: Its model.
-            settings: What changes with the job, and what is looked for.
-        """
-        robot = model.robot
-        wearing = [t.effect for t in model.terms if t.effect.scope and not isinstance(t.effect, Body)]
-        rubbing = {e.scope[0] for e in wearing if is_friction_of_joint(e)}
-        plain = [kind(j) for kind in PLAIN for j in robot.joints if j not in rubbing]
-        job = [EFFECTS[name].from_scope(s, {}) for name in settings.job for s in EFFECTS[name].scopes(robot)]
-        usual = [*plain, *(TorqueOffset(j) for j in robot.joints)]
-        of_model = {t.label: t for t in model.terms}
-        roles = {Role.USUAL: usual, Role.MODEL: wearing, Role.JOB: job}  # the last one that holds counts
-        fitted = {e.label: role for role, effects in roles.items() for e in effects}
-        named = {e.label: e for effects in roles.values() for e in effects} | {
-            label: t.effect for label, t in of_model.items()
-        }
-        others = (EFFECTS[name].from_scope((j,), {}) for name in settings.searched for j in robot.joints)
-        return cls(
-            {named[label]: role for label, role in fitted.items()},
-            tuple(e for e in others if e.label not in fitted),
-            tuple(t for t in model.terms if t.label not in fitted),
-            of_model,
-        )
 
 
 @dataclass(frozen=True, repr=False)
@@ -126,7 +70,7 @@ class LogFit:
         """
         prediction = experiment.predict(model)
         given = FleetEffects.of(model, settings)
-        hidden = dict(_hidden(experiment, prediction, given, settings))
+        hidden = dict(given.hidden_in(experiment, prediction, settings.least_moving))
         effects = replace(
             given,
             fitted={e: role for e, role in given.fitted.items() if e not in hidden},
@@ -152,15 +96,6 @@ class LogFit:
 
         return float(stdtrit(self.settings.blocks - 1, 0.975))
 
-    def in_model(self, effect: Effect) -> Array:
-        """Return the parameters of an effect in the model, zero where the model lacks it, shape (p,).
-
-        Args:
-            effect: Any effect of the robot.
-        """
-        term = self.effects.of_model.get(effect.label)
-        return np.zeros(effect.size) if term is None else np.array(term.theta)
-
     def why_not_shown(self, effect: Effect) -> str:
         """Return why this log says nothing about an effect; empty if it does.
 
@@ -169,8 +104,8 @@ class LogFit:
         """
         if effect in self.hidden:
             return self.hidden[effect]
-        unseen = all(not x.any() for x in self._columns[effect].columns.values())
-        return "the motion does not depend on it" if unseen else ""
+        unit = self.torque(effect, np.ones(effect.size))
+        return "" if (unit > NEGLIGIBLE * self._measured).any() else "the motion does not depend on it"
 
     def difference(self, effect: Effect) -> tuple[Array, Array]:
         """Return by how much the parameters of an effect differ from the model, shape (p,), and their covariance.
@@ -203,8 +138,7 @@ class LogFit:
             effect: One that is fitted, or looked for.
             half_widths: Of its parameters' intervals, shape (p,).
         """
-        measured = rms(self.experiment.measured, self.experiment.informative)
-        return bool((self.torque(effect, half_widths) > np.maximum(measured, 1e-12)).any())
+        return bool((self.torque(effect, half_widths) > self._measured).any())
 
     def is_named(self, effect: Effect) -> bool:
         """Tell whether this log alone would name an effect beside the fit, by the rule of `compare`.
@@ -216,10 +150,14 @@ class LogFit:
         k = self._count + self.effects.searched.index(effect)
         fits = self._evidence.fits(range(self._count))
         gain, torque = float(fits.gain[k]), self.torque(effect, fits.theta[k])
-        measured = np.maximum(rms(self.experiment.measured, use), 1e-12)
         return rule.is_sure(fits.certainty[k], gain) and rule.is_visible(
-            gain, torque, self.error, measured, use.sum(axis=0)
+            gain, torque, self.error, self._measured, use.sum(axis=0)
         )
+
+    @cached_property
+    def _measured(self) -> Array:
+        """RMS measured torque of each joint, above zero [N·m or N], shape (n,)."""
+        return np.maximum(rms(self.experiment.measured, self.experiment.informative), 1e-12)
 
     @cached_property
     def error(self) -> Array:
@@ -252,7 +190,7 @@ class LogFit:
         parts = ParameterBlocks(tuple(len(g.scale) for g in groups)).split(theta)[first:]
         model = self.prediction.model
         there = [t for t in model.terms if t.effect not in fitted]
-        refitted = [Term(e, tuple(self.in_model(e) + d)) for e, d in zip(fitted, parts, strict=True)]
+        refitted = [Term(e, tuple(self.effects.in_model(e) + d)) for e, d in zip(fitted, parts, strict=True)]
         along = self.experiment.predict(replace(model, terms=(*there, *refitted)))
         return {
             e: ColumnGroup.of(e, self.experiment.columns(e, along), self.robot) for e in self.effects.searched
@@ -316,24 +254,3 @@ class LogFit:
     @property
     def _count(self) -> int:
         return len(self.effects.fitted)
-
-
-def _hidden(
-    experiment: Experiment, prediction: Prediction, effects: FleetEffects, settings: FleetFitSettings
-) -> Iterator[tuple[Effect, str]]:
-    """Yield the effects that this motion does not show, and why: a joint rests, or carries no load."""
-    every = (*effects.fitted, *effects.searched)
-    names = tuple(dict.fromkeys(e.name for e in every if e.name in EFFECTS))
-    shown = {
-        f[0].label for f in enumerate_candidates(experiment, prediction, DiscoverySettings(effects=names))
-    }
-    moving = experiment.robot.by_joint(experiment.moving.mean(axis=0))
-    for e in every:
-        resting = [j for j in e.scope if moving[j] < settings.least_moving]
-        if resting:
-            yield (
-                e,
-                f"{resting[0]} moves in {100 * moving[resting[0]]:.0f} % of the log, {100 * settings.least_moving:.0f} % are needed",
-            )
-        elif e.label not in shown and e.label not in effects.of_model:
-            yield e, "the motion does not show it"

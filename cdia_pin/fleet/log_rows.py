@@ -14,8 +14,9 @@ from cdia_pin.discovery.trust import variations
 from cdia_pin.effects import Effect
 from cdia_pin.errors import CdiaError, LogError
 from cdia_pin.fleet.columns import COLUMNS
+from cdia_pin.fleet.fleet_effects import Role
 from cdia_pin.fleet.fleet_map import FleetRobot
-from cdia_pin.fleet.log_fit import LogFit, Role
+from cdia_pin.fleet.log_fit import LogFit
 from cdia_pin.fleet.recording_time import recording_time
 from cdia_pin.fleet.robot_setup import RobotSetup, load_setup
 from cdia_pin.logs import Log, check_log
@@ -114,7 +115,7 @@ def _joint_cells(fit: LogFit, j: int) -> Row:
 
 def _effect_rows(effect: Effect, role: Role, fit: LogFit, repeats: Sequence[LogFit]) -> Iterator[Row]:
     """Yield a row for each parameter of an effect."""
-    robot, at_model = fit.experiment.robot, fit.in_model(effect)
+    robot, at_model = fit.experiment.robot, fit.effects.in_model(effect)
     about: Row = {
         "effect": effect.name,
         "joints": "+".join(effect.joints(robot) if effect.scope else ()),

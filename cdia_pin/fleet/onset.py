@@ -1,7 +1,7 @@
 r"""The onset of a change that is known to be there: when it began, and whether it came at once or grew.
 
 A change that begins at log k and takes d logs adds :math:`\delta \min(1, (i - k + 1)/d)` to the values from log k on;
-with d = 1 it is a step. The fit is that of `step_search`: the same regressors, and values far away count no more.
+with d = 1 it is a step. The fit is that of `robust_fit`, beside the same regressors.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.fleet.alarm_limit import FEWEST_AFTER
-from cdia_pin.fleet.step_search import FEWEST_BEFORE, clipped_values, weighted_fit
+from cdia_pin.fleet.robust_fit import ROUNDS, RobustFit, fit_once, usual_deviations
+from cdia_pin.fleet.step_search import FEWEST_BEFORE
 
 Array = NDArray[np.float64]
 
-ROUNDS = 3  # rounds [1] of weights and clipped values, which depend on each other
 LENGTHENING = 1.4  # next duration over the one before [1]; finer ones fit alike
 SLOWER = 10.0  # [1], fall of χ² for which a growth is believed instead of a step: 0.2 % by chance
 
@@ -29,18 +29,22 @@ class Onset:
     Attributes:
         at: Index of the first log that shows it.
         logs: Number of logs in which it grew to its size; 1 for a step.
-        size: δ, in the unit of the parameter.
-        deviation: Its standard deviation, in the unit of the parameter.
-        level: The parameter before, at mean regressors.
-        fitted: Regressors and change, shape (N,).
+        fit: The fit of the regressors and, as its last column, of the change.
     """
 
     at: int
     logs: int
-    size: float
-    deviation: float
-    level: float
-    fitted: Array
+    fit: RobustFit
+
+    @property
+    def size(self) -> float:
+        """Size δ of the change, in the unit of the parameter."""
+        return float(self.fit.coefficients[-1])
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the size, in the unit of the parameter."""
+        return float(self.fit.deviations[-1])
 
 
 def find_onset(values: Array, deviations: Array, regressors: Array) -> Onset:
@@ -51,16 +55,13 @@ def find_onset(values: Array, deviations: Array, regressors: Array) -> Onset:
         deviations: Standard deviation of each value as its log states it, shape (N,).
         regressors: What explains the values besides, a constant first, shape (N, p).
     """
-    deviations = np.maximum(deviations, np.median(deviations))
-    freedom = 1 - (regressors.shape[1] + 2) / len(values)
-    clipped, variance = values, deviations**2 + 1e-300
-    at, logs, fitted = 0, 1, values
-    for _ in range(ROUNDS):
+    stated = usual_deviations(deviations)
+    clipped, variance = values, stated**2 + 1e-300
+    for _ in range(ROUNDS + 1):
         at, logs = _likeliest(clipped, variance, regressors)
-        fitted = weighted_fit(clipped, variance, _columns(regressors, at, logs))[0]
-        clipped, variance = clipped_values(values, fitted, deviations, freedom)
-    fitted, b, covariance = weighted_fit(clipped, variance, _columns(regressors, at, logs))
-    return Onset(at, logs, float(b[-1]), float(np.sqrt(covariance[-1, -1])), float(b[0]), fitted)
+        fit = fit_once(values, stated, _columns(regressors, at, logs), clipped, variance)
+        clipped, variance = fit.clipped, fit.variance
+    return Onset(at, logs, fit)
 
 
 def _likeliest(values: Array, variance: Array, regressors: Array) -> tuple[int, int]:

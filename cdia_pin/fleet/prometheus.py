@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from cdia_pin.fleet.course_trend import CourseTrend
-from cdia_pin.fleet.log_fit import Role
+from cdia_pin.fleet.fleet_effects import Role
 from cdia_pin.fleet.trend import FleetTrend
 
 # Name → help; all are gauges.

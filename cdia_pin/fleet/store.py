@@ -3,8 +3,8 @@
     DIR/cdia-fleet.json              schema, version, and what the columns mean
     DIR/rows/ROBOT/HASH.parquet      the rows of one log
 
-A file is written whole or not at all, so an interrupted run loses the log at hand only. Its name holds the hashes of the
-log and of the robot's setup, so a log that was added before is known without being read.
+A file is written whole or not at all, so an interrupted run loses the log at hand only. Its name holds the hashes of
+the log and of the robot's setup, so a log that was added before is known without being read.
 """
 
 from __future__ import annotations

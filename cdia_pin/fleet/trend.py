@@ -12,7 +12,7 @@ from cdia_pin.errors import CdiaError
 from cdia_pin.fleet.alarm_limit import alarm_limit
 from cdia_pin.fleet.course import Course, RobotCourses, courses_of
 from cdia_pin.fleet.course_trend import Alarm, CourseTrend, trend_of
-from cdia_pin.fleet.log_fit import Role
+from cdia_pin.fleet.fleet_effects import Role
 from cdia_pin.fleet.store import FleetStore
 from cdia_pin.progress import Progress, silent
 

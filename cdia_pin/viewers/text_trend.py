@@ -7,17 +7,19 @@ from rich.padding import Padding
 from rich.table import Table
 
 from cdia_pin.fleet import FleetTrend, RobotTrend
-from cdia_pin.fleet.log_fit import Role
+from cdia_pin.fleet.fleet_effects import Role
 from cdia_pin.fleet.status import FleetStatus
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.trend_words import (
     agreement_words,
     course_words,
     day_words,
+    level_words,
     size_words,
+    slope_words,
     trend_answer,
 )
-from cdia_pin.viewers.words import listed, number, with_interval
+from cdia_pin.viewers.words import listed, number
 
 MOST_CHANGES = 20  # of a fleet that are listed; the rest with everything
 
@@ -90,17 +92,11 @@ def _courses(robot: RobotTrend) -> Table:
     for t in robot.trends:
         if t.course.role is Role.JOB or not len(t.compared):
             continue
-        slopes = {
-            r.name: with_interval(
-                r.slope, (r.slope - r.half_width, r.slope + r.half_width), f"{t.course.unit}/{r.unit}"
-            )
-            for r in t.regressors
-        }
-        ends = (t.level - t.half_width, t.level + t.half_width)
+        slopes = slope_words(t)
         add_row(
             table,
             course_words(t.course),
-            with_interval(t.level, ends, t.course.unit),
+            level_words(t),
             number(t.spread, 2) if t.is_judged else "–",
             f"{len(t.compared)} of {len(t.course.logs)}",
             slopes.get("temperature", "–"),

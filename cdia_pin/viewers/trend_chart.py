@@ -39,8 +39,8 @@ def course_chart(trend: CourseTrend) -> str:
         return "<p class='soft'>no comparable log</p>"
     x = _times(course.recorded)
     shown = np.isfinite(course.value)
-    low = np.nanmin(course.value[at] - 1.1 * course.deviation[at] * 2)
-    high = np.nanmax(course.value[at] + 1.1 * course.deviation[at] * 2)
+    room = 1.1 * 2 * course.deviation[at]  # two standard deviations, and a little
+    low, high = float(np.min(course.value[at] - room)), float(np.max(course.value[at] + room))
     low, high = (low, high) if high > low else (low - 1.0, high + 1.0)
     span = max(float(x[-1] - x[0]), 1e-9)
 
@@ -52,36 +52,40 @@ def course_chart(trend: CourseTrend) -> str:
 
     parts = []
     for tick in _round_ticks(low, high):
-        parts.append(
-            f"<line class='grid' x1='{LEFT:g}' x2='{WIDTH - RIGHT:g}' y1='{up(tick):.1f}' y2='{up(tick):.1f}'/>"
-        )
-        parts.append(f"<text x='{LEFT - 8:g}' y='{up(tick) + 4:.1f}' text-anchor='end'>{number(tick)}</text>")
-    for k in np.unique(np.linspace(0, len(x) - 1, TICKS + 1).astype(int)):
+        parts.append(_line("grid", LEFT, up(tick), WIDTH - RIGHT, up(tick)))
+        parts.append(_label(LEFT - 8, up(tick) + 4, "end", number(tick)))
+    for k in np.unique(np.linspace(0, len(x) - 1, TICKS + 1).astype(int)).tolist():
         anchor = "start" if k == 0 else "end" if k == len(x) - 1 else "middle"
-        parts.append(
-            f"<text x='{across(x[k]):.1f}' y='{HEIGHT - 8:g}' text-anchor='{anchor}'>{_date(course.recorded[k], int(k))}</text>"
-        )
-    for k in np.flatnonzero(shown):
-        here, half = across(x[k]), 2 * course.deviation[k]
+        parts.append(_label(across(x[k]), HEIGHT - 8, anchor, _date(course.recorded[k], k)))
+    for k in np.flatnonzero(shown).tolist():
+        here, value, half = across(x[k]), float(course.value[k]), 2 * float(course.deviation[k])
         if course.use[k]:
-            parts.append(
-                f"<line class='interval' x1='{here:.1f}' x2='{here:.1f}' y1='{up(course.value[k] - half):.1f}' y2='{up(course.value[k] + half):.1f}'/>"
-            )
-            parts.append(f"<circle class='value' cx='{here:.1f}' cy='{up(course.value[k]):.1f}' r='2.6'/>")
-        elif low <= course.value[k] <= high:
-            parts.append(f"<circle class='left' cx='{here:.1f}' cy='{up(course.value[k]):.1f}' r='2.6'/>")
+            parts.append(_line("interval", here, up(value - half), here, up(value + half)))
+            parts.append(_dot("value", here, up(value)))
+        elif low <= value <= high:
+            parts.append(_dot("left", here, up(value)))
     if trend.is_judged:
         line = " ".join(f"{across(x[k]):.1f},{up(f):.1f}" for k, f in zip(at, trend.fitted, strict=True))
         parts.append(f"<polyline class='fit' points='{line}'/>")
     if trend.alarm is not None:
         here = across(x[course.logs.index(trend.alarm.since)])
-        parts.append(
-            f"<line class='since' x1='{here:.1f}' x2='{here:.1f}' y1='{TOP:g}' y2='{HEIGHT - BOTTOM:g}'/>"
-        )
+        parts.append(_line("since", here, TOP, here, HEIGHT - BOTTOM))
+    parts.append(_label(4, TOP + 8, "start", "" if course.unit == "1" else course.unit))
     label = html.escape(f"{course.label} [{course.unit}]", quote=True)
-    unit = "" if course.unit == "1" else html.escape(course.unit)
-    parts.append(f"<text x='4' y='{TOP + 8:g}'>{unit}</text>")
-    return f"<svg class='trend' viewBox='0 0 {WIDTH:g} {HEIGHT:g}' role='img' aria-label='{label}'>{''.join(parts)}</svg>"
+    head = f"<svg class='trend' viewBox='0 0 {WIDTH:g} {HEIGHT:g}' role='img' aria-label='{label}'>"
+    return f"{head}{''.join(parts)}</svg>"
+
+
+def _line(kind: str, x1: float, y1: float, x2: float, y2: float) -> str:
+    return f"<line class='{kind}' x1='{x1:.1f}' y1='{y1:.1f}' x2='{x2:.1f}' y2='{y2:.1f}'/>"
+
+
+def _dot(kind: str, x: float, y: float) -> str:
+    return f"<circle class='{kind}' cx='{x:.1f}' cy='{y:.1f}' r='2.6'/>"
+
+
+def _label(x: float, y: float, anchor: str, text: str) -> str:
+    return f"<text x='{x:.1f}' y='{y:.1f}' text-anchor='{anchor}'>{html.escape(text)}</text>"
 
 
 def _times(recorded: tuple[datetime | None, ...]) -> Array:

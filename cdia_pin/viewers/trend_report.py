@@ -8,7 +8,7 @@ from pathlib import Path
 
 from cdia_pin.errors import CdiaError
 from cdia_pin.fleet import FleetChange, FleetTrend, RobotTrend
-from cdia_pin.fleet.log_fit import Role
+from cdia_pin.fleet.fleet_effects import Role
 from cdia_pin.viewers.page import asset
 from cdia_pin.viewers.study_report import PAGE, page_style
 from cdia_pin.viewers.trend_chart import CHART_STYLE, course_chart
@@ -17,10 +17,12 @@ from cdia_pin.viewers.trend_words import (
     change_sentence,
     course_words,
     day_words,
+    level_words,
     size_words,
+    slope_words,
     trend_answer,
 )
-from cdia_pin.viewers.words import listed, number, sentence_case, with_interval
+from cdia_pin.viewers.words import listed, number, sentence_case
 from cdia_pin.whole_files import write_whole
 
 MOST_CHARTS = 60  # changes with a chart of their own [1]; each has some kB
@@ -140,17 +142,12 @@ def _of_robot(robot: RobotTrend, *, is_open: bool) -> str:
         for t in robot.trends:
             if t.course.role is Role.JOB or not len(t.compared):
                 continue
-            slopes = [
-                f"{r.name} {with_interval(r.slope, (r.slope - r.half_width, r.slope + r.half_width), f'{t.course.unit}/{r.unit}')}"
-                for r in t.regressors
-            ]
-            ends = (t.level - t.half_width, t.level + t.half_width)
             yield [
                 course_words(t.course),
-                with_interval(t.level, ends, t.course.unit),
+                level_words(t),
                 number(t.spread, 2) if t.is_judged else "–",
                 f"{len(t.compared)} of {len(t.course.logs)}",
-                "; ".join(slopes) or "–",
+                "; ".join(f"{name} {said}" for name, said in slope_words(t).items()) or "–",
             ]
 
     heads = ["parameter", "level ± 95 %", "spread", "compared logs", "explained by"]
@@ -158,7 +155,6 @@ def _of_robot(robot: RobotTrend, *, is_open: bool) -> str:
     failed = "".join(
         f"<p class='soft'>{_text(log)} failed: {_text(why)}</p>" for log, why in c.failed.items()
     )
-    return (
-        f"<details{' open' if is_open else ''}><summary><b>{_text(robot.robot)}</b> <span class='soft'>{_text(said)}</span>"
-        f"</summary>{sentences}{failed}{_table(heads, rows())}</details>"
-    )
+    head = f"<summary><b>{_text(robot.robot)}</b> <span class='soft'>{_text(said)}</span></summary>"
+    state = " open" if is_open else ""
+    return f"<details{state}>{head}{sentences}{failed}{_table(heads, rows())}</details>"

@@ -8,7 +8,7 @@ from datetime import datetime
 import numpy as np
 
 from cdia_pin.fleet import Course, CourseTrend, FleetChange, FleetTrend, RobotTrend
-from cdia_pin.fleet.log_fit import Role
+from cdia_pin.fleet.fleet_effects import Role
 from cdia_pin.fleet.step_search import FEWEST_AFTER, FEWEST_BEFORE
 from cdia_pin.phrases import NO_BREAK
 from cdia_pin.viewers.words import (
@@ -71,6 +71,29 @@ def size_words(change: FleetChange) -> str:
         return with_sign(with_interval(share, (share - half, share + half), "%"), share)
     ends = (alarm.size - alarm.half_width, alarm.size + alarm.half_width)
     return with_sign(with_interval(alarm.size, ends, unit), alarm.size)
+
+
+def level_words(trend: CourseTrend) -> str:
+    """Return the level of a parameter with its interval.
+
+    Args:
+        trend: A course with its trend.
+    """
+    ends = (trend.level - trend.half_width, trend.level + trend.half_width)
+    return with_interval(trend.level, ends, trend.course.unit)
+
+
+def slope_words(trend: CourseTrend) -> dict[str, str]:
+    """Return by how much each regressor moves a parameter, with its interval, by the regressor's name.
+
+    Args:
+        trend: A course with its trend.
+    """
+    out = {}
+    for r in trend.regressors:
+        ends = (r.slope - r.half_width, r.slope + r.half_width)
+        out[r.name] = with_interval(r.slope, ends, f"{trend.course.unit}/{r.unit}")
+    return out
 
 
 def day_words(at: datetime | None, log: str) -> str:
@@ -196,14 +219,13 @@ def agreement_words(robot: RobotTrend) -> list[str]:
     out = []
     if agree:
         widest = sorted(t.scatter / abs(t.level) for t in agree if t.course.effect.endswith("friction"))
-        kinds = sorted({t.course.effect.replace("_", " ") for t in agree})
+        kinds = listed(sorted({t.course.effect.replace("_", " ") for t in agree}))
+        said = (
+            f"; friction scatters by {percent(widest[0])} to {percent(widest[-1])}" if len(widest) > 1 else ""
+        )
         out.append(
-            f"no drift shows in {len(agree)} of {len(few)} parameters ({listed(kinds)}): they agree within their intervals"
-            + (
-                f"; friction scatters by {percent(widest[0])} to {percent(widest[-1])}"
-                if len(widest) > 1
-                else ""
-            )
+            f"no drift shows in {len(agree)} of {len(few)} parameters ({kinds}): "
+            f"they agree within their intervals{said}"
         )
     for t in few:
         if not t.agrees:
