@@ -10,6 +10,7 @@ from benchmarks.fleet.judging import RATES, FaultOutcome, false_alarms, fault_ou
 from benchmarks.fleet.plan import (
     ARM,
     COULOMB_DECAY,
+    GROWTH,
     LINKS,
     OF_DAY,
     PAYLOADS,
@@ -60,12 +61,16 @@ def page(
         "# Results of fleets",
         made_by(command, PACKAGES),
         "## A simulated fleet",
-        f"{len(plans)} arms ({ARM}) in MuJoCo, one log of {DURATION:g} s at {RATE:g} Hz on each of {days} days. Every "
-        f"day has another motion, another payload ({', '.join(f'{m:g}' for m in PAYLOADS)} kg) and another temperature: "
+        f"{len(plans)} arms ({ARM}) in MuJoCo, one log of {DURATION:g} s at {RATE:g} Hz on each of "
+        f"{days} days. Every "
+        f"day has another motion, another payload ({', '.join(f'{m:g}' for m in PAYLOADS)} kg) and "
+        "another temperature: "
         f"Coulomb friction falls by {100 * COULOMB_DECAY:g} % and viscous friction by {100 * VISCOUS_DECAY:g} % per "
         f"kelvin, exponentially, and both scatter by {100 * OF_DAY:g} % from day to day. The links are up to "
-        f"{100 * LINKS:g} % off the URDF. The program knows the URDF alone. {faulty} arms get a fault in the second third "
-        f"of the time, which steps or grows in {GROWTH:g} days. Draws for tuning (seeds {SUITES['tuning']}000 and on) are "
+        f"{100 * LINKS:g} % off the URDF. The program knows the URDF alone. {faulty} arms get a fault in "
+        "the second third "
+        f"of the time, which steps or grows in {GROWTH:g} days. Draws for tuning (seeds "
+        f"{SUITES['tuning']}000 and on) are "
         f"not those for reporting ({SUITES['reporting']}000 and on).{cost}",
         _size_note(plans),
         table(
@@ -73,16 +78,20 @@ def page(
             _claims(outcomes, bare, trend, without, plans),
         ),
         "### Each fault",
-        "Delays count logs from the first one with the fault to the alarm. The bound is that of a CUSUM that knows the "
-        "level, the spread and the size of the fault, at the same rate of false alarms [Lorden1971]. `cdia trend` knows "
-        "none of them, and one bad log is no alarm for it. A fault that grows can be noticed before the bound, which is a "
+        "Delays count logs from the first one with the fault to the alarm. The bound is that of a CUSUM "
+        "that knows the "
+        "level, the spread and the size of the fault, at the same rate of false alarms [Lorden1971]. "
+        "`cdia trend` knows "
+        "none of them, and one bad log is no alarm for it. A fault that grows can be noticed before the "
+        "bound, which is a "
         "mean.",
         table(
             ("robot", "hidden", "day", "said", "size hidden", "size said ± 95 %", "delay", "bound"),
             map(_fault_row, outcomes),
         ),
         "### False alarms",
-        f"Robot-years without a fault: {number(healthy_years(plans), 3)}. Each parameter that crosses its limit counts, although "
+        f"Robot-years without a fault: {number(healthy_years(plans), 3)}. Each parameter that crosses "
+        "its limit counts, although "
         "several at once are one change for `cdia trend`.",
         table(
             (
@@ -103,7 +112,10 @@ def _size_note(plans: Sequence[FleetRobotPlan]) -> str:
     whole = 40
     if len(plans) >= whole:
         return ""
-    return f"The whole fleet of {whole} robots takes longer; these are its first {len(plans)}, all its faulty ones among them."
+    return (
+        f"The whole fleet of {whole} robots takes longer; these are its first {len(plans)}, with all its faulty ones "
+        "among them."
+    )
 
 
 def _claims(
@@ -209,7 +221,8 @@ def _measured(one: FleetTrend | None) -> list[str]:
         if t.course.role is not Role.JOB and len(t.compared) > 1
     )
     return [
-        f"{logs.logs} logs of one arm, currents with nominal gains, the URDF alone. Nothing says when they were recorded, "
+        f"{logs.logs} logs of one arm, currents with nominal gains, the URDF alone. Nothing says when "
+        "they were recorded, "
         "or how warm the joints were. `cdia fleet add` and `cdia trend` say:",
         "\n".join(answer),
         *(f"{sentence_case(s)}." for s in agreement_words(robot)),
@@ -225,6 +238,7 @@ def _payload(one: FleetTrend) -> str:
     with_it, without = found["loaded_2600g.csv"], [found[f"fourier_{n}s.csv"] for n in (40, 50)]
     base = float(np.mean([v for v, _ in without]))
     return (
-        f"What changes with the job is fitted too: the log with 2.6 kg on the flange has {with_it[0] - base:.2f} kg more "
+        f"What changes with the job is fitted too: the log with 2.6 kg on the flange has "
+        f"{with_it[0] - base:.2f} kg more "
         "at the tool than the two Fourier logs without it, so its friction can be compared with theirs."
     )

@@ -21,7 +21,8 @@ CLIP = 2.5  # c, standard deviations [1] beyond which a value counts no more; a 
 CLIPPED_VARIANCE = 0.9556  # of a standard normal value that is clipped there [1]
 ROUNDS = 3  # rounds [1] of weights and clipped values, which depend on each other
 LEAST = 1e-6  # variance over the largest one that is possible [1]
-HALVINGS = 14  # of six decades in which a variance is looked for [1]: to a thousandth of itself
+RIDGE = 1e-10  # added to a unit diagonal [1], so that columns that repeat each other can be solved
+TRIED = 40  # variances that are tried [1]; between them it is interpolated, to a hundredth
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,9 @@ def fit_once(values: Array, stated: Array, columns: Array, clipped: Array, varia
         variance: Their variance in this round, shape (N,).
     """
     w = 1.0 / np.sqrt(variance)
-    inverse = np.linalg.pinv(columns * w[:, None])
+    scaled = columns * w[:, None]
+    scaled /= (norms := np.sqrt(np.sum(scaled**2, axis=0)) + 1e-300)
+    inverse = np.linalg.solve(scaled.T @ scaled + RIDGE * np.eye(scaled.shape[1]), scaled.T) / norms[:, None]
     b = inverse @ (w * clipped)
     fitted = columns @ b
     count, p = columns.shape
@@ -104,26 +107,14 @@ def _variance(left: Array, deviations: Array, share: float) -> Array:
         deviations: What the logs state, shape (N,).
         share: Degrees of freedom over the number of logs [1].
     """
-    wanted = CLIPPED_VARIANCE * share
-
-    def size(variance: Array) -> float:
-        return float(np.mean(np.minimum(left**2 / variance, CLIP**2)))
-
     squares, stated = left**2, deviations**2 + 1e-300
-    most = CLIP**2
-
-    def is_too_small(variance: Array) -> bool:
-        return float(np.minimum(squares / variance, most).mean()) > wanted
-
-    more = is_too_small(stated)  # than the logs state; else they scatter less
-    low, high = (
-        (LEAST * float(squares.max()) / wanted, float(squares.max()) / wanted) if more else (LEAST, 1.0)
-    )
-    for _ in range(HALVINGS):
-        middle = (low * high) ** 0.5
-        trial = stated + middle if more else stated * middle
-        low, high = (middle, high) if is_too_small(trial) else (low, middle)
-    return np.asarray(stated + high if more else stated * high)
+    wanted, most = CLIPPED_VARIANCE * share, CLIP**2
+    more = np.minimum(squares / stated, most).mean() > wanted  # than the logs state; else they scatter less
+    tried = np.geomspace(LEAST, 1.0, TRIED) * (float(squares.max()) / wanted if more else 1.0)
+    trials = stated + tried[:, None] if more else stated * tried[:, None]
+    size = np.minimum(squares / trials, most).mean(axis=1)  # falls with the variance
+    found = float(np.exp(np.interp(-wanted, -size, np.log(tried))))
+    return np.asarray(stated + found if more else stated * found)
 
 
 def _inflation(scaled: Array) -> float:
