@@ -34,7 +34,7 @@ def fleet(
     paths: Annotated[
         list[Path] | None,
         typer.Argument(
-            metavar="[LOG]...",
+            metavar="LOG",
             show_default=False,
             help="Logs to add, all that the map finds if left out; of show, the folder of the store.",
         ),

@@ -10,7 +10,7 @@ from cdia_pin import schemas
 from cdia_pin.cluster import run_each
 from cdia_pin.errors import LogError
 from cdia_pin.fleet.fleet_map import FleetMap
-from cdia_pin.fleet.log_rows import FleetLog, rows_of
+from cdia_pin.fleet.log_rows import FleetLog, failure_rows, rows_of
 from cdia_pin.fleet.robot_setup import load_setup
 from cdia_pin.fleet.store import FleetStore
 from cdia_pin.logs.readers.checksum import sha256_of
@@ -81,7 +81,8 @@ def add_logs(
             wanted.append(log)
     added, failed = [], {}
     for one in run_each(rows_of, wanted, workers=workers, scheduler=scheduler, progress=tell):
-        rows, name = one.result, one.item.path.name
+        name = one.item.path.name
+        rows = one.result if one.error is None else failure_rows(one.item, one.why)
         store.write(rows)
         if rows[0]["failure"]:
             failed[name] = str(rows[0]["failure"])

@@ -51,27 +51,41 @@ def rows_of(log: FleetLog) -> list[Row]:
     Raises:
         CdiaError: If its robot cannot be loaded: that concerns all of its logs.
     """
-    setup = load_setup(log.robot)
-    head: Row = {
-        "robot": log.robot.name,
-        "log": log.path.name,
-        "sha256": log.sha256,
-        "setup": setup.hash,
-        "added": datetime.now(UTC),
-        "version": __version__,
-        "settings": setup.settings,
-    }
-    stated = log.robot.stated_time(log.path)
-    measured: Log | None = None
+    setup, measured = load_setup(log.robot), None
     try:
         measured = setup.read(log.path)
         rows = list(_measured_rows(measured, setup))
     except (CdiaError, OSError, ArithmeticError, np.linalg.LinAlgError) as error:
         rows = [{"failure": one_line(error, LONGEST_REASON)}]
-    when = recording_time(measured, log.path.name, stated)
-    head |= {"recorded": when.at, "recorded_from": str(when.source)}
-    empty: Row = dict.fromkeys(COLUMNS)
-    return [empty | head | row for row in rows]
+    return _whole(log, setup, measured, rows)
+
+
+def failure_rows(log: FleetLog, why: str) -> list[Row]:
+    """Return the row of a log that ended its work, so that it is known the next time.
+
+    Args:
+        log: The log.
+        why: What happened.
+    """
+    return _whole(log, load_setup(log.robot), None, [{"failure": why[:LONGEST_REASON]}])
+
+
+def _whole(log: FleetLog, setup: RobotSetup, measured: Log | None, rows: Sequence[Row]) -> list[Row]:
+    """Return rows with all columns."""
+    when = recording_time(measured, log.path.name, log.robot.stated_time(log.path))
+    head: Row = dict.fromkeys(COLUMNS)
+    head |= {
+        "robot": log.robot.name,
+        "log": log.path.name,
+        "sha256": log.sha256,
+        "setup": setup.hash,
+        "recorded": when.at,
+        "recorded_from": str(when.source),
+        "added": datetime.now(UTC),
+        "version": __version__,
+        "settings": setup.settings,
+    }
+    return [head | row for row in rows]
 
 
 def _measured_rows(log: Log, setup: RobotSetup) -> Iterator[Row]:
