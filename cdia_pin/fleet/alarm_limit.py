@@ -58,4 +58,4 @@ def _overshoot(x: NDArray[np.float64]) -> NDArray[np.float64]:
     from scipy.special import ndtr
 
     density = np.exp(-((x / 2) ** 2) / 2) / math.sqrt(2 * math.pi)
-    return np.asarray(2 / x) * (ndtr(x / 2) - 0.5) / ((x / 2) * ndtr(x / 2) + density)
+    return np.asarray((2 / x) * (ndtr(x / 2) - 0.5) / ((x / 2) * ndtr(x / 2) + density), float)

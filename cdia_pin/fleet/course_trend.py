@@ -199,7 +199,8 @@ def trend_of(course: Course, limit: float, *, temperature: bool = True) -> Cours
 
 def _regressors(course: Course, at: NDArray[np.intp]) -> tuple[dict[str, str], Array]:
     """Return the units of the regressors by name, and their columns after a constant, centred, shape (M, p)."""
-    columns, units = [np.ones(len(at))], {}
+    columns: list[Array] = [np.ones(len(at))]
+    units: dict[str, str] = {}
     effort = "N" if course.unit.startswith("N") and "m" not in course.unit else "N·m"
     for name, unit, signal in (
         ("temperature", "K", course.temperature[at]),
@@ -232,7 +233,7 @@ def _mean(value: Array, deviation: Array) -> tuple[float, float]:
     """Return the weighted mean of a few values, and the half width of its 95 % interval."""
     if not len(value):
         return float("nan"), float("nan")
-    weight = 1.0 / (deviation**2 + 1e-300)
+    weight = 1.0 / (usual_deviations(deviation) ** 2 + 1e-300)
     mean = float(np.sum(weight * value) / np.sum(weight))
     excess = float(np.sum(weight * (value - mean) ** 2)) / max(len(value) - 1, 1)
     return mean, INTERVAL * float(np.sqrt(max(excess, 1.0) / np.sum(weight)))

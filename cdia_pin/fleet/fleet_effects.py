@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Self
@@ -62,9 +62,13 @@ class FleetEffects:
         rubbing = {e.scope[0] for e in wearing if is_friction_of_joint(e)}
         plain = [kind(j) for kind in PLAIN for j in robot.joints if j not in rubbing]
         job = [EFFECTS[name].from_scope(s, {}) for name in settings.job for s in EFFECTS[name].scopes(robot)]
-        usual = [*plain, *(TorqueOffset(j) for j in robot.joints)]
+        usual: list[Effect] = [*plain, *(TorqueOffset(j) for j in robot.joints)]
         of_model = {t.label: t for t in model.terms}
-        roles = {Role.USUAL: usual, Role.MODEL: wearing, Role.JOB: job}  # the last one that holds counts
+        roles: dict[Role, Sequence[Effect]] = {
+            Role.USUAL: usual,
+            Role.MODEL: wearing,
+            Role.JOB: job,
+        }  # the last one that holds counts
         fitted = {e.label: role for role, effects in roles.items() for e in effects}
         named = {e.label: e for effects in roles.values() for e in effects} | {
             label: t.effect for label, t in of_model.items()

@@ -155,7 +155,10 @@ def _robot(path: Path, name: str, given: Any) -> FleetRobot:
     if not logs:
         raise FleetError(f'{where}: states no logs; write logs = ["{name}/*.csv"]')
     reading = [(key, _option(given, key, where)) for key in READING if key in given]
-    effects = {key: _effects(given, key, where) for key in ("job", "searched") if key in given}
+    usual = FleetFitSettings()
+    job, searched = (
+        _effects(given, key, where) if key in given else getattr(usual, key) for key in ("job", "searched")
+    )
     cutoff = given.get("cutoff")
     if cutoff is not None and (
         not isinstance(cutoff, int | float) or isinstance(cutoff, bool) or cutoff <= 0
@@ -169,7 +172,7 @@ def _robot(path: Path, name: str, given: Any) -> FleetRobot:
         _file(given, "gains", folder, where),
         tuple(reading),
         tuple(_recorded(given.get("recorded", {}), where)),
-        FleetFitSettings(cutoff=cutoff, **effects),
+        FleetFitSettings(job, searched, cutoff),
     )
 
 
@@ -186,7 +189,7 @@ def _file(given: Mapping[str, Any], key: str, folder: Path, where: str) -> Path 
         return None
     if not isinstance(given[key], str):
         raise FleetError(f"{where}: {key} must be the path of a file, given {given[key]!r}")
-    path = folder / given[key]
+    path = folder / str(given[key])
     if not path.is_file():
         raise FleetError(f"{where}: there is no {key} {path}")
     return path

@@ -55,7 +55,7 @@ def recording_time(log: Log | None, name: str, stated: datetime | None = None) -
     if (found := IN_NAME.search(name)) is not None:
         year, _, month, day, hour, minute, second = found.groups()
         try:
-            at = datetime(int(year), int(month), int(day), *(int(x or 0) for x in (hour, minute, second)))
+            at = datetime(int(year), int(month), int(day), int(hour or 0), int(minute or 0), int(second or 0))
         except ValueError:  # such as the 31st of a month of 30 days
             return RecordingTime(None, TimeSource.ABSENT)
         return RecordingTime(_utc(at), TimeSource.NAME)

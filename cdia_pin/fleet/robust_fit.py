@@ -127,4 +127,4 @@ def _inflation(scaled: Array) -> float:
         return 1.0
     seen = float(scaled[1:] @ scaled[:-1]) / power
     rho = min(max(seen - 1.0 / np.sqrt(len(scaled)), 0.0), 0.8)
-    return (1 + rho) / (1 - rho)
+    return float((1 + rho) / (1 - rho))

@@ -104,4 +104,4 @@ def _round_ticks(low: float, high: float) -> Array:
     rough = (high - low) / TICKS
     power = 10.0 ** np.floor(np.log10(rough))
     step = power * min((f for f in (1.0, 2.0, 5.0, 10.0) if f * power >= rough), default=10.0)
-    return np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step + 0.0
+    return np.asarray(np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step + 0.0)

@@ -8,8 +8,9 @@ from datetime import datetime
 import numpy as np
 
 from cdia_pin.fleet import Course, CourseTrend, FleetChange, FleetTrend, RobotTrend
+from cdia_pin.fleet.alarm_limit import FEWEST_AFTER
 from cdia_pin.fleet.fleet_effects import Role
-from cdia_pin.fleet.step_search import FEWEST_AFTER, FEWEST_BEFORE
+from cdia_pin.fleet.step_search import FEWEST_BEFORE
 from cdia_pin.phrases import NO_BREAK
 from cdia_pin.viewers.words import (
     few,
