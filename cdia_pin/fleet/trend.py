@@ -18,6 +18,9 @@ from cdia_pin.progress import Progress, silent
 
 DAYS_PER_YEAR = 365.25
 LOGS_PER_YEAR = 365.25  # where logs do not say when they were recorded: one a day
+# Certainty of what was looked for over that of the surest course on its joint [1], from which it names the change: what
+# leaks from one effect into another is weaker.
+SUBSTANTIAL = 0.5
 LEAST_DAYS = 1.0  # [days] of a course, so that logs of one hour do not make millions a year
 
 
@@ -36,10 +39,10 @@ class TrendSettings:
 
 @dataclass(frozen=True, repr=False)
 class FleetChange:
-    """A change of a robot: the course that shows it best, and others that moved at the same time.
+    """A change of a robot: the course that names it, and others that moved at the same time.
 
     Attributes:
-        trend: The course with its alarm.
+        trend: The course that names it, with its alarm.
         along: Other courses of the robot whose alarms began before this one was raised, and the other way round.
     """
 
@@ -158,21 +161,43 @@ def _logs_per_year(course: Course, courses: RobotCourses) -> float:
 
 def _changes(trends: Sequence[CourseTrend]) -> list[FleetChange]:
     """Return the changes: an alarm that overlaps with a surer one in time is a part of it."""
-    left = sorted((t for t in trends if t.alarm), key=lambda t: -t.alarm.certainty if t.alarm else 0.0)
+    left = sorted((t for t in trends if t.alarm), key=_certainty, reverse=True)
     out = []
     while left:
         first, *others = left
         along = [t for t in others if _overlap(first, t)]
-        out.append(FleetChange(first, tuple(along)))
         left = [t for t in others if t not in along]
+        cause = _cause(first, along)
+        out.append(FleetChange(cause, tuple(t for t in (first, *along) if t is not cause)))
     return out
 
 
+def _cause(first: CourseTrend, along: Sequence[CourseTrend]) -> CourseTrend:
+    """Return the course that names a change: the surest, or what was looked for beside it on the same joint.
+
+    What is looked for is fitted beside friction and offsets, so they do not move it. They are fitted without it, so it
+    moves them: a drive that weakens seems to rub more.
+    """
+    if first.course.role is Role.SEARCHED:
+        return first
+    least = SUBSTANTIAL * _certainty(first)
+    beside = [t for t in along if t.course.role is Role.SEARCHED and t.course.joints == first.course.joints]
+    return max((t for t in beside if _certainty(t) >= least), key=_certainty, default=first)
+
+
+def _certainty(trend: CourseTrend) -> float:
+    return 0.0 if trend.alarm is None else trend.alarm.certainty
+
+
 def _overlap(one: CourseTrend, other: CourseTrend) -> bool:
-    """Tell whether each of two changes began before the other one was noticed."""
-    spans = []
-    for t in (one, other):
-        assert t.alarm is not None
-        spans.append((t.course.logs.index(t.alarm.since), t.course.logs.index(t.alarm.raised)))
-    (a, b), (c, d) = spans
+    """Tell whether each of two changes began before the other one was noticed and complete."""
+    (a, b), (c, d) = _span(one), _span(other)
     return a <= d and c <= b
+
+
+def _span(trend: CourseTrend) -> tuple[int, int]:
+    """Return the first and the last log of a change, from its onset to its alarm and its full size."""
+    course, alarm = trend.course, trend.alarm
+    assert alarm is not None
+    since, raised = course.logs.index(alarm.since), course.logs.index(alarm.raised)
+    return min(since, raised), max(raised, since + alarm.logs - 1)
