@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import os
 import platform
+import re
 import shutil
-import socket
 import subprocess
 import sys
 import tempfile
@@ -182,9 +182,6 @@ def word(met: bool) -> str:
 @contextmanager
 def served(log: Path) -> Iterator[str]:
     """Run the app with a log beside this process; yield its address."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
     command = [
         sys.executable,
         "-m",
@@ -195,14 +192,14 @@ def served(log: Path) -> Iterator[str]:
         "ur5",
         "--no-open",
         "--port",
-        str(port),
+        "0",
     ]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     try:
         for line in process.stdout or ():
-            if str(port) in line:
+            if found := re.search(r"http://\S+", line):
+                yield found[0]
                 break
-        yield f"http://127.0.0.1:{port}"
     finally:
         process.terminate()
         process.wait(30)

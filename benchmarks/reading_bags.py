@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,17 @@ def main() -> None:
     )
     given.add_argument("--messages", type=int, default=300_000, help="messages in a bag")
     count = given.parse_args().messages
+    for kind, rate in rates(count):
+        met = "" if rate >= WANTED else f", less than {WANTED:,}"
+        print(f"{kind:12s} {count:,} messages, {rate:,.0f} a second{met}", flush=True)
+
+
+def rates(count: int) -> Iterator[tuple[str, float]]:
+    """Yield how many messages a second are read from each kind of bag.
+
+    Args:
+        count: Messages in a bag.
+    """
     robot = load_robot("panda")
     with tempfile.TemporaryDirectory() as folder:
         for kind, (plugin, compression) in KINDS.items():
@@ -51,9 +63,7 @@ def main() -> None:
                 start = time.process_time()
                 log = read_log(bag, robot)
                 seconds.append(time.process_time() - start)
-            rate = len(log.time) / min(seconds)
-            met = "" if rate >= WANTED else f", less than {WANTED:,}"
-            print(f"{kind:12s} {count:,} messages, {rate:,.0f} a second{met}", flush=True)
+            yield kind, len(log.time) / min(seconds)
 
 
 def write_bag(

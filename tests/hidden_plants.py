@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
+from benchmarks.measured_logs.folder import folder
 from benchmarks.plant import MujocoPlant, scenarios
 from benchmarks.plant.faults import Fault
 from benchmarks.plant.scenarios import Scenario
 from cdia_pin import load_robot
 from cdia_pin.discovery import Discovery
 
-MEASURED = Path(__file__).resolve().parents[2] / "shared" / "data"
+MEASURED = folder()
 FRACTION = 0.2  # of the joint's RMS torque
 RATE = 125.0  # [Hz]; a search of a log of 250 Hz takes twice as long and has the same answer
 ARM_WIDE = ("payload", "base_tilt", "tool_wrench", "viscous_medium", "effort_delay")

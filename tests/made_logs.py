@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -71,6 +71,12 @@ def make(
     effort = robot.inverse_dynamics(q, v, a) - f
     added = noise * np.random.default_rng(seed + 1).standard_normal(q.shape) if np.ndim(noise) == 0 else noise
     return Made(Log(robot.joints, t, q, effort + added, source="made"), q, v, a, f)
+
+
+def with_velocity(robot: RobotModel) -> Log:
+    """Return a log of 8 s with velocities and a little noise."""
+    made = make(robot, duration=8.0, noise=0.2)
+    return replace(made.log, velocity=made.v)
 
 
 def conditioned(robot: RobotModel, made: Made):

@@ -112,8 +112,8 @@ def page(
     most = RATES[-1]
     counted, expected = false_alarms(trend, plans, most)[0], most * healthy_years(plans)
     parts.append(
-        f"At a stated {most:g} a year, where chance says most, {counted} come instead of {number(expected, 2)}: the stated "
-        f"rate holds to a factor of {number(counted / expected, 2)}."
+        f"At a stated {most:g} a year, where chance says most, {counted} come instead of {number(expected, 2)}: the "
+        f"stated rate holds to a factor of {number(counted / expected, 2)}."
     )
     parts += ["## One measured UR10e", *_measured(one)]
     return "\n\n".join(p for p in parts if p) + "\n"

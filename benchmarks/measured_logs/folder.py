@@ -16,11 +16,15 @@ ABSENT = (
 )
 
 
+def folder() -> Path:
+    """Return the folder that the variable names, or the one beside the checkout."""
+    return Path(os.environ.get(VARIABLE, BESIDE))
+
+
 def add_option(parser: argparse.ArgumentParser) -> None:
     """Let a command take the folder as ``--data``."""
-    default = Path(os.environ.get(VARIABLE, BESIDE))
     parser.add_argument(
-        "--data", type=Path, default=default, help=f"folder of measured logs (or ${VARIABLE})"
+        "--data", type=Path, default=folder(), help=f"folder of measured logs (or ${VARIABLE})"
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from cdia_pin.app.inputs import Gain, Request
 from cdia_pin.errors import LogError
 
 UNITS = {
-    "angle": "rad",
+    "angle": "",
     "length": "m",
     "torque": "Nm",
     "time": "",
@@ -29,6 +29,9 @@ class Form:
         robot: Name of the catalogue, or path of a URDF.
         log: Path of the log.
         units: Unit of each kind of signal.
+        format: Name of the log's format; empty to recognise it.
+        columns: {signal: pattern} for columns of other names; empty patterns are signals that the log lacks.
+        episode: Episode of a LeRobot dataset, as typed.
         joints: By joint: ``label``, its name in the log; ``gain``, ``reduction`` as typed; what is flipped.
         others: Conversions that have no place in the form.
         dropped: Files that were dropped on the page, by the names that the fields show.
@@ -38,6 +41,9 @@ class Form:
     robot: str = ""
     log: str = ""
     units: dict[str, str] = field(default_factory=lambda: dict(UNITS))
+    format: str = ""
+    columns: dict[str, str] = field(default_factory=dict)
+    episode: str = ""
     joints: dict[str, dict[str, Cell]] = field(default_factory=dict)
     others: dict[str, object] = field(default_factory=dict)
     dropped: dict[str, Path] = field(default_factory=dict)
@@ -45,8 +51,13 @@ class Form:
 
     @property
     def plain(self) -> bool:
-        """Whether names, units and gains are left as they are."""
-        return self.units == UNITS and not any(any(row.values()) for row in self.joints.values())
+        """Whether format, names, units and gains are left as they are."""
+        said = (self.format, self.episode, *self.columns.values(), *self._cells())
+        return self.units == UNITS and not any(said)
+
+    def _cells(self) -> Iterator[Cell]:
+        for row in self.joints.values():
+            yield from row.values()
 
     def take(self, asked: Request) -> None:
         """Fill the form with a request.
@@ -57,6 +68,8 @@ class Form:
         given = dict(asked.convert)
         self.robot, self.log, self.model = self._shown(asked.robot), self._shown(asked.log), asked.model
         self.units = {key: given.pop(key, usual) or usual for key, usual in UNITS.items()}
+        self.format, self.columns = asked.format or "", dict(asked.columns)
+        self.episode = "" if asked.episode is None else str(asked.episode)
         columns: dict[str, dict[str, Cell]] = {
             "label": {joint: name for name, joint in asked.joint_map.items()},
             "gain": {joint: gain_text(gain) for joint, gain in asked.gains.items()},
@@ -123,6 +136,8 @@ class Form:
                     read(str(text))
                 except ValueError:
                     out[f"{key}-{joint}"] = f"the {what} of {joint} must be a number, given '{text}'"
+        if self.episode.strip() and not self.episode.strip().isdecimal():
+            out["episode"] = f"the episode must be a number from 0 on, given '{self.episode}'"
         return out
 
     def request(self) -> Request:
@@ -145,6 +160,9 @@ class Form:
             joint_map={str(name).strip(): joint for joint, name in self._column("label").items()},
             gains=self._numbers("gain"),
             convert=convert,
+            format=self.format or None,
+            columns={signal: pattern for signal, pattern in self.columns.items() if pattern},
+            episode=int(self.episode) if self.episode.strip() else None,
             name=log if log in self.dropped else "",
             robot_name=robot if robot in self.dropped else "",
         )

@@ -14,6 +14,8 @@ from cdia_pin.logs.conversion import Conversion
 from cdia_pin.progress import Progress
 from cdia_pin.robot import RobotModel, load_robot
 
+# Fields of a request that are options of `read_log`.
+READING = ("gains", "joint_map", "convert", "format", "columns", "episode")
 Gain = float | Mapping[str, Any]  # [N·m/A], or {"value": …, "tolerance": …}, as `read_gains` takes them
 
 
@@ -28,6 +30,9 @@ class Request:
         joint_map: Name in the log → joint of the robot.
         convert: Units and signs that are not SI or not the URDF's.
         gains: Drive gains [N·m/A] by joint, where the log has motor currents.
+        format: Name of the log's format; None to recognise it.
+        columns: {signal: pattern} for columns of other names.
+        episode: Episode of a LeRobot dataset, if it has several.
         name: Name of the log where its path says nothing, as of a file that was dropped on the page.
         robot_name: The same for the URDF.
     """
@@ -38,8 +43,16 @@ class Request:
     joint_map: Mapping[str, str] = field(default_factory=dict)
     convert: Mapping[str, Any] = field(default_factory=dict)
     gains: Mapping[str, Gain] = field(default_factory=dict)
+    format: str | None = None
+    columns: Mapping[str, str] = field(default_factory=dict)
+    episode: int | None = None
     name: str = ""
     robot_name: str = ""
+
+    @property
+    def reading(self) -> dict[str, Any]:
+        """The options of `read_log` that are needed."""
+        return {name: value for name in READING if (value := getattr(self, name)) not in (None, {})}
 
     def converted(self, option: str) -> Request:
         """Return the request with one conversion more.
@@ -94,13 +107,7 @@ class Inputs:
         if asked.log == Path() or not asked.log.exists():
             raise LogError(f"there is no log {asked.log}")
         tell("reading the log", 0.2)
-        log = read_log(
-            asked.log,
-            model.robot,
-            gains=asked.gains or None,
-            joint_map=asked.joint_map or None,
-            convert=asked.convert or None,
-        )
+        log = read_log(asked.log, model.robot, **asked.reading)
         tell("checking the log", 0.6)
         return cls(asked, model, log, check_log(log, model.robot))
 

@@ -10,15 +10,16 @@ from cdia_pin.app import picture
 from cdia_pin.app.dropped import place_meshes, sort_dropped
 from cdia_pin.app.form import Form, gain_text
 from cdia_pin.app.inputs import Inputs, Request, read_model
-from cdia_pin.app.log_columns import LogColumns, columns_of
+from cdia_pin.app.log_columns import LogColumns, as_guessed, columns_of
 from cdia_pin.app.runner import Runner
 from cdia_pin.app.session import Session
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.errors import CdiaError, LogError
+from cdia_pin.logs.missing_columns import MissingColumnsError
 from cdia_pin.progress import Progress
 from cdia_pin.viewers.scene import Scene, SceneDocument, TimelineDocument
 
-FIELDS = ("robot", "log", "mapping")  # marks of a fault that is of no cell
+FIELDS = ("robot", "log", "mapping", "episode")  # marks of a fault that is of no cell
 
 
 @dataclass(frozen=True)
@@ -32,10 +33,17 @@ class Loaded:
 
 @dataclass(frozen=True)
 class Unmapped:
-    """A log that could not be read, and what its columns hold; None if that is not known either."""
+    """A log that could not be read.
+
+    Attributes:
+        why: What is wrong with it.
+        columns: What its columns hold; None if that is not known either.
+        guessed: How to read it by a guess of what columns of unknown names hold; None without one.
+    """
 
     why: str
     columns: LogColumns | None
+    guessed: Request | None = None
 
 
 class LoadDesk:
@@ -58,7 +66,7 @@ class LoadDesk:
         self.arm: Dynamics | None = None
         self.columns: LogColumns | None = None
         self.faults: dict[str, str] = {}
-        self._read_last: tuple[str, Path | None] = ("", None)  # robot, and its saved model
+        self._tried = Request("", Path())  # last
 
     @property
     def cell_faults(self) -> dict[str, str]:
@@ -82,9 +90,7 @@ class LoadDesk:
         Returns:
             The session; None if something cannot be used: the form is then open, and says what.
         """
-        robot, model = self._read_last
-        if asked.model == model and asked.robot != robot:
-            asked = replace(asked, model=None)  # it was of the robot before
+        asked = _without_what_was_of_others(asked, self._tried)
         self.form.take(asked)
         self.faults, self.columns = {}, None
         read = await self._runner.run("Reading the robot", lambda tell: _read_arm(asked, tell))
@@ -92,7 +98,7 @@ class LoadDesk:
             self._refuse("robot", read or "")
             return None
         arm, scene = read
-        self.arm, self._read_last = arm, (asked.robot, asked.model)
+        self.arm, self._tried = arm, asked
         self.form.keep(arm.robot.joints)
         asked = self.form.request()  # without rows of another robot
         show(scene)
@@ -104,8 +110,11 @@ class LoadDesk:
         def work(tell: Progress) -> Loaded | Unmapped:
             try:
                 inputs = Inputs.load(asked, tell, arm)
+            except MissingColumnsError as error:
+                columns = columns_of(asked, arm.robot.joints, error.guesses)
+                return Unmapped(error.missing, columns, as_guessed(asked, error.guesses, arm.robot))
             except LogError as error:
-                return Unmapped(str(error), columns_of(asked.log, arm.robot.joints))
+                return Unmapped(str(error), columns_of(asked, arm.robot.joints))
             session = Session.of(inputs, tell)
             return Loaded(session, scene, picture.timeline(session))
 
@@ -113,11 +122,11 @@ class LoadDesk:
         if isinstance(done, Unmapped):
             self._offer(done, arm)
             if done.columns is None:
-                self._refuse("log", done.why)
+                self._refuse("log", _for_people(done.why))
             else:
                 self._refuse("mapping", _for_people(done.why))
                 self._runner.refuse(
-                    f"{asked.name or asked.log.name} is not read yet: see the table of joints."
+                    f"{asked.name or asked.log.name} is not read yet: see names, units and drive gains."
                 )
             return None
         if done is not None:
@@ -155,8 +164,10 @@ class LoadDesk:
         return form
 
     def _offer(self, log: Unmapped, arm: Dynamics) -> None:
-        """Propose names of a log whose joints are not the robot's."""
+        """Propose columns of a log of unknown names, and names of a log whose joints are not the robot's."""
         self.columns = log.columns
+        if log.guessed is not None:
+            self.form.take(log.guessed)
         if log.columns is not None:
             for joint, label in log.columns.proposed(arm.robot.joints).items():
                 if not self.form.cell(joint, "label"):
@@ -171,8 +182,19 @@ class LoadDesk:
 
 
 def _for_people(why: str) -> str:
-    """Return a message without what to type on a command line; the table of joints is there instead."""
-    return "; ".join(part for part in why.split("; ") if "--" not in part)
+    """Return a message without what to type on a command line, if more is said; the form is there instead."""
+    return "; ".join(part for part in why.split("; ") if "--" not in part) or why
+
+
+def _without_what_was_of_others(asked: Request, before: Request) -> Request:
+    """Return a request without the model of the robot before, and without the columns of the log before."""
+    if asked.model == before.model and asked.robot != before.robot:
+        asked = replace(asked, model=None)
+    if before.log in {Path(), asked.log}:
+        return asked
+    format_ = None if asked.format == before.format else asked.format
+    episode = None if asked.episode == before.episode else asked.episode
+    return replace(asked, columns={}, format=format_, episode=episode)
 
 
 def _read_arm(asked: Request, tell: Progress) -> tuple[Dynamics, SceneDocument] | str:

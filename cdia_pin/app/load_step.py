@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from nicegui import ui
 
+from cdia_pin.app.column_table import column_table
 from cdia_pin.app.dropped import LARGEST
 from cdia_pin.app.elements import DropElement
 from cdia_pin.app.inputs import Request
@@ -11,19 +12,21 @@ from cdia_pin.app.mapping_table import mapping_table
 from cdia_pin.app.parts import button, folded, node
 from cdia_pin.app.workbench import Workbench
 from cdia_pin.logs.conversion import ANGLES, LENGTHS, TORQUES
+from cdia_pin.logs.formats import FORMATS
 from cdia_pin.logs.timestamps import SECONDS
 from cdia_pin.resources import logs_dir
 from cdia_pin.robot import catalogue
 
 DEMO = Request("ur5", logs_dir() / "demo_ur5.csv")
+AUTOMATIC = "automatic"  # the format, or the log, says it
 CHOICES = {
-    "angle": ("Angles", {u: u for u in ANGLES}),
+    "angle": ("Angles", {"": AUTOMATIC, **{u: u for u in ANGLES}}),
     "length": ("Lengths", {u: u for u in LENGTHS}),
     "torque": (
         "Torques",
         {"Nm": "N·m", "Nmm": "N·mm", "A": "A"} | {u: u for u in TORQUES if u not in "NmmA"},
     ),
-    "time": ("Times", {"": "automatic", **{u: u for u in SECONDS}}),
+    "time": ("Times", {"": AUTOMATIC, **{u: u for u in SECONDS}}),
 }
 
 
@@ -56,19 +59,26 @@ def load_step(bench: Workbench) -> None:
         files.on("click", js_handler=DropElement.CHOOSE)
     node(
         "p",
-        "Or drop files anywhere on the page: a log (CSV, Parquet, npz, ROS 2 bag), a URDF with its meshes as a folder "
-        f"or a zip file, drive gains, a saved model. A dropped file has at most {LARGEST} MB; a path has no limit.",
+        "Or drop files anywhere on the page: a log (CSV, Parquet, npz, ROS 2 bag, LeRobot dataset), a URDF with its "
+        "meshes as a folder or a zip file, drive gains, a saved model. "
+        f"A dropped file has at most {LARGEST} MB; a path has no limit.",
         "soft",
     )
-    unmapped = "mapping" in desk.faults or bool(desk.cell_faults)
-    with folded("Names, units, drive gains", mark="mapping", open_=unmapped or not desk.form.plain):
+    unmapped = bool({"mapping", "log", "episode"} & set(desk.faults)) or bool(desk.cell_faults)
+    with folded("Format, names, units, drive gains", mark="mapping", open_=unmapped or not desk.form.plain):
         if "mapping" in desk.faults:
             node("p", desk.faults["mapping"], "fault", data_mark="mapping-fault")
         with node("div", classes="units"):
+            formats = {"": AUTOMATIC, **{name: name for name in FORMATS}}
+            ui.select(formats, label="Format", value=desk.form.format).bind_value_to(
+                desk.form, "format"
+            ).props("outlined dense options-dense data-mark=format")
+            _field(bench, "episode", "Episode", "of a LeRobot dataset")
             for unit, (name, known) in CHOICES.items():
                 ui.select(known, label=name, value=desk.form.units[unit]).bind_value_to(
                     desk.form.units, unit
                 ).props(f"outlined dense options-dense data-mark=unit-{unit}")
+        column_table(desk)
         if desk.arm is not None:
             mapping_table(desk, desk.arm.robot.joints)
         else:

@@ -1,16 +1,20 @@
-"""What the columns of a log hold, for whoever maps them to the joints of a robot."""
+"""What the columns of a log hold, for whoever maps them to the signals and joints of a robot."""
 
 from __future__ import annotations
 
 import contextlib
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 
+from cdia_pin.app.inputs import Request
 from cdia_pin.errors import LogError
-from cdia_pin.logs.columns import sort_names
-from cdia_pin.logs.joint_names import match_joints
+from cdia_pin.logs.columns import ColumnNames
+from cdia_pin.logs.formats import column_patterns
+from cdia_pin.logs.formats.guess import ColumnGuess, reading_of
+from cdia_pin.logs.joint_names import joint_map_of, match_joints
+from cdia_pin.logs.log_reader import choice_of
 from cdia_pin.logs.readers.dispatch import Wanted, read_table
+from cdia_pin.robot import RobotModel
 
 
 @dataclass(frozen=True)
@@ -20,10 +24,12 @@ class LogColumns:
     Attributes:
         labels: Names of joints, as the log has them.
         currents: Whether there are motor currents and no torques: drive gains are needed.
+        guesses: What columns of unknown names may hold; empty where the names are known.
     """
 
     labels: tuple[str, ...]
     currents: bool
+    guesses: tuple[ColumnGuess, ...] = ()
 
     def proposed(self, joints: Sequence[str]) -> dict[str, str]:
         """Return a name in the log for each joint of which it has none: in its order, where the numbers fit.
@@ -42,19 +48,41 @@ class LogColumns:
         return dict(zip(without, left, strict=True)) if len(left) == len(without) else {}
 
 
-def columns_of(path: Path, joints: Sequence[str]) -> LogColumns | None:
-    """Return what the columns of a log hold; None if it is no log.
+def columns_of(
+    asked: Request, joints: Sequence[str], guesses: Sequence[ColumnGuess] = ()
+) -> LogColumns | None:
+    """Return what the columns of a log hold; None if they cannot be read as asked.
 
     Args:
-        path: The log.
+        asked: The log, and how to read it.
         joints: Joints of the robot, by which the topic of a bag is chosen.
+        guesses: What columns of unknown names may hold.
     """
+    own = {g.signal: g.pattern for g in guesses if g.signal} | dict(asked.columns)
     try:
-        table, _ = read_table(path, joints, Wanted())
+        table, _ = read_table(asked.log, joints, Wanted(asked.format, asked.joint_map, episode=asked.episode))
+        names: ColumnNames = choice_of(table, asked.format, own, asked.log.name).columns
     except LogError:
         return None
-    names = sort_names((*table.columns, *table.not_numbers))
     of_motion = dict.fromkeys(
         label for signal in ("position", "effort", "current") for label in names.labels(signal)
     )
-    return LogColumns(tuple(of_motion), bool(names.labels("current")) and not names.labels("effort"))
+    currents = bool(names.labels("current")) and not names.labels("effort")
+    return LogColumns(tuple(of_motion), currents, tuple(guesses))
+
+
+def as_guessed(asked: Request, guesses: Sequence[ColumnGuess], robot: RobotModel) -> Request:
+    """Return a request that reads columns of unknown names as guessed; what the user said comes first.
+
+    Args:
+        asked: What was asked for.
+        guesses: What columns of unknown names may hold.
+        robot: The arm.
+    """
+    reading = reading_of(guesses, robot)
+    columns = column_patterns(reading["columns"], one_joint=robot.n == 1) if "columns" in reading else {}
+    joints = joint_map_of(reading["joint_map"]) if "joint_map" in reading else {}
+    guessed = replace(asked, columns=columns | dict(asked.columns), joint_map=joints | dict(asked.joint_map))
+    if "convert" in reading and "angle" not in asked.convert:
+        guessed = guessed.converted(reading["convert"])
+    return guessed

@@ -37,8 +37,7 @@ def python_lines(session: Session) -> str:
 
 
 def _loading(asked: Request) -> Iterator[str]:
-    reading = (("gains", asked.gains), ("joint_map", asked.joint_map), ("convert", asked.convert))
-    options = "".join(f", {name}={dict(value)!r}" for name, value in reading if value)
+    options = "".join(f", {name}={value!r}" for name, value in asked.reading.items())
     yield f"robot = load_robot({asked.robot_name or asked.robot!r})"
     yield f"log = read_log({asked.name or str(asked.log)!r}, robot{options})"
     yield f"model = load_model({str(asked.model)!r}, robot)" if asked.model else "model = Dynamics(robot)"

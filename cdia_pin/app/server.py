@@ -20,7 +20,6 @@ from fastapi.responses import RedirectResponse
 from nicegui import app, background_tasks, ui
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 
-from cdia_pin.app.door import Door, entrance, new_token
 from cdia_pin.app.drop_route import serve_drops
 from cdia_pin.app.inputs import Request
 from cdia_pin.app.page_files import SERVED, served
@@ -29,6 +28,7 @@ from cdia_pin.app.scratch import Scratch
 from cdia_pin.app.shelf import KEPT, Shelf
 from cdia_pin.errors import CdiaError
 from cdia_pin.fault_report import fault_sentence
+from cdia_pin.viewers.door import Door, entrance, new_token
 
 if TYPE_CHECKING:
     from cdia_pin.app.workbench import Workbench
@@ -38,6 +38,12 @@ PORT = 8400
 RECONNECT = 60.0  # [s], for which a tab that has lost its connection is as it was; then it is built anew
 ENDED = (
     f"The session of this address has ended, {KEPT / 60:.0f} minutes after its last page: here is a new one."
+)
+# NiceGUI's pages hold scripts, and compile their templates in the browser.
+POLICY = (
+    "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self'; object-src 'none'; "
+    "frame-ancestors 'none'; base-uri 'self'; form-action 'self'"
 )
 PAGES = {"/": "Find missing effects", "/live": "While it moves"}
 ICON = (
@@ -63,7 +69,7 @@ def serve(start: Request | None = None, *, port: int | None = None, show: bool =
     shelf = Shelf(lambda: _workbench(scratch, start))
     build(shelf)
     token = new_token()
-    app.add_middleware(Door, token=token, name=f"cdia-{chosen}")
+    app.add_middleware(Door, token=token, name=f"cdia-{chosen}", policy=POLICY)
     address = f"http://{HOST}:{chosen}/?token={token}"
     app.on_startup(lambda: asyncio.create_task(_announce(chosen, address, scratch.path if show else None)))
     app.on_shutdown(shelf.close)

@@ -36,9 +36,8 @@ def findings_of(changes: Sequence[Change], robot: RobotModel) -> tuple[Phenomeno
     mean = float(np.median(growth)) if growth else float("nan")
     by = f" by {abs(100 * mean):.0f} % (median)" if growth else ""
     count = f"all {robot.n} joints" if len(change_of) == robot.n else f"{len(change_of)} of {robot.n} joints"
-    sentence = (
-        f"friction {'fell' if fell else 'rose'} on {count}{by}, and rose on none: "
-        f"the drives are {'warmer' if fell else 'colder'} than before"
+    sentence = f"friction {'fell' if fell else 'rose'} on {count}{by}, and rose on none: " + (
+        "the drives are warmer than before" if fell else "the drives are colder than before, or carry more"
     )
     if not fell:
         sentence = sentence.replace("rose on none", "fell on none")

@@ -7,6 +7,8 @@ import webbrowser
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from cdia_pin.phrases import printable
@@ -36,17 +38,19 @@ class Page:
             scene: The arm.
             **options: Of `LiveView`.
         """
+        from cdia_pin.viewers.door import entrance
         from cdia_pin.viewers.live import LiveView
 
         with LiveView(scene, port=self.port, **options) as live:
             print(f"{printable(scene.robot.name)} moves at {live.address}  (Ctrl-C ends it)", flush=True)
             for note in scene.notes:
                 print(f"drawn in part: {printable(note)}", flush=True)
-            if self.browser:
-                webbrowser.open(live.address)
-            yield live
-            live.finish()
-            live.wait()
+            with TemporaryDirectory() as folder:
+                if self.browser:
+                    webbrowser.open(entrance(live.address, Path(folder)).as_uri())
+                yield live
+                live.finish()
+                live.wait()
 
 
 class Pace:

@@ -30,9 +30,9 @@ import numpy as np
 from numba import njit
 
 from cdia_pin.diagnosis.kernel_rows import (
-    ABSENT_TICKS, ADDITION, BANDWIDTH, CORRECTS, DEBOUNCE, DRIVEN, FORGET, GAIN_FLOOR, LEARNING, LEARNS, NEURON_COUNT,
-    NEURONS, OF_POSITION, OF_VELOCITY, PHI_LOADED, PHI_TICK, PHI_UNLOADED, POSITION, REMEMBER, SIGN_WIDTH,
-    SOFT_SIGN_WIDTH, TIME, VELOCITY, WEIGHTS,
+    ABSENT_TICKS, ADDITION, BANDWIDTH, CORRECTS, DAMPING_NEURONS, DEBOUNCE, DRIVEN, FORGET, GAIN_FLOOR, LEARNING,
+    LEARNS, NEURON_COUNT, OF_POSITION, OF_VELOCITY, PHI_LOADED, PHI_TICK, PHI_UNLOADED, POSITION, POSITION_NEURONS,
+    REMEMBER, SIGN_WIDTH, SOFT_SIGN_WIDTH, TIME, VELOCITY, VELOCITY_NEURONS, WEIGHTS,
 )
 from cdia_pin.diagnosis.kernels import (
     NEURON_PERIOD, Neurons, Signals, activate, advance, correction, learn,
@@ -57,7 +57,7 @@ def basis(x, out):
 {fills}
 
 @njit(cache=True)
-def activity(joint, neurons, centres, widths, x, weighted):
+def activity(joint, neurons, position_centres, velocity_centres, damping_centres, widths, x, weighted):
     """Return the activations of the joints that learn, with ``weighted`` of those with weights, shape (n, H)."""
     n, H = neurons.shape[1:]
     out = np.zeros((n, H))
@@ -65,7 +65,8 @@ def activity(joint, neurons, centres, widths, x, weighted):
         if joint[LEARNING, j] == 0.0 or weighted and not neurons[WEIGHTS, j].any():
             continue
         of_joint = Neurons(
-            centres[OF_POSITION, :, j], centres[OF_VELOCITY, :, j], widths[OF_POSITION, j], widths[OF_VELOCITY, j]
+            position_centres[:, j], velocity_centres[:, j], damping_centres[:, j],
+            widths[OF_POSITION, j], widths[OF_VELOCITY, j],
         )
         own = Signals(x.q[j], x.v[j], x.a[j], x.effort[j], x.sign[j], x.time[j])
         active = activations(of_joint, own)
@@ -93,7 +94,10 @@ def tick(state, q, v, tau, M, nle, t):
         learns = scalars[NEURON_COUNT] >= NEURON_PERIOD
     if learns:
         scalars[NEURON_COUNT] = 0.0
-        activate(joint, neurons, activity(joint, neurons, centres, widths, x, not learns), E**NEURON_PERIOD)
+        active = activity(
+            joint, neurons, position_centres, velocity_centres, damping_centres, widths, x, not learns
+        )
+        activate(joint, neurons, active, E**NEURON_PERIOD)
     asks = advance(
         joint, columns, gram, absent, mass, phi[PHI_TICK], INTERVAL, ENDS, q, v, tau, M, nle, a, E,
         scalars[FORGET], scalars[DEBOUNCE], scalars[ABSENT_TICKS],
@@ -121,7 +125,12 @@ def corrected(state, direction, a, tau, divide):
         basis(Signals(joint[POSITION], joint[VELOCITY], a, tau, sign, time), loaded)
     active = np.zeros((0, 0))
     if scalars[LEARNS] > 0.0:
-        active = activity(joint, neurons, centres, widths, x, scalars[LEARNS] > 0.0)
+        # A steep function of the measured velocity, fed back, would make the arm chatter.
+        wanted = Signals(joint[POSITION], direction, a, still, sign, time)
+        active = activity(
+            joint, neurons, position_centres, velocity_centres, damping_centres, widths, wanted,
+            scalars[LEARNS] > 0.0,
+        )
     return correction(
         joint, columns, neurons, active, phi[PHI_UNLOADED], loaded, INTERVAL, SMOOTH, tau, scalars[GAIN_FLOOR], divide
     )
@@ -160,10 +169,10 @@ def compile_bank(effects: Sequence[JointEffect]) -> CompiledBank:
 
 def _tried_once(module: Any, effects: Sequence[JointEffect]) -> None:
     """Call a generated module with an arm of zeros, in the types of a control loop."""
-    joints, neurons = 2, 2  # as few as differ from a single number
+    joints, neurons = 2, (2, 2, 2, 1)  # as few as differ from a single number
     zero, M = np.zeros(joints), np.zeros((joints, joints))
     state, parts = allocate(layout(joints, effects, neurons))
-    parts["scalars"][rows.NEURONS] = neurons
+    parts["scalars"][list(rows.NEURONS)] = neurons[:-1]
     module.tick(state, zero, zero, zero, M, zero, 1.0)
     module.corrected(state, zero, zero, zero, True)
 
@@ -234,7 +243,11 @@ def _shape_class(i: int, effect: JointEffect) -> str:
 
 def _views(effects: Sequence[JointEffect]) -> str:
     """Return the lines that view the parts of the state, of which the scalars come first."""
-    lines = ["n, K, end = len(tau), int(state[NEURONS]), 0", "H, H1 = 2 * K + 1, 2 * K + 2"]
+    lines = [
+        "n, end = len(tau), 0",
+        "K, L, D = int(state[POSITION_NEURONS]), int(state[VELOCITY_NEURONS]), int(state[DAMPING_NEURONS])",
+        "H, H1 = K + L + D + 1, K + L + D + 2",
+    ]
     for part, shape in sides(effects).items():
         size, shown = (sign.join(map(str, shape)) for sign in (" * ", ", "))
         lines += [f"begin, end = end, end + {size}", f"{part} = state[begin:end].reshape(({shown},))"]

@@ -28,7 +28,10 @@ from cdia_pin.identifiability.distinguishing_motions import prepare
 TRIAL_TIME = 3.0  # [s]; a belief that fails sooner was wrong, one that fails later met a further fault
 # Where four combinations or more fitted alike on measured arms, it was a push or an error of the model.
 MOST_ALIKE = 2  # rivals that a name may have [1]
-MOST_FAILURES = 3  # wrong beliefs in a row, after which the fault is called unknown
+MOST_FAILURES = 3  # wrong beliefs, after which the fault is called unknown
+HOLDING_TIME = (
+    10.0  # [s], some periods of a motion; a joint that was quiet for so long has no failures any more
+)
 CALM_TIME = 0.5  # [s] below the threshold after which an alarm without a fault is dismissed
 REACTION_LOOKS = 2  # looks after a decision in which an alarm is not answered: the filters still settle
 DOUBT_ABSENCES = 1.5  # [1], times `gone_after` that a doubt waits, so that a fault can be seen to clear first
@@ -155,7 +158,8 @@ class JointMonitor(Stateful):
             return []
         if known is not None and t - self.since < TRIAL_TIME:
             return self._doubt(t)
-        self._failures = 0
+        if t - self.since >= HOLDING_TIME:
+            self._failures = 0
         self.isolation.restart(beside=known)
         detection = self._event(t, EventStage.DETECTION, reason)
         if self.beliefs.unknown_before:

@@ -47,13 +47,13 @@ PHI_UNLOADED = 1  # for a correction, at torque zero
 PHI_LOADED = 2  # for a correction, at the nominal torque
 PHI_ROWS = 3  # their number [1]
 
-# Rows of the part `neurons`, each of shape (n, 2 K + 1).
+# Rows of the part `neurons`, each of shape (n, H).
 ACTIVATION = 0  # of the last tick
 ACTIVATED = 1  # filtered
 WEIGHTS = 2  # learned
 NEURON_ROWS = 3  # their number [1]
 
-# Rows of the parts `centres`, each of shape (K, n), and `widths`, each of shape (n,).
+# Rows of the part `widths`, each of shape (n,).
 OF_POSITION = 0  # [rad or m]
 OF_VELOCITY = 1  # [rad/s or m/s]
 SIGNAL_ROWS = 2  # their number [1]
@@ -69,5 +69,8 @@ LEARNS = 6  # does any joint learn an unknown fault (1) or none (0)?
 CORRECTS = 7  # is the addition worked out at every tick (1) or not (0)?
 DRIVEN = 8  # is an effect of torque believed in (1) or not (0)?
 NEURON_COUNT = 9  # ticks since the neurons were last evaluated [1]
-NEURONS = 10  # K, radial basis functions per joint in position, and as many in velocity [1]
-SCALARS = 11  # their number [1]
+POSITION_NEURONS = 10  # K, radial basis functions per joint in position [1]
+VELOCITY_NEURONS = 11  # L, in velocity [1]
+DAMPING_NEURONS = 12  # D, in position, times velocity [1]
+NEURONS = (POSITION_NEURONS, VELOCITY_NEURONS, DAMPING_NEURONS)
+SCALARS = 13  # their number [1]

@@ -59,7 +59,9 @@ from cdia_pin.diagnosis.tick_flags import ABSENT, ALARM
 # What `JointEffect.columns` reads, here with arrays over the joints, shape (n,), or with the numbers of one.
 Signals = namedtuple("Signals", "q v a effort sign time")
 # What `Unknown.columns` reads, here of one joint: arrays of shape (K,), and numbers.
-Neurons = namedtuple("Neurons", "position_centres velocity_centres position_width velocity_width")
+Neurons = namedtuple(
+    "Neurons", "position_centres velocity_centres damping_centres position_width velocity_width"
+)
 
 NEURON_PERIOD = 4  # ticks between two evaluations of the neurons, which cost more than the rest of the tick
 ROUGHNESS = (

@@ -17,8 +17,8 @@ Shape = tuple[int, ...]
 def sides(effects: Sequence[JointEffect]) -> dict[str, tuple[int | str, ...]]:
     """Return the sides of each part of the state, in the order of the parts.
 
-    What differs from arm to arm stays a name, so that all arms share the compiled code: n joints, K radial basis
-    functions per joint in position and as many in velocity, H = 2 K + 1 neurons, H1 = H + 1.
+    What differs from arm to arm stays a name, so that all arms share the compiled code: n joints, per joint K radial
+    basis functions in position, L in velocity and D of damping, H = K + L + D + 1 neurons, H1 = H + 1.
 
     Args:
         effects: Effects whose columns are filtered, with P parameters together.
@@ -32,22 +32,26 @@ def sides(effects: Sequence[JointEffect]) -> dict[str, tuple[int | str, ...]]:
         "absent": ("n", len(effects)),
         "mass": ("n", "n"),
         "phi": (rows.PHI_ROWS, "n", P),
-        "centres": (rows.SIGNAL_ROWS, "K", "n"),
+        "position_centres": ("K", "n"),
+        "velocity_centres": ("L", "n"),
+        "damping_centres": ("D", "n"),
         "widths": (rows.SIGNAL_ROWS, "n"),
         "neurons": (rows.NEURON_ROWS, "n", "H"),
         "neuron_gram": ("n", "H1", "H1"),
     }
 
 
-def layout(n: int, effects: Sequence[JointEffect], neurons: int) -> dict[str, Shape]:
+def layout(n: int, effects: Sequence[JointEffect], neurons: Sequence[int]) -> dict[str, Shape]:
     """Return the shape of each part of the state of n joints, in the order of the parts.
 
     Args:
         n: Number of joints.
         effects: Effects whose columns are filtered, with P parameters together.
-        neurons: K, radial basis functions per joint in position, and as many in velocity.
+        neurons: Neurons of each kind per joint, as `Unknown.counts` has them.
     """
-    named = {"n": n, "K": neurons, "H": 2 * neurons + 1, "H1": 2 * neurons + 2}
+    K, L, D, _ = neurons
+    H = sum(neurons)
+    named = {"n": n, "K": K, "L": L, "D": D, "H": H, "H1": H + 1}
     return {
         part: tuple(named[side] if isinstance(side, str) else side for side in shape)
         for part, shape in sides(effects).items()

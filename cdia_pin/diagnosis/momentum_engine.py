@@ -106,7 +106,7 @@ class MomentumEngine(Stateful):
             )
         self.dt = 1.0 / rate
         nominal = self.healthy.nominal
-        unknown = [unknown_of(self.healthy, j, settings.neurons) for j in range(robot.n)]
+        unknown = [unknown_of(self.healthy, j, settings) for j in range(robot.n)]
         self.observer = MomentumObserver(
             nominal, bank.prototypes, settings, self.dt, unknown, self.healthy.bandwidth
         )

@@ -78,20 +78,16 @@ class MomentumObserver(Stateful):
         self.effects = effects + tuple(e for e in dict.fromkeys(own) if e not in effects)
         self.ends = np.cumsum([0, *(e.size for e in self.effects)])
         unknown = unknown or [Unknown(joint=joint) for joint in nominal.robot.joints]
-        neurons = len(unknown[0].position_centres)
+        neurons = unknown[0].counts
         self._compiled = compile_bank(self.effects)
         self.state = state = ObserverState(layout(n, self.effects, neurons))
-        state.neurons = neurons
         signals = [e.traits.depends_on for e in self.effects]
         self._smooth = self._columns_of([Signal.ACCELERATION in s for s in signals])
         self._driven = self._columns_of(
             [Signal.TORQUE in s and Signal.ACCELERATION not in s for s in signals]
         )
         self.absent_ticks = max(1.0, settings.gone_after / dt)
-        state.position_centres = np.transpose([u.position_centres for u in unknown])
-        state.velocity_centres = np.transpose([u.velocity_centres for u in unknown])
-        state.position_widths = [u.position_width for u in unknown]
-        state.velocity_widths = [u.velocity_width for u in unknown]
+        state.place_neurons(unknown)
         state.present = 1.0
         state.bandwidth = settings.bandwidth if bandwidth is None else bandwidth
         state.bound = state.rest_bound = np.inf

@@ -36,7 +36,10 @@ class MonitorSettings:
         unknown_after: Time after detection at which a fault that no combination explains is called unknown [s].
         gone_after: Time without a fault's torque, where it would show, after which it counts as cleared [s].
         false_alarm_every: Mean time between two false alarms of the second detector, for faults that last [s].
-        neurons: Radial basis functions per joint, in position and in velocity each.
+        neurons: Radial basis functions per joint in position, and as many of damping in one place; over the usual 4 rad
+            of a joint they show what repeats every 0.6 rad.
+        velocity_neurons: Radial basis functions per joint in velocity; many, since what a joint does at one speed
+            alone, such as a resonance, spans a few hundredths of its range.
         accommodate: Whether `Status.torque_correction` and `Monitor.correct` correct anything.
         gain_floor: Least 1 + h by which the torque of a weak drive is divided [1].
         soft_sign: Speed below which dry friction is compensated only in part [rad/s or m/s].
@@ -61,7 +64,8 @@ class MonitorSettings:
     unknown_after: float = 2.5
     gone_after: float = 0.15
     false_alarm_every: float = 36000.0
-    neurons: int = 7
+    neurons: int = 21
+    velocity_neurons: int = 41
     accommodate: bool = True
     gain_floor: float = 0.1
     soft_sign: float = 0.02

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from cdia_pin.diagnosis import kernel_rows as rows
 from cdia_pin.diagnosis.layout import Shape, allocate
 from cdia_pin.diagnosis.stateful import Stateful
+from cdia_pin.effects import Unknown
 from cdia_pin.errors import ModelError
 
 Array = NDArray[np.float64]
@@ -117,14 +118,10 @@ class ObserverState(Stateful):
     phi_unloaded = _Row("phi", rows.PHI_UNLOADED)
     phi_loaded = _Row("phi", rows.PHI_LOADED)
 
-    # Of each neuron, shape (n, H); centres (K, n) and widths (n,).
+    # Of each neuron, shape (n, H).
     activation = _Row("neurons", rows.ACTIVATION)
     activated = _Row("neurons", rows.ACTIVATED)
     weights = _Row("neurons", rows.WEIGHTS)
-    position_centres = _Row("centres", rows.OF_POSITION)
-    velocity_centres = _Row("centres", rows.OF_VELOCITY)
-    position_widths = _Row("widths", rows.OF_POSITION)
-    velocity_widths = _Row("widths", rows.OF_VELOCITY)
 
     time = _Scalar(rows.TIME)
     forget = _Scalar(rows.FORGET)
@@ -136,7 +133,18 @@ class ObserverState(Stateful):
     corrects = _Scalar(rows.CORRECTS)
     driven = _Scalar(rows.DRIVEN)
     neuron_count = _Scalar(rows.NEURON_COUNT)
-    neurons = _Scalar(rows.NEURONS)
+
+    def place_neurons(self, unknown: Sequence[Unknown]) -> None:
+        """Set centres and widths of the neurons.
+
+        Args:
+            unknown: Neurons of each joint, as many of each kind on all joints.
+        """
+        self.parts["scalars"][list(rows.NEURONS)] = unknown[0].counts[:-1]
+        for kind in ("position_centres", "velocity_centres", "damping_centres"):
+            self.parts[kind][:] = np.transpose([getattr(u, kind) for u in unknown])
+        self.parts["widths"][rows.OF_POSITION] = [u.position_width for u in unknown]
+        self.parts["widths"][rows.OF_VELOCITY] = [u.velocity_width for u in unknown]
 
     def forget_past(self) -> None:
         """Set all that past samples left to zero; bounds, beliefs and learned weights stay."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from cdia_pin.changes.conditions import changes_between, effects_that_differ, with_parameters_per_log
 from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.beyond_model import discover_beyond, is_known
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
+from cdia_pin.discovery.doubted_effects import doubted, predicts_as_well
 from cdia_pin.discovery.plain_friction import with_plain_friction
 from cdia_pin.discovery.ranking import rank
 from cdia_pin.discovery.symmetric_friction import with_symmetric_friction
@@ -94,10 +96,12 @@ def discover_in(
     model = with_parameters_per_log(model, problem.experiment.logs, apart)
     report("estimating the noise", 0.05)
     first = problem.without_rest_of(t.effect for t in model.terms).with_first_noise(model)
-    whitened, found = _searched(first, start or model, part(report, 0.1, 0.6), keep)
+    whitened, found = _searched(first, model, start or model, part(report, 0.1, 0.6), keep)
     with_links = with_every_link(whitened, found)
     if with_links is not None:
-        answer = _answer(model, *_searched(whitened, with_links, part(report, 0.6, 0.8)), report, findings)
+        answer = _answer(
+            model, *_searched(whitened, model, with_links, part(report, 0.6, 0.8)), report, findings
+        )
         if has_every_link(answer.model):
             return answer
     return _answer(model, whitened, found, report, findings)
@@ -120,16 +124,28 @@ def _answer(
 
 def _searched(
     problem: WhitenedProblem,
+    model: Dynamics,
     found: Dynamics,
     report: Progress,
     keep: Callable[[Dynamics], None] | None = None,
 ) -> tuple[WhitenedProblem, Dynamics]:
     """Search from a model several times, each time with the noise that the search before left."""
     futile = Swaps()
+    needed: set[str] = set()  # unusual effects without which no model predicts as well
     for k in range(PASSES):
         before = {t.label for t in found.terms}
+        now = part(report, k / PASSES, (k + 1) / PASSES)
         problem = problem.with_drift(found)
-        found = search(problem, found, futile, part(report, k / PASSES, (k + 1) / PASSES), keep)
+        found = search(problem, found, futile, now, keep)
+        if doubt := doubted(problem, found, model) - needed:
+            rest = problem.without(doubt)
+            kept = tuple(t for t in found.terms if t.label not in doubt)
+            plain = fitted_together(rest.regression, replace(found, terms=kept))
+            plain = search(rest, plain, futile, now, keep)
+            if predicts_as_well(problem, plain, found):
+                problem, found = rest, plain
+            else:
+                needed |= doubt
         problem = problem.with_noise_left_by(found)
         if k > 0 and {t.label for t in found.terms} == before:
             break

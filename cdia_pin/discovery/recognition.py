@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, Drift, Term
+from cdia_pin.effects.presliding import longest_reach
 from cdia_pin.regression.experiment import Experiment, Prediction
 from cdia_pin.regression.friction_memory import bent
 from cdia_pin.regression.regression import Regression
@@ -97,7 +98,8 @@ def _memories(regression: Regression, model: Dynamics, settings: MemorySettings)
             settings.least_share * float(left @ left),
             4 * np.log(max(len(y), 2)) + 2 * np.log(len(REACHES) * model.robot.n),
         )
-        if best > 0 and gains[best] > enough and levels[best] > settings.least_torque * torque:
+        short = REACHES[best] * travel <= longest_reach(model.robot, j)
+        if best > 0 and short and gains[best] > enough and levels[best] > settings.least_torque * torque:
             yield _presliding(model.robot, joint, levels[best], float(REACHES[best] * travel))
 
 

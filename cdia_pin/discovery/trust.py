@@ -36,6 +36,8 @@ from cdia_pin.selection.problem import Problem
 Array = NDArray[np.float64]
 Blocks = list[tuple[int, int]]
 
+TINY = 1e-150  # least standard deviation, whose square is still above zero
+
 
 @dataclass(frozen=True)
 class Trust:
@@ -78,9 +80,7 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         if isinstance(term.effect, Body):  # the next link may have the same mass
             survived.append(crowded.survives(term))
         elif not is_everyday(term.effect):
-            unusual = term.effect.plausibility.unusual and term.effect.name not in settings.expected
-            least = settings.confidence.unusual_certainty if unusual else 0.0
-            needed = needed and crowded.is_visible(term) and crowded.certainty(term) >= least
+            needed = needed and crowded.is_visible(term) and crowded.is_beyond_doubt(term)
         moved = [np.abs(r.theta(term) - whole.theta(term)) for r in repeats]
         torque = whole.torque(term, np.array(term.theta))
         scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
@@ -190,11 +190,21 @@ class Repeat:
         )  # of its torque, over that of what is left [1]
         if power.sum() < 1.0:
             return False
-        spread = np.sqrt(np.diag(self.covariance(term))) + 1e-300
+        spread = np.maximum(np.sqrt(np.diag(self.covariance(term))), TINY)
         relative = self.covariance(term) / np.outer(spread, spread) + 1e-9 * np.eye(len(spread))
         scaled = np.asarray(theta) / spread
         expected = np.sqrt(scaled @ np.linalg.solve(relative, scaled) / len(scaled))
         return bool(expected >= self.settings.confidence.power * self.settings.confidence.least_certainty)
+
+    def is_beyond_doubt(self, term: Term) -> bool:
+        """Tell whether an effect is as certain as its kind needs: an unusual one far more than others.
+
+        Args:
+            term: A term of the model.
+        """
+        settings = self.settings
+        least = settings.confidence.unusual_certainty if settings.is_unusual(term.effect) else 0.0
+        return self.certainty(term) >= least
 
     def certainty(self, term: Term) -> float:
         """Return the estimate of an effect over its standard deviation [1], root mean square over the parameters.

@@ -125,17 +125,21 @@ class LinkInertias(Effect):
     def nearest_physical(self, theta: Array, robot: RobotModel) -> Array:
         """Return an estimate within the bounds, each change halved until its link is possible, shape (p,).
 
+        Where the URDF's own link is no possible body, the change is what makes it one, as far as the bounds allow.
+
         Args:
             theta: Parameters θ, shape (p,).
             robot: The arm, n joints.
         """
         near = np.clip(theta, *self.bounds(robot))
         for body, part in self.by_body(near):
-            halvings = 0
-            while not body.is_physical(part, robot):
-                halvings += 1
-                part[:] = 0.5 * part if halvings < MOST_HALVINGS else 0.0
-        return near
+            for _ in range(MOST_HALVINGS):
+                if body.is_physical(part, robot):
+                    break
+                part[:] = 0.5 * part
+            else:
+                part[:] = body.nearest_physical(np.zeros(len(part)), robot)
+        return np.clip(near, *self.bounds(robot))
 
     def _sizes(self, robot: RobotModel) -> Array:
         """Return mass, moments and inertias of each link, as large as they can be, shape (p,)."""

@@ -113,9 +113,19 @@ class PreslidingFriction(StatefulEffect):
         travel = float(np.ptp(x.q[:, j]))
         if travel < SHORTEST_TRAVEL:
             return []
-        longest = min(LONGEST * travel, LONGEST_SLIDING if x.robot.is_prismatic[j] else LONGEST_TURNING)
+        longest = min(LONGEST * travel, longest_reach(x.robot, j))
         shortest = min(SHORTEST * travel, longest / 3)
         return [self.with_shape(reach=float(r)) for r in np.geomspace(shortest, longest, TRIED)]
+
+
+def longest_reach(robot: RobotModel, j: int) -> float:
+    """Return the longest distance over which presliding builds up [rad or m]; more is a spring or a cable.
+
+    Args:
+        robot: The arm.
+        j: Index of the joint.
+    """
+    return LONGEST_SLIDING if robot.is_prismatic[j] else LONGEST_TURNING
 
 
 def deflection(travel: Array, reach: float, start: float = 0.0) -> Array:

@@ -22,14 +22,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Unknown(JointEffect):
-    """Learned torque, f = Σ lᵢ exp(−(q−aᵢ)²/σ²) + Σ sᵢ exp(−(q̇−bᵢ)²/ω²) + h τ ([Thesis] eq. 3.1).
+    """Learned torque, f = Σ lᵢ exp(−(q−aᵢ)²/σ²) + Σ sᵢ exp(−(q̇−bᵢ)²/ω²) + Σ dᵢ exp(−(q−cᵢ)²/σ²) q̇ + h τ.
 
-    It says how large the missing torque is and where, not what it is.
+    It says how large the missing torque is and where, not what it is. [Thesis] eq. 3.1 has no dᵢ. They are needed
+    for a torque that depends on position and speed together, such as drag in one place.
 
     Attributes:
         joint: Name of the joint.
         position_centres: aᵢ [rad or m].
         velocity_centres: bᵢ [rad/s or m/s].
+        damping_centres: cᵢ [rad or m].
         position_width: σ [rad or m].
         velocity_width: ω [rad/s or m/s].
     """
@@ -38,14 +40,15 @@ class Unknown(JointEffect):
     velocity_centres: tuple[float, ...] = (-1.0, -0.5, 0.0, 0.5, 1.0)
     position_width: float = 1.0
     velocity_width: float = 0.5
+    damping_centres: tuple[float, ...] = ()
 
     name: ClassVar[str] = "unknown"
     plausibility: ClassVar[Plausibility] = Plausibility(searched=False)
-    equation: ClassVar[str] = "Σ lᵢ exp(−(q−aᵢ)²/σ²) + Σ sᵢ exp(−(q̇−bᵢ)²/ω²) + h τ"
+    equation: ClassVar[str] = "Σ lᵢ exp(−(q−aᵢ)²/σ²) + Σ sᵢ exp(−(q̇−bᵢ)²/ω²) + Σ dᵢ exp(−(q−cᵢ)²/σ²) q̇ + h τ"
 
     def __post_init__(self) -> None:
         # JSON gives lists; a frozen effect is hashable only with tuples
-        for name in ("position_centres", "velocity_centres"):
+        for name in ("position_centres", "velocity_centres", "damping_centres"):
             centres = np.asarray(getattr(self, name), float)
             if centres.ndim != 1 or not np.isfinite(centres).all():
                 raise EffectError(f"{self.label}: {name} must be a list of finite numbers")
@@ -55,21 +58,31 @@ class Unknown(JointEffect):
                 raise EffectError(f"{self.label}: {name} must be above 0, given {getattr(self, name)}")
 
     def __repr__(self) -> str:
-        neurons = f"{len(self.position_centres)} + {len(self.velocity_centres)} neurons"
-        return f"Unknown(joint='{self.joint}', {neurons})"
+        *of_each, _ = self.counts
+        return f"Unknown(joint='{self.joint}', {' + '.join(str(k) for k in of_each if k)} neurons)"
 
     @property
     def traits(self) -> Traits:
         """Depends on the torque, and on position and velocity where it has neurons in them."""
-        neurons = {Signal.POSITION: self.position_centres, Signal.VELOCITY: self.velocity_centres}
+        neurons = {
+            Signal.POSITION: self.position_centres + self.damping_centres,
+            Signal.VELOCITY: self.velocity_centres + self.damping_centres,
+        }
         return Traits({Signal.TORQUE, *(signal for signal, centres in neurons.items() if centres)})
+
+    @property
+    def counts(self) -> tuple[int, int, int, int]:
+        """Number of neurons of each kind: in position, in velocity, damping, and the one of torque."""
+        return len(self.position_centres), len(self.velocity_centres), len(self.damping_centres), 1
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]
         """The weights: one per neuron, then the gain of the torque neuron."""
+        at_q, at_v, damping, _ = self.counts
         return (
-            *(Parameter(f"position_weight_{i + 1}", "{effort}") for i in range(len(self.position_centres))),
-            *(Parameter(f"velocity_weight_{i + 1}", "{effort}") for i in range(len(self.velocity_centres))),
+            *(Parameter(f"position_weight_{i + 1}", "{effort}") for i in range(at_q)),
+            *(Parameter(f"velocity_weight_{i + 1}", "{effort}") for i in range(at_v)),
+            *(Parameter(f"damping_weight_{i + 1}", "{effort}·s/{position}") for i in range(damping)),
             Parameter("torque_gain", "1", lower=-0.999, upper=10.0),
         )
 
@@ -81,7 +94,8 @@ class Unknown(JointEffect):
         """
         at_q = [np.exp(-(((x.q - c) / self.position_width) ** 2)) for c in self.position_centres]
         at_v = [np.exp(-(((x.v - c) / self.velocity_width) ** 2)) for c in self.velocity_centres]
-        return at_q + at_v + [x.effort]
+        damping = [np.exp(-(((x.q - c) / self.position_width) ** 2)) * x.v for c in self.damping_centres]
+        return at_q + at_v + damping + [x.effort]
 
     def fitted_to(self, x: State, neurons: int = 7) -> Self:
         """Return the effect with its neurons, two or more of each kind, spread over the motion.

@@ -1,7 +1,8 @@
 """Names of columns: the signal and the joint that each column holds.
 
 The dialect is ``<signal>.<joint>``; one table lists the other names of each signal. The separator may be ``.``,
-``/``, ``_`` or a space. ``q[3]``, ``q3`` and the joint first (``elbow_joint/position``) are accepted too.
+``/``, ``_`` or a space. ``q[3]``, ``q3`` and the joint first (``elbow_joint/position``) are accepted too, and so is a
+word after the signal that says that it was measured (``tau_measured_3``).
 """
 
 from __future__ import annotations
@@ -32,11 +33,14 @@ _TIME = re.compile(
 )
 _TIME_UNITS = {"sec": "s", "secs": "s", "seconds": "s", "µs": "us", "μs": "us"}
 
+_MEASURED = r"(?:_(?:measured|meas|actual))?"  # beside what was commanded, which is another label
+
 _SIGNAL = {alias: signal for signal, aliases in ALIASES.items() for alias in aliases}
 _LONGEST_FIRST = "|".join(sorted((re.escape(a) for a in _SIGNAL), key=len, reverse=True))
 _WORDS = "|".join(sorted((a for a in _SIGNAL if len(a) > 3), key=len, reverse=True))
-_SIGNAL_FIRST = re.compile(rf"^({_LONGEST_FIRST})(?:[._/ ](.+)|\[(.+)\]|(\d+))$", re.IGNORECASE)
-_JOINT_FIRST = re.compile(rf"^(.+)(?:[./ ]({_LONGEST_FIRST})|_({_WORDS}))$", re.IGNORECASE)
+_SIGNAL_FIRST = re.compile(rf"^({_LONGEST_FIRST}){_MEASURED}(?:[._/ ](.+)|\[(.+)\]|(\d+))$", re.IGNORECASE)
+_ALL_JOINTS = re.compile(rf"^({_LONGEST_FIRST}){_MEASURED}$", re.IGNORECASE)
+_JOINT_FIRST = re.compile(rf"^(.+)(?:[./ ]({_LONGEST_FIRST})|_({_WORDS})){_MEASURED}$", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -97,6 +101,19 @@ def sort_names(names: Iterable[str]) -> ColumnNames:
         else:
             other.append(name)
     return ColumnNames(time, signals, tuple(repeated), tuple(other))
+
+
+def signal_of_all(name: str) -> str | None:
+    """Find the signal in a name that stands for all joints, such as ``tau_measured`` of an array (N, n).
+
+    Args:
+        name: The name.
+
+    Returns:
+        First name of ``ALIASES``; None if it is no signal.
+    """
+    match = _ALL_JOINTS.match(name.strip())
+    return _SIGNAL[match.group(1).lower()] if match else None
 
 
 def signal_of(name: str) -> tuple[str, str] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cdia_pin.errors import LogError, unknown_name
@@ -33,8 +33,9 @@ def match_joints(
 ) -> JointNames:
     """Find the log's label of every joint of a robot.
 
-    Labels are matched by name, after ``joint_map``; then with one prefix that all of them have or lack; then by
-    number (``q_1`` … ``q_6``, ``joint0`` … ``joint5``), in the robot's order.
+    Labels are matched by name, after ``joint_map``; then with one beginning or end that all of them have or lack; then
+    by number (``q_1`` … ``q_6``, ``joint0`` … ``joint5``), in the robot's order. The only label is that of the only
+    joint.
 
     Args:
         given: Labels of the log.
@@ -52,8 +53,12 @@ def match_joints(
     if all(j in by_name for j in joints):
         labels = tuple(by_name[j] for j in joints)
         return JointNames(labels, _note("joints renamed", labels, joints) if joint_map else "")
-    if found := _same_but_for_a_prefix(given, joints):
-        return JointNames(found, _note("joint names differ from the robot's by a prefix", found, joints))
+    if len(given) == len(joints) == 1 and not _words(given[0]) & _NOT_MEASURED:
+        return JointNames(tuple(given), _note("the only joint renamed", given, joints))
+    if found := _same_but_for_an_end(given, joints):
+        return JointNames(
+            found, _note("joint names differ from the robot's by one beginning or end", found, joints)
+        )
     if found := _counted(given, joints):
         return JointNames(
             found, _note("numbered joints taken in the robot's order (--joint-map changes it)", found, joints)
@@ -110,24 +115,42 @@ def check_joint_map(joint_map: Mapping[str, str], given: Sequence[str], joints: 
         raise LogError(f"joint_map gives more than one name to {', '.join(twice)}")
 
 
-def _same_but_for_a_prefix(given: Sequence[str], joints: Sequence[str]) -> tuple[str, ...] | None:
-    """Match labels that are a common prefix + joint, or joints that are a common prefix + label."""
-    readings = []
-    for label in given:
-        if label.endswith(joints[0]):
-            prefix = label.removesuffix(joints[0])
-            readings.append(tuple(prefix + j for j in joints))
-        elif label and joints[0].endswith(label):
-            prefix = joints[0].removesuffix(label)
-            if all(j.startswith(prefix) for j in joints):
-                readings.append(tuple(j.removeprefix(prefix) for j in joints))
+def _same_but_for_an_end(given: Sequence[str], joints: Sequence[str]) -> tuple[str, ...] | None:
+    """Match labels that have or lack one beginning or one end that is the same for all joints."""
     known = set(given)
+    readings = dict.fromkeys(r for label in given for r in _readings(label, joints))
     possible = [r for r in readings if all(label in known for label in r)]
-    measured = [r for r in possible if not _words(r[0].removesuffix(joints[0])) & _NOT_MEASURED]
+    measured = [r for r in possible if not _words(_added(r[0], joints[0])) & _NOT_MEASURED]
     if len(measured) > 1:
         starts = some([f"'{r[0]}' …" for r in measured])
         raise LogError(f"joint {joints[0]} could be {starts}; choose one with --joint-map name=joint,…")
     return measured[0] if measured else None
+
+
+def _readings(label: str, joints: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    """Yield the labels of all joints, if a label is the first joint but for its beginning or its end."""
+    first = joints[0]
+    if not label:
+        return
+    if label.endswith(first):
+        beginning = label.removesuffix(first)
+        yield tuple(beginning + j for j in joints)
+    if label.startswith(first):
+        end = label.removeprefix(first)
+        yield tuple(j + end for j in joints)
+    if first.endswith(label):
+        beginning = first.removesuffix(label)
+        if all(j.startswith(beginning) for j in joints):
+            yield tuple(j.removeprefix(beginning) for j in joints)
+    if first.startswith(label):
+        end = first.removeprefix(label)
+        if all(j.endswith(end) for j in joints):
+            yield tuple(j.removesuffix(end) for j in joints)
+
+
+def _added(label: str, joint: str) -> str:
+    """Return what a label has beyond the name of its joint; all of it, if it has less than the name."""
+    return label.removeprefix(joint) if label.startswith(joint) else label.removesuffix(joint)
 
 
 def _counted(given: Sequence[str], joints: Sequence[str]) -> tuple[str, ...] | None:

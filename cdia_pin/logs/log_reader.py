@@ -74,11 +74,11 @@ def read_log(
     conversion = Conversion.of(convert)
     conversion.check_joints(robot.joints)
     renames = joint_map_of(joint_map)
-    own = column_patterns(columns)
+    own = column_patterns(columns, one_joint=robot.n == 1)
     if format is not None:
         format_of(format)
     table, sha256 = read_table(path, robot.joints, Wanted(format, renames, topic, episode))
-    choice = _choice(table, format, own, path.name)
+    choice = choice_of(table, format, own, path.name)
     pick = SignalPicker(table, choice, robot.joints, renames, path.name, list(table.notes))
     if choice.format.marks:
         pick.notes.append(
@@ -122,8 +122,18 @@ def read_log(
     )
 
 
-def _choice(table: Table, asked: str | None, own: Mapping[str, str], source: str) -> ColumnChoice:
-    """Return the columns of each signal; raise LogError where they are not those that were asked for."""
+def choice_of(table: Table, asked: str | None, own: Mapping[str, str], source: str) -> ColumnChoice:
+    """Return the columns of each signal.
+
+    Args:
+        table: The columns of a file.
+        asked: Name of the format, if the user gives it.
+        own: {signal: pattern} as the user gives it.
+        source: Name of the log, for messages.
+
+    Raises:
+        LogError: If the columns are not those that were asked for.
+    """
     names = [*table.columns, *table.not_numbers]
     try:
         if asked is not None and table.format not in {None, asked}:

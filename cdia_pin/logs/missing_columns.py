@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from cdia_pin.errors import LogError
+from cdia_pin.logs.columns import ALIASES
 from cdia_pin.logs.formats import CSV
 from cdia_pin.logs.formats.guess import ColumnGuess, guess_columns, said_of
+from cdia_pin.logs.formats.patterns import TIME
 from cdia_pin.logs.signal_picker import SignalPicker
 
 if TYPE_CHECKING:
@@ -17,12 +19,13 @@ class MissingColumnsError(LogError):
     """Positions or torques of a log have no columns of a known name.
 
     Attributes:
+        missing: What is missing, without the guesses.
         guesses: What its columns may hold.
     """
 
-    def __init__(self, message: str, guesses: list[ColumnGuess]):
-        super().__init__(message)
-        self.guesses = guesses
+    def __init__(self, missing: str, guessed: str, guesses: list[ColumnGuess]):
+        super().__init__(f"{missing}; {guessed}")
+        self.missing, self.guesses = missing, guesses
 
 
 def require_columns(pick: SignalPicker, robot: RobotModel) -> None:
@@ -47,6 +50,10 @@ def require_columns(pick: SignalPicker, robot: RobotModel) -> None:
     said = pick.missing(missing[0])
     if pick.choice.format != CSV:
         raise LogError(f"{said}; found {pick.found}")
-    others = {name: x for name, x in pick.table.columns.items() if name in pick.columns.other}
-    guesses = guess_columns(others, robot)
-    raise MissingColumnsError(f"{said}; {said_of(guesses, robot) or f'found {pick.found}'}", guesses)
+    known = {name: signal for signal in ALIASES for name in labels(signal).values()}
+    if pick.columns.time_column is not None:
+        known[pick.columns.time_column] = TIME
+    asked = {*known, *pick.columns.other}
+    columns = {name: x for name, x in pick.table.columns.items() if name in asked}
+    guesses = guess_columns(columns, robot, known)
+    raise MissingColumnsError(said, said_of(guesses, robot) or f"found {pick.found}", guesses)

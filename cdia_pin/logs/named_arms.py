@@ -14,7 +14,7 @@ def arms_named_by(labels: Sequence[str]) -> list[str]:
     Returns:
         Names of the catalogue, those with the most joints first.
     """
-    from cdia_pin.robot.catalogue import robots_here
+    from cdia_pin.robot.catalogue import joints_here
 
-    found = {arm.name: arm.n for arm in robots_here() if set(arm.joints) <= set(labels)}
+    found = {name: len(joints) for name, joints in joints_here() if joints <= set(labels)}
     return sorted(found, key=lambda name: -found[name])

@@ -34,6 +34,9 @@ LEAST_OF_A_GEAR, MOST_OF_A_LINK, USUAL_OF_A_LINK = 0.02, 0.01, 0.006
 # Torque limit over the weight that the most loaded joint carries [1]. Arms have 2 to 5; more is a number that somebody
 # put there because a URDF asks for one.
 HIGHEST_LIMIT = 10.0
+# Rigid-body torque of the URDF in the efforts [1]. Behind the gear it is 1 but for what the URDF lacks; far less of it
+# is a current, or another unit, and limits in N·m tell nothing of its friction.
+LEAST_SCALE = 0.5
 SURELY = 3.0  # standard errors from zero [1], because one of many joints exceeds two by chance
 MOST = 0.75  # share of the joints that must agree [1]
 FEWEST_JOINTS = 4  # joints [1] that must be judged; of fewer, most is one or two
@@ -97,9 +100,11 @@ class SideEvidence:
 
     Attributes:
         joints: Friction and zero of each joint that moves enough, by name.
+        scale: Gain of the URDF's rigid-body torque in the torque, over these joints [1].
     """
 
     joints: Mapping[str, JointFriction]
+    scale: float = 1.0
 
     @property
     def side(self) -> TorqueSide:
@@ -110,7 +115,7 @@ class SideEvidence:
         if np.mean([f.is_of_a_gear for f in judged]) >= MOST:
             return TorqueSide.MOTOR
         large = any(f.is_too_large_for_a_link for f in judged)
-        if np.mean([f.is_behind_a_gear for f in judged]) >= MOST and not large:
+        if np.mean([f.is_behind_a_gear for f in judged]) >= MOST and not large and self.scale >= LEAST_SCALE:
             return TorqueSide.LINK
         return TorqueSide.UNKNOWN
 
@@ -126,8 +131,10 @@ def side_evidence(robot: RobotModel, q: Array, v: Array, a: Array, effort: Array
         effort: Torques with the same filter [N·m or N], shape (N, n).
     """
     regressor = robot.torque_regressor(q, v, a)
+    nominal = regressor @ robot.inertial_parameters.reshape(-1)
     limits = _limits(robot)
     found = {}
+    seen, whole = 0.0, 0.0
     for j, joint in enumerate(robot.joints):
         moving = np.abs(v[:, j]) > SLOW
         there, back = np.sum(v[moving, j] > 0), np.sum(v[moving, j] < 0)
@@ -137,7 +144,9 @@ def side_evidence(robot: RobotModel, q: Array, v: Array, a: Array, effort: Array
         value, error = _fitted(own, regressor[moving, j], effort[moving, j])
         dry, viscous, offset = zip(value.tolist(), error.tolist(), strict=True)
         found[joint] = JointFriction(*dry, *viscous, *offset, float(limits[j]))
-    return SideEvidence(found)
+        rigid = nominal[moving, j] - own @ np.linalg.lstsq(own, nominal[moving, j], rcond=None)[0]
+        seen, whole = seen + float(rigid @ effort[moving, j]), whole + float(rigid @ rigid)
+    return SideEvidence(found, seen / whole if whole > 0 else 1.0)
 
 
 def _limits(robot: RobotModel) -> Array:

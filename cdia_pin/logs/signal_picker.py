@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import ColumnNames, signal_of
 from cdia_pin.logs.formats import ColumnChoice
+from cdia_pin.logs.formats.choice import TORQUES
+from cdia_pin.logs.formats.guess import torques_among
 from cdia_pin.logs.joint_names import match_joints
 from cdia_pin.logs.named_arms import arms_named_by
 from cdia_pin.logs.readers.table import Table
@@ -128,10 +130,18 @@ class SignalPicker:
         return self.table.columns[name]
 
     def note_what_was_ignored(self) -> None:
-        """Note the joints of the log that the robot does not have."""
+        """Note the joints of the log that the robot does not have, and other columns that may be its torques."""
         extra = [label for label in self.labels if label not in self.used]
         if extra:
             self.notes.append(f"joints of the log that the robot does not have, ignored: {some(extra)}")
+        read = next((s for s in TORQUES if self.columns.labels(s)), None)
+        others = torques_among(self.columns.other, len(self.joints))
+        if read is not None and others and not TORQUES.keys() & self.choice.recorded.keys():
+            first = next(iter(self.columns.labels(read).values()))
+            self.notes.append(
+                f"{read} read from '{first}' and so on; other columns may be torques too: {some(others)} "
+                f"(--columns {read}=… changes it)"
+            )
 
     @property
     def columns(self) -> ColumnNames:

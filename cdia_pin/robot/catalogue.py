@@ -193,6 +193,17 @@ def robots_here() -> Iterator[RobotModel]:
         yield robot
 
 
+def joints_here() -> Iterator[tuple[str, frozenset[str]]]:
+    """Yield name and moving joints of every robot of `robots_here`, by their files alone, without a model."""
+    for name, entry in catalogue().items():
+        if not entry.available:
+            continue
+        with contextlib.suppress(RobotError):
+            urdf = read_urdf(entry.path)
+            held = locked_joints(urdf, rules=entry.lock)
+            yield name, frozenset(j for j, of in urdf.joints.items() if of.kind in MOVABLE and j not in held)
+
+
 @cache
 def example_robots_dir() -> Path:
     """Find the folder of the robots that the package example-robot-data installs.

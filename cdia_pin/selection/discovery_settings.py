@@ -175,6 +175,8 @@ class ConfidenceSettings:
         likely_share: Share of those repeats that a likely effect survives [1].
         unusual_certainty: The same certainty that a fluid, a steady wrench or a tilt needs beside all everyday effects
             unless the user expects it [1]. Such effects take in what everyday ones leave.
+        worth_of_doubted: Held-out error of a model without unusual effects that are not that certain, over the error
+            with them, up to which they are left out [1]. An effect that is there is worth far more.
     """
 
     blocks: int = 32
@@ -186,6 +188,7 @@ class ConfidenceSettings:
     least_shown: float = 0.5
     likely_share: float = 0.7
     unusual_certainty: float = 20.0
+    worth_of_doubted: float = 1.1
 
     __repr__ = settings_repr
 
@@ -257,6 +260,14 @@ class DiscoverySettings:
     confidence: ConfidenceSettings = field(default_factory=ConfidenceSettings)
     noise: NoiseSettings = field(default_factory=NoiseSettings)
     rest: RestSettings = field(default_factory=RestSettings)
+
+    def is_unusual(self, effect: Effect) -> bool:
+        """Tell whether an arm in use hardly ever has an effect, and the user does not expect it.
+
+        Args:
+            effect: The effect.
+        """
+        return effect.plausibility.unusual and effect.name not in self.expected
 
     __repr__ = settings_repr
 

@@ -14,6 +14,7 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import LinkInertia, LinkInertias, Term
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.gauss_newton import refit
+from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.problem import WhitenedProblem
 from cdia_pin.selection.search import fitted
 
@@ -28,7 +29,7 @@ def with_every_link(problem: WhitenedProblem, found: Dynamics) -> Dynamics | Non
         problem: Logs, candidates and noise.
         found: The model that a search ended with.
     """
-    links = LinkInertias(found.robot.joints) if found.robot.n > 1 else None
+    links = possible_links(found.robot)
     asked = problem.settings.effects is None or LinkInertias.name in problem.settings.effects
     if links is None or not asked or has_every_link(found):
         return None
@@ -56,6 +57,18 @@ def has_every_link(model: Dynamics) -> bool:
         model: The model.
     """
     return any(isinstance(t.effect, LinkInertias) for t in model.terms)
+
+
+def possible_links(robot: RobotModel) -> LinkInertias | None:
+    """Return the links that are possible bodies as the URDF has them; None for fewer than two.
+
+    Another link is more than slightly wrong.
+
+    Args:
+        robot: The arm.
+    """
+    possible = [j for j in robot.joints if LinkInertia(j).is_physical(np.zeros(LinkInertia(j).size), robot)]
+    return LinkInertias(tuple(possible)) if len(possible) > 1 else None
 
 
 def _without_bodies(model: Dynamics) -> Iterator[Dynamics]:

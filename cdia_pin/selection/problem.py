@@ -101,6 +101,15 @@ class Problem:
         families = enumerate_candidates(experiment, experiment.predict(model), self.settings)
         return replace(self, families=tuple(families))
 
+    def without(self, labels: Iterable[str]) -> Problem:
+        """Return the problem without some candidates.
+
+        Args:
+            labels: Labels of the effects.
+        """
+        gone = set(labels)
+        return replace(self, families=tuple(f for f in self.families if f[0].label not in gone))
+
     def with_drift(self, model: Dynamics) -> Problem:
         """Return the problem in which the model's own friction and offsets may drift too.
 
@@ -232,6 +241,14 @@ class WhitenedProblem:
     def settings(self) -> DiscoverySettings:
         """The settings."""
         return self.problem.settings
+
+    def without(self, labels: Iterable[str]) -> WhitenedProblem:
+        """Return the problem without some candidates.
+
+        Args:
+            labels: Labels of the effects.
+        """
+        return replace(self, problem=self.problem.without(labels))
 
     def with_drift(self, model: Dynamics) -> WhitenedProblem:
         """Return the problem in which the model's own friction and offsets may drift too.

@@ -193,8 +193,9 @@ def _slimmed(problem: WhitenedProblem, now: Found) -> Found | None:
         if not any(set(effect.scope) & set(e.scope) and gain < lost[e] for e in shaped):
             continue
         others = now.model.remove(effect.label)
+        elsewhere = [t.label for t in others.terms if not set(t.effect.scope) & set(effect.scope)]
         trial = fitted_together(problem.regression, others, ROUGHLY)
-        then = fitted(problem, refine_shapes(problem.regression, trial))
+        then = fitted(problem, refine_shapes(problem.regression, trial, known=elsewhere))
         if then.fit.physical and then.fit.cost < now.fit.cost - evidence.criterion.margin:
             return then
     return None

@@ -3,15 +3,13 @@
 import json
 import shutil
 
-import numpy as np
 import pytest
-from rosbags.rosbag2 import StoragePlugin
 
-from benchmarks.reading_bags import write_bag
+from benchmarks.newcomer.samples import SAMPLES
 from cdia_pin import Dynamics, discover, load_robot, read_log, save_model
 from cdia_pin.effects import EFFECTS
 from cdia_pin.resources import logs_dir
-from tests.made_formats import lerobot, libfranka, rtde, with_velocity, write
+from tests.made_logs import with_velocity
 
 ROBOT = "ur5"  # the arm of the log that ships
 LOGS = (
@@ -32,10 +30,10 @@ def reader(tmp_path_factory):
     folder = tmp_path_factory.mktemp("reader")
     robot = load_robot(ROBOT)
     shutil.copy(robot.urdf, folder / "my_arm.urdf")
+    write_formats(folder)
     head, *samples = (logs_dir() / "demo_ur5.csv").read_text(encoding="utf-8").splitlines(keepends=True)
     for name in LOGS:
         (folder / name).write_text(head + "".join(samples[: len(samples) // 2]), encoding="utf-8")
-    write_formats(folder)
     log = read_log(folder / "run.csv", robot)
     model = discover(Dynamics(robot), log).model
     for name in ("model.json", "better.json"):
@@ -45,14 +43,9 @@ def reader(tmp_path_factory):
 
 def write_formats(folder):
     """Write a recording in each format that docs/formats has a page on."""
-    ur, franka = with_velocity(load_robot("ur10")), with_velocity(load_robot("panda"))
-    (folder / "gains.json").write_text(json.dumps(dict.fromkeys(ur.joints, 10.0)), encoding="utf-8")
-    write(folder / "robot_data.csv", rtde(ur, actual_current=ur.effort / 10.0, target_moment=ur.effort), " ")
-    write(folder / "franka.csv", libfranka(franka))
-    names = [f"{joint}.{signal}" for signal in ("pos", "vel", "torque") for joint in ur.joints]
-    values = np.column_stack([np.degrees(ur.position), np.degrees(ur.velocity), ur.effort])
-    lerobot(folder / "dataset", ur, names, values, episodes=2)
-    write_bag(folder / "bag", StoragePlugin.MCAP, None, ur.joints, 500)
+    for sample in SAMPLES.values():
+        sample.write(folder, with_velocity(load_robot(sample.robot)))
+    (folder / "gains.json").write_text(json.dumps(dict.fromkeys(load_robot("ur10").joints, 10.0)))
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ import pytest
 
 from cdia_pin import CdiaError
 from cdia_pin.app.dropped import inside, place_meshes, sort_dropped
+from cdia_pin.app.inputs import Request
 from cdia_pin.app.log_columns import columns_of
 from cdia_pin.app.scratch import PREFIX, Scratch
 from cdia_pin.app.workbench import Workbench
@@ -166,13 +167,13 @@ def test_a_mesh_is_never_put_outside(tmp_path):
 def test_names_of_a_log_are_proposed_where_their_number_fits(tmp_path):
     log = tmp_path / "run.csv"
     log.write_text("time,position.a,position.b,current.a,current.b\n0,1,2,3,4\n1,1,2,3,4\n")
-    columns = columns_of(log, ("one", "two"))
+    columns = columns_of(Request("", log), ("one", "two"))
     assert columns.currents
     assert columns.proposed(("one", "two")) == {"one": "a", "two": "b"}
     assert columns.proposed(("a", "two")) == {"two": "b"}
     assert columns.proposed(("one", "two", "three")) == {}
-    assert columns_of(tmp_path / "none.csv", ("one",)) is None
-    assert not columns_of(logs_dir() / "demo_ur5.csv", ("elbow_joint",)).currents
+    assert columns_of(Request("", tmp_path / "none.csv"), ("one",)) is None
+    assert not columns_of(Request("", logs_dir() / "demo_ur5.csv"), ("elbow_joint",)).currents
 
 
 def test_the_next_start_removes_what_a_kill_has_left(tmp_path, monkeypatch):

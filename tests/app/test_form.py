@@ -22,6 +22,9 @@ ASKED = Request(
         "gravity": "compensated",
     },
     gains={"elbow_joint": 10.5, "wrist_1_joint": {"value": 9.0, "tolerance": 0.5}},
+    format="csv",
+    columns={"position": "J# ang", "effort": "J# mom"},
+    episode=2,
 )
 
 
@@ -63,7 +66,8 @@ def test_what_is_wrong_stays_with_its_field():
     form = Form(robot="ur5", log="/logs/run.csv")
     form.note("elbow_joint", "gain", "10,5")
     form.note("wrist_1_joint", "gain", "9 ± many")
-    assert set(form.faults()) == {"gain-elbow_joint", "gain-wrist_1_joint"}
+    form.episode = "first"
+    assert set(form.faults()) == {"gain-elbow_joint", "gain-wrist_1_joint", "episode"}
     assert form.joints["elbow_joint"]["gain"] == "10,5"
 
 

@@ -3,14 +3,18 @@
 import asyncio
 import json
 
+import numpy as np
 import pytest
 
+from benchmarks.recordings import lerobot, numbered, write
 from cdia_pin import Dynamics, load_robot, save_model
 from cdia_pin.app.inputs import Request
 from cdia_pin.app.load_desk import LoadDesk
+from cdia_pin.app.python_lines import python_lines
 from cdia_pin.app.runner import Runner
 from cdia_pin.effects import parse_term
 from cdia_pin.resources import logs_dir
+from tests.made_logs import with_velocity
 
 JOINTS = load_robot("ur5").joints
 
@@ -46,6 +50,41 @@ def test_a_log_that_does_not_fit_opens_the_table_and_loads_from_it(foreign):
     loaded, _ = read(desk, desk.form.request())
     assert not desk.is_open and desk.faults == {}
     assert loaded.session.inputs.log.joints == JOINTS
+
+
+@pytest.mark.parametrize("chosen", [{}, {"effort": "J# mom"}])
+def test_columns_of_any_names_are_proposed_and_load_as_proposed(tmp_path, chosen):
+    log = with_velocity(load_robot("ur5"))
+    columns = {"t": log.time, **numbered("J", np.degrees(log.position), "{}{} ang")}
+    path = write(tmp_path / "plc.csv", columns | numbered("J", log.effort, "{}{} mom"))
+    desk = LoadDesk(Runner())
+    loaded, _ = read(desk, Request("ur5", path, columns=chosen))
+    assert loaded is None and desk.is_open
+    assert "no position columns" in desk.faults["mapping"] and "--" not in desk.faults["mapping"]
+    assert desk.form.columns == {"position": "J# ang", "effort": "J# mom"}
+    assert desk.form.units["angle"] == "deg"
+    loaded, _ = read(desk, desk.form.request())
+    assert not desk.is_open
+    np.testing.assert_allclose(loaded.session.inputs.log.position, log.position)
+    assert "columns={'position': 'J# ang'" in python_lines(loaded.session)
+    desk.form.log, desk.form.units["angle"] = str(logs_dir() / "demo_ur5.csv"), ""
+    loaded, _ = read(desk, desk.form.request())
+    assert loaded.session.inputs.request.columns == {}  # they were of the log before
+
+
+def test_an_episode_is_asked_for_and_read(tmp_path):
+    log = with_velocity(load_robot("ur5"))
+    names = [f"{joint}.{signal}" for signal in ("pos", "torque") for joint in JOINTS]
+    values = np.hstack([log.position, log.effort])
+    desk = LoadDesk(Runner())
+    read(desk, Request("ur5", lerobot(tmp_path / "set", log, names, values, episodes=2)))
+    assert "2 episodes" in desk.faults["log"] and "--" not in desk.faults["log"]
+    desk.form.episode = "1"
+    read(desk, desk.form.request())
+    assert "does not state the unit of its positions" in desk.faults["mapping"]
+    desk.form.units["angle"] = "rad"
+    loaded, _ = read(desk, desk.form.request())
+    np.testing.assert_allclose(loaded.session.inputs.log.effort, log.effort)
 
 
 def test_gains_of_joints_that_the_robot_does_not_have_are_not_kept(tmp_path):

@@ -127,6 +127,41 @@ def test_from_dropped_files_to_an_added_effect_that_a_reload_keeps(page, app, fi
     quiet(page, app)
 
 
+@pytest.fixture(scope="module")
+def foreign(files: Path) -> Path:
+    """The same log without its currents, in columns of somebody's own names and in degrees."""
+    rows = (files / "run.csv").read_text().splitlines()[1:]
+    t, q, current = np.split(np.array([row.split(",") for row in rows], float), [1, 3], axis=1)
+    columns = np.hstack([t, np.degrees(q), current * list(GAINS.values())])
+    names = ["zeit", *(f"A{k} {signal}" for signal in ("winkel", "kraft") for k in (1, 2))]
+    np.savetxt(files / "plc.csv", columns, "%.7f", ",", header=",".join(names), comments="")
+    return files / "plc.csv"
+
+
+def test_columns_of_any_names_are_chosen_at_the_error(page, app, files, foreign, screenshots):
+    page.set_default_timeout(PATIENCE)
+    page.goto(app.entry)
+    mark(page, "load").wait_for()
+    drop(page, files / "arm.urdf", foreign)
+    mark(page, "mapping-fault").wait_for()
+    assert "no position columns" in mark(page, "mapping-fault").inner_text()
+    position, effort = (mark(page, f"columns-{signal}") for signal in ("position", "effort"))
+    assert position.input_value() == "A# winkel" and effort.input_value() == "A# kraft"
+    page.screenshot(path=screenshots / "app-columns.png", full_page=True)
+    # what is chosen otherwise is what is read
+    effort.select_option("")
+    mark(page, "load").click()
+    page.get_by_text("no effort columns").first.wait_for()
+    effort.select_option("A# kraft")
+    mark(page, "load").click()
+    mark(page, "verdict").wait_for()
+    begun = error(page)
+    mark(page, f"add-{COULOMB}").click()
+    mark(page, "version-1").wait_for()
+    assert error(page) < 0.2 * begun
+    quiet(page, app)
+
+
 def test_a_phone_needs_no_scrolling_sideways_and_has_export_in_reach(page, app):
     page.set_viewport_size({"width": 420, "height": 800})
     page.set_default_timeout(PATIENCE)

@@ -8,6 +8,7 @@ import subprocess
 import time
 import urllib.error
 import urllib.request
+from http.cookiejar import CookieJar
 from urllib.parse import urlsplit
 
 import pytest
@@ -183,10 +184,24 @@ def served():
         yield view
 
 
-def ask(address, **headers):
+def place(address):
+    """Where a view is served, without its key."""
+    return address.partition("?")[0]
+
+
+def visitor(address):
+    """A browser that has come in by the address, and its cookie."""
+    cookies = CookieJar()
+    browser = urllib.request.build_opener(urllib.request.HTTPCookieProcessor(cookies))
+    assert ask(address, browser) == 200
+    return browser, "; ".join(f"{c.name}={c.value}" for c in cookies)
+
+
+def ask(address, browser=None, **headers):
     """Status of a request."""
+    browser = browser or urllib.request.build_opener()
     try:
-        with urllib.request.urlopen(urllib.request.Request(address, headers=headers), timeout=5) as answer:
+        with browser.open(urllib.request.Request(address, headers=headers), timeout=5) as answer:
             return answer.status
     except urllib.error.HTTPError as error:
         return error.code
@@ -195,9 +210,10 @@ def ask(address, **headers):
 def test_only_this_machine_is_served(served):
     port = urlsplit(served.address).port
     assert served._socket.getsockname()[0] == "127.0.0.1"
-    assert ask(served.address) == 200
-    assert ask(served.address + "nothing") == 404
+    browser, _ = visitor(served.address)
+    assert ask(place(served.address) + "nothing", browser) == 404
     assert ask(served.address, Host=f"evil.example:{port}") == 400
+    assert ask(place(served.address)) == ask(place(served.address) + "setup.json") == 403  # without the key
     others = {a[4][0] for a in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)} - {"127.0.0.1"}
     for other in others:
         with pytest.raises(OSError), socket.create_connection((other, port), timeout=1):
@@ -209,8 +225,25 @@ def test_another_origin_gets_no_stream(served, origin):
     from websockets.exceptions import InvalidStatus
     from websockets.sync.client import connect
 
-    address = served.address.replace("http", "ws") + "stream"
-    with pytest.raises(InvalidStatus), connect(address, origin=origin, proxy=None):
+    _, cookie = visitor(served.address)
+    address = place(served.address).replace("http", "ws") + "stream"
+    headers = {"Cookie": cookie}
+    with (
+        pytest.raises(InvalidStatus),
+        connect(address, origin=origin, additional_headers=headers, proxy=None),
+    ):
+        pass
+
+
+def test_our_own_origin_without_the_key_gets_no_stream(served):
+    from websockets.exceptions import InvalidStatus
+    from websockets.sync.client import connect
+
+    address, origin = place(served.address), place(served.address).rstrip("/")
+    with (
+        pytest.raises(InvalidStatus),
+        connect(address.replace("http", "ws") + "stream", origin=origin, proxy=None),
+    ):
         pass
 
 
@@ -218,8 +251,10 @@ def test_our_own_origin_gets_every_frame(served):
     from websockets.sync.client import connect
 
     served.show({"time": [0.0], "position": [[0.0] * 4]})
-    address = served.address.replace("http", "ws") + "stream"
-    with connect(address, origin=served.address.rstrip("/"), proxy=None) as stream:
+    _, cookie = visitor(served.address)
+    address, origin = place(served.address), place(served.address).rstrip("/")
+    where, headers = address.replace("http", "ws") + "stream", {"Cookie": cookie}
+    with connect(where, origin=origin, additional_headers=headers, proxy=None) as stream:
         assert '"time":[0.0]' in stream.recv(timeout=2)
         served.say("hello")
         assert "hello" in stream.recv(timeout=2)

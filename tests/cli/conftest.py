@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.measured_logs.folder import folder
 from cdia_pin import Dynamics, load_robot, write_log
 from cdia_pin.cli import main
 from cdia_pin.effects import parse_term
 from cdia_pin.logs import Log
 
-MEASURED = Path(__file__).resolve().parents[3] / "shared" / "data"
+MEASURED = folder()
 
 HIDDEN = "coulomb_friction@joint2: level=0.05"
 

@@ -6,10 +6,11 @@ import sys
 
 import pytest
 
+from benchmarks.recordings import numbered, rtde, write
 from cdia_pin import load_robot
 from cdia_pin.cli import column_dialogue
 from cdia_pin.cli.program import app
-from tests.made_formats import numbered, rtde, with_velocity, write
+from tests.made_logs import with_velocity
 
 READING = {"format", "columns", "episode"}
 

@@ -131,7 +131,10 @@ def test_arms_of_any_number_of_joints_and_neurons_share_the_compiled_code() -> N
     bank, ticks = (EFFECTS["coulomb_friction"](JOINT), EFFECTS["viscous_friction"](JOINT)), set()
     for name, neurons in (("double_pendulum", (0.0, 1.0)), ("scara", (0.0, 1.0, 2.0))):
         robot = load_robot(name)
-        unknown = [Unknown(j, position_centres=neurons, velocity_centres=neurons) for j in robot.joints]
+        unknown = [
+            Unknown(j, position_centres=neurons, velocity_centres=(*neurons, 3.0), damping_centres=neurons)
+            for j in robot.joints
+        ]
         observer = MomentumObserver(Nominal.of(Dynamics(robot)), bank, MonitorSettings(), DT, unknown)
         v = np.linspace(-1.0, 1.0, robot.n)
         for k in range(3):

@@ -9,12 +9,16 @@ from cdia_pin.diagnosis.observer_state import ObserverState
 from cdia_pin.effects import CoulombFriction, ViscousFriction
 
 EFFECTS = (CoulombFriction("joint1"), ViscousFriction("joint1"))
-NAMES = [name for name in vars(ObserverState) if not name.startswith("_") and name != "forget_past"]
+NAMES = [
+    name
+    for name in vars(ObserverState)
+    if not name.startswith("_") and name not in ("forget_past", "place_neurons")
+]
 
 
 @pytest.fixture
 def state() -> ObserverState:
-    return ObserverState(layout(3, EFFECTS, 4))
+    return ObserverState(layout(3, EFFECTS, (4, 5, 2, 1)))
 
 
 def test_every_name_has_a_place_of_its_own(state: ObserverState) -> None:

@@ -54,6 +54,16 @@ def test_what_differs_together_and_by_itself_adds_up_in_a_urdf(arm, together, ap
     np.testing.assert_allclose(twice - stated, 2 * np.array(apart[0].theta), atol=1e-12)
 
 
+def test_a_link_that_is_no_possible_body_ends_the_search_of_a_possible_one(arm):
+    bodies = arm.inertial_parameters.copy()
+    bodies[2, 4] *= 100.0  # one principal moment above the sum of the others
+    broken, effect = arm.with_inertial_parameters(bodies), LinkInertias(arm.joints)
+    near = effect.nearest_physical(np.full(effect.size, 0.3), broken)
+    lower, upper = effect.bounds(broken)
+    assert np.all((lower <= near) & (near <= upper))
+    assert not effect.is_physical(near, broken)
+
+
 def test_no_link_is_far_from_the_urdf(arm, together):
     limits = together.effect.bounds(arm)[1].reshape(-1, 10)
     heavy = int(np.argmax(arm.inertial_parameters[:, 0]))

@@ -110,6 +110,18 @@ def test_the_torque_that_a_mean_lacks_is_half_the_difference_of_the_directions(r
     assert lacking[f"asymmetric_friction@{ELBOW}"][ELBOW] == pytest.approx(1.0, rel=0.02)
 
 
+def test_friction_of_the_load_is_left_out_with_its_torque(robot):
+    """f = −α |τ| sgn q̇ and τ = τ₀ − f, so with the motion |f| = α |τ₀| / (1 ∓ α)."""
+    label = f"load_friction@{ELBOW}"
+    model = remembering(model_of(robot, f"{label}: coefficient=0.1"))
+    values = FORMATS["mjcf"].values(model)
+    assert label in values.left_out
+    (motion,) = model.learned_from
+    j = robot.joint_index(ELBOW)
+    load = np.sqrt(np.mean(robot.inverse_dynamics(motion.q, motion.v, motion.a)[:, j] ** 2))
+    assert 0.1 / 1.1 * load < torque_left_out(values, model)[label][ELBOW] < 0.1 / 0.9 * load
+
+
 def test_two_logs_of_one_name_keep_their_own_numbers(robot):
     (motion,) = remembering(Dynamics(robot)).learned_from
     logs = names_of([motion, motion])

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.measured_logs.folder import folder
 from cdia_pin.logs import Log
 from cdia_pin.robot import RobotModel, load_robot
 
-MEASURED = Path(__file__).resolve().parents[2].parent / "shared" / "data"
+MEASURED = folder()
 
 
 @pytest.fixture(scope="session")

@@ -10,6 +10,8 @@ from cdia_pin import Dynamics, load_robot
 from cdia_pin.effects import parse_term
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, check_log, read_log, write_log
+from cdia_pin.logs.checks.conventions import ConventionChange, Conventions, Trial, commonest
+from cdia_pin.logs.checks.effort_kind import GravityGain
 from cdia_pin.logs.checks.sampling import quantum
 from cdia_pin.logs.derivatives import differentiate
 
@@ -90,6 +92,16 @@ def test_degrees_are_recognised(ur5, ur5_log):
     assert (found.topic, found.severity, found.advice) == ("units", "error", "--convert angle=deg")
 
 
+def test_degrees_beyond_all_turns_are_degrees_for_the_other_checks_too(ur5, ur5_log):
+    weak = replace(ur5_log, position=np.degrees(ur5_log.position), velocity=None, effort=0 * ur5_log.effort)
+    noise = np.random.default_rng(0).normal(size=weak.effort.shape)  # no torque tells the unit of the angles
+    check = check_log(replace(weak, effort=noise), ur5)
+    (found,) = check.about("units")
+    assert found.advice == "--convert angle=deg"
+    ranges = [f.value["range"] for f in check.about("excitation") if f.joint]
+    assert max(ranges) < 2 * np.pi
+
+
 def test_newton_millimetres_are_recognised(panda, panda_log):
     (found,) = problems(replace(panda_log, effort=1000 * panda_log.effort), panda)
     assert (found.topic, found.severity, found.advice) == ("effort_kind", "error", "--convert torque=Nmm")
@@ -110,6 +122,18 @@ def test_several_wrong_signs_are_found_together(panda, panda_log):
 def test_a_position_of_the_wrong_sign_is_found(panda, panda_log):
     (found,) = problems(turned(panda_log, "panda_joint3", "position", "velocity"), panda)
     assert found.advice == "--convert flip_position=panda_joint3"
+
+
+def test_of_a_turned_effort_and_a_turned_position_that_fit_alike_the_effort_is_taken():
+    conventions = Conventions.assumed(2)
+    trials = {
+        kind: Trial(kind, (1,), conventions, np.zeros(2), gain)
+        for kind, gain in ((ConventionChange.POSITION_SIGN, 3.0), (ConventionChange.EFFORT_SIGN, 2.8))
+    }
+    position, effort = trials.values()
+    assert commonest([position, effort]) is effort
+    assert commonest([position, replace(effort, gain=1.0)]) is position  # does not fit well itself
+    assert commonest([position, replace(effort, joints=(0,))]) is position  # another joint
 
 
 def test_the_advice_repairs_the_log(ur5, ur5_log, tmp_path):
@@ -135,6 +159,21 @@ def test_efforts_in_another_order_than_positions_are_found(panda, panda_log):
     assert "not the positions" in found.message
 
 
+def test_a_short_log_is_said_to_be_short_and_not_at_rest(ur5, ur5_log):
+    check = check_log(ur5_log.slice(0, int(1.5 * ur5_log.rate)), ur5)
+    (velocity,) = check.about("velocity")
+    assert "too short" in velocity.message
+
+
+def test_joints_that_move_in_step_are_reported(ur5, ur5_log):
+    course = ur5_log.position[:, [0]] - ur5_log.position[0, 0]
+    q = ur5_log.position[0] + course * np.linspace(0.5, 1.0, ur5.n)
+    log = replace(ur5_log, position=q, velocity=None, effort=ur5.gravity(q))
+    (found,) = (f for f in check_log(log, ur5).about("excitation") if f.severity == "warning")
+    assert "in step" in found.message
+    assert all("in step" not in f.message for f in check_log(ur5_log, ur5).about("excitation"))
+
+
 def test_what_cannot_be_determined_is_reported(ur5, ur5_log):
     check = check_log(ur5_log, ur5)
     still = replace(ur5_log, position=ur5_log.position[[0] * 5000], velocity=0 * ur5_log.velocity)
@@ -153,6 +192,12 @@ def test_gravity_compensated_efforts_are_recognised(ur5, ur5_log):
     (found,) = problems(log, ur5)
     assert "contain no gravity" in found.message
     assert "gravity=compensated" in found.advice
+
+
+def test_gravity_that_is_as_faint_as_inertia_is_another_unit_and_not_compensated():
+    compensated, current = (GravityGain(0.002, 0.025, dynamic, 3.0) for dynamic in (1.1, 0.05))
+    assert (compensated.absent, compensated.small) == (True, False)
+    assert (current.absent, current.small) == (False, True)
 
 
 @pytest.mark.parametrize(("factor", "said"), [(0.01, "before a gear"), (0.1, "currents in A")])
@@ -358,6 +403,20 @@ def test_a_log_of_another_bundled_arm_is_named(ur5, ur5_log, name):
     (found,) = check_log(small_arm_log(ur5, load_robot(name), ur5_log), ur5).about("robot")
     assert (found.severity, found.value["best"]) == ("warning", name)
     assert found.advice.startswith(f"--robot {name}")
+
+
+def test_an_arm_is_named_though_another_gain_would_do_as_well(ur5_log):
+    """A small arm of the same maker, times a gain that no unit has, has nearly the torques of the large one."""
+    ur3 = load_robot("ur3")
+    (found,) = check_log(small_arm_log(ur3, load_robot("ur10"), ur5_log), ur3).about("robot")
+    assert found.value["best"] == "ur10"
+    assert "check the unit" in found.advice
+
+
+def test_another_unit_is_not_another_arm(ur5, ur5_log):
+    for factor in (100.0, 1000.0):  # N·cm, N·mm
+        check = check_log(replace(ur5_log, effort=factor * ur5_log.effort), ur5)
+        assert not check.about("robot")
 
 
 def test_a_heavy_payload_is_not_another_arm(ur5, ur5_log):

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from pyarrow import parquet
 
+from benchmarks.recordings import lerobot, libfranka, numbered, rtde, write
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, check_log, read_log
 from cdia_pin.logs.effort_origin import EffortOrigin
 from cdia_pin.logs.formats import FORMATS, column_patterns
 from cdia_pin.logs.torque_side import TorqueSide
-from tests.made_formats import lerobot, libfranka, numbered, rtde, with_velocity, write
+from tests.made_logs import with_velocity
 
 GAIN = 10.0  # [N·m/A]
 

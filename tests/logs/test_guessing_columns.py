@@ -5,11 +5,12 @@ import shlex
 import numpy as np
 import pytest
 
+from benchmarks.recordings import numbered, write
 from cdia_pin.logs import read_log
 from cdia_pin.logs.formats.guess import guess_columns, reading_of
 from cdia_pin.logs.missing_columns import MissingColumnsError
 from cdia_pin.robot import load_robot
-from tests.made_formats import numbered, with_velocity, write
+from tests.made_logs import with_velocity
 from tests.one_joint import write_urdf
 
 
@@ -76,6 +77,30 @@ def test_a_current_is_told_by_its_size_and_asks_for_gains(ur5, made, tmp_path):
         read_log(path, ur5)
 
 
+def test_what_is_known_is_not_guessed_again(ur5, made, tmp_path):
+    columns = {
+        "time": made.time,
+        **numbered("pos_joint", made.position),
+        **numbered("cur_joint", made.effort),
+    }
+    path = write(tmp_path / "x.csv", columns)
+    with pytest.raises(MissingColumnsError, match=r"type --columns 'current=cur_joint_#' --gains") as caught:
+        read_log(path, ur5)
+    log = read_log(path, ur5, gains=dict.fromkeys(ur5.joints, 2.0), **reading_of(caught.value.guesses, ur5))
+    np.testing.assert_array_equal(log.effort, 2.0 * made.effort)
+
+
+def test_other_columns_that_may_be_torques_are_noted_until_one_is_chosen(ur5, made, tmp_path):
+    columns = {"time": made.time, **numbered("q", made.position), **numbered("tau", made.effort)}
+    path = write(
+        tmp_path / "x.csv", columns | numbered("TorqueSm", made.effort) | numbered("tau_ref", made.effort)
+    )
+    (note,) = (n for n in read_log(path, ur5).notes if "may be torques too" in n)
+    assert "'tau_0'" in note and "TorqueSm_#" in note and "tau_ref" not in note
+    chosen = read_log(path, ur5, columns="effort=TorqueSm_#")
+    assert not any("may be torques" in n for n in chosen.notes)
+
+
 def test_a_command_that_follows_the_positions_is_not_taken_for_a_torque(ur5, made, tmp_path):
     columns = {"zeit": made.time, **numbered("a", made.position), **numbered("b", made.velocity)}
     columns |= numbered("c", made.position + 1e-3)
@@ -117,6 +142,37 @@ def test_the_times_of_an_arm_of_one_joint_are_no_torque(tmp_path):
     guesses = guess_columns({"zeit_s": t, "motor_angle": q, "motor_torque": effort[:, 0]}, robot)
     assert [(g.pattern, g.signal) for g in guesses] == [
         ("zeit_s", "time"),
-        ("*_angle", "position"),
-        ("*_torque", "effort"),
+        ("motor_angle", "position"),
+        ("motor_torque", "effort"),
     ]
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("zeit", "winkel", "moment"),
+        ("zeit", "motor_angle", "motor_torque"),  # the torque has a known name, and another label
+        ("time", "angle", "tau"),
+    ],
+)
+def test_an_arm_of_one_joint_has_columns_by_their_whole_names(tmp_path, names):
+    robot = load_robot(write_urdf("revolute", tmp_path))
+    t = np.arange(0.0, 6.0, 0.01)
+    q, effort = np.sin(2.0 * t), 3.0 * np.cos(5.0 * t)
+    path = write(tmp_path / "x.csv", dict(zip(names, (t, q, effort), strict=True)))
+    with pytest.raises(MissingColumnsError) as caught:
+        read_log(path, robot)
+    options = reading_of(caught.value.guesses, robot)
+    assert options.keys() == {"columns"}
+    log = read_log(path, robot, **options)
+    np.testing.assert_array_equal(log.position[:, 0], q)
+    np.testing.assert_array_equal(log.effort[:, 0], effort)
+
+
+def test_what_the_user_names_is_not_guessed_again(ur5, made, tmp_path):
+    columns = {"zeit": made.time, **numbered("a", made.position), **numbered("b", made.velocity)}
+    path = write(tmp_path / "x.csv", columns | numbered("c", made.effort))
+    with pytest.raises(MissingColumnsError, match="no effort columns") as caught:
+        read_log(path, ur5, columns={"position": "a_#"})
+    guessed = {g.signal: g.pattern for g in caught.value.guesses if g.signal}
+    assert guessed == {"time": "zeit", "velocity": "b_#", "effort": "c_#"}

@@ -90,6 +90,8 @@ def test_degrees_and_exchanged_joints_of_the_real_panda_are_found(panda, panda_r
     [
         ("ur10/exciting.csv", None, "ur5", "ur10"),
         ("ur10/exciting.csv", None, "kinova", "ur10"),
+        ("ur10/exciting.csv", None, "ur3", "ur10"),
+        ("ur10e/fourier_40s.csv", "ur10e/drive_gains.json", "ur3", "ur10"),
         ("ur5/free.csv", "ur5/drive_gains.json", "ur10", "ur5"),
         ("panda/exciting.csv", None, "xarm7", "panda"),
         ("panda/exciting.csv", None, "baxter_left_arm", "panda"),

@@ -33,6 +33,9 @@ JOINTS = ("shoulder_pan_joint", "elbow_joint", "wrist_1_joint")
         ("elbow_joint_torque", ("effort", "elbow_joint")),
         ("temperature.elbow_joint", ("temperature", "elbow_joint")),
         ("motor_temperature_3", ("temperature", "3")),
+        ("tau_measured_3", ("effort", "3")),
+        ("joint_1_torque_measured", ("effort", "joint_1")),
+        ("tau_command_3", ("effort", "command_3")),
         ("state", None),
         ("target_q_0", None),
     ],
@@ -76,6 +79,20 @@ def test_one_common_prefix_is_removed_and_noted():
 def test_a_prefix_that_only_the_robot_has_is_added():
     found = match_joints(["joint1", "joint2"], ("panda_joint1", "panda_joint2"))
     assert found.labels == ("joint1", "joint2")
+
+
+@pytest.mark.parametrize(
+    ("names", "joints"),
+    [
+        (("shoulder_pan", "elbow", "wrist_1"), JOINTS),  # which all end with _joint
+        (("hip.deg", "knee.deg"), ("hip", "knee")),
+        (("motor",), ("only",)),
+    ],
+)
+def test_one_common_end_may_be_missing_or_more_and_an_only_label_is_the_only_joint(names, joints):
+    found = match_joints([*names, *(f"{joint}_target" for joint in joints if len(joints) > 1)], joints)
+    assert found.labels == names
+    assert f"{names[0]} → {joints[0]}" in found.note
 
 
 def test_two_arms_in_one_log_need_a_joint_map():

@@ -69,6 +69,14 @@ def test_npz_may_hold_arrays_with_or_without_joint_names(ur5, small, tmp_path):
     assert any("numbered" in note for note in bare.notes)
 
 
+def test_npz_may_hold_what_was_commanded_beside_what_was_measured(ur5, small, tmp_path):
+    both = {"tau_measured": small.effort, "tau_command": 2 * small.effort, "q_cmd": 0 * small.position}
+    np.savez(tmp_path / "x.npz", time=small.time, q=small.position, **both)
+    log = read_log(tmp_path / "x.npz", ur5)
+    np.testing.assert_array_equal(log.position, small.position)
+    np.testing.assert_array_equal(log.effort, small.effort)
+
+
 def test_npz_never_unpickles(ur5, tmp_path):
     np.savez(tmp_path / "x.npz", time=np.array([{"a": 1}], dtype=object))
     with pytest.raises(LogError, match="npz"):

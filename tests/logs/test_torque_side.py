@@ -38,6 +38,13 @@ def test_friction_beside_the_torque_limit_tells_the_side(panda, share, side):
     assert told(panda, logged(panda, share)) == side
 
 
+def test_a_current_that_is_called_a_torque_is_not_taken_for_a_sensor_behind_the_gear(panda):
+    log = logged(panda, 0.05)
+    current = replace(log, effort=0.05 * log.effort)
+    assert told(panda, current) == "unknown"
+    assert "coulomb_friction" in offered(panda, current)
+
+
 def offered(robot, log):
     experiment = Experiment.of(robot, [condition(log, robot)])
     families = enumerate_candidates(experiment, experiment.predict(Dynamics(robot)), DiscoverySettings())

@@ -8,7 +8,7 @@ import pytest
 
 from cdia_pin.errors import RobotError
 from cdia_pin.robot import catalogue, load_robot
-from cdia_pin.robot.catalogue import example_robots_dir
+from cdia_pin.robot.catalogue import example_robots_dir, joints_here, robots_here
 
 INERTIAL = (
     '<inertial><mass value="{m}"/>'
@@ -55,6 +55,10 @@ def test_every_robot_of_the_catalogue_is_a_sound_chain(name):
     assert robot.limits.velocity.max() < np.inf
     assert entry.description and entry.licence and entry.origin
     assert all(held.reason for held in robot.locked.values())
+
+
+def test_joints_are_known_without_a_model():
+    assert dict(joints_here()) == {robot.name: frozenset(robot.joints) for robot in robots_here()}
 
 
 def test_ur3_is_not_a_ur5():

@@ -14,6 +14,7 @@ from cdia_pin.discovery import compare, discover
 from cdia_pin.effects import LinkInertias
 from cdia_pin.identification import identify
 from cdia_pin.selection import DiscoverySettings
+from cdia_pin.selection.every_link import possible_links
 
 CASE = "ur5/model error/torque_offset 20%/quantised/good/3"
 
@@ -49,6 +50,14 @@ def test_another_motion_is_predicted_nearly_as_by_the_truth(case, plant_and_log,
     later = recorded(case, replace(scenario.holdout(), duration=18.0).run(plant))
     floor = noise_floor(true_model(plant, scenario.faults), later)
     assert np.sqrt(np.mean((compare(found.model, later).rms / floor) ** 2)) < 1.03
+
+
+def test_a_link_that_is_no_possible_body_is_not_slightly_wrong(plant_and_log):
+    plant, *_ = plant_and_log
+    bodies = plant.robot.inertial_parameters.copy()
+    bodies[2, 4] *= 100.0  # one principal moment above the sum of the others
+    links = possible_links(plant.robot.with_inertial_parameters(bodies))
+    assert links.links == tuple(j for k, j in enumerate(plant.robot.joints) if k != 2)
 
 
 def test_who_asks_for_other_effects_gets_no_others(plant_and_log):

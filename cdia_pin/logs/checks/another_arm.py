@@ -5,7 +5,8 @@ r"""Whether a log is one of another arm: an arm on this machine explains its eff
 
 The rigid-body torque has no gain here: an arm of twice the size has the same shape of torque. The arm that was named is
 also fitted with any body on its tool, and with one gain for all joints. Another arm must explain the efforts about as
-well without them, so that neither a payload nor another unit is taken for another arm.
+well without them, so that neither a payload nor another unit is taken for another arm. A gain that no unit in use has
+is no excuse, for arms of one maker are alike but for their size.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ UNEXPLAINED = 1 / 3
 CLEARLY = 1.5  # [1], fall of the misfit that another arm must bring: a factor of e^1.5 in unexplained shares
 # [1], misfit by which it may be behind the arm that was named with ten parameters more, or with one more
 BEHIND_BODY, BEHIND_GAIN = 3.0, 1.5
+LEAST_UNIT = 50.0  # [1], times by which efforts are too large in any other unit: N·cm has 100, N·mm 1000
 # Arms of one maker and size differ by 0.6 to 2.2 on measured logs.
 NEAR = 2.2  # misfit behind the best, within which another arm may be the one [1]
 BODY = 10  # inertial parameters of a body on the tool
@@ -47,10 +49,12 @@ class ArmFit:
     Attributes:
         name: Name of the arm.
         share: Unexplained share of the variance of each effort [1], shape (n,); NaN for joints that do not move.
+        shared: Coefficients that all joints share, shape (k,).
     """
 
     name: str
     share: Array
+    shared: Array
 
     @property
     def misfit(self) -> float:
@@ -59,8 +63,9 @@ class ArmFit:
 
     @property
     def mean(self) -> float:
-        """Mean of the shares [1]."""
-        return float(np.nanmean(self.share))
+        """Mean of the shares [1]; 1 if no joint moves."""
+        moving = self.share[np.isfinite(self.share)]
+        return float(np.mean(moving)) if moving.size else 1.0
 
 
 def check_arm(
@@ -95,7 +100,9 @@ def check_arm(
         for arm in _others(robot)
     ]
     best = min(others, key=lambda fit: fit.misfit, default=alone)
-    behind = min(alone.misfit - CLEARLY, loaded.misfit + BEHIND_BODY, scaled.misfit + BEHIND_GAIN)
+    behind = min(alone.misfit - CLEARLY, loaded.misfit + BEHIND_BODY)
+    if not OTHER_MASS < _gain(scaled) < LEAST_UNIT:
+        behind = min(behind, scaled.misfit + BEHIND_GAIN)
     if best.misfit > behind or best.mean > UNEXPLAINED:
         return
     near = [f.name for f in sorted(others, key=lambda fit: fit.misfit) if f.misfit < best.misfit + NEAR]
@@ -104,7 +111,7 @@ def check_arm(
         Severity.WARNING,
         f"{_why(known, likely, robot)}: this looks like a log of {' or '.join(map(repr, near))}; "
         f"'{best.name}' leaves {best.mean:.0%} of the efforts unexplained where '{robot.name}' leaves {alone.mean:.0%}",
-        advice=f"--robot {best.name} if it is that arm; otherwise check the unit of the efforts",
+        advice=f"--robot {best.name} if it is that arm; otherwise check the unit of the efforts and the drive gains",
         value={
             "gravity_gains": known,
             "best": best.name,
@@ -138,7 +145,7 @@ def arm_fit(robot: RobotModel, motion: SmoothedMotion, shared: Array | None = No
     missing = motion.effort - robot.inverse_dynamics(motion.q, motion.v, motion.a)
     size = np.maximum(motion.effort.std(axis=0), 1e-12)
     moving = np.flatnonzero(motion.moves).tolist()
-    left, columns = {}, []
+    left, columns, coefficients = {}, [], np.zeros(0)
     for j in moving:
         own = np.column_stack(
             [np.ones(len(motion.time)), motion.v[:, j], sign_of(motion.v[:, j]), motion.a[:, j]]
@@ -149,12 +156,18 @@ def arm_fit(robot: RobotModel, motion: SmoothedMotion, shared: Array | None = No
             columns.append(_outside(basis, shared[:, j]) / size[j])
     if columns:
         x, y = np.vstack(columns), np.concatenate([left[j] for j in moving])
-        rest = np.split(y - x @ np.linalg.lstsq(x, y, rcond=1e-6)[0], len(moving))
+        coefficients = np.linalg.lstsq(x, y, rcond=1e-6)[0]
+        rest = np.split(y - x @ coefficients, len(moving))
         left = dict(zip(moving, rest, strict=True))
     share = np.full(robot.n, np.nan)
     for j, e in left.items():
         share[j] = np.mean(e**2)
-    return ArmFit(robot.name, share)
+    return ArmFit(robot.name, share, coefficients)
+
+
+def _gain(scaled: ArmFit) -> float:
+    """Return the gain on the rigid-body torque of an arm that was fitted with one [1]; 1 if no joint moves."""
+    return 1.0 + float(scaled.shared.sum())
 
 
 def _outside(basis: Array, signal: Array) -> Array:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.checks.another_arm import check_arm
-from cdia_pin.logs.checks.conventions import SEARCH_SAMPLES, search_conventions
 from cdia_pin.logs.checks.effort_kind import check_effort_kind, gravity_gains
 from cdia_pin.logs.checks.excitation import check_excitation
 from cdia_pin.logs.checks.finding import Finding, LogCheck, Severity, Topic
@@ -15,7 +14,7 @@ from cdia_pin.logs.checks.lag import check_lag
 from cdia_pin.logs.checks.limits import check_limits, check_saturation
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import check_gaps, check_rate, check_repeats, check_resolution
-from cdia_pin.logs.checks.sign_and_order import check_conventions
+from cdia_pin.logs.checks.sign_and_order import check_conventions, find_conventions
 from cdia_pin.logs.checks.stretches import check_copied, check_held
 from cdia_pin.logs.checks.torque_side import check_torque_side
 from cdia_pin.logs.checks.velocity import check_velocity
@@ -66,7 +65,7 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     log = repaired(log, wild)
     require_magnitudes(log)
     motion = motion_of(log, robot.is_prismatic)
-    yield from check_repeats(log, motion)
+    yield from check_repeats(log, robot, motion)
     yield from check_held(log)
     yield from check_copied(log)
     yield from check_resolution(log, robot, motion)
@@ -81,7 +80,8 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
             advice="record 10 s or more without a gap",
         )
         return
-    search = search_conventions(motion.thin(SEARCH_SAMPLES), robot)
+    search, units = find_conventions(log, motion, robot)
+    yield from units
     yield from check_conventions(log, robot, search)
     recorded, motion = motion, search.conventions.apply(motion, robot)
     yield from check_excitation(log, robot, motion)

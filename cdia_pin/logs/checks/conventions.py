@@ -113,13 +113,15 @@ class ConventionSearch:
     """Result of the search for conventions that fit better.
 
     Attributes:
+        start: The conventions that the search began with.
         steps: Changes adopted one after the other, each with the rivals that fit about as well.
         rest: Changes of the last conventions that were tried and not adopted, best first.
         conventions: The last conventions.
-        before: Unexplained share of each joint's effort under the conventions of the log [1], shape (n,).
+        before: Unexplained share of each joint's effort under the first conventions [1], shape (n,).
         after: The same under the last conventions [1], shape (n,).
     """
 
+    start: Conventions
     steps: tuple[tuple[Trial, tuple[Trial, ...]], ...]
     rest: tuple[Trial, ...]
     conventions: Conventions
@@ -127,28 +129,31 @@ class ConventionSearch:
     after: Array
 
 
-def search_conventions(motion: SmoothedMotion, robot: RobotModel) -> ConventionSearch:
+def search_conventions(
+    motion: SmoothedMotion, robot: RobotModel, start: Conventions | None = None
+) -> ConventionSearch:
     """Adopt the change of conventions that explains most, one at a time, while it explains much more.
 
     Args:
         motion: Signals as logged, thinned.
         robot: The robot of the log.
+        start: Conventions to begin with; every column is what its name says if left out.
 
     Returns:
         Adopted changes, rivals and the last conventions.
     """
     shares = _Shares(motion, robot)
-    current = Conventions.assumed(robot.n)
+    start = current = start or Conventions.assumed(robot.n)
     share = before = shares.of(current)
     steps: list[tuple[Trial, tuple[Trial, ...]]] = []
     while True:
         trials = _trials(current, shares, share)
         if not trials or trials[0].gain < CERTAIN or len(steps) >= 2 * robot.n:
-            return ConventionSearch(tuple(steps), tuple(trials), current, before, share)
-        best = trials[0]
-        rivals = tuple(
-            t for t in trials[1:] if t.gain > best.gain - LIKELY and set(t.joints) & set(best.joints)
-        )
+            return ConventionSearch(start, tuple(steps), tuple(trials), current, before, share)
+        first = trials[0]
+        alike = [t for t in trials if t.gain > first.gain - LIKELY and set(t.joints) & set(first.joints)]
+        best = commonest(alike)
+        rivals = tuple(t for t in alike if t is not best)
         steps.append((best, rivals))
         current, share = best.conventions, best.share
 
@@ -161,6 +166,22 @@ def _trials(current: Conventions, shares: _Shares, share: Array) -> list[Trial]:
         gain = now - misfit(new)
         trials.append(Trial(kind, joints, conventions, new, gain if _mends(share, new) else min(gain, 0.0)))
     return sorted(trials, key=lambda t: -t.gain)
+
+
+def commonest(alike: Sequence[Trial]) -> Trial:
+    """Return the change that is adopted of those that explain about as much.
+
+    A turned effort comes before a turned position of the same joint: drives often count their torque against the axis
+    of the URDF, while a position that is turned alone is rare.
+
+    Args:
+        alike: The changes, best first.
+    """
+    first = alike[0]
+    if first.kind is not ConventionChange.POSITION_SIGN:
+        return first
+    efforts = (t for t in alike if t.kind is ConventionChange.EFFORT_SIGN and t.joints == first.joints)
+    return next((t for t in efforts if t.gain > CERTAIN), first)
 
 
 def _mends(old: Array, new: Array) -> bool:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 BLOCKS = 6  # parts of the log that are left out in turn, for the standard error
+FAINT = 0.35  # [1], gain of the URDF's torque below which no wrong URDF explains it
 STRONG = 0.1  # [1], gravity of a joint over the largest one; below it tools and cables outweigh the links
 
 
@@ -52,8 +53,9 @@ KINDS = (
         0.04,
         Severity.WARNING,
         "efforts are {middle:.2g} of the URDF's gravity (gain {said}): motor torque before a gear of about "
-        "{inverse:.0f}, or another unit; the log cannot prove it",
-        "if it is motor torque, --convert reduction={inverse} with the gear ratios of the data sheet",
+        "{inverse:.0f}, motor currents in A, or another unit; the log cannot prove it",
+        "if it is motor torque, --convert reduction={inverse} with the gear ratios of the data sheet; if they are "
+        "currents, --convert torque=A --gains gains.json",
     ),
     EffortKind(
         0.04,
@@ -156,8 +158,16 @@ class GravityGain:
     @property
     def absent(self) -> bool:
         """True if gravity should be most of the effort but is missing, while inertia is present."""
-        weak = abs(self.gain) + 2 * self.error < 0.35 and self.share > 0.5
-        return weak and abs(self.gain) < 0.3 * abs(self.dynamic)
+        return self._faint and abs(self.dynamic) >= FAINT and abs(self.gain) < 0.3 * abs(self.dynamic)
+
+    @property
+    def small(self) -> bool:
+        """True if gravity should be most of the effort, but it and inertia both are far below the URDF's."""
+        return self._faint and abs(self.dynamic) < FAINT
+
+    @property
+    def _faint(self) -> bool:
+        return abs(self.gain) + 2 * self.error < FAINT and self.share > 0.5
 
 
 def gravity_gains(motion: SmoothedMotion, robot: RobotModel) -> dict[int, GravityGain]:
@@ -205,11 +215,27 @@ def check_effort_kind(log: Log, gains: Mapping[int, GravityGain]) -> Iterator[Fi
         for k, g in gains.items()
     }
     absent = {k: g for k, g in gains.items() if g.absent}
-    if not known and not absent:
+    small = {k: g for k, g in gains.items() if g.small}
+    if small and not known and not absent:
+        inertia = ", ".join(f"{log.joints[k]} {g.dynamic:.2g}" for k, g in small.items())
+        yield Finding(
+            Topic.EFFORT_KIND,
+            Severity.WARNING,
+            f"the efforts are far below the URDF's torques (gain of its gravity {_said(log, small)}, of its inertia "
+            f"{inertia}): motor currents in A, or another unit; the log cannot prove it",
+            advice="if they are currents, --convert torque=A --gains gains.json",
+            value=value,
+        )
+    elif not known and not absent:
         yield Finding(
             Topic.EFFORT_KIND,
             Severity.INFO,
-            "cannot determine the kind of effort: no joint moves far or often enough under gravity",
+            "cannot determine the kind of effort: "
+            + (
+                f"the gain on the URDF's gravity is not known well enough ({_said(log, gains)})"
+                if gains
+                else "no joint moves far or often enough under gravity"
+            ),
             advice="add a log in which joints move up and down several times",
             value=value,
         )
@@ -251,7 +277,7 @@ def _judge(log: Log, known: dict[int, GravityGain], value: Mapping[str, object])
     )
 
 
-def _said(log: Log, gains: dict[int, GravityGain]) -> str:
+def _said(log: Log, gains: Mapping[int, GravityGain]) -> str:
     return ", ".join(f"{log.joints[k]} {g.gain:.3g} ± {2 * g.error:.1g}" for k, g in gains.items())
 
 

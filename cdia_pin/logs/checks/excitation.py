@@ -8,11 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
+from cdia_pin.logs.checks.joint_units import units_of
 from cdia_pin.logs.checks.motion import SmoothedMotion
 from cdia_pin.logs.log import Log
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
+
+
+# Share of the first principal component in the joints' speeds [1] above which they move in step. Exciting motions and
+# work of measured arms have at most 0.84, motions in which all joints follow one course 0.997 and more.
+IN_STEP = 0.95
 
 
 def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None) -> Iterator[Finding]:
@@ -24,7 +30,7 @@ def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
         motion: Signals under the right conventions; None for a log that is too short.
 
     Yields:
-        A finding per joint, and one if no joint moves.
+        A finding per joint, and one if no joint moves, or if all move in step.
     """
     if motion is None:
         return
@@ -35,9 +41,10 @@ def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
             "no joint moves: only gravity and offsets can be checked",
             advice="record a motion; 'cdia excite' makes a safe one",
         )
+    yield from _in_step(motion)
     gravity = np.ptp(robot.gravity(motion.q), axis=0)
     for k, joint in enumerate(log.joints):
-        unit = "m" if robot.is_prismatic[k] else "rad"
+        unit, effort_unit = units_of(robot, k)
         if not motion.moves[k]:
             yield Finding(
                 Topic.EXCITATION,
@@ -66,8 +73,8 @@ def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
         }
         message = (
             f"covers {value['range']:.3g} {unit} at up to {value['max_speed']:.3g} {unit}/s and "
-            f"{value['max_acceleration']:.3g} {unit}/s², {reversals} reversals, "
-            f"gravity changes by {round(gravity[k], 6):.3g}"
+            f"{value['max_acceleration']:.3g} {unit}/s², {reversals} reversal{'s' * (reversals != 1)}, "
+            f"gravity changes by {round(gravity[k], 6):.3g} {effort_unit}"
         )
         lacks = []
         if reversals == 0:
@@ -81,4 +88,22 @@ def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
             joint=joint,
             advice="add a motion with other speeds in both directions ('cdia excite')" if lacks else "",
             value=value,
+        )
+
+
+def _in_step(motion: SmoothedMotion) -> Iterator[Finding]:
+    """Report joints that all follow one course, so that every effect of one looks like an effect of another."""
+    speed = motion.v[:, motion.moves]
+    if speed.shape[1] < 2:
+        return
+    shares = np.linalg.svd(speed / speed.std(axis=0), compute_uv=False) ** 2
+    share = float(shares[0] / shares.sum())
+    if share > IN_STEP:
+        yield Finding(
+            Topic.EXCITATION,
+            Severity.WARNING,
+            f"the joints move in step ({share:.1%} of their speeds is one common course): a payload, links and what "
+            "depends on the position of other joints look alike",
+            advice="add a motion in which the joints move at different times or speeds; 'cdia excite' makes one",
+            value={"in_step": share},
         )

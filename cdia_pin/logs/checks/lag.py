@@ -103,20 +103,29 @@ def check_lag(log: Log, robot: RobotModel, conventions: Conventions) -> Iterator
         One finding on the lag.
     """
     estimate = estimate_lag(log, robot, conventions)
-    if estimate is None or estimate.high - estimate.low > WIDEST:
+    if estimate is None:
         yield Finding(
             Topic.LAG,
             Severity.INFO,
             "cannot determine the lag of the efforts: no joint has enough rigid-body torque",
         )
         return
-    ms = [round(1e3 * x, 1) for x in (estimate.lag, estimate.low, estimate.high)]
+    ms = [round(1e3 * x, 1) + 0.0 for x in (estimate.lag, estimate.low, estimate.high)]  # + 0.0: no -0
     value = {
         "lag_s": estimate.lag,
         "interval_s": [estimate.low, estimate.high],
         "joints": [log.joints[k] for k in estimate.joints],
     }
     nearest_zero = max(estimate.low, -estimate.high, 0.0)
+    if estimate.high - estimate.low > WIDEST:
+        yield Finding(
+            Topic.LAG,
+            Severity.INFO,
+            "cannot determine the lag of the efforts: with this motion it may be anything from "
+            f"{ms[1]:g} to {ms[2]:g} ms",
+            value=value,
+        )
+        return
     between = f"{ms[0]:g} ms (between {ms[1]:g} and {ms[2]:g})"
     if nearest_zero > max(5e-3, 1.0 / log.rate):
         yield Finding(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
+from cdia_pin.logs.checks.joint_units import units_of
 from cdia_pin.logs.checks.motion import SmoothedMotion
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.resolution import quantum
@@ -30,6 +31,7 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
         A finding per kind of signal that is beyond, or one that none is.
     """
     limits = robot.limits
+    units = [units_of(robot, k) for k in range(robot.n)]
     low, high = log.position.min(axis=0), log.position.max(axis=0)
     speed = np.zeros(robot.n) if log.velocity is None else np.abs(log.velocity).max(axis=0)
     effort = np.abs(log.effort).max(axis=0)
@@ -37,7 +39,7 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
     beyond = {
         "positions": (
             {
-                k: f"{low[k]:.4g} to {high[k]:.4g} of {limits.lower[k]:.4g} to {limits.upper[k]:.4g}"
+                k: f"{low[k]:.4g} to {high[k]:.4g} of {limits.lower[k]:.4g} to {limits.upper[k]:.4g} {units[k][0]}"
                 for k in range(robot.n)
             },
             outside,
@@ -45,12 +47,12 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
             "joints (--joint-map), and that this is the robot",
         ),
         "speeds": (
-            {k: f"{speed[k]:.4g} of {limits.velocity[k]:.4g}" for k in range(robot.n)},
+            {k: f"{speed[k]:.4g} of {limits.velocity[k]:.4g} {units[k][0]}/s" for k in range(robot.n)},
             speed > SLACK * limits.velocity,
             "check the unit of the velocity, and that this is the robot",
         ),
         "efforts": (
-            {k: f"{effort[k]:.4g} of {limits.effort[k]:.4g}" for k in range(robot.n)},
+            {k: f"{effort[k]:.4g} of {limits.effort[k]:.4g} {units[k][1]}" for k in range(robot.n)},
             effort > SLACK * limits.effort,
             "check the unit of the effort (--convert torque=Nmm), and that this is the robot",
         ),
@@ -94,10 +96,11 @@ def check_saturation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
             clipped, level = max(_plateau(effort[moving]), _plateau(-effort[moving]))
         if at_limit > 1e-3 or clipped > 5e-3:
             found = True
+            _, unit = units_of(robot, k)
             where = (
-                f"at the URDF's limit of {robot.limits.effort[k]:.4g} in {at_limit:.1%} of the samples"
+                f"at the URDF's limit of {robot.limits.effort[k]:.4g} {unit} in {at_limit:.1%} of the samples"
                 if at_limit > 1e-3
-                else f"clipped at {level:.4g} in {clipped:.1%} of the samples in motion"
+                else f"clipped at {level:.4g} {unit} in {clipped:.1%} of the samples in motion"
             )
             yield Finding(
                 Topic.SATURATION,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
+from cdia_pin.logs.checks.joint_units import units_of
 from cdia_pin.logs.checks.motion import (
     CUTOFF,
     SHORTEST,
@@ -71,6 +72,7 @@ def check_gaps(log: Log) -> Iterator[Finding]:
         longest = float(step[gaps].max())
         at = float(log.time[gaps[step[gaps].argmax()]])
         left_out = len(log.time) - len(longest_stretch(log).time)
+        said = f"{longest:.3g} s" if longest >= 1.0 else f"{longest * 1e3:.3g} ms"
         split = (
             f"; only the longest stretch without a gap over {LONGEST_GAP:g} s is checked further, "
             f"{left_out} samples are not"
@@ -78,7 +80,7 @@ def check_gaps(log: Log) -> Iterator[Finding]:
         yield Finding(
             Topic.GAPS,
             Severity.WARNING if longest > LONG_GAP else Severity.INFO,
-            f"{len(gaps)} gap(s), the longest {longest * 1e3:.3g} ms after t = {at:.4g} s"
+            f"{len(gaps)} gap(s), the longest {said} after t = {at:.4g} s"
             + (split if longest > LONGEST_GAP else ""),
             advice="make two logs of it, split there, if the arm moved meanwhile"
             if longest > LONG_GAP
@@ -106,11 +108,12 @@ def check_gaps(log: Log) -> Iterator[Finding]:
         yield Finding(Topic.JITTER, Severity.OK, "evenly sampled", value=value)
 
 
-def check_repeats(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]:
+def check_repeats(log: Log, robot: RobotModel, motion: SmoothedMotion | None) -> Iterator[Finding]:
     """Report repeated samples, and signals that are constant while the joint moves.
 
     Args:
         log: The log.
+        robot: Its robot.
         motion: Smoothed signals, which tell the moving joints; None for a log that is too short.
 
     Yields:
@@ -135,15 +138,16 @@ def check_repeats(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]:
     if motion is None:
         return
     for k in np.flatnonzero(motion.moves):
-        yield from _frozen(log, int(k))
+        yield from _frozen(log, int(k), *units_of(robot, int(k)))
 
 
-def _frozen(log: Log, k: int) -> Iterator[Finding]:
+def _frozen(log: Log, k: int, position_unit: str, effort_unit: str) -> Iterator[Finding]:
     if not np.ptp(log.effort[:, k]):
         yield Finding(
             Topic.FROZEN,
             Severity.ERROR,
-            f"the effort is {log.effort[0, k]:.4g} throughout although the joint moves: it was not recorded",
+            f"the effort is {log.effort[0, k] + 0.0:.4g} {effort_unit} throughout although the joint moves: "
+            "it was not recorded",
             joint=log.joints[k],
             advice="record the effort of this joint",
             value={"signal": "effort"},
@@ -161,8 +165,8 @@ def _frozen(log: Log, k: int) -> Iterator[Finding]:
         yield Finding(
             Topic.FROZEN,
             Severity.WARNING,
-            f"the effort stands at {log.effort[start, k]:.4g} for {seconds:.3g} s from "
-            f"t = {log.time[start]:.4g} s while the joint moves {travelled:.3g}",
+            f"the effort stands at {log.effort[start, k] + 0.0:.4g} {effort_unit} for {seconds:.3g} s from "
+            f"t = {log.time[start]:.4g} s while the joint moves {travelled:.3g} {position_unit}",
             joint=log.joints[k],
             advice="leave that part out of the file, or find out why the effort was not updated",
             value={"signal": "effort", "from_s": float(log.time[start]), "seconds": seconds},
@@ -177,7 +181,7 @@ def _frozen(log: Log, k: int) -> Iterator[Finding]:
             Topic.FROZEN,
             Severity.WARNING,
             f"the position stands still for {seconds:.3g} s from t = {log.time[start]:.4g} s while "
-            f"the recorded velocity is at least {fastest:.3g}",
+            f"the recorded velocity is at least {fastest:.3g} {position_unit}/s",
             joint=log.joints[k],
             advice="leave that part out of the file, or find out why the position was not updated",
             value={"signal": "position", "from_s": float(log.time[start]), "seconds": seconds},
@@ -217,11 +221,12 @@ def check_resolution(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
             continue
         worst = max(shares, key=lambda joint: shares[joint])
         coarsest = max(steps, key=lambda joint: steps[joint])
+        unit = units_of(robot, log.joints.index(coarsest))[signal == "effort"]
         yield Finding(
             Topic.RESOLUTION,
             Severity.WARNING if shares[worst] > 0.1 else Severity.INFO,
             f"{signal}s of {len(steps)} joint(s) are rounded, on {coarsest} to multiples of "
-            f"{steps[coarsest]:.2g}: a noise in torque of up to {shares[worst]:.1%} of the effort ({worst})",
+            f"{steps[coarsest]:.2g} {unit}: a noise in torque of up to {shares[worst]:.1%} of the effort ({worst})",
             advice=f"record {signal}s with more digits" if shares[worst] > 0.1 else "",
             value={"signal": signal, "quantum": steps, "share_of_effort": shares},
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,12 +11,15 @@ import numpy as np
 from cdia_pin.logs.checks.conventions import (
     DEGREE,
     LIKELY,
+    SEARCH_SAMPLES,
     ConventionChange,
     Conventions,
     ConventionSearch,
     Trial,
+    search_conventions,
 )
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
+from cdia_pin.logs.checks.motion import SmoothedMotion
 from cdia_pin.logs.log import Log
 
 if TYPE_CHECKING:
@@ -50,8 +54,6 @@ def check_conventions(log: Log, robot: RobotModel, search: ConventionSearch) -> 
                 advice=f"look at another log; if so, {advice}",
                 value={"joints": joints, "gain": likely[0].gain},
             )
-    if search.conventions.angle == 1.0:
-        yield from _angles_out_of_reach(log, robot, search)
     yield _signs(log, search)
     yield _order(log, search)
     for k in np.flatnonzero(search.after > POOR).tolist():
@@ -68,17 +70,21 @@ def check_conventions(log: Log, robot: RobotModel, search: ConventionSearch) -> 
 def _adopted(log: Log, robot: RobotModel, search: ConventionSearch) -> Iterator[Finding]:
     """Report all adopted changes together, and the rivals that fit as well."""
     done = {(best.kind, best.joints) for best, _ in search.steps}
-    rivals = [r for _, among in search.steps for r in among if (r.kind, r.joints) not in done]
-    for topic, message, advice, joints in _differences(
-        log, robot, Conventions.assumed(robot.n), search.conventions
-    ):
+    begun = [search.start, *(best.conventions for best, _ in search.steps)]
+    rivals = [
+        (before, r)
+        for before, (_, among) in zip(begun, search.steps, strict=False)
+        for r in among
+        if (r.kind, r.joints) not in done
+    ]
+    for topic, message, advice, joints in _differences(log, robot, search.start, search.conventions):
         worst = max(joints, key=lambda j: np.nan_to_num(search.before[log.joints.index(j)]))
         k = log.joints.index(worst)
         others = [
             m
-            for r in rivals
+            for before, r in rivals
             if set(joints) & {log.joints[i] for i in r.joints}
-            for _, m, _, _ in _differences(log, robot, Conventions.assumed(robot.n), r.conventions)
+            for _, m, _, _ in _differences(log, robot, before, r.conventions)
             if m != message
         ]
         yield Finding(
@@ -162,8 +168,38 @@ def _by_name(log: Log, share: np.ndarray) -> dict[str, float]:
     return {j: float(s) for j, s in zip(log.joints, share, strict=True) if np.isfinite(s)}
 
 
-def _angles_out_of_reach(log: Log, robot: RobotModel, search: ConventionSearch) -> Iterator[Finding]:
-    """Report positions of several turns that would fit the URDF's limits as degrees."""
+def find_conventions(
+    log: Log, motion: SmoothedMotion, robot: RobotModel
+) -> tuple[ConventionSearch, list[Finding]]:
+    """Search the conventions that fit; angles that are degrees by their size are taken as such from the start.
+
+    Args:
+        log: The log.
+        motion: Its motion, smoothed.
+        robot: Its robot.
+
+    Returns:
+        The search, and the finding that positions are in degrees by their size, if they are.
+    """
+    motion = motion.thin(SEARCH_SAMPLES)
+    search = search_conventions(motion, robot)
+    largest = _angle_out_of_reach(log, robot)
+    against = next((t.gain for t in search.rest if t.kind is ConventionChange.DEGREES), 0.0)
+    if largest is None or search.conventions.angle != 1.0 or against <= -LIKELY:
+        return search, []
+    degrees = replace(Conventions.assumed(robot.n), angle=DEGREE)
+    finding = Finding(
+        Topic.UNITS,
+        Severity.ERROR,
+        f"positions up to {largest:.4g} are several turns as rad, within limits as degrees",
+        advice="--convert angle=deg",
+        value={"largest": largest},
+    )
+    return search_conventions(motion, robot, degrees), [finding]
+
+
+def _angle_out_of_reach(log: Log, robot: RobotModel) -> float | None:
+    """Return the largest position if it is several turns in rad, and all are within the URDF's limits as degrees."""
     revolute = ~robot.is_prismatic
     most = np.abs(log.position).max(axis=0)
     limits = robot.limits
@@ -171,15 +207,7 @@ def _angles_out_of_reach(log: Log, robot: RobotModel, search: ConventionSearch) 
     fits = (as_degrees > limits.lower - 0.01) & (as_degrees < limits.upper + 0.01)
     turns = np.maximum(2 * np.pi, np.where(np.isfinite(limits.upper), limits.upper, 0.0))
     beyond = revolute & (most > 1.2 * turns)
-    against = next((t.gain for t in search.rest if t.kind is ConventionChange.DEGREES), 0.0)
-    if beyond.any() and fits[:, revolute].all() and against > -LIKELY:
-        yield Finding(
-            Topic.UNITS,
-            Severity.ERROR,
-            f"positions up to {most[beyond].max():.4g} are several turns as rad, within limits as degrees",
-            advice="--convert angle=deg",
-            value={"largest": float(most[beyond].max())},
-        )
+    return float(most[beyond].max()) if beyond.any() and fits[:, revolute].all() else None
 
 
 def _signs(log: Log, search: ConventionSearch) -> Finding:

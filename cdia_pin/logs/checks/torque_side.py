@@ -11,7 +11,7 @@ import numpy as np
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.motion import SmoothedMotion
 from cdia_pin.logs.log import Log
-from cdia_pin.logs.side_evidence import SideEvidence, side_evidence
+from cdia_pin.logs.side_evidence import LEAST_SCALE, SideEvidence, side_evidence
 from cdia_pin.logs.torque_side import TorqueSide
 
 if TYPE_CHECKING:
@@ -74,6 +74,10 @@ def _said(evidence: SideEvidence) -> str:
     shares = [100 * f.dry / f.limit for f in evidence.joints.values() if np.isfinite(f.limit)]
     if not shares:
         return ""
+    if evidence.scale < LEAST_SCALE:
+        return (
+            f"the efforts are {evidence.scale:.2g} of the URDF's torque, and its limits tell nothing of them"
+        )
     return (
         f"the jump at reversals shows dry friction of {min(shares):.2g} to {max(shares):.2g} % of the torque limits "
         "(gears take 4 to 7 %)"

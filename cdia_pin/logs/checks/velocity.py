@@ -99,9 +99,8 @@ def check_velocity(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]
         yield Finding(Topic.VELOCITY, Severity.INFO, "not recorded; derived from the positions")
         return
     if motion is None or not motion.moves.any():
-        yield Finding(
-            Topic.VELOCITY, Severity.INFO, "cannot compare velocities with positions: no joint moves"
-        )
+        why = "the log is too short" if motion is None else "no joint moves"
+        yield Finding(Topic.VELOCITY, Severity.INFO, f"cannot compare velocities with positions: {why}")
         return
     moving = [int(k) for k in np.flatnonzero(motion.moves)]
     zero = [log.joints[k] for k in moving if not log.velocity[:, k].any()]

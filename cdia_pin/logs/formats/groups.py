@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cdia_pin.logs.formats.patterns import NAME, NUMBER, labels_of
+from cdia_pin.logs.formats.patterns import NAME, NUMBER, ONLY, labels_of
 
 FEWEST_LETTERS = 1  # [characters] that columns must share to be a group by name
 SEPARATORS = "._/ "
@@ -31,11 +31,13 @@ def grouped(names: Sequence[str], count: int) -> list[JointColumns]:
 
     Args:
         names: Names of columns, in the order of the file.
-        count: Number of joints.
+        count: Number of joints; of one joint each column is a group, by its whole name.
 
     Returns:
         The groups, those with numbers first, without overlap.
     """
+    if count == 1:
+        return [JointColumns(name, {ONLY: name}) for name in names if not set(name) & {NUMBER, NAME}]
     groups: list[JointColumns] = []
     taken: set[str] = set()
     for pattern, often in Counter([*_numbered(names), *_named(names)]).items():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +33,7 @@ SAMPLES = 20_000  # [samples] that are looked at
 # Words in names, which decide where sizes do not.
 WORDS = {
     "temperature": r"temp|°c|celsius",
-    "current": r"curr|cur\b|amp|iq\b|\bi[_#*]",
+    "current": r"curr|cur(?![a-z])|amp|iq\b|\bi[_#*]",
     "effort": r"torq|trq|tau|moment|eff|\bnm\b|load",
     "velocity": r"vel|speed|spd|omega|rate|dq|qd|\bw[_#*]",
     "position": r"pos|ang|enc|deg|rad|joint|\bq[_#*]",
@@ -70,29 +70,41 @@ class ColumnGuess:
         return f"{self.pattern} {self.lowest:.3g} to {self.highest:.3g} {self.said_short}".rstrip()
 
 
-def guess_columns(columns: dict[str, NDArray[Any]], robot: RobotModel) -> list[ColumnGuess]:
+def guess_columns(
+    columns: Mapping[str, NDArray[Any]], robot: RobotModel, known: Mapping[str, str] | None = None
+) -> list[ColumnGuess]:
     """Guess what the columns of a table hold.
 
     Args:
         columns: Numbers by name of the column, each of shape (N,).
         robot: The arm, for the number of joints and their limits.
+        known: Signal, or ``time``, of each column that needs no guess; positions and velocities judge the others.
 
     Returns:
-        A guess for each group of columns with one for each joint, and for the column of times.
+        A guess for each other group of columns with one for each joint, and for the column of times.
     """
+    known = known or {}
     if len(next(iter(columns.values()), ())) < LEAST:
         return []
     several = (g.labels.values() for g in grouped(list(columns), robot.n) if len(g.labels) > 1)
-    times = list(_times(columns, {name for names in several for name in names}))
-    groups = grouped([name for name in columns if name not in {t.pattern for t in times}], robot.n)
+    times = (
+        [] if TIME in known.values() else list(_times(columns, {name for names in several for name in names}))
+    )
+    clocks = {*(t.pattern for t in times), *(name for name, signal in known.items() if signal == TIME)}
+    groups = grouped([name for name in columns if name not in clocks], robot.n)
     values = {g.pattern: _values(columns, g) for g in groups}
     groups = [g for g in groups if np.isfinite(values[g.pattern]).any(axis=0).all()]
     words = {g.pattern: _word(g.pattern) for g in groups}
-    position, velocity = _moving([g for g in groups if not UNWANTED.search(g.pattern)], values, words)
+    named = {g.pattern: known.get(next(iter(g.labels.values())), "") for g in groups}
+    moving = [g for g in groups if named[g.pattern] or not UNWANTED.search(g.pattern)]
+    position, velocity = _moving(moving, values, words, named)
     guesses = list(times)
-    seconds = in_seconds(columns[guesses[0].pattern][:SAMPLES], None, "")[0] if guesses else None
-    taken: set[str] = set()
+    clock = next((columns[name][:SAMPLES] for name in clocks if name in columns), np.zeros(0))
+    seconds = in_seconds(clock, None, "")[0] if len(clock) and (np.diff(clock) > 0).all() else None
+    taken = set(known.values())
     for group in groups:
+        if named[group.pattern]:
+            continue
         x = values[group.pattern]
         if group is position:
             signal, said = "position", "deg" if np.nanmax(np.abs(x)) > FULL_TURNS else "rad"
@@ -113,6 +125,17 @@ def guess_columns(columns: dict[str, NDArray[Any]], robot: RobotModel) -> list[C
             )
         )
     return guesses
+
+
+def torques_among(names: Sequence[str], count: int) -> list[str]:
+    """Return the patterns of columns that may be measured torques or currents by their names.
+
+    Args:
+        names: Names of columns.
+        count: Number of joints.
+    """
+    patterns = (group.pattern for group in grouped(names, count))
+    return [p for p in patterns if _word(p) in {"effort", "current"} and not UNWANTED.search(p)]
 
 
 def reading_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> dict[str, str]:
@@ -166,29 +189,37 @@ def said_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> str:
     return f"the columns look like: {looks}" + (f"; if that is right, type {options}" if options else "")
 
 
-def _values(columns: dict[str, NDArray[Any]], group: JointColumns) -> Array:
+def _values(columns: Mapping[str, NDArray[Any]], group: JointColumns) -> Array:
     x = np.column_stack([np.asarray(columns[name], dtype=np.float64) for name in group.labels.values()])
     return x[:SAMPLES]
 
 
 def _moving(
-    groups: Sequence[JointColumns], values: dict[str, Array], words: dict[str, str]
+    groups: Sequence[JointColumns], values: dict[str, Array], words: dict[str, str], named: dict[str, str]
 ) -> tuple[JointColumns | None, JointColumns | None]:
-    """Find the positions, and the velocities that are their derivative; without those, the smoothest signal."""
+    """Find the positions, and the velocities that are their derivative; without those, the smoothest signal.
+
+    Positions and velocities that the user or their names tell are those, and no others.
+    """
+
+    def possible(signal: str) -> list[JointColumns]:
+        told = [g for g in groups if named[g.pattern] == signal]
+        return told or [g for g in groups if not named[g.pattern] and words[g.pattern] in {"", signal}]
+
     pairs = [
         (_alike(np.gradient(values[a.pattern], axis=0), values[b.pattern]), a, b)
-        for a in groups
-        for b in groups
-        if a is not b and words[a.pattern] in {"", "position"} and words[b.pattern] in {"", "velocity"}
+        for a in possible("position")
+        for b in possible("velocity")
+        if a is not b
     ]
     best = max(pairs, key=lambda pair: pair[0], default=None)
     if best is not None and best[0] > RATE_OF:
         return best[1], best[2]
-    named = [g for g in groups if words[g.pattern] == "position"] or [
-        g for g in groups if not words[g.pattern] and _roughness(values[g.pattern]) < np.inf
+    positions = [g for g in possible("position") if words[g.pattern] == "position" or named[g.pattern]] or [
+        g for g in possible("position") if _roughness(values[g.pattern]) < np.inf
     ]
-    velocity = next((g for g in groups if words[g.pattern] == "velocity"), None)
-    return min(named, key=lambda g: _roughness(values[g.pattern]), default=None), velocity
+    velocity = next((g for g in possible("velocity") if words[g.pattern] == "velocity"), None)
+    return min(positions, key=lambda g: _roughness(values[g.pattern]), default=None), velocity
 
 
 def _alike(x: Array, y: Array) -> float:
@@ -238,7 +269,7 @@ def _torque_or_so(x: Array, word: str, pattern: str, robot: RobotModel) -> tuple
     return ("current", size) if share < SMALL else ("effort", size)
 
 
-def _times(columns: dict[str, NDArray[Any]], used: set[str]) -> Iterator[ColumnGuess]:
+def _times(columns: Mapping[str, NDArray[Any]], used: set[str]) -> Iterator[ColumnGuess]:
     """Yield the first column that increases throughout."""
     for name, x in columns.items():
         if name not in used and len(x) > 1 and (np.diff(x) > 0).all():

@@ -1,4 +1,7 @@
-"""Patterns of column names: ``#`` stands for the number of a joint, ``*`` for its name."""
+"""Patterns of column names: ``#`` stands for the number of a joint, ``*`` for its name.
+
+On an arm of one joint a pattern may be a whole name, which stands for the first joint.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from cdia_pin.logs.columns import ALIASES
 from cdia_pin.phrases import some
 
 NUMBER, NAME = "#", "*"
+ONLY = "1"  # label of the only joint, where a pattern is a whole name
 TIME = "time"
 
 
@@ -26,15 +30,18 @@ def labels_of(pattern: str, names: Iterable[str]) -> dict[str, str]:
     """
     expression = _expression(pattern)
     matches = ((name, expression.fullmatch(name.strip())) for name in names)
-    return {match.group(1).strip(): name for name, match in matches if match}
+    return {match.group(1).strip() if match.groups() else ONLY: name for name, match in matches if match}
 
 
-def column_patterns(given: Mapping[str, str] | Sequence[str] | None) -> dict[str, str]:
+def column_patterns(
+    given: Mapping[str, str] | Sequence[str] | None, *, one_joint: bool = False
+) -> dict[str, str]:
     """Read which columns hold which signal, as a user says it.
 
     Args:
         given: {signal: pattern}, or texts ``signal=pattern``, several separated by commas; a signal is one of
             ``ALIASES`` or ``time``, whose pattern is the name of its column.
+        one_joint: Whether the arm has one joint, so that a pattern may be a whole name.
 
     Returns:
         {signal: pattern}; empty for None.
@@ -50,7 +57,8 @@ def column_patterns(given: Mapping[str, str] | Sequence[str] | None) -> dict[str
     for signal, pattern in pairs:
         if signal not in {*ALIASES, TIME}:
             raise LogError("columns: " + unknown_name("signal", signal, [*ALIASES, TIME]))
-        if signal != TIME and pattern.count(NUMBER) + pattern.count(NAME) != 1:
+        marks = pattern.count(NUMBER) + pattern.count(NAME)
+        if signal != TIME and marks != 1 and not (one_joint and marks == 0):
             raise LogError(
                 f"columns: '{pattern}' needs one {NUMBER} for the number of a joint, or one {NAME} for its name, "
                 f"such as {signal}={pattern.rstrip('0123456789#*')}{NUMBER}"

@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.columns import ALIASES
+from cdia_pin.logs.columns import signal_of_all
 from cdia_pin.logs.readers.bounds import require_bounded
 from cdia_pin.logs.readers.table import Table
 from cdia_pin.phrases import LONGEST_REASON, one_line
 
 _JOINT_KEYS = ("joints", "joint_names", "names", "name")
-_SIGNAL = {alias: signal for signal, aliases in ALIASES.items() for alias in aliases}
 
 
 def read_npz(data: bytes, source: str) -> Table:
@@ -46,14 +45,14 @@ def read_npz(data: bytes, source: str) -> Table:
                 not_numbers[key] = f"an array of {array.dtype}"
         elif array.ndim == 1:
             columns[key] = array.astype(np.int64) if array.dtype.kind == "u" else array
-        elif array.ndim == 2 and key.lower() in _SIGNAL:
+        elif array.ndim == 2 and (signal := signal_of_all(key)) is not None:
             labels = joints if joints is not None else [str(k) for k in range(array.shape[1])]
             if len(labels) != array.shape[1]:
                 raise LogError(
                     f"{source}: {key} has shape {array.shape}, expected (N, {len(labels)}) for the joints "
                     f"{', '.join(map(str, labels))}"
                 )
-            columns.update({f"{_SIGNAL[key.lower()]}.{label}": array[:, k] for k, label in enumerate(labels)})
+            columns.update({f"{signal}.{label}": array[:, k] for k, label in enumerate(labels)})
         else:
             not_numbers[key] = f"an array of shape {array.shape}"
     lengths = {name: len(column) for name, column in columns.items()}

@@ -1,4 +1,4 @@
-"""The server of the live view: one page, its files and a stream of frames, for browsers of this machine alone."""
+"""The server of the live view: one page, its files and a stream of frames, for who has its address."""
 
 from __future__ import annotations
 
@@ -69,12 +69,14 @@ class Stream:
                 await news.wait()
 
 
-def application(setup: Mapping[str, object], stream: Stream) -> Starlette:
+def application(setup: Mapping[str, object], stream: Stream, token: str, port: int) -> Starlette:
     """Return the application.
 
     Args:
         setup: ``scene`` and ``timeline``, with which the page begins.
         stream: What follows.
+        token: The secret of its address.
+        port: Of its address.
     """
     from starlette.applications import Starlette
     from starlette.middleware import Middleware
@@ -82,6 +84,8 @@ def application(setup: Mapping[str, object], stream: Stream) -> Starlette:
     from starlette.responses import PlainTextResponse, Response
     from starlette.routing import Route, WebSocketRoute
     from starlette.websockets import WebSocketDisconnect
+
+    from cdia_pin.viewers.door import Door
 
     assets = scene_assets()
     script = "text/javascript"
@@ -97,18 +101,9 @@ def application(setup: Mapping[str, object], stream: Stream) -> Starlette:
 
     async def part(request: Request) -> Response:
         text, kind = parts[request.url.path]
-        headers = {
-            "Content-Security-Policy": POLICY,
-            "X-Content-Type-Options": "nosniff",
-            "Cache-Control": "no-store",
-        }
-        return Response(text, media_type=kind, headers=headers)
+        return Response(text, media_type=kind, headers={"Cache-Control": "no-store"})
 
     async def follow(socket: WebSocket) -> None:
-        # Any page in the browser may open a socket to this port; its origin tells it from ours.
-        if socket.headers.get("origin") != f"http://{socket.headers.get('host')}":
-            await socket.close(1008)
-            return
         await socket.accept()
         sending = asyncio.create_task(stream.send(socket))
         with contextlib.suppress(WebSocketDisconnect):
@@ -119,6 +114,9 @@ def application(setup: Mapping[str, object], stream: Stream) -> Starlette:
     return Starlette(
         routes=[*(Route(path, part) for path in parts), WebSocketRoute("/stream", follow)],
         # A foreign name that resolves to this machine must not read anything either.
-        middleware=[Middleware(TrustedHostMiddleware, allowed_hosts=list(NAMES), www_redirect=False)],
+        middleware=[
+            Middleware(TrustedHostMiddleware, allowed_hosts=list(NAMES), www_redirect=False),
+            Middleware(Door, token=token, name=f"cdia-view-{port}", policy=POLICY),
+        ],
         exception_handlers={404: lambda request, error: PlainTextResponse("no such page", 404)},
     )

@@ -23,7 +23,7 @@ LAST = 2.0  # [s] for it to end
 
 
 class LiveView:
-    """A page that shows an arm, served to this machine alone for as long as the process and the view live.
+    """A page that shows an arm, served to who has its address for as long as the process and the view live.
 
         with LiveView(Scene.of(robot), stages=monitor_stages()) as view:
             print(view.address)
@@ -60,6 +60,8 @@ class LiveView:
         require("view", "live views")
         import uvicorn
 
+        from cdia_pin.viewers.door import new_token
+
         live: dict[str, object] = {"live": True, "follow": follow, "stages": [s.to_dict() for s in stages]}
         if reach is not None:
             live["reach"] = np.round(np.asarray(reach, float), 3).tolist()
@@ -70,9 +72,10 @@ class LiveView:
         }
         self._stream = Stream()
         self._socket = _bound(port)
-        self.address = f"http://{HOST}:{self._socket.getsockname()[1]}/"
+        port, token = self._socket.getsockname()[1], new_token()
+        self.address = f"http://{HOST}:{port}/?token={token}"
         config = uvicorn.Config(
-            application(setup, self._stream),
+            application(setup, self._stream, token, port),
             log_level="critical",
             lifespan="off",
             timeout_graceful_shutdown=1,

@@ -1,20 +1,21 @@
-"""Who does not have the address that was printed gets nothing of the app: no page, no file, no socket."""
+"""Who does not have the address that was printed gets nothing: no page, no file, no socket."""
 
 import asyncio
 import stat
 
 import pytest
 
-pytest.importorskip("nicegui")
+pytest.importorskip("starlette")
 from starlette.applications import Starlette
 from starlette.responses import PlainTextResponse
 from starlette.routing import Route, WebSocketRoute
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
-from cdia_pin.app.door import Door, entrance
+from cdia_pin.viewers.door import Door, entrance
 
 TOKEN = "t0ken"
+POLICY = "default-src 'self'; frame-ancestors 'none'"
 HERE = "http://127.0.0.1:8400"
 SOCKET = "ws://127.0.0.1:8400/ws"
 
@@ -32,7 +33,9 @@ async def socket(connection):
 @pytest.fixture
 def browser():
     app = Starlette(routes=[Route("/", page, methods=["GET", "POST"]), WebSocketRoute("/ws", socket)])
-    return TestClient(Door(app, token=TOKEN, name="cdia-8400"), base_url=HERE, follow_redirects=False)
+    return TestClient(
+        Door(app, token=TOKEN, name="cdia-8400", policy=POLICY), base_url=HERE, follow_redirects=False
+    )
 
 
 def test_without_the_token_there_is_nothing(browser):
@@ -87,7 +90,7 @@ def test_the_lifespan_passes():
     async def inner(scope, receive, send):
         seen.append(scope["type"])
 
-    asyncio.run(Door(inner, token=TOKEN, name="x")({"type": "lifespan"}, None, None))
+    asyncio.run(Door(inner, token=TOKEN, name="x", policy=POLICY)({"type": "lifespan"}, None, None))
     assert seen == ["lifespan"]
 
 

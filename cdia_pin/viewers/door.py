@@ -1,7 +1,7 @@
-"""The door of the app: only who has the address that was printed comes in, and only from the app's own pages.
+"""The door of a server: only who has the address that was printed comes in, and only from the server's own pages.
 
 The server listens on this machine alone, which has other users and other web pages. A secret in the first address
-becomes a cookie. Each request needs the cookie; what changes something, and each socket, needs the app's own origin.
+becomes a cookie. Each request needs the cookie; what changes something, and each socket, needs the server's own origin.
 """
 
 from __future__ import annotations
@@ -25,23 +25,16 @@ App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 TOKEN_BYTES = 32  # of the secret: it cannot be guessed
 SAFE = {"GET", "HEAD", "OPTIONS"}  # methods that change nothing
-# NiceGUI's pages hold scripts, and compile their templates in the browser.
-POLICY = (
-    "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; style-src 'self' 'unsafe-inline'; "
-    "img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self'; object-src 'none'; "
-    "frame-ancestors 'none'; base-uri 'self'; form-action 'self'"
-)
 HEADERS = {
-    "content-security-policy": POLICY,
     "x-frame-options": "DENY",
     "x-content-type-options": "nosniff",
     "referrer-policy": "no-referrer",
 }
-REFUSED = "Open the address that cdia app printed; it holds the key to this page.\n"
+REFUSED = "Open the address that the command printed; it holds the key to this page.\n"
 
 
 def new_token() -> str:
-    """Return a secret for one run of the app."""
+    """Return a secret for one run of a server."""
     return secrets.token_urlsafe(TOKEN_BYTES)
 
 
@@ -73,16 +66,18 @@ class Door:
         app: What is behind the door.
         token: The secret.
         name: Of the cookie.
+        policy: What pages may load, as the header Content-Security-Policy.
     """
 
-    def __init__(self, app: App, *, token: str, name: str) -> None:
+    def __init__(self, app: App, *, token: str, name: str, policy: str) -> None:
         self._app, self._token, self._name = app, token, name
+        self._headers = {**HEADERS, "content-security-policy": policy}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, or pass it on."""
         if scope["type"] == "http":
             answer = self._answer(scope)
-            await (answer or self._app)(scope, receive, _with_headers(send))
+            await (answer or self._app)(scope, receive, self._with_headers(send))
         elif scope["type"] == "websocket":
             headers = Headers(scope=scope)
             if self._has_cookie(headers) and _is_own(headers):
@@ -115,18 +110,17 @@ class Door:
     def _is_token(self, given: str) -> bool:
         return hmac.compare_digest(given.encode(), self._token.encode())
 
+    def _with_headers(self, send: Send) -> Send:
+        async def sending(message: MutableMapping[str, Any]) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                for name, value in self._headers.items():
+                    headers[name] = value
+            await send(message)
+
+        return sending
+
 
 def _is_own(headers: Headers) -> bool:
-    """Tell whether a request comes from the app's own page: browsers state where from, and pages cannot change it."""
+    """Tell whether a request comes from the server's own page: browsers state from where, pages cannot change it."""
     return headers.get("origin") == f"http://{headers.get('host')}"
-
-
-def _with_headers(send: Send) -> Send:
-    async def sending(message: MutableMapping[str, Any]) -> None:
-        if message["type"] == "http.response.start":
-            headers = MutableHeaders(scope=message)
-            for name, value in HEADERS.items():
-                headers[name] = value
-        await send(message)
-
-    return sending

@@ -1,0 +1,48 @@
+"""Unusual effects that nobody would believe leave a model that predicts as well without them.
+
+A measured arm differs from every model a little, in all joints. A fluid, a steady wrench or a tilt of the base follows
+some of that. Such an effect is not certain, but while it is in the model it bends the effects that are there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cdia_pin.discovery.trust import Repeat
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.regression.cross_validation import held_out_rms
+from cdia_pin.regression.experiment import rms
+from cdia_pin.selection.problem import WhitenedProblem
+
+
+def doubted(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[str]:
+    """Return the labels of the unusual effects that were found and are not certain beside all everyday ones.
+
+    Args:
+        problem: Logs and settings.
+        found: The model that a search has found.
+        given: The model before it; its own terms are not doubted.
+    """
+    known = {t.label for t in given.terms}
+    unusual = [t for t in found.terms if t.label not in known and problem.settings.is_unusual(t.effect)]
+    if not unusual:
+        return set()
+    crowded = Repeat(problem.problem.design, found, problem.settings, everyday=True)
+    return {t.label for t in unusual if not crowded.is_beyond_doubt(t)}
+
+
+def predicts_as_well(problem: WhitenedProblem, plain: Dynamics, found: Dynamics) -> bool:
+    """Tell whether a model without doubted effects has the same error on blocks of time that were not fitted.
+
+    Args:
+        problem: The logs.
+        plain: The model without them, at its optimum.
+        found: The model with them.
+    """
+    x = problem.experiment
+    torque = np.maximum(rms(x.measured, x.informative), 1e-12)
+    error, before = (
+        float(np.mean(held_out_rms(problem.regression, x.predict(model)) / torque))
+        for model in (plain, found)
+    )
+    return error <= problem.settings.confidence.worth_of_doubted * before
