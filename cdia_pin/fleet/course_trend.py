@@ -12,7 +12,7 @@ from cdia_pin.fleet.alarm_limit import FEWEST_AFTER
 from cdia_pin.fleet.course import Course
 from cdia_pin.fleet.onset import find_onset
 from cdia_pin.fleet.robust_fit import robust_fit, usual_deviations
-from cdia_pin.fleet.step_search import FEWEST_BEFORE, Step, find_step
+from cdia_pin.fleet.step_search import FEWEST_BEFORE, CourseStep, find_step
 
 Array = NDArray[np.float64]
 
@@ -216,7 +216,7 @@ def _regressors(course: Course, at: NDArray[np.intp]) -> tuple[dict[str, str], A
     return units, np.column_stack(columns)
 
 
-def _looks(value: Array, deviation: Array, columns: Array, whole: Step) -> list[tuple[int, Step]]:
+def _looks(value: Array, deviation: Array, columns: Array, whole: CourseStep) -> list[tuple[int, CourseStep]]:
     """Return the most likely step after each log, as it was known then, with the number of logs."""
     count = len(value)
     first = FEWEST_BEFORE + FEWEST_AFTER

@@ -29,7 +29,7 @@ IMITATED = 1e-6  # share of a step [1] that the regressors must leave, so that i
 
 
 @dataclass(frozen=True)
-class Step:
+class CourseStep:
     """The most likely step of a course.
 
     Attributes:
@@ -45,7 +45,7 @@ class Step:
     z: float
 
 
-def find_step(values: Array, deviations: Array, regressors: Array) -> Step | None:
+def find_step(values: Array, deviations: Array, regressors: Array) -> CourseStep | None:
     """Return the most likely step of a course; None if it has too few logs.
 
     Args:
@@ -64,7 +64,7 @@ def find_step(values: Array, deviations: Array, regressors: Array) -> Step | Non
         at = _likeliest(fit.clipped, fit.variance, regressors)
         fit = fit_once(values, stated, _with_step(regressors, at), fit.clipped, fit.variance)
     size, deviation = float(fit.coefficients[-1]), float(fit.deviations[-1])
-    return Step(at, size, deviation, _normal(size / deviation, freedom))
+    return CourseStep(at, size, deviation, _normal(size / deviation, freedom))
 
 
 def _with_step(regressors: Array, at: int) -> Array:
