@@ -25,6 +25,7 @@ ORDER = (
     "discovery",
     "diagnosis",
     "cluster",
+    "fleet",
     "campaigns",
     "viewers",
     "app",

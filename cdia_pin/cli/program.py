@@ -27,6 +27,7 @@ from cdia_pin.cli.effects import effects
 from cdia_pin.cli.excite import excite
 from cdia_pin.cli.export import export
 from cdia_pin.cli.failures import CommandError
+from cdia_pin.cli.fleet import fleet
 from cdia_pin.cli.identify import identify
 from cdia_pin.cli.interrupts import insistent
 from cdia_pin.cli.monitor import monitor
@@ -35,6 +36,7 @@ from cdia_pin.cli.robots import robots
 from cdia_pin.cli.simulate import simulate
 from cdia_pin.cli.streams import mend_streams
 from cdia_pin.cli.study import study
+from cdia_pin.cli.trend import trend
 from cdia_pin.cli.tune import tune
 from cdia_pin.cli.view import view
 from cdia_pin.errors import CdiaError, unknown_name
@@ -156,6 +158,23 @@ for command, panel, example in (
         [
             "cdia calibrate loaded.csv unloaded.csv --known-payload 2.6 --robot ur5 --gains nominal.json "
             "--save gains.json"
+        ],
+    ),
+    (
+        fleet,
+        JOB,
+        [
+            "cdia fleet add --robots fleet.toml --store fleet",
+            "cdia fleet add cell-3/2026-05-12.csv --robots fleet.toml --store fleet",
+            "cdia fleet show fleet",
+        ],
+    ),
+    (
+        trend,
+        JOB,
+        [
+            "cdia trend fleet --report trend.html",
+            "cdia trend fleet --false-alarms 0.02 --prometheus cdia.prom",
         ],
     ),
     (

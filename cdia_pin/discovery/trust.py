@@ -69,7 +69,7 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     crowded = replace(whole, everyday=True)
     logs.experiment.forget()
     others = [
-        Repeat(DesignMatrix(x), replace(model, robot=x.robot), settings).settled() for x in _variations(logs)
+        Repeat(DesignMatrix(x), replace(model, robot=x.robot), settings).settled() for x in variations(logs)
     ]
     repeats = [*whole.halves, *others]
     out = {}
@@ -105,8 +105,12 @@ def _confidence(needed: bool, survived: Sequence[bool], settings: ConfidenceSett
     return Confidence.ESTABLISHED if all(survived) else Confidence.LIKELY
 
 
-def _variations(logs: Problem) -> Iterator[Experiment]:
-    """Yield the logs with other cut-offs and with wrong links."""
+def variations(logs: Problem) -> Iterator[Experiment]:
+    """Yield the logs with other cut-offs and with wrong links, which nobody knows better.
+
+    Args:
+        logs: The logs.
+    """
     x, settings = logs.experiment, logs.settings
     for factor in settings.confidence.cutoffs:
         try:

@@ -34,6 +34,7 @@ class Log:
         torque_side: Side of the gear on which the torque was measured, as far as it is known.
         effort_origin: Whether the efforts were measured, were without gravity, or were commanded.
         effort_tolerance: Tolerance of the scale of each joint's torque, 95 % [1], shape (n,); None if nobody states it.
+        recorded: When the log began [s since 1970]; None where its clock does not say it.
     """
 
     joints: tuple[str, ...]
@@ -49,6 +50,7 @@ class Log:
     torque_side: TorqueSide = TorqueSide.UNKNOWN
     effort_origin: EffortOrigin = EffortOrigin.MEASURED
     effort_tolerance: Array | None = None
+    recorded: float | None = None
 
     def __post_init__(self) -> None:
         n, count = len(self.joints), len(self.time)

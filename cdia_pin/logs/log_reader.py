@@ -20,7 +20,7 @@ from cdia_pin.logs.missing_columns import require_columns
 from cdia_pin.logs.readers.dispatch import Wanted, read_table
 from cdia_pin.logs.readers.table import Table
 from cdia_pin.logs.signal_picker import SignalPicker
-from cdia_pin.logs.timestamps import in_seconds
+from cdia_pin.logs.timestamps import in_seconds, recorded_at
 from cdia_pin.logs.torque_side import torque_side_of
 
 if TYPE_CHECKING:
@@ -99,7 +99,8 @@ def read_log(
         torque = torque + robot.gravity(position)
     pick.note_what_was_ignored()
     unit = conversion.time or table.time_unit or choice.columns.time.get(choice.columns.time_column or "")
-    time, time_notes = in_seconds(pick.time(), unit, path.name)
+    stamps = pick.time()
+    time, time_notes = in_seconds(stamps, unit, path.name)
     signals = [s for s in (position, torque, velocity, temperature) if s is not None]
     keep, repeat_notes = _once(time, signals, path.name)
     if not repeat_notes:
@@ -117,6 +118,7 @@ def read_log(
         torque_side=effort.side,
         effort_origin=effort.origin,
         effort_tolerance=effort.tolerance,
+        recorded=recorded_at(stamps, unit, path.name),
     )
 
 

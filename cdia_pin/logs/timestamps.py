@@ -58,6 +58,27 @@ def in_seconds(raw: NDArray[Any], unit: str | None, source: str) -> tuple[Array,
     return np.asarray(raw, dtype=np.float64) / per_second, notes
 
 
+def recorded_at(raw: NDArray[Any], unit: str | None, source: str) -> float | None:
+    """Return when a log began, where its times count from 1970.
+
+    Args:
+        raw: Times as read, integer or float, shape (N,).
+        unit: ``s``, ``ms``, ``us`` or ``ns``; inferred from the median step if None.
+        source: Name of the log, for messages.
+
+    Returns:
+        Time of the first sample [s since 1970]; None where the log's clock has a start of its own.
+
+    Raises:
+        LogError: If the unit is unknown.
+    """
+    unit = unit or _likely_unit(raw)
+    if unit not in SECONDS:
+        raise LogError(f"{source}: " + unknown_name("unit of time", unit, SECONDS))
+    began = float(raw[0]) * SECONDS[unit] if len(raw) else 0.0
+    return began if _EPOCH_NOW[0] < began < _EPOCH_NOW[1] else None
+
+
 def _median_step(raw: NDArray[Any]) -> float:
     return float(np.median(np.diff(raw))) if len(raw) > 1 else 0.0
 
