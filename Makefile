@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 JOBS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1  # small matrices: threads only cost
 
-.PHONY: install test lint docs demo lock bench bench-discovery bench-real bench-cdia bench-samples
+.PHONY: install test lint docs demo audit lock bench bench-discovery bench-real bench-cdia bench-samples
 .PHONY: bench-logs bench-scale bench-sensitivity clean help
 
 help:  ## show this list
@@ -25,6 +25,9 @@ lint: $(VENV)/.installed-dev  ## format, lint and types
 docs: $(VENV)/.installed-docs  ## the documentation site, in out/docs; runs the examples in the pages
 	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going -b html docs out/docs
 	$(BIN)/python -m pytest docs/checks
+
+audit:  ## look for known vulnerabilities in requirements.lock, where the database of advisories answers
+	.ci/audit
 
 demo: $(VENV)/.installed  ## find a missing effect in a log that ships, in under a minute
 	$(BIN)/cdia demo
