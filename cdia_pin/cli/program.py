@@ -161,23 +161,6 @@ for command, panel, example in (
         ],
     ),
     (
-        fleet,
-        JOB,
-        [
-            "cdia fleet add --robots fleet.toml --store fleet",
-            "cdia fleet add cell-3/2026-05-12.csv --robots fleet.toml --store fleet",
-            "cdia fleet show fleet",
-        ],
-    ),
-    (
-        trend,
-        JOB,
-        [
-            "cdia trend fleet --report trend.html",
-            "cdia trend fleet --false-alarms 0.02 --prometheus cdia.prom",
-        ],
-    ),
-    (
         export,
         MODELS,
         [
@@ -189,6 +172,23 @@ for command, panel, example in (
         simulate,
         MODELS,
         ["cdia simulate --robot ur5 --fault 'coulomb_friction@elbow_joint: level=5, after=4' --out run.csv"],
+    ),
+    (
+        fleet,
+        MANY,
+        [
+            "cdia fleet add --robots fleet.toml --store fleet",
+            "cdia fleet add cell-3/2026-05-12.csv --robots fleet.toml --store fleet",
+            "cdia fleet show fleet",
+        ],
+    ),
+    (
+        trend,
+        MANY,
+        [
+            "cdia trend fleet --report trend.html",
+            "cdia trend fleet --false-alarms 0.02 --prometheus cdia.prom",
+        ],
     ),
     (
         campaign,
