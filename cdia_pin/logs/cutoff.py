@@ -15,10 +15,9 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-LOWEST_CUTOFF = 5.0  # [Hz], which a working motion of an arm needs
-# [Hz], upper ends of the cut-off: the first that the rate allows. An end that moved with the rate would give the
-# same log, resampled, another filter and other names.
-HIGHEST_CUTOFFS = (25.0, 10.0)
+# [Hz], range of the cut-off: a working motion of an arm needs the lower end, and the resonances of its structure
+# lie near the upper end
+LOWEST_CUTOFF, HIGHEST_CUTOFF = 5.0, 25.0
 HIGHEST_SHARE = 0.15  # [1], of the log's rate; nearer to half the rate, central differences lose amplitude
 FINEST = 1e-15  # [1], smallest floor of a position over its peak power: an error of about 10⁻⁶ of its travel
 FINEST_EFFORT = 1e-9  # [1], the same for torques, which no sensor measures that finely
@@ -43,11 +42,10 @@ def choose_cutoff(even: Log, robot: RobotModel) -> float:
         robot: Its robot.
 
     Returns:
-        Cut-off [Hz], within 5 to 25 Hz, or 5 to 10 Hz below a rate of 167 Hz; at most 0.15 of the rate.
+        Cut-off [Hz], within 5 to 25 Hz and at most 0.15 of the rate.
     """
     rate = (len(even.time) - 1) / even.duration
-    allowed = HIGHEST_SHARE * rate
-    highest = next((end for end in HIGHEST_CUTOFFS if end <= allowed), allowed)
+    highest = min(HIGHEST_CUTOFF, HIGHEST_SHARE * rate)
     if highest <= LOWEST_CUTOFF:
         return highest
     edges = np.geomspace(LOWEST_CUTOFF, highest, BANDS + 1)
