@@ -3,7 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 JOBS ?= 2
-export OPENBLAS_NUM_THREADS ?= 1  # small matrices: threads only cost
+# Small matrices: threads only cost. A comment behind the value would leave its blanks in the value.
+export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: install test lint docs demo audit lock bench bench-discovery bench-real bench-cdia bench-samples
 .PHONY: bench-logs bench-scale bench-sensitivity clean help

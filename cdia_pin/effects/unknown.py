@@ -22,10 +22,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Unknown(JointEffect):
-    """Learned torque, f = Σ lᵢ exp(−(q−aᵢ)²/σ²) + Σ sᵢ exp(−(q̇−bᵢ)²/ω²) + Σ dᵢ exp(−(q−cᵢ)²/σ²) q̇ + h τ.
+    """Learned torque, f = Σ lᵢ g(q−aᵢ) + Σ sᵢ g(q̇−bᵢ) + q̇ Σ dᵢ g(q−cᵢ) + h τ.
 
-    It says how large the missing torque is and where, not what it is. [Thesis] eq. 3.1 has no dᵢ. They are needed
-    for a torque that depends on position and speed together, such as drag in one place.
+    g(x) is exp(−x²/σ²) in position and exp(−x²/ω²) in velocity. It says how large the missing torque is and where, not
+    what it is. [Thesis] eq. 3.1 has no dᵢ: they are needed for a torque that depends on position and speed together,
+    such as drag in one place.
 
     Attributes:
         joint: Name of the joint.
@@ -44,7 +45,7 @@ class Unknown(JointEffect):
 
     name: ClassVar[str] = "unknown"
     plausibility: ClassVar[Plausibility] = Plausibility(searched=False)
-    equation: ClassVar[str] = "Σ lᵢ exp(−(q−aᵢ)²/σ²) + Σ sᵢ exp(−(q̇−bᵢ)²/ω²) + Σ dᵢ exp(−(q−cᵢ)²/σ²) q̇ + h τ"
+    equation: ClassVar[str] = "Σ lᵢ g(q−aᵢ) + Σ sᵢ g(q̇−bᵢ) + q̇ Σ dᵢ g(q−cᵢ) + h τ"
 
     def __post_init__(self) -> None:
         # JSON gives lists; a frozen effect is hashable only with tuples

@@ -34,8 +34,10 @@ COMMANDS = {
     "simulate": "simulate --fault payload:mass=0.5,after=1 --duration 2 --robot {urdf} --out {out}.csv",
     "convert": "convert {run} {out}.npz --robot {urdf}",
     "view": "view {run} --robot {urdf} --no-open",
+    "fleet": "fleet add --robots {map} --store {out}-store",
 }
-WITHOUT_A_ROBOT = {"demo", "effects", "study"}
+WITHOUT_A_ROBOT = {"demo", "effects", "study", "trend"}  # the robot of a trend is that of its store
+MANY_RUNS = {"campaign", "tune"}  # which take longer than a test should
 NEEDS_MORE_JOINTS = {"calibrate"}  # a known weight at the tool of an arm that moves it against gravity
 
 
@@ -57,6 +59,8 @@ def paths(given, cdia):
     folder, _ = given
     paths = {name.removesuffix(".csv"): folder / name for name in LOGS}
     paths |= {"urdf": next(folder.glob("*.urdf")), "model": folder / "model.json", "out": folder / "out"}
+    paths["map"] = folder / "map.toml"
+    paths["map"].write_text(f'[robots.one]\nrobot = "{paths["urdf"].name}"\nlogs = ["run.csv"]\n')
     made = cdia(
         "add", "coulomb_friction@only", paths["run"], "--robot", paths["urdf"], "--save", paths["model"]
     )
@@ -65,7 +69,9 @@ def paths(given, cdia):
 
 
 def test_no_command_is_left_out():
-    assert {*COMMANDS, *WITHOUT_A_ROBOT, *NEEDS_MORE_JOINTS, "app"} == {*typer.main.get_command(app).commands}
+    assert {*COMMANDS, *WITHOUT_A_ROBOT, *NEEDS_MORE_JOINTS, *MANY_RUNS, "app"} == {
+        *typer.main.get_command(app).commands
+    }
 
 
 @pytest.mark.parametrize("name", COMMANDS)
