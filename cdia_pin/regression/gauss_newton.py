@@ -19,7 +19,6 @@ MOST_ITERATIONS = 20  # iterations [1]; a guard against slow convergence
 # Standard deviations [1]. A step of d of them lowers the sum of squares by d² variances of the residual; when a step
 # lowers it by less, the fit has converged. Parameters that the log hardly distinguishes may still move.
 CONVERGED = 0.1
-MOST_RISE = 1.01  # [1], sum of squares after a step over that before it, above which the step was too long
 
 
 def is_exact(effect: Effect) -> bool:
@@ -66,27 +65,18 @@ def refit(
 
 
 def _iterated(regression: Regression, model: Dynamics, iterations: int) -> tuple[Dynamics, NormalEquations]:
-    """Return the model at the optimum, and the normal equations of the last iteration.
-
-    A step that raises the sum of squares is halved: effects that are not linear, such as the zero of an encoder under
-    a ripple, would else drive each other further with each step.
-    """
+    """Return the model at the optimum, and the normal equations of the last iteration."""
     effects = [t.effect for t in model.terms]
-    last: tuple[Array, float] | None = None  # parameters before the last step, and their sum of squares
     for _ in range(1 if all(map(is_exact, effects)) else iterations):
         equations = regression.normal_equations(model, effects)
         before = np.concatenate([t.theta for t in model.terms]) if model.terms else np.zeros(0)
-        chi2 = equations.chi2(equations.columns(range(len(effects))), before)
-        if last is not None and chi2 > last[1] * MOST_RISE:
-            model = with_parameters(model, (last[0] + before) / 2)
-            continue
-        last = before, chi2
         fit = bounded_fit(equations, range(len(effects)), bodies=True)
         model = with_parameters(model, fit.theta)
+        fall = equations.chi2(equations.columns(range(len(effects))), before) - fit.chi2
         variance = max(
             1.0, fit.chi2 / max(equations.samples, 1)
         )  # of the residual, in variances of the noise
-        if abs(chi2 - fit.chi2) < CONVERGED**2 * variance:
+        if abs(fall) < CONVERGED**2 * variance:
             break
     return model, equations
 
