@@ -11,8 +11,8 @@ import numpy as np
 from benchmarks.fleet.plan import FleetRobotPlan, Hidden
 from cdia_pin.fleet import CourseTrend, FleetTrend, RobotTrend
 from cdia_pin.fleet.alarm_limit import alarm_limit, run_length
+from cdia_pin.fleet.trend import DAYS_PER_YEAR
 
-DAYS_PER_YEAR = 365.25
 RATES = (0.1, 1.0, 10.0)  # stated rates of false alarms [1/robot/year] at which they are counted
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, nan
+from math import nan
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 LEVEL = 0.95  # [1], of every interval
+TAIL = (1 - LEVEL) / 2  # [1], chance beyond either end
 RESAMPLES = 1000  # of a bootstrap: the ends of its interval then scatter by some percent of its width
 FEWEST = 5  # groups below which a bootstrap says nothing
 SEED = 0  # of the resampling
@@ -47,9 +48,8 @@ def share(hits: int, count: int) -> Estimate:
 
     if not count:
         return Estimate(nan, nan, nan, 0)
-    tail = (1 - LEVEL) / 2
-    lower = float(beta.ppf(tail, hits, count - hits + 1)) if hits else 0.0
-    upper = float(beta.ppf(1 - tail, hits + 1, count - hits)) if hits < count else 1.0
+    lower = float(beta.ppf(TAIL, hits, count - hits + 1)) if hits else 0.0
+    upper = float(beta.ppf(1 - TAIL, hits + 1, count - hits)) if hits < count else 1.0
     return Estimate(hits / count, lower, upper, count)
 
 
@@ -64,9 +64,8 @@ def rate(events: int, hours: float) -> Estimate:
 
     if not hours > 0:
         return Estimate(nan, nan, nan, 0)
-    tail = (1 - LEVEL) / 2
-    lower = float(chi2.ppf(tail, 2 * events)) / 2 if events else 0.0
-    upper = float(chi2.ppf(1 - tail, 2 * events + 2)) / 2
+    lower = float(chi2.ppf(TAIL, 2 * events)) / 2 if events else 0.0
+    upper = float(chi2.ppf(1 - TAIL, 2 * events + 2)) / 2
     return Estimate(events / hours, lower / hours, upper / hours, events)
 
 
@@ -87,7 +86,7 @@ def median(values: ArrayLike, groups: Sequence[object]) -> Estimate:
     members: dict[object, list[float]] = {}
     for name, value in zip(names, data.tolist(), strict=True):
         members.setdefault(name, []).append(value)
-    value = float(np.quantile(data, 0.5, method="inverted_cdf"))  # a datum, as infinite ones have no mean
+    value = quantile(data, 0.5)  # a datum, as infinite ones have no mean
     if len(members) < FEWEST:
         return Estimate(value, nan, nan, len(data))
     rng, parts = np.random.default_rng(SEED), [np.array(m) for m in members.values()]
@@ -95,8 +94,7 @@ def median(values: ArrayLike, groups: Sequence[object]) -> Estimate:
         np.quantile(np.concatenate([parts[k] for k in drawn]), 0.5, method="inverted_cdf")
         for drawn in rng.integers(len(parts), size=(RESAMPLES, len(parts)))
     ]
-    tail = (1 - LEVEL) / 2
-    lower, upper = np.quantile(medians, (tail, 1 - tail), method="inverted_cdf")
+    lower, upper = np.quantile(medians, (TAIL, 1 - TAIL), method="inverted_cdf")
     return Estimate(value, float(lower), float(upper), len(data))
 
 
@@ -110,12 +108,3 @@ def quantile(values: ArrayLike, q: float) -> float:
     data = np.asarray(values, float)
     data = data[~np.isnan(data)]
     return float(np.quantile(data, q, method="inverted_cdf")) if len(data) else nan
-
-
-def is_infinite(estimate: Estimate) -> bool:
-    """Tell whether more than half of the data are infinite.
-
-    Args:
-        estimate: Of `median`.
-    """
-    return estimate.value == inf

@@ -125,13 +125,8 @@ def _finish(console: Console, store: RunStore, report: Path | None, json: str | 
 
 
 def _show(console: Console, found: CampaignResult, folder: str) -> None:
-    from cdia_pin.viewers.text_campaign import (
-        campaign_answer,
-        campaign_table,
-        names_table,
-        table_of,
-        worst_rows,
-    )
+    from cdia_pin.viewers.cells import table_of
+    from cdia_pin.viewers.text_campaign import campaign_answer, campaign_table, names_table, worst_rows
 
     for sentence in campaign_answer(found):
         console.print(sentence, markup=False)

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 WORK = "Workers"
 
-Workers = Annotated[
-    int | None,
-    typer.Option(
+
+def _workers(left_out: str) -> Any:
+    return typer.Option(
         "--workers",
         metavar="N",
         show_default=False,
-        help="Processes on this machine, one thread each; one a core if left out.",
+        help=f"Processes on this machine, one thread each; {left_out} if left out.",
         rich_help_panel=WORK,
-    ),
-]
+    )
+
+
+Workers = Annotated[int | None, _workers("one a core")]
+FewWorkers = Annotated[int | None, _workers("1")]  # of short work, which hardly repays their start
 Scheduler = Annotated[
     str | None,
     typer.Option(

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from cdia_pin.cli.cluster_options import FewWorkers, Scheduler
 from cdia_pin.cli.console import progress, stdout, warn
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.next_command import command_line, free, show_next
@@ -56,25 +57,8 @@ def fleet(
         ),
     ] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Try logs again that failed before.")] = False,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            "--workers",
-            min=1,
-            metavar="N",
-            show_default=False,
-            help="Processes on this machine; 1 if left out.",
-        ),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            "--scheduler",
-            metavar="ADDRESS",
-            show_default=False,
-            help="Scheduler of Dask whose workers do the work, tcp://…",
-        ),
-    ] = None,
+    workers: FewWorkers = None,
+    scheduler: Scheduler = None,
     json: Json = None,
 ) -> None:
     """Keep what every log of every robot says about its model, in a store that any tool for Parquet reads.
@@ -96,7 +80,7 @@ def fleet(
         fleet_map = FleetMap.read(robots)
         if not given and not fleet_map.logs:
             raise CommandError(f"the patterns of {robots} find no log")
-        count = workers or (None if scheduler else 1)
+        count = 1 if workers is None and scheduler is None else workers
         done = add_logs(
             FleetStore.at(store, make=True),
             fleet_map,

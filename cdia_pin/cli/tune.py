@@ -81,7 +81,7 @@ def tune(
 
 
 def _show(console: Console, found: TuningResult) -> None:
-    from cdia_pin.viewers.text_campaign import table_of
+    from cdia_pin.viewers.cells import table_of
     from cdia_pin.viewers.text_tuning import HEADINGS, RATE_HEADINGS, option_rows, rate_rows, tuning_answer
 
     for sentence in tuning_answer(found):

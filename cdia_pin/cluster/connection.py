@@ -45,7 +45,7 @@ def connected(workers: int, scheduler: str | None) -> Iterator[Any]:
     import dask
     from distributed import Client, LocalCluster
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what fails is told by its result
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # the result of an item says what failed
     if scheduler is None:
         with (
             dask.config.set(LOCAL),

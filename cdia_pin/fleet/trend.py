@@ -16,8 +16,8 @@ from cdia_pin.fleet.fleet_effects import Role
 from cdia_pin.fleet.store import FleetStore
 from cdia_pin.progress import Progress, silent
 
-DAYS_PER_YEAR = 365.25
-LOGS_PER_YEAR = 365.25  # where logs do not say when they were recorded: one a day
+DAYS_PER_YEAR = 365.25  # [days], with leap years
+LOGS_PER_YEAR = DAYS_PER_YEAR  # where logs do not say when they were recorded: one a day
 # Certainty of what was looked for over that of the surest course on its joint [1], from which it names the change: what
 # leaks from one effect into another is weaker.
 SUBSTANTIAL = 0.5

@@ -36,6 +36,20 @@ def add_row(table: Table, *cells: str, style: str = "") -> None:
     table.add_row(*(clean(c) for c in cells), style=style)
 
 
+def table_of(heads: Sequence[str], rows: Sequence[Sequence[str]], left: tuple[int, ...]) -> WholeTable:
+    """Return rows as a table.
+
+    Args:
+        heads: Headings.
+        rows: Cells.
+        left: Columns that are text.
+    """
+    table = new_table(*heads, left=left)
+    for row in rows:
+        add_row(table, *row)
+    return table
+
+
 def clean(text: str, style: str = "") -> WholeWords:
     """Return a text that is never read as markup, without characters that control a terminal; none of it is lost.
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import inf, isfinite, isnan
 from typing import TYPE_CHECKING
 
 from cdia_pin.campaigns.campaign_result import HEALTHY
 from cdia_pin.campaigns.estimates import LEVEL
-from cdia_pin.viewers.cells import add_row, new_table
+from cdia_pin.viewers.cells import table_of
 from cdia_pin.viewers.words import number, percent
 
 if TYPE_CHECKING:
@@ -72,9 +71,7 @@ def campaign_table(found: CampaignResult) -> Table:
         found: The result.
     """
     heads, rows = campaign_rows(found)
-    table = new_table(*heads, left=tuple(range(heads.index("fault") + 1)))
-    for row in rows:
-        add_row(table, *row)
+    table = table_of(heads, rows, left=tuple(range(heads.index("fault") + 1)))
     table.caption = MEANING
     return table
 
@@ -98,10 +95,7 @@ def names_table(found: CampaignResult) -> Table:
     Args:
         found: The result.
     """
-    table = new_table("hidden", "believed at the end", "runs", left=(0, 1))
-    for row in names_rows(found):
-        add_row(table, *row)
-    return table
+    return table_of(("hidden", "believed at the end", "runs"), names_rows(found), left=(0, 1))
 
 
 def worst_rows(found: CampaignResult, folder: str) -> list[tuple[str, ...]]:
@@ -192,17 +186,3 @@ def _bare(portion: float) -> str:
 
 def _given(value: object) -> str:
     return number(value) if isinstance(value, float) else str(value) or "defaults"
-
-
-def table_of(heads: Sequence[str], rows: Sequence[Sequence[str]], left: tuple[int, ...]) -> Table:
-    """Return rows as a table.
-
-    Args:
-        heads: Headings.
-        rows: Cells.
-        left: Columns that are text.
-    """
-    table = new_table(*heads, left=left)
-    for row in rows:
-        add_row(table, *row)
-    return table
