@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.capability import capability_of
 from cdia_pin.discovery.discovery_documents import DiscoveryRecord
@@ -48,10 +49,15 @@ def concluded(
     report("repeating the decisions", 0.9)
     trust = trust_in(problem.problem, final, base)
     final = with_total_intervals(final, trust)
-    steps = tuple(
-        replace(s, term=final.find(s.term.label), confidence=trust[s.term.label].confidence) if s.term else s
-        for s in steps
-    )
+
+    def repeated(step: Step) -> Step:
+        if step.term is None:
+            return step
+        term = final.find(step.term.label)  # without a parameter that is surely not zero, a name says nothing
+        confidence = Confidence.DESCRIPTIVE if term.may_be_nothing else trust[term.label].confidence
+        return replace(step, term=term, confidence=confidence)
+
+    steps = tuple(map(repeated, steps))
     return conclusion(
         problem.problem, final, steps, report, ranking=taken_first(ranking, steps), findings=findings
     )

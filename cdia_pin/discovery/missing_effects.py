@@ -11,9 +11,9 @@ from cdia_pin.discovery.beyond_model import discover_beyond, is_known
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
 from cdia_pin.discovery.doubted_effects import doubted, predicts_as_well
+from cdia_pin.discovery.plain_forms import with_plain_forms
 from cdia_pin.discovery.plain_friction import with_plain_friction
 from cdia_pin.discovery.ranking import rank
-from cdia_pin.discovery.symmetric_friction import with_symmetric_friction
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.log import Log, listed
 from cdia_pin.progress import Progress, part, silent
@@ -115,9 +115,7 @@ def _answer(
     findings: tuple[Phenomenon, ...],
 ) -> Discovery:
     found = with_plain_friction(problem, found, model)
-    simpler = with_symmetric_friction(problem.problem, found, model)
-    if simpler is not found:
-        found = fitted_together(problem.regression, simpler)
+    found = with_plain_forms(problem, found, model)
     report("ranking the effects", 0.85)
     return concluded(problem, model, found, report, ranking=rank(problem, model), findings=findings)
 

@@ -75,13 +75,14 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     out = {}
     for term in found:
         needed, size = whole.is_visible(term), whole.theta(term)
-        survived = [r.survives(term) for r in repeats if r.survives(term) or r.could_show(term, size)]
-        shown = len(survived) >= settings.confidence.least_shown * len(repeats)
+        telling = [r for r in repeats if r.survives(term) or r.could_show(term, size)]
+        survived = [r.survives(term) for r in telling]
+        shown = len(telling) >= settings.confidence.least_shown * len(repeats)
         if isinstance(term.effect, Body):  # the next link may have the same mass
             survived.append(crowded.survives(term))
         elif not is_everyday(term.effect):
             needed = needed and crowded.is_visible(term) and crowded.is_beyond_doubt(term)
-        moved = [np.abs(r.theta(term) - whole.theta(term)) for r in repeats]
+        moved = [np.abs(r.theta(term) - size) for r in telling]
         torque = whole.torque(term, np.array(term.theta))
         scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
         systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)

@@ -88,6 +88,13 @@ class Term:
         """Half the width of each 95 % interval, zero where there is none, in the parameters' units, shape (p,)."""
         return np.zeros(len(self.theta)) if self.ci95 is None else np.diff(self.ci95, axis=1)[:, 0] / 2
 
+    @property
+    def may_be_nothing(self) -> bool:
+        """Whether the interval of every parameter holds zero; false where there are no intervals."""
+        return (
+            self.ci95 is not None and bool(self.ci95) and all(low <= 0.0 <= high for low, high in self.ci95)
+        )
+
     def with_intervals(self, total: Array, statistical: Array | None = None) -> Term:
         """Return the term with 95 % intervals around its parameters.
 

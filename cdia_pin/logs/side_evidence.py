@@ -39,6 +39,7 @@ HIGHEST_LIMIT = 10.0
 LEAST_SCALE = 0.5
 SURELY = 3.0  # standard errors from zero [1], because one of many joints exceeds two by chance
 MOST = 0.75  # share of the joints that must agree [1]
+LEAST_SURE = 0.5  # share of the joints that must show friction at all [1]
 FEWEST_JOINTS = 4  # joints [1] that must be judged; of fewer, most is one or two
 BLOCKS = 16  # parts of the log [1] that are left out in turn
 RIDGE = 1e-3  # of the inertial columns in units of their RMS [1]: many of them repeat each other
@@ -75,8 +76,9 @@ class JointFriction:
 
     @property
     def is_behind_a_gear(self) -> bool:
-        """True if there surely is dry friction, and it surely is too small for that of a gear."""
-        return self.dry < USUAL_OF_A_LINK * self.limit and self.is_sure
+        """True if dry friction surely is too small for that of a gear: it is measured, or bounded."""
+        usual = USUAL_OF_A_LINK * self.limit
+        return (self.dry < usual and self.is_sure) or self.dry + 2 * self.dry_error < usual
 
     @property
     def is_too_large_for_a_link(self) -> bool:
@@ -115,7 +117,9 @@ class SideEvidence:
         if np.mean([f.is_of_a_gear for f in judged]) >= MOST:
             return TorqueSide.MOTOR
         large = any(f.is_too_large_for_a_link for f in judged)
-        if np.mean([f.is_behind_a_gear for f in judged]) >= MOST and not large and self.scale >= LEAST_SCALE:
+        some = np.mean([f.is_sure for f in judged]) >= LEAST_SURE  # a simulation may have none at all
+        small = np.mean([f.is_behind_a_gear for f in judged]) >= MOST
+        if small and some and not large and self.scale >= LEAST_SCALE:
             return TorqueSide.LINK
         return TorqueSide.UNKNOWN
 

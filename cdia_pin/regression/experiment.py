@@ -140,8 +140,18 @@ class Experiment:
 
     @property
     def informative(self) -> NDArray[np.bool_]:
-        """True for the samples that count: all of a resting joint, otherwise those in motion, shape (K, n)."""
-        return self.moving | self.resting
+        """True for the samples that count: those in motion, and a resting joint's unless it is held, shape (K, n)."""
+        return (self.moving | self.resting) & ~self.held
+
+    @cached_property
+    def held(self) -> NDArray[np.bool_]:
+        """True for a resting joint whose torque does not follow its load: a brake or friction holds it, shape (n,)."""
+        if not self.resting.any():
+            return np.zeros(self.robot.n, dtype=bool)
+        rigid = self.measured + self.predict(Dynamics(self.robot)).residual
+        load = np.sqrt(np.maximum(np.var(rigid, axis=0) - self.blur**2, 0.0))
+        follows = np.std(self.measured, axis=0) >= self.rest.least_following * load
+        return np.asarray(self.resting & ~follows)
 
     @property
     def logs(self) -> tuple[str, ...]:

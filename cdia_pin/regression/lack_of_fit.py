@@ -163,7 +163,7 @@ def lack_of_fit(
         rss, rss_both = float(white @ white), _left_after(by_outer(both), white)
         more = max(both.shape[1], 1)
         spare = max(int((use & outer[j].kept).sum()) - both.shape[1], 1)
-        chance = float(fdtrc(more, spare, max((rss - rss_both) / more, 0.0) / (rss_both / spare)))
+        chance = float(fdtrc(more, spare, max((rss - rss_both) / more, 0.0) / max(rss_both / spare, 1e-300)))
         improvement[j], plain = (
             _improvement(white(fitted), white(smooth), white(y), edges) for white in (by_outer, by_inner)
         )
@@ -219,8 +219,8 @@ def _bases(signal: Array, count: int) -> Array:
 
 def _orthonormal(columns: Array, use: NDArray[np.bool_]) -> Array:
     """Return orthonormal columns with the same span over the samples that count, without repeated ones."""
-    if not columns.shape[1]:
-        return columns
+    if not columns.shape[1] or not use.any():
+        return columns[:, :0]
     scaled = columns / np.maximum(np.linalg.norm(columns[use], axis=0), 1e-300)
     _, values, right = np.linalg.svd(scaled[use], full_matrices=False)
     keep = values > 1e-2 * values[0]

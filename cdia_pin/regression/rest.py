@@ -28,6 +28,9 @@ class RestSettings:
         least_distance: Time from rest or a reversal at which a sample counts, in periods of the cut-off [1]. The filter
             blurs friction that is nearer.
         resting_share: A joint near rest for longer than this share of each log is taken as resting [1].
+        least_following: Variation of a resting joint's torque over that of the rigid bodies' [1], below which a brake
+            or static friction holds the joint, and its torque says nothing of its load. A motor that holds a joint
+            follows the load, even one that has lost half of its gain.
     """
 
     width_over_noise: float = 3.0
@@ -35,6 +38,7 @@ class RestSettings:
     near_rest: float = 2.0
     least_distance: float = 0.5
     resting_share: float = 0.95
+    least_following: float = 0.3
 
     __repr__ = settings_repr
 

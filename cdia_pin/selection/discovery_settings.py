@@ -178,6 +178,8 @@ class ConfidenceSettings:
         worth_of_doubted: Held-out error of a model without unusual effects that are not that certain, over the error
             with them, up to which they are left out [1]. On measured arms it is 0.98 to 1.04; an elasticity that is
             there, and hard to tell from a payload, is worth 1.08.
+        worth_of_refinement: Held-out error of a joint with a plain effect, over that with a refined form of it, up to
+            which the plain one is named [1].
     """
 
     blocks: int = 32
@@ -190,6 +192,7 @@ class ConfidenceSettings:
     likely_share: float = 0.7
     unusual_certainty: float = 20.0
     worth_of_doubted: float = 1.05
+    worth_of_refinement: float = 1.1
 
     __repr__ = settings_repr
 

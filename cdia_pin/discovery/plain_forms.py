@@ -1,0 +1,105 @@
+"""Refined effects give way to the plain ones that they refine, unless they predict their joint clearly better.
+
+Asymmetry, a Stribeck curve and bristles refine the friction that every joint has, and a spring refines an offset. Any
+of them follows a little of what a measured joint does besides, another one in each log. The plain name holds from log
+to log.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.discovery.asymmetry import is_asymmetric
+from cdia_pin.discovery.trust import Repeat
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import (
+    AsymmetricFriction,
+    CoulombFriction,
+    Effect,
+    JointSpring,
+    LoadFriction,
+    LoadStribeckFriction,
+    PreslidingFriction,
+    StribeckFriction,
+    Term,
+    TorqueOffset,
+    ViscousFriction,
+)
+from cdia_pin.effects.joint_effect import JointEffect
+from cdia_pin.regression.cross_validation import held_out_rms
+from cdia_pin.regression.gauss_newton import fitted_together
+from cdia_pin.selection.problem import WhitenedProblem
+
+PLAIN: dict[type[Effect], tuple[type[JointEffect], ...]] = {
+    AsymmetricFriction: (CoulombFriction, ViscousFriction),
+    StribeckFriction: (CoulombFriction, ViscousFriction),
+    PreslidingFriction: (CoulombFriction, ViscousFriction),
+    LoadStribeckFriction: (LoadFriction, CoulombFriction, ViscousFriction),
+    JointSpring: (TorqueOffset,),
+}
+
+
+def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
+    """Return a model of plain effects wherever these predict their joint about as well.
+
+    Args:
+        problem: The logs and their noise.
+        model: The fitted model.
+        given: The model before the discovery; its terms stay as they are.
+    """
+    known = {t.label for t in given.terms}
+    refined = [t for t in model.terms if t.label not in known and type(t.effect) in PLAIN]
+    asked = problem.settings.effects
+    plain_kinds = {kind.name for t in refined for kind in PLAIN[type(t.effect)]}
+    if not refined or (asked is not None and not plain_kinds <= set(asked)):
+        return model
+    plain = _plain(problem, model, refined)
+    worse = _held_out(problem, plain) > problem.settings.confidence.worth_of_refinement * _held_out(
+        problem, model
+    )
+    whole = Repeat(problem.problem.design, model, problem.settings)
+    needed = [
+        t
+        for t in refined
+        if worse[[model.robot.joint_index(j) for j in t.effect.scope]].any() and _is_told_apart(whole, t)
+    ]
+    if not needed:
+        return plain
+    given_up = [t for t in refined if t not in needed]
+    return _plain(problem, model, given_up) if given_up else model
+
+
+def _is_told_apart(whole: Repeat, term: Term) -> bool:
+    """Tell whether a refined effect shows beside the plain ones of all joints."""
+    if isinstance(term.effect, AsymmetricFriction):
+        return is_asymmetric(whole, term)
+    return replace(whole, everyday=True).is_visible(term)
+
+
+def _held_out(problem: WhitenedProblem, model: Dynamics) -> NDArray[np.float64]:
+    return np.maximum(held_out_rms(problem.regression, problem.experiment.predict(model)), 1e-12)
+
+
+def _plain(problem: WhitenedProblem, model: Dynamics, refined: Sequence[Term]) -> Dynamics:
+    """Return a fitted model with the plain forms of some terms, as far as these are certain."""
+    kept = [t for t in model.terms if t not in refined]
+    present = {t.label for t in kept}
+    added = [e for e in dict.fromkeys(_plain_forms(refined)) if e.label not in present]
+    plain = replace(model, terms=(*kept, *(Term(e, (0.0,)) for e in added)))
+    plain = fitted_together(problem.regression, plain)
+    repeat = Repeat(problem.problem.design, plain, problem.settings)
+    unsure = [t for t in plain.terms if t.effect in added and not repeat.survives(t)]
+    if not unsure:
+        return plain
+    certain = tuple(t for t in plain.terms if t not in unsure)
+    return fitted_together(problem.regression, replace(plain, terms=certain))
+
+
+def _plain_forms(terms: Iterable[Term]) -> Iterator[Effect]:
+    for term in terms:
+        for kind in PLAIN[type(term.effect)]:
+            yield kind(*term.effect.scope)
