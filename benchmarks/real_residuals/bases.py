@@ -10,8 +10,6 @@ from pathlib import Path
 from time import process_time
 from typing import ClassVar
 
-import numpy as np
-
 from benchmarks.outcomes import JsonLine
 from benchmarks.real_residuals.answers import Named, of_discovery
 from benchmarks.real_residuals.cases import ALONE, MODEL, Case
@@ -21,6 +19,7 @@ from benchmarks.real_residuals.recordings import Recording
 from benchmarks.real_residuals.variants import Variant, varied
 from cdia_pin import Dynamics, discover, load_model, save_model
 from cdia_pin.discovery import Discovery
+from cdia_pin.regression.shares import mean_share
 from cdia_pin.robot import RobotModel
 
 
@@ -124,7 +123,8 @@ def run_base(case: BaseCase) -> Base:
 
 
 def _heldout(found: Discovery) -> float:
-    return float(np.mean(found.trace[-1].heldout_rms / found.trace[0].heldout_rms))
+    first, last = (found.trace[k].heldout_rms for k in (0, -1))
+    return mean_share(last, first)
 
 
 def _text(found: Discovery) -> str:

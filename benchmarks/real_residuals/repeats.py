@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from math import hypot, nan
 from typing import ClassVar
 
-import numpy as np
-
 from benchmarks.outcomes import JsonLine
 from benchmarks.real_residuals.answers import ESTABLISHED, Named, half
 from benchmarks.real_residuals.bases import Base, BaseCase
@@ -17,6 +15,7 @@ from benchmarks.real_residuals.recordings import Recording
 from benchmarks.real_residuals.running import store_of
 from cdia_pin import Dynamics
 from cdia_pin.discovery import compare
+from cdia_pin.regression.shares import mean_share
 
 
 @dataclass(frozen=True)
@@ -108,5 +107,5 @@ def agree(one: Named, other: Named) -> Sequence[bool]:
 
 def _carried(base: Base, onto: Recording) -> float:
     log, robot = onto.read(), onto.robot
-    found, urdf = (compare(m, log).relative_rms for m in (base.load(robot), Dynamics(robot)))
-    return float(np.mean(found / urdf))
+    found, urdf = (compare(m, log).rms for m in (base.load(robot), Dynamics(robot)))
+    return mean_share(found, urdf)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from cdia_pin.discovery import Comparison, Discovery
 from cdia_pin.dynamics import Dynamics
 
@@ -36,7 +34,7 @@ class Version:
     @property
     def error(self) -> float:
         """Error over torque RMS, mean over the joints [1]."""
-        return float(np.mean(self.comparison.relative_rms))
+        return self.comparison.mean_error
 
 
 @dataclass(frozen=True, eq=False)

@@ -43,7 +43,7 @@ class Capability:
     Attributes:
         payload: Smallest payload at the tool [kg]; infinite if the motion shows none.
         push: Smallest steady push at the tool, whatever its direction [N]; infinite if the motion shows none.
-        friction: Smallest growth of friction of each joint [N·m or N], shape (n,).
+        friction: Smallest growth of friction of each joint [N·m or N], infinite where no sample counts, shape (n,).
         feedforward_error: Error of the torque on data that was not fitted, over the torque [1], shape (n,).
     """
 
@@ -64,7 +64,7 @@ class Capability:
         return {
             "payload": self.payload if np.isfinite(self.payload) else None,
             "push": self.push if np.isfinite(self.push) else None,
-            "friction": robot.by_joint(self.friction),
+            "friction": {j: f for j, f in robot.by_joint(self.friction).items() if np.isfinite(f)},
             "feedforward_error": robot.by_joint(self.feedforward_error),
         }
 
@@ -81,7 +81,7 @@ def capability_of(
         settings: What a change must explain.
     """
     ratio = np.sqrt(settings.least_share / (1 - settings.least_share))
-    noticed = np.maximum(ratio * error, settings.least_torque * torque)
+    noticed = np.where(torque > 0, np.maximum(ratio * error, settings.least_torque * torque), np.inf)
     states = [s.state for s in experiment.segments]
     body = np.vstack([Payload().basis(x)[:, :, 0] for x in states])
     jacobian = np.vstack([np.asarray(experiment.robot.tool_jacobian(x.q))[:, :3, :] for x in states])

@@ -15,6 +15,7 @@ from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.log import Log
 from cdia_pin.phrases import clipped, shortened
 from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.regression.shares import mean_share
 from cdia_pin.version import __version__
 
 Array = NDArray[np.float64]
@@ -124,13 +125,18 @@ class Comparison:
 
     def __repr__(self) -> str:
         size = f"{len(self.time)} samples, {len(self.rms)} joints"
-        error = f"RMS residual {100 * float(np.mean(self.relative_rms)):.3g} % of the torque"
+        error = f"RMS residual {100 * self.mean_error:.3g} % of the torque"
         return f"Comparison({shortened(self.model.robot.name)}, {size}; {error}, mean over the joints)"
 
     @property
     def relative_rms(self) -> Array:
         """RMS residual over RMS measured torque [1]."""
         return self.rms / np.maximum(self.torque_rms, 1e-12)
+
+    @property
+    def mean_error(self) -> float:
+        """RMS residual over RMS measured torque, mean over the joints of which samples count [1]."""
+        return mean_share(self.rms, self.torque_rms)
 
     @property
     def residual(self) -> Array:

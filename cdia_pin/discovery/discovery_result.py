@@ -18,6 +18,7 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.phrases import clipped, some
+from cdia_pin.regression.shares import mean_share
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -101,8 +102,7 @@ class Discovery:
 
     def __repr__(self) -> str:
         added = some([clipped(s.term.label, 45) for s in self.steps if s.term], 2)
-        torque = np.maximum(self.torque_rms, 1e-12)
-        errors = (100 * float(np.mean(s.heldout_rms / torque)) for s in (self.trace[0], self.trace[-1]))
+        errors = (100 * mean_share(s.heldout_rms, self.torque_rms) for s in (self.trace[0], self.trace[-1]))
         error = " → ".join(f"{e:.3g} %" for e in errors)
         return f"Discovery({self.verdict}{': ' if added else ''}{added}; held-out error {error})"
 

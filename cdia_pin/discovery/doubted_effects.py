@@ -6,12 +6,11 @@ some of that. Such an effect is not certain, but while it is in the model it ben
 
 from __future__ import annotations
 
-import numpy as np
-
 from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.experiment import rms
+from cdia_pin.regression.shares import mean_share
 from cdia_pin.selection.problem import WhitenedProblem
 
 
@@ -40,9 +39,8 @@ def predicts_as_well(problem: WhitenedProblem, plain: Dynamics, found: Dynamics)
         found: The model with them.
     """
     x = problem.experiment
-    torque = np.maximum(rms(x.measured, x.informative), 1e-12)
+    torque = rms(x.measured, x.informative)
     error, before = (
-        float(np.mean(held_out_rms(problem.regression, x.predict(model)) / torque))
-        for model in (plain, found)
+        mean_share(held_out_rms(problem.regression, x.predict(model)), torque) for model in (plain, found)
     )
     return error <= problem.settings.confidence.worth_of_doubted * before

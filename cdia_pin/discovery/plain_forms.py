@@ -7,8 +7,9 @@ to log.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +45,7 @@ PLAIN: dict[type[Effect], tuple[type[JointEffect], ...]] = {
 
 
 def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
-    """Return a model of plain effects wherever these predict their joint about as well.
+    """Return a model of plain effects where structure is left in any case, and they predict the joint about as well.
 
     Args:
         problem: The logs and their noise.
@@ -57,26 +58,34 @@ def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics)
     plain_kinds = {kind.name for t in refined for kind in PLAIN[type(t.effect)]}
     if not refined or (asked is not None and not plain_kinds <= set(asked)):
         return model
-    plain = _plain(problem, model, refined)
-    worse = _held_out(problem, plain) > problem.settings.confidence.worth_of_refinement * _held_out(
-        problem, model
-    )
     whole = Repeat(problem.problem.design, model, problem.settings)
-    needed = [
-        t
-        for t in refined
-        if worse[[model.robot.joint_index(j) for j in t.effect.scope]].any() and _is_told_apart(whole, t)
-    ]
+    left = problem.problem.lack_of_fit(model).left
+    # a refinement that leaves nothing to explain is no coincidence
+    doubtful = [t for t in refined if left[_joint(model, t)] or _is_symmetric(whole, t)]
+    if not doubtful:
+        return model
+    plain = _plain(problem, model, doubtful)
+    worth = problem.settings.confidence.worth_of_refinement
+    worse = _held_out(problem, plain) > worth * _held_out(problem, model)
+    needed = [t for t in doubtful if worse[_joint(model, t)] and _is_told_apart(whole, t)]
     if not needed:
         return plain
-    given_up = [t for t in refined if t not in needed]
+    given_up = [t for t in doubtful if t not in needed]
     return _plain(problem, model, given_up) if given_up else model
+
+
+def _joint(model: Dynamics, term: Term) -> int:
+    return model.robot.joint_index(term.effect.scope[0])
+
+
+def _is_symmetric(whole: Repeat, term: Term) -> bool:
+    return isinstance(term.effect, AsymmetricFriction) and not is_asymmetric(whole, term)
 
 
 def _is_told_apart(whole: Repeat, term: Term) -> bool:
     """Tell whether a refined effect shows beside the plain ones of all joints."""
     if isinstance(term.effect, AsymmetricFriction):
-        return is_asymmetric(whole, term)
+        return not _is_symmetric(whole, term)
     return replace(whole, everyday=True).is_visible(term)
 
 
@@ -85,21 +94,19 @@ def _held_out(problem: WhitenedProblem, model: Dynamics) -> NDArray[np.float64]:
 
 
 def _plain(problem: WhitenedProblem, model: Dynamics, refined: Sequence[Term]) -> Dynamics:
-    """Return a fitted model with the plain forms of some terms, as far as these are certain."""
+    """Return a fitted model with the plain forms of some terms: the certain ones, or the first where none is."""
     kept = [t for t in model.terms if t not in refined]
     present = {t.label for t in kept}
-    added = [e for e in dict.fromkeys(_plain_forms(refined)) if e.label not in present]
+    forms = [[k(*t.effect.scope) for k in PLAIN[type(t.effect)]] for t in refined]
+    added = [e for e in dict.fromkeys(chain(*forms)) if e.label not in present]
     plain = replace(model, terms=(*kept, *(Term(e, (0.0,)) for e in added)))
     plain = fitted_together(problem.regression, plain)
     repeat = Repeat(problem.problem.design, plain, problem.settings)
-    unsure = [t for t in plain.terms if t.effect in added and not repeat.survives(t)]
-    if not unsure:
-        return plain
-    certain = tuple(t for t in plain.terms if t not in unsure)
-    return fitted_together(problem.regression, replace(plain, terms=certain))
-
-
-def _plain_forms(terms: Iterable[Term]) -> Iterator[Effect]:
-    for term in terms:
-        for kind in PLAIN[type(term.effect)]:
-            yield kind(*term.effect.scope)
+    certain = present | {t.label for t in plain.terms if repeat.survives(t)}
+    stays = certain | {form[0].label for form in forms if not certain & {e.label for e in form}}
+    terms = tuple(t for t in plain.terms if t.label in stays)
+    return (
+        plain
+        if len(terms) == len(plain.terms)
+        else fitted_together(problem.regression, replace(plain, terms=terms))
+    )

@@ -14,6 +14,7 @@ from cdia_pin.identifiability.alternatives import Alternatives
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.gauss_newton import refit
 from cdia_pin.regression.intervals import with_intervals
+from cdia_pin.regression.shares import mean_share
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.evidence import Evidence
 from cdia_pin.selection.moves import ranked
@@ -52,8 +53,8 @@ def rank(problem: WhitenedProblem, model: Dynamics) -> tuple[Ranked, ...]:
             continue
         confusions = Alternatives(beside, [*present, c], settings=problem.settings.alternatives).of(c)
         out.append(Ranked(term, before.heldout_rms, after.heldout_rms, plausible=True, confusions=confusions))
-    torque = np.maximum(rms(problem.experiment.measured, problem.experiment.informative), 1e-12)
-    return tuple(sorted(out, key=lambda r: float(np.mean(r.heldout_after / torque))))
+    torque = rms(problem.experiment.measured, problem.experiment.informative)
+    return tuple(sorted(out, key=lambda r: mean_share(r.heldout_after, torque)))
 
 
 def taken_first(ranking: Sequence[Ranked], steps: Sequence[Step]) -> tuple[Ranked, ...]:

@@ -17,6 +17,7 @@ from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.gauss_newton import fitted_together, refit
 from cdia_pin.regression.intervals import with_intervals
+from cdia_pin.regression.shares import mean_share
 from cdia_pin.selection.problem import Problem, WhitenedProblem
 from cdia_pin.selection.replacement import refitting
 
@@ -102,7 +103,7 @@ def _mean_error(problem: WhitenedProblem, model: Dynamics) -> float:
     """Return the relative held-out RMS residual, mean over the joints [1]."""
     experiment = problem.experiment
     error = held_out_rms(problem.regression, experiment.predict(model))
-    return float(np.mean(error / np.maximum(rms(experiment.measured, experiment.informative), 1e-12)))
+    return mean_share(error, rms(experiment.measured, experiment.informative))
 
 
 def step_of(

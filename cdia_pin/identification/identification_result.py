@@ -14,6 +14,7 @@ from cdia_pin.effects.body import Body
 from cdia_pin.identification.base import BaseParameters
 from cdia_pin.identification.identification_documents import IdentificationJson, IdentificationRecord
 from cdia_pin.phrases import shortened
+from cdia_pin.regression.shares import mean_share
 from cdia_pin.robot.inertia import physical_margin
 
 Array = NDArray[np.float64]
@@ -50,8 +51,9 @@ class Identification:
     record: IdentificationRecord
 
     def __repr__(self) -> str:
-        torque = np.maximum(self.heldout_torque_rms, 1e-12)
-        errors = (100 * float(np.mean(e / torque)) for e in (self.heldout_before, self.heldout_after))
+        errors = (
+            100 * mean_share(e, self.heldout_torque_rms) for e in (self.heldout_before, self.heldout_after)
+        )
         error = " → ".join(f"{e:.3g} %" for e in errors)
         robot = shortened(self.model.robot.name)
         return f"Identification({robot}, {len(self.model.terms)} terms; held-out error {error})"

@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 # Postures per log [1] at which the mass matrix is computed, because all of them would take long.
 POSTURES = 200
 MOST_PREDICTIONS = 4  # predictions [1] that are kept, of some MB each
+NO_LOAD = 1e-9  # variation of a load [N·m or N] that comes from rounding
 FEWEST_SAMPLES = 40  # compared samples of a log [1]; fewer do not determine the noise of a joint
 
 
@@ -151,7 +152,7 @@ class Experiment:
         rigid = self.measured + self.predict(Dynamics(self.robot)).residual
         load = np.sqrt(np.maximum(np.var(rigid, axis=0) - self.blur**2, 0.0))
         follows = np.std(self.measured, axis=0) >= self.rest.least_following * load
-        return np.asarray(self.resting & ~follows)
+        return np.asarray(self.resting & ~follows & (load > NO_LOAD))
 
     @property
     def logs(self) -> tuple[str, ...]:

@@ -124,10 +124,12 @@ def _is_measured(effect: Effect, experiment: Experiment) -> bool:
 def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool_]) -> bool:
     """Return True if an effect can show on this motion.
 
-    Effects of the motion need a joint that moves. Effects of the torque need a joint that carries a load: where all
-    torque is friction, a gain only scales it.
+    Nothing shows in the torque of joints that are held. Effects of the motion need a joint that moves. Effects of the
+    torque need a joint that carries a load: where all torque is friction, a gain only scales it.
     """
     joints = [experiment.robot.joint_index(j) for j in effect.scope]
+    if experiment.held[list(effect.acts_on(experiment.robot))].all():
+        return False
     if Signal.TORQUE in effect.traits.depends_on and joints and not loaded[joints].all():
         return False
     moves = (

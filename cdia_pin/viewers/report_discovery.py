@@ -165,7 +165,10 @@ def _capability(found: Discovery) -> CapabilityDocument:
     units = [joint_units(robot, j)["load"] for j in robot.joints]
     return {
         "noticed": listed(noticed(found)),
-        "friction": [with_unit(number(f, 2), u) for f, u in zip(able.friction, units, strict=True)],
+        "friction": [
+            with_unit(number(f, 2), u) if np.isfinite(f) else "–"
+            for f, u in zip(able.friction, units, strict=True)
+        ],
         "error": compact(able.feedforward_error),
     }
 

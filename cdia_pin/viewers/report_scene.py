@@ -14,6 +14,7 @@ from cdia_pin.viewers.scene import (
     timeline_of_comparison,
     timeline_of_run,
 )
+from cdia_pin.viewers.verdict import mean_share
 from cdia_pin.viewers.words import effect_words, percent, short_names
 
 if TYPE_CHECKING:
@@ -79,6 +80,5 @@ def _label(step: Step, found: Discovery) -> str:
     share = step.rms / np.maximum(found.torque_rms, 1e-12)
     worst = int(np.argmax(share))
     joint = short_names(found.model.robot.joints)[found.model.robot.joints[worst]]
-    return (
-        f"error {percent(float(share.mean()))} of the torque, most on {joint}: {percent(float(share[worst]))}"
-    )
+    mean = percent(mean_share(step.rms, found))
+    return f"error {mean} of the torque, most on {joint}: {percent(float(share[worst]))}"

@@ -81,6 +81,10 @@ def noticed(found: Discovery) -> Iterator[str]:
         yield f"a push of {with_unit(number(able.push, 2), 'N')}"
     units = [joint_units(robot, j)["load"] for j in robot.joints]
     for unit in dict.fromkeys(units):
-        of_unit = [float(f) for f, u in zip(able.friction, units, strict=True) if u == unit]
+        of_unit = [
+            float(f) for f, u in zip(able.friction, units, strict=True) if u == unit and np.isfinite(f)
+        ]
+        if not of_unit:
+            continue
         least, most = number(min(of_unit), 2), number(max(of_unit), 2)
         yield f"friction that grows by {with_unit(least if least == most else f'{least} to {most}', unit)}"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 from rich.table import Table
 from rich.text import Text
 
@@ -45,7 +44,7 @@ def comparison_table(comparison: Comparison) -> Table:
             f"{comparison.autocorrelation[j]:.2f}".replace("-", "−"),
             f"{signal} {percent(shapes[signal].share)}",
         )
-    add_row(table, "mean", "", "", percent(float(np.mean(comparison.relative_rms))), "", "", "", style="bold")
+    add_row(table, "mean", "", "", percent(comparison.mean_error), "", "", "", style="bold")
     table.caption = (
         "error = model − measured; lag 1: its autocorrelation one sample apart; "
         "follows: the signal whose regions hold most of its variance"

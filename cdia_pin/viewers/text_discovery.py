@@ -172,4 +172,5 @@ def _confusions(found: Discovery) -> RenderableType:
 
 
 def _figure(share: float) -> str:
-    return percent(share).removesuffix("%").rstrip()
+    """Return a share in percent without the sign; a dash for a joint of which no sample counts."""
+    return percent(share).removesuffix("%").rstrip() if share > 0 else "–"

@@ -10,6 +10,7 @@ from rich.padding import Padding
 from rich.table import Table
 
 from cdia_pin.effects.body import Body
+from cdia_pin.regression.shares import mean_share
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.parameter_rows import parameters, shape_parameters
 from cdia_pin.viewers.words import (
@@ -47,8 +48,7 @@ def sentences(found: Identification) -> list[str]:
         found: The outcome of ``identify``.
     """
     before, after = (
-        float(np.mean(e / np.maximum(found.heldout_torque_rms, 1e-12)))
-        for e in (found.heldout_before, found.heldout_after)
+        mean_share(e, found.heldout_torque_rms) for e in (found.heldout_before, found.heldout_after)
     )
     base, names = found.base, short_names(found.model.robot.joints)
     silent = [n for n, seen in zip(base.names, base.identifiable, strict=True) if not seen]

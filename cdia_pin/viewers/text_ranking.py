@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 from rich.table import Table
 
 from cdia_pin.viewers.cells import clean, new_table
+from cdia_pin.viewers.verdict import mean_share
 from cdia_pin.viewers.words import confusion_words, effect_words, few, number, percent, with_unit
 
 if TYPE_CHECKING:
@@ -25,9 +25,8 @@ def ranking_table(found: Discovery, everything: bool = False) -> Table:
         everything: Whether all are shown, not only the first few.
     """
     table = new_table("by itself", "held-out error", "parameters", "could also be", left=(0, 2, 3))
-    torque = np.maximum(found.torque_rms, 1e-12)
     for r in found.ranking[: None if everything else SHOWN]:
-        before, after = (percent(float(np.mean(e / torque))) for e in (r.heldout_before, r.heldout_after))
+        before, after = (percent(mean_share(e, found)) for e in (r.heldout_before, r.heldout_after))
         said = clean(effect_words(r.term.effect))
         cells = (
             "\n".join(_parameters(r, found)),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cdia_pin.changes.confidence import Confidence
+from cdia_pin.regression import shares
 from cdia_pin.viewers.effect_groups import MOST_RIVALS, effect_groups, on_joints, rivals, term_of
 from cdia_pin.viewers.words import (
     advice_words,
@@ -57,8 +58,23 @@ def verdict_sentences(found: Discovery) -> list[str]:
         *said,
         *_tail_sentences(found),
         *recognised,
+        *_held_sentences(found),
         _error_sentence(found),
         *_confusion_sentences([s for s in found.steps if s.confidence is not Confidence.DESCRIPTIVE]),
+    ]
+
+
+def _held_sentences(found: Discovery) -> list[str]:
+    """Return what joints do not count: those at rest that something else than their motor holds."""
+    robot = found.model.robot
+    error = found.trace[0].rms
+    held = [j for j, e, t in zip(robot.joints, error, found.torque_rms, strict=True) if e == 0 and t == 0]
+    if not held:
+        return []
+    are, them, they = ("is", "it", "it does") if len(held) == 1 else ("are", "them", "they do")
+    return [
+        f"{listed(held)} {are} at rest, and the torque does not follow the load: a brake or friction holds {them}, "
+        f"and {they} not count."
     ]
 
 
@@ -91,7 +107,7 @@ def comparison_sentence(found: Comparison) -> str:
     share = found.relative_rms
     worst = int(np.argmax(share))
     return (
-        f"The model of {found.model.robot.name} differs from the measured torque by {percent(float(share.mean()))} "
+        f"The model of {found.model.robot.name} differs from the measured torque by {percent(found.mean_error)} "
         f"(mean over the joints), most on {found.model.robot.joints[worst]} ({percent(float(share[worst]))})."
     )
 
@@ -103,7 +119,7 @@ def mean_share(errors: Sequence[float] | np.ndarray, found: Discovery) -> float:
         errors: RMS of each joint [N·m or N], shape (n,).
         found: The outcome of ``discover``.
     """
-    return float(np.mean(np.asarray(errors) / np.maximum(found.torque_rms, 1e-12)))
+    return shares.mean_share(errors, found.torque_rms)
 
 
 def error_falls(found: Discovery) -> bool:

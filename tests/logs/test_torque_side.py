@@ -104,3 +104,15 @@ def test_temperatures_are_read_and_written(panda, tmp_path):
         again = read_log(write_log(replace(log, temperature=warm), tmp_path / f"warm.{suffix}"), panda)
         np.testing.assert_allclose(again.temperature, warm)
     assert read_log(write_log(log, tmp_path / "plain.csv"), panda).temperature is None
+
+
+def test_friction_that_is_surely_small_speaks_for_a_sensor_behind_the_gear_too():
+    from cdia_pin.logs.side_evidence import JointFriction, SideEvidence
+
+    def seen(dry, error):
+        return JointFriction(dry, error, 0.0, 1.0, 0.0, 1.0, limit=100.0)
+
+    shown, bounded, open_ended = seen(0.3, 0.05), seen(0.1, 0.1), seen(0.3, 0.6)
+    assert SideEvidence({"a": shown, "b": shown, "c": bounded, "d": bounded}).side == "link"
+    assert SideEvidence({"a": shown, "b": shown, "c": open_ended, "d": open_ended}).side == "unknown"
+    assert SideEvidence({"a": shown, "b": bounded, "c": bounded, "d": bounded}).side == "unknown"

@@ -369,3 +369,29 @@ def test_the_slope_of_a_shape_that_is_zero_is_finite(pendulum):
     (low, high), *_ = with_intervals(model, equations).terms[0].ci95
     assert low < 0.2 < high
     assert high - low < 0.05
+
+
+def test_a_step_that_diverges_is_halved_until_it_no_longer_does(pendulum, monkeypatch):
+    from cdia_pin.regression import gauss_newton
+
+    steps, tried = [], []
+    evaluate = Regression.normal_equations
+
+    def wild(equations, chosen, **options):
+        fit = bounded_fit(equations, chosen, **options)
+        steps.append(fit)
+        return replace(fit, theta=fit.theta + 30.0) if len(steps) == 1 else fit
+
+    def counted(self, *args):
+        tried.append(args)
+        return evaluate(self, *args)
+
+    regression = prepared(pendulum, friction)
+    start = Dynamics(pendulum, (Term(COULOMB, (0.0,)), Term(EncoderOffset("joint2"), (0.0,))))
+    expected = gauss_newton.fitted_together(regression, start)
+    monkeypatch.setattr(gauss_newton, "bounded_fit", wild)
+    monkeypatch.setattr(Regression, "normal_equations", counted)
+    found = gauss_newton.fitted_together(regression, start)
+    assert len(tried) > len(steps)
+    for one, other in zip(found.terms, expected.terms, strict=True):
+        np.testing.assert_allclose(one.theta, other.theta, atol=1e-3)

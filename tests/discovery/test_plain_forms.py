@@ -1,0 +1,84 @@
+"""Plain forms: where structure is left in any case, a refinement must predict its joint clearly better."""
+
+import numpy as np
+import pytest
+
+from cdia_pin import Dynamics, Log, load_robot
+from cdia_pin.discovery.plain_forms import with_plain_forms
+from cdia_pin.effects import parse_term
+from cdia_pin.regression.gauss_newton import fitted_together
+from cdia_pin.selection import DiscoverySettings
+from cdia_pin.selection.problem import Problem
+from tests.made_logs import motion
+
+LEVEL = 0.3
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("double_pendulum")
+
+
+def named(robot, refined, torque, effects=None, *, bump=0.0, noise=0.01):
+    """Return the names that a refined effect ends with, beside a torque and perhaps a bump that has no name."""
+    t, q, v, a = motion(robot.n, 5, duration=24.0)
+    effort = Dynamics(robot).inverse_dynamics(q, v, a)
+    effort[:, 1] += torque(v[:, 1]) + bump * np.exp(-(((q[:, 1] - np.median(q[:, 1])) / 0.15) ** 2))
+    effort += np.random.default_rng(0).normal(0.0, noise, effort.shape)
+    settings = DiscoverySettings(effects=effects)
+    logs = Problem.conditioned(robot, [Log(robot.joints, t, q, effort)], [], settings)
+    problem = logs.around(Dynamics(robot)).with_first_noise(Dynamics(robot))
+    found = fitted_together(problem.regression, Dynamics(robot, (parse_term(refined),)))
+    return {t.effect.name for t in with_plain_forms(problem, found, Dynamics(robot)).terms}
+
+
+def symmetric(v):
+    return LEVEL * np.sign(v)
+
+
+def asymmetric(v):
+    return np.where(v > 0, 1.5, 0.5) * LEVEL * np.sign(v)
+
+
+ASYMMETRIC = "asymmetric_friction@joint2: level_positive=0.3, level_negative=0.3"
+BRISTLES = "presliding_friction@joint2: level=0.3"
+SPRING = "joint_spring@joint2: stiffness=0.01, preload=0.3"
+
+
+@pytest.mark.parametrize("bump", [0.0, 0.3])
+def test_friction_that_is_the_same_in_both_directions_is_not_asymmetric(robot, bump):
+    assert "asymmetric_friction" not in named(robot, ASYMMETRIC, symmetric, bump=bump)
+
+
+@pytest.mark.parametrize("bump", [0.0, 0.1])
+def test_friction_that_differs_between_the_directions_stays_asymmetric(robot, bump):
+    assert named(robot, ASYMMETRIC, asymmetric, bump=bump) == {"asymmetric_friction"}
+
+
+@pytest.mark.parametrize(
+    ("refined", "torque", "plain"),
+    [(BRISTLES, symmetric, "coulomb_friction"), (SPRING, lambda v: LEVEL + 0 * v, "torque_offset")],
+)
+def test_beside_structure_the_plain_name_is_given(robot, refined, torque, plain):
+    assert named(robot, refined, torque, bump=0.3) == {plain}
+
+
+def test_a_small_refinement_stays_if_it_leaves_nothing(robot):
+    def little(v):
+        return np.where(v > 0, 1.3, 0.7) * LEVEL * np.sign(v)
+
+    assert named(robot, ASYMMETRIC, little, noise=0.4) == {"asymmetric_friction"}
+    assert named(robot, ASYMMETRIC, little, noise=0.4, bump=1.5) == {"coulomb_friction"}
+
+
+def test_nothing_is_named_that_the_user_did_not_ask_for(robot):
+    assert named(robot, BRISTLES, symmetric, ("presliding_friction",), bump=0.3) == {"presliding_friction"}
+
+
+def test_what_the_model_had_stays(robot):
+    t, q, v, a = motion(robot.n, 5, duration=24.0)
+    logs = Problem.conditioned(
+        robot, [Log(robot.joints, t, q, Dynamics(robot).inverse_dynamics(q, v, a))], [], DiscoverySettings()
+    )
+    given = Dynamics(robot, (parse_term(BRISTLES),))
+    assert with_plain_forms(logs.around(given).with_first_noise(given), given, given) is given

@@ -1,0 +1,53 @@
+"""A joint at rest tells its load only if its motor carries it: a brake or static friction says nothing."""
+
+import numpy as np
+import pytest
+
+from cdia_pin import Dynamics, compare, discover, load_robot
+from cdia_pin.logs import Log
+from cdia_pin.logs.conditioning import condition
+from cdia_pin.regression.experiment import Experiment
+from cdia_pin.viewers.short_answer import short_answer
+from cdia_pin.viewers.verdict import verdict_sentences
+from tests.made_logs import motion
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("double_pendulum")
+
+
+def resting(robot, carried, friction=0.1):
+    """The first joint swings, the second rests, and its motor carries a share of the load."""
+    t, q, v, a = motion(robot.n, 5, duration=24.0)
+    q[:, 1], v[:, 1], a[:, 1] = 0.4, 0.0, 0.0
+    effort = Dynamics(robot).inverse_dynamics(q, v, a)
+    effort[:, 1] *= carried
+    effort[:, 0] += friction * np.sign(v[:, 0])
+    return Log(robot.joints, t, q, effort + np.random.default_rng(0).normal(0.0, 0.002, effort.shape))
+
+
+@pytest.mark.parametrize(("carried", "held"), [(1.0, False), (0.5, False), (0.0, True)])
+def test_a_joint_is_held_if_its_torque_does_not_follow_its_load(robot, carried, held):
+    experiment = Experiment.of(robot, [condition(resting(robot, carried), robot)])
+    assert experiment.resting.tolist() == [False, True]
+    assert experiment.held.tolist() == [False, held]
+    assert experiment.informative[:, 1].any() != held
+
+
+def test_a_joint_without_any_load_is_not_called_held(robot):
+    t = np.arange(0.0, 20.0, 0.01)
+    q = np.zeros((len(t), 2))
+    experiment = Experiment.of(robot, [condition(Log(robot.joints, t, q, np.zeros_like(q)), robot)])
+    assert not experiment.held.any()
+
+
+def test_what_a_brake_carries_is_no_payload(robot):
+    log = resting(robot, 0.0)
+    found = discover(Dynamics(robot), log)
+    assert [s.term.label for s in found.steps] == ["coulomb_friction@joint1"]
+    assert "joint2 is at rest, and the torque does not follow the load" in " ".join(verdict_sentences(found))
+    assert "0 to" not in dict(short_answer(found))["good for"]
+    assert list(found.to_dict()["capability"]["friction"]) == ["joint1"]
+    comparison = compare(Dynamics(robot), log)
+    assert comparison.mean_error == pytest.approx(comparison.relative_rms[0])
