@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,9 @@ from cdia_pin.dynamics import Dynamics, load_model
 from cdia_pin.errors import LogError, RobotError
 from cdia_pin.logs import Log, LogCheck, check_log, read_log
 from cdia_pin.logs.conversion import Conversion
+from cdia_pin.logs.formats import column_patterns
+from cdia_pin.logs.gains import gains_by_joint
+from cdia_pin.logs.joint_names import joint_map_of
 from cdia_pin.progress import Progress
 from cdia_pin.robot import RobotModel, load_robot
 
@@ -48,6 +51,39 @@ class Request:
     episode: int | None = None
     name: str = ""
     robot_name: str = ""
+
+    @classmethod
+    def as_typed(
+        cls,
+        robot: str,
+        log: Path,
+        *,
+        model: Path | None = None,
+        gains: Path | None = None,
+        joint_map: Sequence[str] | None = None,
+        convert: Sequence[str] | None = None,
+        format: str | None = None,
+        columns: Sequence[str] | None = None,
+        episode: int | None = None,
+    ) -> Request:
+        """Return what the options of a command ask for; each argument is the option of that name.
+
+        Raises:
+            LogError: If an option cannot be understood, or the file of gains cannot be read.
+        """
+        asked = cls(
+            robot,
+            log,
+            model,
+            joint_map=joint_map_of(joint_map),
+            gains=gains_by_joint(gains) if gains else {},
+            format=format,
+            columns=column_patterns(columns, one_joint=True),  # read_log knows the arm
+            episode=episode,
+        )
+        for option in convert or ():
+            asked = asked.converted(option)
+        return asked
 
     @property
     def reading(self) -> dict[str, Any]:

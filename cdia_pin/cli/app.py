@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from cdia_pin.cli.failures import CommandError
-from cdia_pin.cli.options import Model
+from cdia_pin.cli.options import Columns, Convert, Episode, Format, Gains, JointMap, Model
 from cdia_pin.extras import require
 
 
@@ -25,6 +25,12 @@ def app(
         ),
     ] = None,
     model: Model = None,
+    gains: Gains = None,
+    joint_map: JointMap = None,
+    convert: Convert = None,
+    format: Format = None,
+    columns: Columns = None,
+    episode: Episode = None,
     port: Annotated[
         int | None,
         typer.Option(
@@ -35,7 +41,7 @@ def app(
 ) -> None:
     """Serve the app on this machine: load, check, compare, add missing effects, export; watch faults live.
 
-    It needs no network, and only this machine can reach it.
+    It needs no network, and only this machine can reach it. The page shows how the log was read, and can change it.
     """
     require("app", "the pages of cdia app")
     require("view", "the pages of cdia app")
@@ -50,5 +56,17 @@ def app(
         if not log.exists():
             raise CommandError(f"there is no log {log}")
         load_inputs(robot, model)  # what is wrong with either is said here, not in the browser
-        start = Request(robot, log.resolve(), model and model.resolve())
+        start = Request.as_typed(
+            robot,
+            log.resolve(),
+            model=model and model.resolve(),
+            gains=gains,
+            joint_map=joint_map,
+            convert=convert,
+            format=format,
+            columns=columns,
+            episode=episode,
+        )
+    elif any(o is not None for o in (model, gains, joint_map, convert, format, columns, episode)):
+        raise CommandError("these options say how a log is read: cdia app LOG --robot R")
     serve(start, port=port, show=open_)

@@ -138,7 +138,7 @@ for command, panel, example in (
             "cdia monitor run.csv --robot ur5 --model model.json --bank coulomb_friction --bank actuator_gain",
         ],
     ),
-    (app_command, JOB, ["cdia app", "cdia app run.csv --robot ur5"]),
+    (app_command, JOB, ["cdia app", "cdia app run.csv --robot ur5 --gains gains.json"]),
     (
         view,
         JOB,

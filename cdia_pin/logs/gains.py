@@ -56,15 +56,7 @@ def read_gains(gains: Gains, joints: Sequence[str]) -> DriveGains:
         LogError: If the file cannot be read, a joint is missing, a gain is not a number above 0, or a tolerance not a
             number of 0 or more.
     """
-    where = "gains"
-    if not isinstance(gains, Mapping):
-        where = str(gains)
-        try:
-            gains = json.loads(read_text(gains))
-        except (OSError, ValueError, RecursionError) as error:
-            raise LogError(f"{where}: not readable as JSON {{joint: N·m/A}} ({error})") from None
-    if not isinstance(gains, Mapping):
-        raise LogError(f"{where}: expected {{joint: N·m/A}}, found {type(gains).__name__}")
+    where, gains = "gains" if isinstance(gains, Mapping) else str(gains), gains_by_joint(gains)
     missing = [j for j in joints if j not in gains]
     if missing:
         raise LogError(
@@ -72,6 +64,26 @@ def read_gains(gains: Gains, joints: Sequence[str]) -> DriveGains:
         )
     both = np.array([_value_and_tolerance(gains[j], j, where) for j in joints])
     return DriveGains(both[:, 0], both[:, 1])
+
+
+def gains_by_joint(gains: Gains) -> Mapping[str, Any]:
+    """Return drive gains by joint as they are given, unchecked, from a JSON file if it is one.
+
+    Args:
+        gains: {joint: …} or a file, as of `read_gains`.
+
+    Raises:
+        LogError: If the file cannot be read, or holds no object.
+    """
+    if isinstance(gains, Mapping):
+        return gains
+    try:
+        found = json.loads(read_text(gains))
+    except (OSError, ValueError, RecursionError) as error:
+        raise LogError(f"{gains}: not readable as JSON {{joint: N·m/A}} ({error})") from None
+    if not isinstance(found, Mapping):
+        raise LogError(f"{gains}: expected {{joint: N·m/A}}, found {type(found).__name__}")
+    return found
 
 
 def _value_and_tolerance(given: Any, joint: str, where: str) -> tuple[float, float]:

@@ -126,3 +126,16 @@ def test_rows_of_another_robot_are_dropped():
     desk.form.note("panda_joint1", "label", "first")
     loaded, _ = read(desk, desk.form.request())
     assert loaded is not None and desk.form.joints == {}
+
+
+def test_options_of_the_command_read_the_log_as_every_other_command_does(foreign):
+    gains = foreign.parent / "gains" / "gains.json"
+    named = [f"{j[::-1]}={j}" for j in JOINTS]
+    asked = Request.as_typed(
+        "ur5", foreign, gains=gains, joint_map=named, convert=["flip_effort=elbow_joint"]
+    )
+    assert asked.reading["gains"] == dict.fromkeys(JOINTS, 1.0)
+    assert asked.convert == {"flip_effort": ("elbow_joint",)}
+    loaded, drawn = read(LoadDesk(Runner()), asked)
+    assert loaded and drawn
+    assert Request.as_typed("ur5", foreign, columns=["position=q_#"]).columns == {"position": "q_#"}
