@@ -64,6 +64,7 @@ class JointMonitor(Stateful):
         "lasts",
         "since",
         "last_alarm",
+        "_onset",
         "_votes",
         "_failures",
         "_doubted",
@@ -92,6 +93,7 @@ class JointMonitor(Stateful):
         self.stage = Stage.HEALTHY
         self.waits = self.lasts = False
         self.since = self.last_alarm = -np.inf
+        self._onset = -np.inf  # [s], of what is believed, if nothing was believed before
         self._votes = Votes(self.settings.votes)
         self._failures = 0
         self._doubted = np.inf  # [s], since when the belief is doubted
@@ -143,6 +145,23 @@ class JointMonitor(Stateful):
         else:
             self._rest()
 
+    def withdraw(self, t: float, since: float) -> list[Event]:
+        """Take back what was decided of late, because something of the whole arm was the cause.
+
+        Args:
+            t: Time [s].
+            since: When that began [s].
+        """
+        if self._onset < since or not (self._believes or self._doubted < np.inf):
+            return []
+        self._doubted = np.inf
+        taken_back = Event(
+            t, EventStage.IDLE, (self.name,), Verdict.NONE, self.faults, reason="one cause for all joints"
+        )
+        self.isolation.drop_prior()
+        self._rest()
+        return [taken_back]
+
     def alarm(self, t: float, reason: str = "") -> list[Event]:
         """Answer a remainder beyond the threshold, or a small one that lasts.
 
@@ -164,6 +183,7 @@ class JointMonitor(Stateful):
         detection = self._event(t, EventStage.DETECTION, reason)
         if self.beliefs.unknown_before:
             return [detection, *self._commit_unknown(t)]
+        self._onset = t if known is None else -np.inf
         self.beliefs.neurons.start()
         self.beliefs.memory.begin()
         self.beliefs.reconsider()

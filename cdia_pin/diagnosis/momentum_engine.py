@@ -24,7 +24,7 @@ from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
 from cdia_pin.diagnosis.tick_flags import ABSENT, ALARM, BAD
 from cdia_pin.diagnosis.whole_arm.arm_monitor import ArmMonitor
 from cdia_pin.diagnosis.whole_arm.belief import added_torque
-from cdia_pin.diagnosis.whole_arm.contact import RESTING
+from cdia_pin.diagnosis.whole_arm.contact import RESTING, TOGETHER
 from cdia_pin.diagnosis.whole_arm.learning import PERIOD, Learned, assumed, learn
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import State, Term
@@ -283,9 +283,13 @@ class MomentumEngine(Stateful):
     def _look_at_arm(self, t: float, then: float) -> list[Event]:
         """Ask whether something of the whole arm explains what joints show."""
         self._next_arm_look = then + self.settings.decide_every
+        since = self.arm.asked_since
         new = self.arm.look(t, [m.j for m in self.joint_monitors if m.is_undecided])
         if new:
             self._excuse_joints()
+        if any(e.stage is EventStage.ISOLATION for e in new):
+            for monitor in self.joint_monitors:
+                new += monitor.withdraw(t, since - TOGETHER)
         return new
 
     def _excuse_joints(self) -> None:

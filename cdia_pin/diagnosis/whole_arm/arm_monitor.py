@@ -154,6 +154,11 @@ class ArmMonitor(Stateful):
         """Whether anything is believed, collected or in contact."""
         return bool(self.believed) or self.contact is not None or self.evidence.is_active
 
+    @property
+    def asked_since(self) -> float:
+        """When joints began to show what is in question [s]; infinite if nothing is."""
+        return self._since
+
     def is_touched(self, t: float) -> bool:
         """Tell whether there is contact, or its end is not certain yet: then nothing must be corrected.
 
