@@ -31,8 +31,8 @@ def trace(
 ) -> tuple[Dynamics, tuple[Step, ...]]:
     """Fit a found model again with intervals, and measure how each of its effects changes the error.
 
-    An effect that raises the held-out error is left out, because the log moves too little to identify it. An effect
-    whose only parameter has an interval that contains zero is left out too.
+    An effect that raises the held-out error, beside those before it and beside all others, is left out, because the log
+    moves too little to identify it. An effect whose only parameter has an interval that contains zero is left out too.
 
     Args:
         problem: Logs, candidates and noise.
@@ -50,7 +50,8 @@ def trace(
     for term in ordered:
         trial = fitted_together(problem.regression, model.add(term), ITERATIONS)
         with_it = _mean_error(problem, trial)
-        if with_it < error * (1 + problem.settings.criterion.most_harm) or term.label in forced:
+        helps = with_it < error * (1 + problem.settings.criterion.most_harm)
+        if helps or term.label in forced or not _harms(problem, found, term):
             model, error = trial, with_it
             models.append((term.label, trial))
     final, equations = refit(problem.regression, model)
@@ -69,6 +70,12 @@ def trace(
         shown = final if k == len(models) - 1 else so_far
         steps.append(step_of(problem, final.find(label), shown, alternatives.of(index[label])))
     return final, tuple(steps)
+
+
+def _harms(problem: WhitenedProblem, found: Dynamics, term: Term) -> bool:
+    """Return True if the held-out error of a model is no larger without one of its terms."""
+    without = fitted_together(problem.regression, found.remove(term.label), ITERATIONS)
+    return _mean_error(problem, found) >= _mean_error(problem, without)
 
 
 def _may_be_zero(term: Term) -> bool:

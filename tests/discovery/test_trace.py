@@ -1,0 +1,48 @@
+"""The steps of an answer: what helps only beside another effect stays, what harms in any company goes."""
+
+import numpy as np
+import pytest
+
+from cdia_pin import Dynamics, Log, load_robot
+from cdia_pin.discovery import trace as tracing
+from cdia_pin.effects import parse_term
+from cdia_pin.regression.gauss_newton import fitted_together
+from cdia_pin.selection import DiscoverySettings
+from cdia_pin.selection.problem import Problem
+from tests.made_logs import motion
+
+COULOMB, VISCOUS = "coulomb_friction@joint2", "viscous_friction@joint2"
+HIDDEN = tuple(map(parse_term, (f"{COULOMB}: level=0.3", f"{VISCOUS}: coefficient=0.1")))
+
+
+@pytest.fixture(scope="module")
+def found():
+    """The problem of a log with two effects, and its model."""
+    robot = load_robot("double_pendulum")
+    t, q, v, a = motion(robot.n, 5, duration=24.0)
+    effort = Dynamics(robot, HIDDEN).inverse_dynamics(q, v, a)
+    effort += np.random.default_rng(0).normal(0.0, 0.02, effort.shape)
+    logs = Problem.conditioned(robot, [Log(robot.joints, t, q, effort)], [], DiscoverySettings())
+    problem = logs.around(Dynamics(robot)).with_first_noise(Dynamics(robot))
+    return problem, fitted_together(problem.regression, Dynamics(robot, HIDDEN))
+
+
+@pytest.mark.parametrize(
+    ("coulomb", "viscous", "both", "stay"),
+    [
+        (0.5, 0.6, 0.1, {COULOMB, VISCOUS}),
+        (1.2, 1.3, 0.1, {COULOMB, VISCOUS}),  # either alone harms
+        (0.5, 1.2, 0.6, {COULOMB}),
+        (1.2, 1.2, 1.3, set()),
+    ],
+)
+def test_an_effect_stays_if_it_lowers_the_error_in_some_company(
+    found, monkeypatch, coulomb, viscous, both, stay
+):
+    problem, model = found
+    base = Dynamics(model.robot)
+    errors = {(): 1.0, (COULOMB,): coulomb, (VISCOUS,): viscous, (COULOMB, VISCOUS): both}
+    monkeypatch.setattr(tracing, "_mean_error", lambda _, m: errors[tuple(sorted(t.label for t in m.terms))])
+    final, steps = tracing.trace(problem, base, model)
+    assert {t.label for t in final.terms} == stay
+    assert {s.term.label for s in steps if s.term} == stay
