@@ -81,7 +81,8 @@ def capability_of(
         settings: What a change must explain.
     """
     ratio = np.sqrt(settings.least_share / (1 - settings.least_share))
-    noticed = np.where(torque > 0, np.maximum(ratio * error, settings.least_torque * torque), np.inf)
+    noticed = np.maximum(ratio * error, settings.least_torque * torque)
+    noticed[noticed == 0] = np.inf  # no sample counts
     states = [s.state for s in experiment.segments]
     body = np.vstack([Payload().basis(x)[:, :, 0] for x in states])
     jacobian = np.vstack([np.asarray(experiment.robot.tool_jacobian(x.q))[:, :3, :] for x in states])

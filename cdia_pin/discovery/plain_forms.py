@@ -67,10 +67,9 @@ def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics)
     plain = _plain(problem, model, doubtful)
     worth = problem.settings.confidence.worth_of_refinement
     worse = _held_out(problem, plain) > worth * _held_out(problem, model)
-    needed = [t for t in doubtful if worse[_joint(model, t)] and _is_told_apart(whole, t)]
-    if not needed:
+    given_up = [t for t in doubtful if not (worse[_joint(model, t)] and _is_told_apart(whole, t))]
+    if given_up == doubtful:
         return plain
-    given_up = [t for t in doubtful if t not in needed]
     return _plain(problem, model, given_up) if given_up else model
 
 
@@ -106,7 +105,7 @@ def _plain(problem: WhitenedProblem, model: Dynamics, refined: Sequence[Term]) -
     stays = certain | {form[0].label for form in forms if not certain & {e.label for e in form}}
     terms = tuple(t for t in plain.terms if t.label in stays)
     return (
-        plain
-        if len(terms) == len(plain.terms)
-        else fitted_together(problem.regression, replace(plain, terms=terms))
+        fitted_together(problem.regression, replace(plain, terms=terms))
+        if len(terms) < len(plain.terms)
+        else plain
     )

@@ -39,7 +39,8 @@ def short_answer(found: Discovery) -> list[tuple[str, str]]:
         named = [g.words(joints) for g in groups if g.confidence is confidence]
         if named or confidence is Confidence.ESTABLISHED:
             lines.append((str(confidence), "; ".join(named) or "nothing"))
-    lines.append(("good for", f"notices {listed(noticed(found))}"))
+    able = list(noticed(found))
+    lines.append(("good for", f"notices {listed(able)}" if able else "nothing: no sample counts"))
     tail = list(dict.fromkeys(g.name for g in groups if g.confidence is Confidence.DESCRIPTIVE))
     if tail:
         does = "lowers" if len(tail) == 1 else "they lower"
