@@ -37,12 +37,6 @@ def truths(outcomes: Sequence[Outcome], bases: Mapping[str, Base]) -> Iterator[R
     for flow, title in ((COMPARE, "`compare`"), (MODEL, "`discover --model`")):
         chosen = [o for o in outcomes if o.effect == KNOWN and o.flow == flow and not o.variant]
         yield _payload(title, chosen)
-    yield row(
-        "UR10e: other weights put into the same logs, once `cdia calibrate` has seen the known one",
-        "≤ 3 %",
-        Figure(nan, 0, "not measured: there is no `cdia calibrate`"),
-        at_most(0.03),
-    )
     if (panda := bases.get("panda/exciting")) is not None:
         yield _hand(panda)
     swings = [bases[k] for k in bases if bases[k].arm == "double_pendulum" and bases[k].whole]
