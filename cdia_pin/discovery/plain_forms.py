@@ -65,9 +65,8 @@ def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics)
     if not doubtful:
         return model
     plain = _plain(problem, model, doubtful)
-    worth = problem.settings.confidence.worth_of_refinement
-    worse = _held_out(problem, plain) > worth * _held_out(problem, model)
-    given_up = [t for t in doubtful if not (worse[_joint(model, t)] and _is_told_apart(whole, t))]
+    growth = _held_out(problem, plain) / _held_out(problem, model)  # of the error [1]
+    given_up = [t for t in doubtful if not _is_needed(whole, t, float(growth[_joint(model, t)]))]
     if given_up == doubtful:
         return plain
     return _plain(problem, model, given_up) if given_up else model
@@ -81,11 +80,14 @@ def _is_symmetric(whole: Repeat, term: Term) -> bool:
     return isinstance(term.effect, AsymmetricFriction) and not is_asymmetric(whole, term)
 
 
-def _is_told_apart(whole: Repeat, term: Term) -> bool:
-    """Tell whether a refined effect shows beside the plain ones of all joints."""
+def _is_needed(whole: Repeat, term: Term, growth: float) -> bool:
+    """Tell whether a refined effect stays, because its joint's error would grow without the refinement."""
+    confidence = whole.settings.confidence
+    if growth <= confidence.worth_of_refinement:
+        return False
     if isinstance(term.effect, AsymmetricFriction):
         return not _is_symmetric(whole, term)
-    return replace(whole, everyday=True).is_visible(term)
+    return growth > confidence.clear_refinement or replace(whole, everyday=True).is_visible(term)
 
 
 def _held_out(problem: WhitenedProblem, model: Dynamics) -> NDArray[np.float64]:

@@ -180,6 +180,8 @@ class ConfidenceSettings:
             there, and hard to tell from a payload, is worth 1.08.
         worth_of_refinement: Held-out error of a joint with a plain effect, over that with a refined form of it, up to
             which the plain one is named [1].
+        clear_refinement: The same ratio above which a refinement stays even if the plain effects of all joints together
+            could stand for it [1].
     """
 
     blocks: int = 32
@@ -193,6 +195,7 @@ class ConfidenceSettings:
     unusual_certainty: float = 20.0
     worth_of_doubted: float = 1.05
     worth_of_refinement: float = 1.1
+    clear_refinement: float = 1.5
 
     __repr__ = settings_repr
 
