@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -52,21 +52,19 @@ def app(
     if (log is None) != (robot is None):
         raise CommandError("a log needs its robot, and a robot its log: cdia app LOG --robot R")
     start = None
+    reading: dict[str, Any] = {
+        "gains": gains,
+        "joint_map": joint_map,
+        "convert": convert,
+        "format": format,
+        "columns": columns,
+        "episode": episode,
+    }
     if log is not None and robot is not None:
         if not log.exists():
             raise CommandError(f"there is no log {log}")
         load_inputs(robot, model)  # what is wrong with either is said here, not in the browser
-        start = Request.as_typed(
-            robot,
-            log.resolve(),
-            model=model and model.resolve(),
-            gains=gains,
-            joint_map=joint_map,
-            convert=convert,
-            format=format,
-            columns=columns,
-            episode=episode,
-        )
-    elif any(o is not None for o in (model, gains, joint_map, convert, format, columns, episode)):
+        start = Request.as_typed(robot, log.resolve(), model=model and model.resolve(), **reading)
+    elif any(given is not None for given in (model, *reading.values())):
         raise CommandError("these options say how a log is read: cdia app LOG --robot R")
     serve(start, port=port, show=open_)

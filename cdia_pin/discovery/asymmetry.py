@@ -8,9 +8,7 @@ from cdia_pin.discovery.trust import Repeat
 from cdia_pin.effects import Term
 
 CERTAIN = 3.0  # difference between the directions over its standard deviation [1], above which it is real
-# RMS torque of what differs between the directions over that of the friction [1], below which nobody would call it
-# asymmetric.
-NOTABLE = 0.1
+NOTABLE = 0.1  # RMS torque that differs between the directions over the friction's [1]; less, nobody calls asymmetric
 
 
 def is_asymmetric(whole: Repeat, term: Term) -> bool:

@@ -103,6 +103,7 @@ def conclusion(
         structure_left=left,
         torque_rms=torque,
         capability=able,
+        held=tuple(j for j, h in zip(final.robot.joints, experiment.held, strict=True) if h),
         ranking=ranking,
         record=_record(logs),
         findings=(

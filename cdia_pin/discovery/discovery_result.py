@@ -87,6 +87,7 @@ class Discovery:
         record: Logs, hashes, settings and version, enough to run the discovery again.
         capability: What the improved model lets a user notice.
         findings: Phenomena: what several effects mean together, and patterns of the residual.
+        held: Names of the joints at rest that a brake or friction holds, so that their torque does not count.
     """
 
     model: Dynamics
@@ -99,6 +100,7 @@ class Discovery:
     record: DiscoveryRecord
     capability: Capability
     findings: tuple[Phenomenon, ...] = ()
+    held: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         added = some([clipped(s.term.label, 45) for s in self.steps if s.term], 2)

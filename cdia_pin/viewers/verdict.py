@@ -65,16 +65,13 @@ def verdict_sentences(found: Discovery) -> list[str]:
 
 
 def _held_sentences(found: Discovery) -> list[str]:
-    """Return what joints do not count: those at rest that something else than their motor holds."""
-    robot = found.model.robot
-    error = found.trace[0].rms
-    held = [j for j, e, t in zip(robot.joints, error, found.torque_rms, strict=True) if e == 0 and t == 0]
-    if not held:
+    """Return which joints do not count: those at rest that something else than their motor holds."""
+    if not found.held:
         return []
-    are, them, they = ("is", "it", "it does") if len(held) == 1 else ("are", "them", "they do")
+    are, them, they = ("is", "it", "it does") if len(found.held) == 1 else ("are", "them", "they do")
     return [
-        f"{listed(held)} {are} at rest, and the torque does not follow the load: a brake or friction holds {them}, "
-        f"and {they} not count."
+        f"{listed(found.held)} {are} at rest, and the torque does not follow the load: "
+        f"a brake or friction holds {them}, and {they} not count."
     ]
 
 

@@ -51,3 +51,14 @@ def test_what_a_brake_carries_is_no_payload(robot):
     assert list(found.to_dict()["capability"]["friction"]) == ["joint1"]
     comparison = compare(Dynamics(robot), log)
     assert comparison.mean_error == pytest.approx(comparison.relative_rms[0])
+
+
+def test_a_joint_without_load_is_not_said_to_be_braked():
+    arm, t = load_robot("ur5"), np.arange(0.0, 20.0, 0.01)
+    q = np.tile([0.1, -1.0, 1.0, 0.3, 0.2, 0.1], (len(t), 1))  # the pan joint carries nothing
+    effort = np.tile(arm.inverse_dynamics(q[0], np.zeros(6), np.zeros(6)), (len(t), 1))
+    effort[:, 0] = 0.0
+    found = discover(Dynamics(arm), Log(arm.joints, t, q, effort))
+    assert found.torque_rms[0] == 0
+    assert found.held == ()
+    assert "at rest" not in " ".join(verdict_sentences(found))
