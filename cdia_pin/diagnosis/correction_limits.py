@@ -33,10 +33,14 @@ class CorrectionLimits(Stateful):
     STATE = ("is_wanted", "share", "asked", "_before", "_now", "_velocity", "_elapsed", "_active")
 
     def __init__(self, effort: Array, speed: Array, period: float) -> None:
-        self._effort, self._period = effort, period
+        from cdia_pin.diagnosis.correction_kernel import bounded  # needs numba
+
+        self._bounded, self._effort, self._period = bounded, effort, period
         self._power = POWER_SHARE * effort * speed
         self._nothing = np.zeros(len(effort))
         self.is_wanted = True
+        self.reset()
+        self(np.ones(len(effort)))  # compiles it now, and not in a control loop
         self.reset()
 
     def reset(self) -> None:
@@ -71,16 +75,8 @@ class CorrectionLimits(Stateful):
             self.asked = self._nothing
             return self._nothing
         self.asked = asked
-        effort = self._effort
-        with np.errstate(invalid="ignore", over="ignore"):
-            added = self.share * np.where(np.isfinite(asked), asked, 0.0)
-            added = np.minimum(np.maximum(added, -effort), effort)
-            pushing = added * self._velocity > self._power
-            if pushing.any():
-                added[pushing] = self._power[pushing] / self._velocity[pushing]
-            step = effort * (self._elapsed / RISE_TIME)
-            added = np.minimum(np.maximum(added, self._before - step), self._before + step)
-        if self.share == 0.0:
-            added = added * 0.0
-        self._now, self._active = added, bool(added.any())
-        return added
+        rise = self._elapsed / RISE_TIME
+        self._now, self._active = self._bounded(
+            asked, self._before, self._velocity, self._effort, self._power, self.share, rise
+        )
+        return self._now

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.discovery.asymmetry import is_asymmetric
+from cdia_pin.discovery.plain_friction import PLAIN as PLAIN_FRICTION
 from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import (
     AsymmetricFriction,
-    CoulombFriction,
     Effect,
     JointSpring,
     LoadFriction,
@@ -28,7 +28,6 @@ from cdia_pin.effects import (
     StribeckFriction,
     Term,
     TorqueOffset,
-    ViscousFriction,
 )
 from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.regression.cross_validation import held_out_rms
@@ -36,10 +35,10 @@ from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection.problem import WhitenedProblem
 
 PLAIN: dict[type[Effect], tuple[type[JointEffect], ...]] = {
-    AsymmetricFriction: (CoulombFriction, ViscousFriction),
-    StribeckFriction: (CoulombFriction, ViscousFriction),
-    PreslidingFriction: (CoulombFriction, ViscousFriction),
-    LoadStribeckFriction: (LoadFriction, CoulombFriction, ViscousFriction),
+    AsymmetricFriction: PLAIN_FRICTION,
+    StribeckFriction: PLAIN_FRICTION,
+    PreslidingFriction: PLAIN_FRICTION,
+    LoadStribeckFriction: (LoadFriction, *PLAIN_FRICTION),
     JointSpring: (TorqueOffset,),
 }
 
@@ -86,7 +85,7 @@ def _is_needed(whole: Repeat, term: Term, growth: float) -> bool:
     if growth <= confidence.worth_of_refinement:
         return False
     if isinstance(term.effect, AsymmetricFriction):
-        return not _is_symmetric(whole, term)
+        return growth > confidence.clear_asymmetry or not _is_symmetric(whole, term)
     return growth > confidence.clear_refinement or replace(whole, everyday=True).is_visible(term)
 
 

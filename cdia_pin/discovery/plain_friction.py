@@ -1,7 +1,8 @@
-"""Friction of each joint comes before friction between two joints, unless the log clearly shows the latter.
+"""The friction that every joint has comes before friction between two joints, and before friction under load.
 
 Friction that follows the sum of two speeds has fewer parameters than friction of both joints. Where these often move
-together, it stands for them, and the friction that every joint has would then be on neither.
+together, it stands for them, and the friction that every joint has would then be on neither. Where the load of a joint
+hardly changes, friction under load is nearly the same torque as Coulomb friction, and stands for that.
 """
 
 from __future__ import annotations
@@ -17,9 +18,11 @@ from cdia_pin.effects import (
     CoulombFriction,
     CoupledFriction,
     Effect,
+    LoadFriction,
     Term,
     ViscousFriction,
 )
+from cdia_pin.effects.traits import Signal
 from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection.problem import WhitenedProblem
 
@@ -27,9 +30,10 @@ PLAIN = (CoulombFriction, ViscousFriction)
 
 
 def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
-    """Return a model in which joints have friction of their own rather than friction between two of them.
+    """Return a model in which joints have friction of their own, rather than between two of them or under load alone.
 
-    Friction between two joints stays if both have friction of their own, or if it is visible beside that.
+    Friction between two joints stays if both have friction of their own, or if it is visible beside that. Friction
+    under load stays if it is visible beside Coulomb and viscous friction of its joint.
 
     Args:
         problem: The logs and their noise.
@@ -40,6 +44,8 @@ def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynami
     if asked is not None and not {kind.name for kind in PLAIN} <= set(asked):
         return model
     known = {t.label for t in given.terms}
+    for term in [t for t in model.terms if t.label not in known and _is_under_load_alone(t, model)]:
+        model = _with_dry_friction(problem, model, term)
     crowded = Repeat(problem.problem.design, model, problem.problem.settings, everyday=True)
     rubbing = {t.effect.scope[0] for t in model.terms if is_friction_of_joint(t.effect)}
     doubtful = [
@@ -61,6 +67,33 @@ def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynami
     unsure = {t.label for t in plain.terms if t.effect in added and not repeat.survives(t)}
     certain = replace(plain, terms=tuple(t for t in plain.terms if t.label not in unsure))
     return fitted_together(problem.regression, certain) if unsure else plain
+
+
+def _is_under_load_alone(term: Term, model: Dynamics) -> bool:
+    """Tell whether a term is friction under load, and its joint has no other dry friction."""
+    return isinstance(term.effect, LoadFriction) and not any(
+        is_friction_of_joint(t.effect)
+        and t.effect.scope == term.effect.scope
+        and Signal.DIRECTION in t.effect.traits.depends_on
+        for t in model.terms
+        if t is not term
+    )
+
+
+def _with_dry_friction(problem: WhitenedProblem, model: Dynamics, load: Term) -> Dynamics:
+    """Return a model with Coulomb and viscous friction of a joint, beside friction under load if that is visible."""
+    design, settings = problem.problem.design, problem.settings
+    added = _of_each_joint([load], [t.effect for t in model.terms])
+    plain = replace(model, terms=(*model.terms, *(Term(e, (0.0,)) for e in added)))
+    plain = fitted_together(problem.regression, plain)
+    if not Repeat(design, plain, settings).is_visible(plain.find(load.label)):
+        plain = fitted_together(problem.regression, plain.remove(load.label))
+    repeat = Repeat(design, plain, settings)
+    unsure = {e.label for e in added if not repeat.survives(plain.find(e.label))}
+    if CoulombFriction(*load.effect.scope).label in unsure:
+        return model
+    kept = tuple(t for t in plain.terms if t.label not in unsure)
+    return fitted_together(problem.regression, replace(plain, terms=kept)) if unsure else plain
 
 
 def _of_each_joint(terms: Sequence[Term], present: Sequence[Effect]) -> list[Effect]:

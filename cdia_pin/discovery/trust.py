@@ -1,9 +1,10 @@
 """How far each effect of a discovery can be trusted: its decision and its size are repeated under other assumptions.
 
 Nobody knows the right cut-off, the right links, or what else acts. An effect that is real does not depend on them.
-The repeats: both halves of the log, 0.7 and 1.4 of the cut-off, and links that are five percent wrong. An effect that
-is not everyday must besides be certain beside all everyday ones, for these are on every arm. A body is asked for beside
-the other links too, because the mass of a link is hard to tell from that of the next one.
+The repeats: both halves of the log, 0.7 and 1.4 of the cut-off, and links that are five percent wrong. An established
+effect is besides larger than what the model leaves, and half of the log shows it by itself, unless every joint has it.
+An effect that is not everyday must be certain beside all everyday ones, for these are on every arm. A body is asked for
+beside the other links too, because the mass of a link is hard to tell from that of the next one.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.changes.common_structure import common_effects
 from cdia_pin.changes.confidence import Confidence
-from cdia_pin.changes.run_to_run import is_friction_of_joint
+from cdia_pin.changes.run_to_run import PLAIN_FRICTION, is_friction_of_joint
 from cdia_pin.changes.sizes import effort_tolerance
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, RotorInertia, Term, TorqueOffset
@@ -78,15 +79,18 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         telling = [r for r in repeats if r.survives(term) or r.could_show(term, size)]
         survived = [r.survives(term) for r in telling]
         shown = len(telling) >= settings.confidence.least_shown * len(repeats)
+        alone = is_plain(term.effect) or any(half in telling for half in whole.halves)
         if isinstance(term.effect, Body):  # the next link may have the same mass
-            survived.append(crowded.survives(term))
+            survived.append(crowded.survives(term, spared=0))
         elif not is_everyday(term.effect):
             needed = needed and crowded.is_visible(term) and crowded.is_beyond_doubt(term)
         moved = [np.abs(r.theta(term) - size) for r in telling]
         torque = whole.torque(term, np.array(term.theta))
         scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
         systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
-        out[term.label] = Trust(_confidence(needed and shown, survived, settings.confidence), systematic)
+        firm = alone and whole.stands_out(term)
+        confidence = _confidence(needed and shown, firm, survived, settings.confidence)
+        out[term.label] = Trust(confidence, systematic)
     return out
 
 
@@ -100,10 +104,21 @@ def is_everyday(effect: Effect) -> bool:
     return plain or is_friction_of_joint(effect)
 
 
-def _confidence(needed: bool, survived: Sequence[bool], settings: ConfidenceSettings) -> Confidence:
+def is_plain(effect: Effect) -> bool:
+    """Tell whether every joint of every arm has an effect: Coulomb and viscous friction.
+
+    Args:
+        effect: The effect.
+    """
+    return effect.name in PLAIN_FRICTION
+
+
+def _confidence(
+    needed: bool, firm: bool, survived: Sequence[bool], settings: ConfidenceSettings
+) -> Confidence:
     if not needed or np.mean(survived) < settings.likely_share:
         return Confidence.DESCRIPTIVE
-    return Confidence.ESTABLISHED if all(survived) else Confidence.LIKELY
+    return Confidence.ESTABLISHED if firm and all(survived) else Confidence.LIKELY
 
 
 def variations(logs: Problem) -> Iterator[Experiment]:
@@ -168,15 +183,26 @@ class Repeat:
         self.experiment.forget()
         return self
 
-    def survives(self, term: Term) -> bool:
+    def survives(self, term: Term, spared: int = 1) -> bool:
         """Tell whether an effect is certain, and helps on blocks of time that its fit did not see.
 
         Args:
             term: A term of the model.
+            spared: Number of blocks on which it may fail: a motion of one block alone is not predicted from others.
         """
         one = self._at[term.label]
         fits = self._beside(one)
-        return bool(fits.certainty[one] >= self.settings.confidence.least_certainty and fits.gain[one] > 0)
+        helps = np.sort(fits.gains[one])[spared:].sum() > 0
+        return bool(helps and fits.certainty[one] >= self.settings.confidence.least_certainty)
+
+    def stands_out(self, term: Term) -> bool:
+        """Tell whether the torque of an effect is larger on some joint than what the model leaves there.
+
+        Args:
+            term: A term of the model.
+        """
+        own = self.torque(term, np.array(term.theta))
+        return bool(np.any(own >= self.settings.confidence.least_over_left * self._size))
 
     def could_show(self, term: Term, theta: Array) -> bool:
         """Tell whether an effect of some size would be certain here. A joint that hardly moves shows nothing.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -36,7 +37,6 @@ class BaseTilt(NonlinearEffect):
     plausibility: ClassVar[Plausibility] = Plausibility(unusual=True)
     equation: ClassVar[str] = "−K(q) Δg,  |g + Δg| = |g|"
     parameters = (Parameter("tilt_x", "m/s²"), Parameter("tilt_y", "m/s²"))
-    steps: ClassVar[tuple[float, ...]] = (1e-5, 1e-5)
     traits: ClassVar[Traits] = Traits({Signal.POSITION}, linear=False, turns_gravity=True)
 
     def torque(self, x: State, theta: Array) -> Array:
@@ -47,6 +47,21 @@ class BaseTilt(NonlinearEffect):
             theta: (tilt_x, tilt_y) [m/s²].
         """
         return -x.gravity_regressor @ self.tilt(x.robot, theta)
+
+    def jacobian(self, x: State, theta: Array) -> Array:
+        """Return ∂f/∂θ, shape (N, n, 2).
+
+        Args:
+            x: Motion and torques, N samples.
+            theta: (tilt_x, tilt_y) [m/s²].
+        """
+        gravity = x.robot.gravity_vector
+        size = float(np.linalg.norm(gravity))
+        if size == 0.0:
+            return np.zeros((len(x), x.robot.n, 2))
+        left = np.sqrt(size**2 - float(theta @ theta))
+        turning = _axes_across(tuple((gravity / size).tolist())).T - np.outer(gravity, theta) / (size * left)
+        return np.asarray(-x.gravity_regressor @ turning)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return bounds within which gravity keeps its size [m/s²].
@@ -100,11 +115,15 @@ class BaseTilt(NonlinearEffect):
         if size == 0.0:
             return np.zeros(3)  # where there is no gravity, a tilt changes nothing
         left = np.sqrt(max(size**2 - float(theta @ theta), 0.0))
-        return np.asarray(theta @ _axes_across(gravity / size) + gravity * (left / size - 1.0))
+        return np.asarray(
+            theta @ _axes_across(tuple((gravity / size).tolist())) + gravity * (left / size - 1.0)
+        )
 
 
-def _axes_across(direction: Array) -> Array:
+@lru_cache(maxsize=64)
+def _axes_across(unit: tuple[float, ...]) -> Array:
     """Return two unit vectors across a unit vector: the base axes most across it, made so exactly, (2, 3)."""
+    direction = np.array(unit)
     along = int(np.argmax(np.abs(direction)))
     first, second = (np.eye(3)[i] for i in range(3) if i != along)
     first = first - (first @ direction) * direction

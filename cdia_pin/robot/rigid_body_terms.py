@@ -225,8 +225,7 @@ class RigidBodyTerms:
         Returns:
             K [kg·m or kg], shape (n, 3) or (N, n, 3).
         """
-        columns = [self._each((self.n,), _gravity_of(self._with_gravity(axis)), q) for axis in np.eye(3)]
-        return np.stack(columns, axis=-1)
+        return np.stack([self._each((self.n,), weigh, q) for weigh in self._along_axes], axis=-1)
 
     def gravity_stiffness(self, q: ArrayLike) -> Array:
         """Compute ∂G/∂q, by which the gravity torque changes with the posture.
@@ -318,6 +317,11 @@ class RigidBodyTerms:
             body = model.inertias[i]
             model.inertias[i] = pin.Inertia(body.mass, body.lever, np.zeros((3, 3)))
         return model
+
+    @cached_property
+    def _along_axes(self) -> tuple[Callable[[Array], Array], ...]:
+        """The gravity torque where gravity is one along each base axis."""
+        return tuple(_gravity_of(self._with_gravity(axis)) for axis in np.eye(3))
 
     def _with_gravity(self, g: Array) -> pin.Model:
         model = self._model.copy()

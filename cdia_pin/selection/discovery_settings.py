@@ -182,6 +182,10 @@ class ConfidenceSettings:
             which the plain one is named [1].
         clear_refinement: The same ratio above which a refinement stays even if the plain effects of all joints together
             could stand for it [1].
+        clear_asymmetry: The same ratio above which asymmetric friction stays even if the halves of the log do not
+            agree on what differs [1].
+        least_over_left: RMS torque of an established effect over what the model leaves on the joint [1]. What is left
+            could be mistaken for a smaller one.
     """
 
     blocks: int = 32
@@ -196,6 +200,8 @@ class ConfidenceSettings:
     worth_of_doubted: float = 1.05
     worth_of_refinement: float = 1.1
     clear_refinement: float = 1.5
+    clear_asymmetry: float = 2.0
+    least_over_left: float = 1.0
 
     __repr__ = settings_repr
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
+from cdia_pin.errors import EffectError
 from cdia_pin.regression.bounded_fit import bounded_fit
 from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
@@ -39,12 +40,16 @@ def refitting(
         chosen = tuple(sorted((*rest, other)))
         present = {t.effect: t for t in model.terms}
         effects = [evidence.effects[c] for c in chosen]
-        first = ParameterBlocks.of(effects).split(evidence.fit(chosen, bodies=True).theta)
-        terms = tuple(
-            present[e].with_theta(part) if e in present else Term(e, tuple(part))
-            for e, part in zip(effects, first, strict=True)
-        )
-        then = fitted_together(problem.regression, Dynamics(model.robot, terms), iterations)
+        start = evidence.fit(chosen, bodies=True).theta
+        first = ParameterBlocks.of(effects).split(start)
+        try:
+            terms = tuple(
+                present[e].with_theta(part) if e in present else Term(e, tuple(part))
+                for e, part in zip(effects, first, strict=True)
+            )
+            then = fitted_together(problem.regression, Dynamics(model.robot, terms), iterations)
+        except EffectError:  # it diverges, as effects that nearly cancel each other may
+            return SetFit(chosen, start, np.inf, np.inf, False, False)
         equations = problem.regression.normal_equations(then, effects)
         fit = bounded_fit(equations, range(len(effects)), bodies=True)
         cost = fit.chi2 + evidence.penalty_of(chosen)

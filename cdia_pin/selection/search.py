@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import ALWAYS, Effect, Signal, Term
+from cdia_pin.effects import ALWAYS, ActuatorGain, Effect, Signal, Term
+from cdia_pin.errors import EffectError
 from cdia_pin.progress import Progress
 from cdia_pin.regression.gauss_newton import fitted_together, is_exact
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
@@ -32,6 +33,9 @@ LIKELY = 0.5  # share of what an effect explains [1] that another one must expla
 # that lowered the cost were among the first two.
 MOST_REFITS = 3
 MOST_MOVES = 120  # moves [1]; a guard, because the cost falls at every move
+# Gain of a drive [1]. One that delivers less than a quarter of what is asked does not move an arm, and a fit with such
+# a gain makes many times the torque out of next to nothing.
+WEAKEST = -0.75
 MOST_REJECTED = 6  # moves in a row [1] that the refit rejects, after which the search ends
 
 
@@ -95,13 +99,13 @@ def search(
         trial = _model_of(now.model, now.evidence, better.chosen, better.theta)
         report(_what_changed(now.model, trial), 1.0 - 0.9**moves)
         failed.add(names(now.evidence, better.chosen))
-        trial = fitted_together(regression, trial, ROUGHLY)
-        trial = refine_shapes(regression, trial, known=_labels(now.model))
-        then = fitted(problem, trial)
-        grew = len(then.fit.theta) > len(now.fit.theta)
+        then = _refitted(problem, trial, _labels(now.model))
+        grew = len(better.theta) > len(now.fit.theta)
         if (
-            not then.fit.physical
+            then is None
+            or not then.fit.physical
             or (grew and not _is_seen(problem, now.errors, then.errors))
+            or (_carries_its_load(now.model) and not _carries_its_load(then.model))
             or then.fit.cost > now.fit.cost + _sacrifice(now.evidence, now.fit, better)
         ):
             driven = {t.label for t in trial.terms if Signal.TORQUE in t.effect.traits.depends_on}
@@ -146,6 +150,21 @@ def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:
     evidence = problem.evidence(model)
     fit = evidence.fit(_indices(evidence, model), bodies=True)
     return Found(model, evidence, fit, problem.problem.rms(model))
+
+
+def _refitted(problem: WhitenedProblem, model: Dynamics, known: Collection[str]) -> Found | None:
+    """Return a model roughly at its optimum with the evidence, or None where its fit diverges.
+
+    Args:
+        problem: Logs, candidates and noise.
+        model: The model.
+        known: Labels of terms whose shape stays as it is.
+    """
+    try:
+        trial = fitted_together(problem.regression, model, ROUGHLY)
+        return fitted(problem, refine_shapes(problem.regression, trial, known=known))
+    except EffectError:  # it diverges, as effects that nearly cancel each other may
+        return None
 
 
 def _exchanges(problem: WhitenedProblem, now: Found, allowed: Allowed, worse: Errors) -> Iterator[SetFit]:
@@ -194,9 +213,12 @@ def _slimmed(problem: WhitenedProblem, now: Found) -> Found | None:
             continue
         others = now.model.remove(effect.label)
         elsewhere = [t.label for t in others.terms if not set(t.effect.scope) & set(effect.scope)]
-        trial = fitted_together(problem.regression, others, ROUGHLY)
-        then = fitted(problem, refine_shapes(problem.regression, trial, known=elsewhere))
-        if then.fit.physical and then.fit.cost < now.fit.cost - evidence.criterion.margin:
+        then = _refitted(problem, others, elsewhere)
+        if (
+            then is not None
+            and then.fit.physical
+            and then.fit.cost < now.fit.cost - evidence.criterion.margin
+        ):
             return then
     return None
 
@@ -206,6 +228,11 @@ def _is_seen(problem: WhitenedProblem, before: Array, after: Array) -> bool:
     fallen = np.sqrt(np.maximum(before**2 - after**2, 0.0))
     lower = after < (1 - problem.settings.criterion.least_fall) * before
     return bool((lower & (fallen > problem.problem.smallest_torque)).any())
+
+
+def _carries_its_load(model: Dynamics) -> bool:
+    """Return True if no drive delivers so little of what is asked that the arm could not have made its motion."""
+    return all(t.theta[0] >= WEAKEST for t in model.terms if isinstance(t.effect, ActuatorGain))
 
 
 def _sacrifice(evidence: Evidence, now: SetFit, after: SetFit) -> float:

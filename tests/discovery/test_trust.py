@@ -7,6 +7,7 @@ from cdia_pin import Dynamics, load_robot
 from cdia_pin.discovery.trust import Repeat, trust_in
 from cdia_pin.effects import parse_term
 from cdia_pin.logs import Log
+from cdia_pin.regression.block_evidence import BlockFits
 from cdia_pin.selection import DiscoverySettings
 from cdia_pin.selection.problem import Problem
 from tests.made_logs import motion
@@ -53,14 +54,44 @@ def test_a_half_in_which_the_joint_hardly_moves_says_nothing(robot):
     assert confidence(logs, robot) == "established"
 
 
-def test_friction_of_each_joint_comes_before_friction_between_two(robot):
-    from cdia_pin.discovery.plain_friction import with_plain_friction
+def test_an_effect_that_is_smaller_than_what_is_left_is_not_established(robot):
+    t, q, v, a = motion(robot.n, 5, duration=240.0)
+    effort = Dynamics(robot).inverse_dynamics(q, v, a)
+    effort[:, 1] += 0.3 * np.sign(v[:, 1]) + np.sin(9 * q[:, 1])
+    log = Log(robot.joints, t, q, effort)
+    logs = Problem.conditioned(robot, [log], [], DiscoverySettings())
+    assert confidence(logs, robot) == "likely"
+    effort[:, 1] -= 0.9 * np.sin(9 * q[:, 1])
+    assert confidence(Problem.conditioned(robot, [log], [], DiscoverySettings()), robot) == "established"
 
-    logs = problem(robot).around(Dynamics(robot))
-    shared = Dynamics(robot, (parse_term("coupled_friction@joint1+joint2: coefficient=0.0, level=0.1"),))
-    plain = with_plain_friction(logs.with_first_noise(Dynamics(robot)), shared, Dynamics(robot))
-    assert {t.label for t in plain.terms} == {"coulomb_friction@joint2"}
-    assert plain.find("coulomb_friction@joint2").theta == pytest.approx((0.3,), rel=0.05)
-    assert (
-        with_plain_friction(logs.with_first_noise(shared), shared, shared) is shared
-    )  # what was given stays
+
+def test_an_effect_that_not_every_joint_has_must_be_shown_by_half_of_the_log(robot):
+    rotor = parse_term("rotor_inertia@joint2: inertia=0.05")
+    t, q, v, a = motion(robot.n, 5, duration=24.0)
+    effort = Dynamics(robot, (rotor,)).inverse_dynamics(q, v, a)
+    effort += np.random.default_rng(0).normal(0.0, 0.03, effort.shape)
+
+    def said(halves_tell):
+        log = Log(robot.joints, t, q, effort)
+        logs = Problem.conditioned(robot, [log], [], DiscoverySettings())
+        could, survives = Repeat.could_show, Repeat.survives
+        with pytest.MonkeyPatch.context() as patch:
+            if not halves_tell:
+                patch.setattr(Repeat, "could_show", lambda r, *x: r.part is None and could(r, *x))
+                patch.setattr(Repeat, "survives", lambda r, *x: r.part is None and survives(r, *x))
+            return trust_in(logs, Dynamics(robot, (rotor,)), Dynamics(robot))[rotor.label].confidence
+
+    assert said(halves_tell=True) == "established"
+    assert said(halves_tell=False) == "likely"
+
+
+def test_one_block_whose_motion_no_other_has_does_not_speak_against_an_effect(robot, monkeypatch):
+    logs = problem(robot)
+    whole = Repeat(logs.design, Dynamics(robot, (FRICTION,)), logs.settings)
+    unlike = BlockFits((np.array([0.3]),), np.array([9.0]), np.array([[4.0, 5.0, -100.0, 3.0]]))
+    monkeypatch.setattr(Repeat, "_beside", lambda *_: unlike)
+    assert whole.survives(FRICTION)
+    assert not whole.survives(FRICTION, spared=0)
+    two = BlockFits(unlike.theta, unlike.certainty, np.array([[4.0, -50.0, -100.0, 3.0]]))
+    monkeypatch.setattr(Repeat, "_beside", lambda *_: two)
+    assert not whole.survives(FRICTION)

@@ -49,6 +49,7 @@ class ArmEvidence(Stateful):
         size = int(self.ends[-1]) + 1
         self.gram = np.zeros((observer.nominal.robot.n, size, size))
         self.weight = np.zeros(observer.nominal.robot.n)
+        self._no_effort = np.zeros(observer.nominal.robot.n)
         self._rows = np.zeros((observer.nominal.robot.n, size))
         self.stop()
 
@@ -88,7 +89,7 @@ class ArmEvidence(Stateful):
         o, before = self.observer, self._previous
         dt = 0.0 if before is None else t - before[0]
         a = np.zeros_like(v) if before is None else (v - before[1]) / dt
-        x = State.of(o.carried, q[None], v[None], a[None])
+        x = State.of(o.carried, q, v, a, effort=self._no_effort)  # no effect of the whole arm reads it
         phi = np.concatenate([h.columns(x) for h in self.hypotheses], axis=1)
         if before is None:
             self.columns[:] = phi

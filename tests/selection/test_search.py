@@ -1,0 +1,52 @@
+"""The search goes on where one candidate's fit diverges, and takes no drive that could not have moved the arm."""
+
+import numpy as np
+import pytest
+
+from cdia_pin import Dynamics, Log, discover, load_robot
+from cdia_pin.effects import parse_term
+from cdia_pin.errors import EffectError
+from cdia_pin.selection import DiscoverySettings, search
+from tests.made_logs import motion
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("double_pendulum")
+
+
+def log_of(robot, *terms, torque=None):
+    t, q, v, a = motion(robot.n, 5, duration=24.0)
+    model = Dynamics(robot, tuple(parse_term(x) for x in terms))
+    effort = model.inverse_dynamics(q, v, a)
+    effort += np.random.default_rng(0).normal(0.0, 0.02, effort.shape)
+    if torque is not None:
+        effort[:, 1] = torque(effort[:, 1])
+    return Log(robot.joints, t, q, effort)
+
+
+def found(robot, log):
+    return {
+        t.label
+        for t in discover(Dynamics(robot), log, settings=DiscoverySettings(most_effects=4)).model.terms
+    }
+
+
+def test_a_candidate_whose_fit_diverges_is_not_the_end_of_the_run(robot, monkeypatch):
+    fitted = search.fitted_together
+
+    def diverges(regression, model, *rest):
+        if any(t.effect.name == "viscous_friction" for t in model.terms):
+            raise EffectError("viscous_friction@joint2: parameters must be below 1e+12")
+        return fitted(regression, model, *rest)
+
+    log = log_of(robot, "coulomb_friction@joint2: level=0.4", "viscous_friction@joint2: coefficient=0.2")
+    assert "coulomb_friction@joint2" in found(robot, log)
+    monkeypatch.setattr(search, "fitted_together", diverges)
+    assert "coulomb_friction@joint2" in found(robot, log)
+
+
+@pytest.mark.parametrize(("share", "is_named"), [(2.0, True), (50.0, False)])
+def test_a_drive_that_could_not_move_the_arm_is_no_name(robot, share, is_named):
+    log = log_of(robot, torque=lambda effort: share * effort)
+    assert ("actuator_gain@joint2" in found(robot, log)) is is_named
