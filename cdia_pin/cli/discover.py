@@ -17,7 +17,7 @@ from cdia_pin.cli.circumstances import (
     expected_effects,
 )
 from cdia_pin.cli.conditions import Conditions, PerLog, parse_conditions, parse_per_log
-from cdia_pin.cli.console import progress, stdout, warn
+from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, doubts, load_inputs, read_logs, require_unseen, show_inputs
@@ -146,9 +146,7 @@ def discover(
         given, checks = read(logs)
         held_out, later = read(unseen)
         unfinished = Unfinished.beside(save, ctx.obj or "", model, [*given, *held_out])
-        start = unfinished.read(known.robot)
-        if start is not None:
-            warn(f"going on from {unfinished.path}, which an interrupted run left")
+        start = unfinished.go_on(known.robot)
         with unfinished.kept():
             found = discovery.discover(
                 known,

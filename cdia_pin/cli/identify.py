@@ -30,6 +30,7 @@ from cdia_pin.cli.options import (
     Topic,
 )
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.unfinished import Unfinished
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -99,9 +100,18 @@ def identify(
         reading = Reading(gains, joint_map, convert, topic, format, columns, episode)
         given, _ = read_logs(logs, known.robot, reading, check=check, tell=tell)
         held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
-        found = identification.identify(
-            known, given, holdout=held_out or None, settings=settings, progress=tell
-        )
+        unfinished = Unfinished.beside(save, ctx.obj or "", model, [*given, *held_out])
+        start = unfinished.go_on(known.robot)
+        with unfinished.kept():
+            found = identification.identify(
+                known,
+                given,
+                holdout=held_out or None,
+                settings=settings,
+                progress=tell,
+                start=start,
+                keep=unfinished.keep,
+            )
     from cdia_pin.dynamics import save_model
     from cdia_pin.viewers import identification_table
 
@@ -113,6 +123,7 @@ def identify(
         (urdf, lambda file: _write_urdf(found, console, file)),
         (json, lambda file: write_json(found.to_dict(), file)),
     )
+    unfinished.forget()
     show_next(console, compare_saved(ctx, logs, save))
 
 

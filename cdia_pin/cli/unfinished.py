@@ -1,4 +1,4 @@
-"""What an interrupted search had found: kept beside the file of its result, and where the same command goes on."""
+"""What an interrupted search or identification had found: kept beside the file of its result, and where the same command goes on."""
 
 from __future__ import annotations
 
@@ -49,12 +49,18 @@ class Unfinished:
             digest.update(log.sha256.encode())
         return cls(save and save.with_name(save.name + SUFFIX), digest.hexdigest())
 
-    def read(self, robot: RobotModel) -> Dynamics | None:
-        """Return the model that an interrupted run of the same command left; None if there is none.
+    def go_on(self, robot: RobotModel) -> Dynamics | None:
+        """Return the model that an interrupted run of the same command left, and say so; None if there is none.
 
         Args:
             robot: Whose model it is.
         """
+        start = self._read(robot)
+        if start is not None:
+            warn(f"going on from {self.path}, which an interrupted run left")
+        return start
+
+    def _read(self, robot: RobotModel) -> Dynamics | None:
         import json
 
         from cdia_pin.dynamics import load_model

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -33,6 +33,8 @@ def identify(
     holdout: Log | Sequence[Log] | None = None,
     settings: IdentificationSettings | None = None,
     progress: Progress | None = None,
+    start: Dynamics | None = None,
+    keep: Callable[[Dynamics], None] | None = None,
 ) -> Identification:
     r"""Fit the inertial parameters of all links, and friction, offset and rotor of all joints, to measured logs.
 
@@ -47,6 +49,8 @@ def identify(
         holdout: Logs that are only predicted; without them, each block of time is predicted from the others.
         settings: How logs are filtered, and what may be fitted.
         progress: Called with a sentence and the share done, from 0 to 1.
+        start: Model that an interrupted identification kept; it goes on from there.
+        keep: Called with each better model, so that an interrupted identification is not lost.
 
     Returns:
         The identified model, its errors, and base parameters.
@@ -70,11 +74,13 @@ def identify(
         raise LogError(f"{given[0].source}: the torque is {torque:.3g} N·m at most: it was not recorded")
     fitter = Fitter(experiment, settings)
     report("fitting links, friction and rotors", 0.1)
-    estimate = fitter.fit(full_model(model, experiment, settings), settings.strength or FIRST_STRENGTH)
-    plain = {t.label for t in estimate.model.terms}
+    whole = full_model(model, experiment, settings)
+    plain, keep = {t.label for t in whole.terms}, keep or _forgotten
+    estimate = fitter.fit(start or whole, settings.strength or FIRST_STRENGTH)
+    keep(estimate.model)
     if settings.refine:
         report("refining friction", 0.2)
-        estimate = refine(fitter, estimate, part(report, 0.2, 0.7))
+        estimate = refine(fitter, estimate, part(report, 0.2, 0.7), keep)
     report("choosing the strength of the prior", 0.7)
     strength = choose_strength(fitter, estimate) if settings.strength is None else settings.strength
     estimate = fitter.fit(estimate.model, strength)
@@ -114,3 +120,7 @@ def identify(
             "refine": settings.refine,
         },
     )
+
+
+def _forgotten(_: Dynamics) -> None:
+    """Keep nothing."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Expression
 from cdia_pin.identification.block_validation import block_errors, is_better, of_effects
 from cdia_pin.identification.estimate import Estimate, Fitter, unconstrained
@@ -22,13 +23,14 @@ Array = NDArray[np.float64]
 ROUNDS = 6  # rounds [1], each of at most one law per joint; a guard, because each law must explain enough
 
 
-def refine(fitter: Fitter, estimate: Estimate, tell: Progress) -> Estimate:
+def refine(fitter: Fitter, estimate: Estimate, tell: Progress, keep: Callable[[Dynamics], None]) -> Estimate:
     """Add to each joint the law that lowers its held-out error most, until no law does.
 
     Args:
         fitter: Fitter of the experiment.
         estimate: Estimate of the model with the plain laws.
         tell: Called with what was added and the share done [1].
+        keep: Called with each better model.
     """
     for k in range(ROUNDS):
         chosen = _best_of_each_joint(fitter, estimate)
@@ -39,6 +41,7 @@ def refine(fitter: Fitter, estimate: Estimate, tell: Progress) -> Estimate:
             model = law.of(model)
         tell(", ".join(f"+ {law.added.label}" for law in chosen), k / ROUNDS)
         estimate = fitter.fit(model, estimate.strength)
+        keep(estimate.model)
     return estimate
 
 

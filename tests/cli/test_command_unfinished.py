@@ -75,3 +75,24 @@ def test_each_better_model_is_kept():
     model, kept = Dynamics(load_robot("double_pendulum")), []
     found = discover(model, pendulum_log(5, HIDDEN, HIDDEN_TOO), keep=kept.append)
     assert kept and len(kept[-1].terms) >= len(found.model.terms)
+
+
+def test_an_interrupted_identification_is_not_lost_either(cdia, two, tmp_path, monkeypatch):
+    from cdia_pin.identification import refinement
+
+    whole, save = tmp_path / "whole.json", tmp_path / "model.json"
+    assert cdia("identify", two, *ROBOT, "--save", whole).code == 0
+    assert not (tmp_path / "whole.json.unfinished").exists()
+
+    def pressed(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(refinement, "_best_of_each_joint", pressed)
+        done = cdia("identify", two, *ROBOT, "--save", save)
+    unfinished = tmp_path / "model.json.unfinished"
+    assert done.code == 130 and str(unfinished) in done.err and not save.exists()
+    again = cdia("identify", two, *ROBOT, "--save", save)
+    assert again.code == 0 and "going on from" in again.err
+    assert effects(save) == effects(whole)
+    assert not unfinished.exists()
