@@ -1,4 +1,4 @@
-"""What an interrupted search or identification had found: kept beside the file of its result, and where the same command goes on."""
+"""What an interrupted run had found: kept beside the file of its result, and where the same command goes on."""
 
 from __future__ import annotations
 
