@@ -6,8 +6,8 @@ JOBS ?= 2
 # Small matrices: threads only cost. A comment behind the value would leave its blanks in the value.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: install test lint docs demo audit lock bench bench-discovery bench-real bench-cdia bench-samples
-.PHONY: bench-logs bench-scale bench-sensitivity clean help
+.PHONY: install test lint docs demo audit fuzz lock bench bench-discovery bench-real bench-cdia bench-samples
+.PHONY: bench-logs bench-scale bench-sensitivity bench-soak clean help
 
 help:  ## show this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -29,6 +29,9 @@ docs: $(VENV)/.installed-docs  ## the documentation site, in out/docs; runs the 
 
 audit:  ## look for known vulnerabilities in requirements.lock, where the database of advisories answers
 	.ci/audit
+
+fuzz: $(VENV)/.installed-dev  ## fuzz all readers for some seconds each, led by coverage; FUZZ_SECONDS=600 for longer
+	VENV=$(VENV) .ci/fuzz
 
 demo: $(VENV)/.installed  ## find a missing effect in a log that ships, in under a minute
 	$(BIN)/cdia demo
@@ -53,6 +56,9 @@ bench-logs: $(VENV)/.installed-dev  ## let the monitor watch measured logs; ten 
 
 bench-samples: $(VENV)/.installed-dev  ## give the monitor samples that cannot be; hours, an interrupted run goes on
 	$(BIN)/python -m benchmarks.fault_injection --jobs $(JOBS)
+
+bench-soak: $(VENV)/.installed-dev  ## let a monitor run for ten million ticks; ten minutes
+	$(BIN)/python -m benchmarks.soak
 
 bench-sensitivity: $(VENV)/.installed-dev  ## halve and double each number that decides; an hour, an interrupted run goes on
 	$(BIN)/python -m benchmarks.sensitivity --jobs $(JOBS)

@@ -1,6 +1,7 @@
 """Files that were damaged at random are read or refused in one line: every kind of input, from a corpus.
 
-``CDIA_FUZZ=50 python -m pytest tests/fuzzing`` tries 50 times as many. What breaks is put into the corpus.
+``CDIA_FUZZ=50 python -m pytest tests/fuzzing`` tries 50 times as many; `guided.py` looks for inputs that
+reach new code. What breaks is put into the corpus, named ``broke_…``.
 """
 
 from __future__ import annotations
@@ -8,23 +9,15 @@ from __future__ import annotations
 import os
 import re
 import warnings
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cdia_pin.dynamics import load_model
-from cdia_pin.effects import from_expression, parse_term
 from cdia_pin.errors import CdiaError
-from cdia_pin.logs import check_log, read_log
-from cdia_pin.logs.gains import read_gains
-from cdia_pin.robot import load_robot
+from tests.fuzzing.readers import CORPUS, READERS
 
-CORPUS = Path(__file__).parent / "corpus"
 EXAMPLES = 60 * int(os.environ.get("CDIA_FUZZ", "1"))
-ROBOT = load_robot("double_pendulum")
 # what often breaks a parser, beside single bytes
 TOKENS = (
     *(
@@ -97,31 +90,8 @@ def damaged(draw: st.DrawFn, kind: str) -> tuple[str, bytes]:
     return file.suffix, data
 
 
-def read_and_check(file: Path) -> None:
-    check_log(read_log(file, ROBOT), ROBOT)
-
-
-def read_lines(read: Callable[[str], object]) -> Callable[[Path], None]:
-    """Each line of a file is an input of its own."""
-
-    def reading(file: Path) -> None:
-        for line in file.read_text(errors="replace").splitlines():
-            try:
-                read(line)
-            except CdiaError as error:
-                assert len(str(error)) < 20_000
-
-    return reading
-
-
-READERS: dict[str, Callable[[Path], object]] = {
-    "logs": read_and_check,
-    "models": lambda file: load_model(file, ROBOT),
-    "gains": lambda file: read_gains(file, ROBOT.joints),
-    "urdf": load_robot,
-    "expressions": read_lines(from_expression),
-    "terms": read_lines(lambda line: parse_term(line, ROBOT)),
-}
+def test_every_kind_has_a_corpus():
+    assert {folder.name for folder in CORPUS.iterdir()} == set(READERS)
 
 
 @pytest.mark.parametrize("kind", READERS)

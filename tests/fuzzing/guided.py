@@ -1,0 +1,108 @@
+"""A fuzzer that is led by coverage: it keeps inputs that reach new code, and changes those further.
+
+    python -m tests.fuzzing.guided                   # every kind, 10 seconds each
+    python -m tests.fuzzing.guided logs --seconds 600
+
+It needs `atheris` (``pip install "cdia-pin[fuzz]"``). What breaks is kept in out/fuzz; put it into the corpus, named
+``broke_…``, beside the mend.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import logging
+import pkgutil
+import re
+import subprocess
+import sys
+import tempfile
+import warnings
+from pathlib import Path
+
+CORPUS = Path(__file__).parent / "corpus"
+KINDS = sorted(folder.name for folder in CORPUS.iterdir())
+# their modules are imported at once; where they are needed is too late for the fuzzer to follow them
+PACKAGES = ("logs", "robot", "dynamics", "effects", "diagnosis")
+COMPILED = [
+    f"cdia_pin.diagnosis.{m}" for m in ("correction_kernel", "fits", "kernels", "sample_kernel")
+]  # by numba
+OUT = Path(__file__).parents[2] / "out" / "fuzz"
+SLOWEST = 20  # [s] for one input; a reader that takes longer hangs
+MOST_MEMORY = 3000  # [MB]
+
+
+def fuzz(kind: str, seconds: int) -> None:
+    """Fuzz one kind in this process, which the fuzzer ends: with 0 if nothing broke."""
+    import atheris
+
+    warnings.simplefilter("ignore")
+    logging.disable()
+    with atheris.instrument_imports(include=["cdia_pin"], exclude=COMPILED):
+        from tests.fuzzing.readers import READERS, CdiaError
+
+        for package in PACKAGES:
+            whole = importlib.import_module(f"cdia_pin.{package}")
+            for module in pkgutil.walk_packages(whole.__path__, f"{whole.__name__}."):
+                importlib.import_module(module.name)
+    read, seeds = READERS[kind], CORPUS / kind
+    suffixes = sorted({file.suffix for file in seeds.iterdir()})
+    folder = Path(tempfile.mkdtemp())
+
+    def one(data: bytes) -> None:
+        # the first byte chooses the kind of file, where there are several
+        suffix = suffixes[data[0] % len(suffixes)] if data and len(suffixes) > 1 else suffixes[0]
+        file = folder / f"fuzzed{suffix}"
+        file.write_bytes(data[1:] if len(suffixes) > 1 else data)
+        try:
+            read(file)
+        except CdiaError as error:
+            assert str(error).strip()
+
+    first = folder / "seeds"
+    first.mkdir()
+    for file in seeds.iterdir():
+        chosen = bytes([suffixes.index(file.suffix)]) if len(suffixes) > 1 else b""
+        (first / file.name).write_bytes(chosen + file.read_bytes())
+    OUT.mkdir(parents=True, exist_ok=True)
+    limits = [f"-max_total_time={seconds}", f"-timeout={SLOWEST}", f"-rss_limit_mb={MOST_MEMORY}"]
+    atheris.Setup([sys.argv[0], *limits, f"-artifact_prefix={OUT}/{kind}-", str(first)], one)
+    atheris.Fuzz()
+
+
+def _in_short(said: str) -> str:
+    """Return how many inputs were tried, and how many branches they reached at the start and at the end."""
+    reached = re.findall(r"(?:INITED|DONE) +cov: (\d+)", said)
+    runs = re.search(r"Done (\d+) runs", said)
+    if runs is None or len(reached) < 2:
+        return "broke"
+    return f"{runs[1]} inputs, {reached[0]} branches reached by the corpus, {reached[-1]} in the end"
+
+
+def main() -> int:
+    """Fuzz each kind in a process of its own; return 1 if something broke."""
+    given = argparse.ArgumentParser(
+        prog="python -m tests.fuzzing.guided", description="Fuzz what reads files."
+    )
+    given.add_argument("kinds", nargs="*", choices=[[], *KINDS], default=[], help="all by default")
+    given.add_argument("--seconds", type=int, default=10, help="time for each kind [s]")
+    given.add_argument("--here", action="store_true", help=argparse.SUPPRESS)
+    options = given.parse_args()
+    if options.here:
+        fuzz(options.kinds[0], options.seconds)
+        return 0
+    broke = []
+    for kind in options.kinds or KINDS:
+        command = [sys.executable, "-m", "tests.fuzzing.guided", kind, "--here", "--seconds"]
+        done = subprocess.run([*command, str(options.seconds)], check=False, capture_output=True, text=True)
+        print(f"{kind}: {_in_short(done.stderr)}", flush=True)
+        if done.returncode:
+            broke.append(kind)
+            print(done.stdout[-3000:], done.stderr[-3000:], sep="\n")
+    if broke:
+        print(f"broke: {', '.join(broke)}; the inputs are in {OUT}")
+    return 1 if broke else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
