@@ -59,7 +59,8 @@ class BaseTilt(NonlinearEffect):
         size = float(np.linalg.norm(gravity))
         if size == 0.0:
             return np.zeros((len(x), x.robot.n, 2))
-        left = np.sqrt(size**2 - float(theta @ theta))
+        # a step of a fit may go beyond the steepest tilt for a moment
+        left = np.sqrt(max(size**2 - float(theta @ theta), (1.0 - STEEPEST**2) * size**2))
         turning = _axes_across(tuple((gravity / size).tolist())).T - np.outer(gravity, theta) / (size * left)
         return np.asarray(-x.gravity_regressor @ turning)
 

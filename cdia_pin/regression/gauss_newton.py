@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Signal
+from cdia_pin.errors import EffectError
 from cdia_pin.regression.bounded_fit import bounded_fit
 from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
@@ -15,6 +16,8 @@ from cdia_pin.regression.shape_slopes import slopes
 
 Array = NDArray[np.float64]
 
+# What a fit ends in whose parameters grow without bound, as those of effects that nearly cancel each other may.
+DIVERGED = (EffectError, np.linalg.LinAlgError)
 MOST_ITERATIONS = 20  # iterations [1]; a guard against slow convergence
 # Standard deviations [1]. A step of d of them lowers the sum of squares by d² variances of the residual; when a step
 # lowers it by less, the fit has converged. Parameters that the log hardly distinguishes may still move.

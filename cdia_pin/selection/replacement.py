@@ -8,9 +8,8 @@ import numpy as np
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
-from cdia_pin.errors import EffectError
 from cdia_pin.regression.bounded_fit import bounded_fit
-from cdia_pin.regression.gauss_newton import fitted_together
+from cdia_pin.regression.gauss_newton import DIVERGED, fitted_together
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.evidence import Evidence, SetFit
 from cdia_pin.selection.problem import WhitenedProblem
@@ -48,7 +47,7 @@ def refitting(
                 for e, part in zip(effects, first, strict=True)
             )
             then = fitted_together(problem.regression, Dynamics(model.robot, terms), iterations)
-        except EffectError:  # it diverges, as effects that nearly cancel each other may
+        except DIVERGED:
             return SetFit(chosen, start, np.inf, np.inf, False, False)
         equations = problem.regression.normal_equations(then, effects)
         fit = bounded_fit(equations, range(len(effects)), bodies=True)

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ALWAYS, ActuatorGain, Effect, Signal, Term
-from cdia_pin.errors import EffectError
 from cdia_pin.progress import Progress
-from cdia_pin.regression.gauss_newton import fitted_together, is_exact
+from cdia_pin.regression.gauss_newton import DIVERGED, fitted_together, is_exact
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.evidence import Evidence, SetFit
 from cdia_pin.selection.moves import Names, improve, names
@@ -163,7 +162,7 @@ def _refitted(problem: WhitenedProblem, model: Dynamics, known: Collection[str])
     try:
         trial = fitted_together(problem.regression, model, ROUGHLY)
         return fitted(problem, refine_shapes(problem.regression, trial, known=known))
-    except EffectError:  # it diverges, as effects that nearly cancel each other may
+    except DIVERGED:
         return None
 
 

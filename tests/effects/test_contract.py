@@ -19,6 +19,7 @@ from cdia_pin.dynamics import Dynamics, exciting_trajectory, simulate
 from cdia_pin.dynamics.simulate import run_plant
 from cdia_pin.effects import (
     EFFECTS,
+    BaseTilt,
     Channel,
     Drift,
     Effect,
@@ -638,3 +639,10 @@ def test_a_fault_in_the_plant_is_recovered_from_its_log(kind):
     assert np.sqrt(np.mean(with_fit**2)) < 0.03 * missing
     if np.linalg.cond(columns) < 30:  # otherwise this motion does not tell its parameters apart
         np.testing.assert_allclose(theta, truth, rtol=0.05, atol=0.02 * np.abs(truth).max())
+
+
+def test_a_fit_that_goes_beyond_the_steepest_tilt_gets_a_finite_slope():
+    tilt, robot = BaseTilt(), load_robot("ur5")
+    x = State.of(robot, np.zeros((1, robot.n)), np.zeros((1, robot.n)))
+    assert np.isfinite(tilt.jacobian(x, np.array([9.0, 9.0]))).all()
+    assert np.isfinite(tilt.torque(x, np.array([9.0, 9.0]))).all()
