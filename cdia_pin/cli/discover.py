@@ -145,7 +145,9 @@ def discover(
         )
         given, checks = read(logs)
         held_out, later = read(unseen)
-        unfinished = Unfinished.beside(save, ctx.obj or "", model, [*given, *held_out])
+        unfinished = Unfinished.beside(
+            save, ctx.obj or "", [model, known.robot.urdf, gains], [*given, *held_out]
+        )
         start = unfinished.go_on(known.robot)
         with unfinished.kept():
             found = discovery.discover(

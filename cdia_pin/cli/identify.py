@@ -100,7 +100,9 @@ def identify(
         reading = Reading(gains, joint_map, convert, topic, format, columns, episode)
         given, _ = read_logs(logs, known.robot, reading, check=check, tell=tell)
         held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
-        unfinished = Unfinished.beside(save, ctx.obj or "", model, [*given, *held_out])
+        unfinished = Unfinished.beside(
+            save, ctx.obj or "", [model, known.robot.urdf, gains], [*given, *held_out]
+        )
         start = unfinished.go_on(known.robot)
         with unfinished.kept():
             found = identification.identify(

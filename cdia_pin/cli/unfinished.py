@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from cdia_pin.cli.console import warn
 from cdia_pin.errors import CdiaError
+from cdia_pin.version import __version__
 
 if TYPE_CHECKING:
     from cdia_pin.dynamics import Dynamics
@@ -27,24 +28,27 @@ class Unfinished:
 
     Attributes:
         path: Its file; None if no model is to be saved.
-        key: Hash of the command and its logs: a search of anything else does not go on from here.
+        key: Hash of the command, its logs and files: a search of anything else does not go on from here.
     """
 
     path: Path | None
     key: str
 
     @classmethod
-    def beside(cls, save: Path | None, command: str, model: Path | None, logs: Sequence[Log]) -> Unfinished:
+    def beside(
+        cls, save: Path | None, command: str, files: Sequence[Path | None], logs: Sequence[Log]
+    ) -> Unfinished:
         """Return what belongs to a command.
 
         Args:
             save: File of the result; None without one.
             command: What the user typed.
-            model: File of the model at which the search starts.
+            files: What else the answer depends on, such as model, robot and gains; None where there is none.
             logs: The logs that are fitted.
         """
-        digest = hashlib.sha256(command.encode(errors="replace"))
-        digest.update(model.read_bytes() if model else b"")
+        digest = hashlib.sha256(f"{__version__} {command}".encode(errors="replace"))
+        for file in files:
+            digest.update(file.read_bytes() if file is not None and file.is_file() else b"")
         for log in logs:
             digest.update(log.sha256.encode())
         return cls(save and save.with_name(save.name + SUFFIX), digest.hexdigest())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.kernel_cache import first_call
 from cdia_pin.diagnosis.stateful import Stateful
 
 Array = NDArray[np.float64]
@@ -33,14 +34,19 @@ class CorrectionLimits(Stateful):
     STATE = ("is_wanted", "share", "asked", "_before", "_now", "_velocity", "_elapsed", "_active")
 
     def __init__(self, effort: Array, speed: Array, period: float) -> None:
-        from cdia_pin.diagnosis.correction_kernel import bounded  # needs numba
+        from cdia_pin.diagnosis import correction_kernel  # needs numba
 
-        self._bounded, self._effort, self._period = bounded, effort, period
+        self._bounded, self._effort, self._period = correction_kernel.bounded, effort, period
         self._power = POWER_SHARE * effort * speed
         self._nothing = np.zeros(len(effort))
         self.is_wanted = True
         self.reset()
-        self(np.ones(len(effort)))  # compiles it now, and not in a control loop
+        if not self._bounded.signatures:
+            first_call("the bounds of corrections", (correction_kernel,), self._tried_once)
+
+    def _tried_once(self) -> None:
+        """Bound a torque in the types of a control loop."""
+        self(np.ones(len(self._effort)))
         self.reset()
 
     def reset(self) -> None:

@@ -182,8 +182,9 @@ class Monitor:
         Raises:
             ModelError: If a signal has another shape, or velocities are missing that the healthy runs have.
         """
-        q, tau = np.asarray(q, float), np.asarray(tau, float)
-        v = None if v is None else np.asarray(v, float)
+        # copies: a driver may use its buffers again, and compiled code takes one layout of memory
+        q, tau = np.array(q, float), np.array(tau, float)
+        v = None if v is None else np.array(v, float)
         if q.shape != self._shape or tau.shape != self._shape or (v is not None and v.shape != self._shape):
             given = ", ".join(str(np.shape(s)) for s in (q, v, tau) if s is not None)
             raise ModelError(f"a tick takes signals of shape {self._shape}, given {given}")
@@ -207,8 +208,8 @@ class Monitor:
         Raises:
             ModelError: If a signal has another shape.
         """
-        nominal = np.asarray(tau, float)
-        asked = None if v_desired is None else np.asarray(v_desired, float)
+        nominal = np.array(tau, float)
+        asked = None if v_desired is None else np.array(v_desired, float)
         if nominal.shape != self._shape or (asked is not None and asked.shape != self._shape):
             given = ", ".join(str(s.shape) for s in (nominal, asked) if s is not None)
             raise ModelError(f"a correction takes signals of shape {self._shape}, given {given}")

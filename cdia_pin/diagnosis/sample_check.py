@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis import sample_codes as codes
 from cdia_pin.diagnosis import sample_rows as rows
+from cdia_pin.diagnosis.kernel_cache import first_call
 from cdia_pin.diagnosis.sample_bounds import MEMORY_TIME, SampleBounds
 from cdia_pin.diagnosis.sample_words import SIGNALS, why_bad
 from cdia_pin.diagnosis.sensor_fault import SensorCondition, SensorFault, SensorSignal
@@ -105,16 +106,24 @@ class SampleCheck(Stateful):
     )
 
     def __init__(self, joints: tuple[str, ...], bounds: SampleBounds, has_velocity: bool) -> None:
-        from cdia_pin.diagnosis.sample_kernel import judge, since_good  # needs numba
+        from cdia_pin.diagnosis import sample_kernel  # needs numba
 
         self.bounds, self._joints = bounds, joints
-        self._judge, self._since_good = judge, since_good
+        self._judge, self._since_good = sample_kernel.judge, sample_kernel.since_good
         self._limits, n = bounds.array, len(joints)
         self._state, self._scalars = np.zeros((rows.STATE_ROWS, n)), np.zeros(rows.SCALARS)
         self._still = np.zeros(n)
         self._has_velocity = has_velocity
         self._recovery_ticks = max(RECOVERY_TICKS, RECOVERY_TIME / bounds.period)
         self._many_ticks = max(RECOVERY_TICKS, MANY_TIME / bounds.period)
+        self.reset()
+        if not self._judge.signatures:
+            first_call("the check of samples", (sample_kernel,), self._tried_once)
+
+    def _tried_once(self) -> None:
+        """Judge a sample in the types of a control loop, and forget it."""
+        none = np.zeros(len(self._joints))
+        self._judge(self._limits, self._state, self._scalars, none, none, none, 0.0)
         self.reset()
 
     def reset(self) -> None:

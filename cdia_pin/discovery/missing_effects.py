@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 from cdia_pin.changes.conditions import changes_between, effects_that_differ, with_parameters_per_log
@@ -17,7 +18,7 @@ from cdia_pin.discovery.ranking import rank
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.log import Log, listed
 from cdia_pin.progress import Progress, part, silent
-from cdia_pin.regression.gauss_newton import fitted_together
+from cdia_pin.regression.gauss_newton import DIVERGED, fitted_together
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.every_link import has_every_link, with_every_link
 from cdia_pin.selection.problem import Problem, WhitenedProblem
@@ -114,8 +115,9 @@ def _answer(
     report: Progress,
     findings: tuple[Phenomenon, ...],
 ) -> Discovery:
-    found = with_plain_friction(problem, found, model)
-    found = with_plain_forms(problem, found, model)
+    for plainer in (with_plain_friction, with_plain_forms):
+        with suppress(*DIVERGED):  # then the model stays as it is
+            found = plainer(problem, found, model)
     report("ranking the effects", 0.85)
     return concluded(problem, model, found, report, ranking=rank(problem, model), findings=findings)
 
@@ -138,9 +140,12 @@ def _searched(
         if doubt := doubted(problem, found, model) - needed:
             rest = problem.without(doubt)
             kept = tuple(t for t in found.terms if t.label not in doubt)
-            plain = fitted_together(rest.regression, replace(found, terms=kept))
-            plain = search(rest, plain, futile, now, keep)
-            if predicts_as_well(problem, plain, found):
+            try:
+                plain = fitted_together(rest.regression, replace(found, terms=kept))
+                plain = search(rest, plain, futile, now, keep)
+            except DIVERGED:
+                plain = found
+            if plain is not found and predicts_as_well(problem, plain, found):
                 problem, found = rest, plain
             else:
                 needed |= doubt

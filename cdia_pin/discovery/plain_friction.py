@@ -71,7 +71,7 @@ def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynami
 
 def _is_under_load_alone(term: Term, model: Dynamics) -> bool:
     """Tell whether a term is friction under load, and its joint has no other dry friction."""
-    return isinstance(term.effect, LoadFriction) and not any(
+    return term.effect.name == LoadFriction.name and not any(
         is_friction_of_joint(t.effect)
         and t.effect.scope == term.effect.scope
         and Signal.DIRECTION in t.effect.traits.depends_on
@@ -99,7 +99,7 @@ def _with_dry_friction(problem: WhitenedProblem, model: Dynamics, load: Term) ->
 def _of_each_joint(terms: Sequence[Term], present: Sequence[Effect]) -> list[Effect]:
     """Return Coulomb and viscous friction of the joints of some terms that have none."""
     joints = dict.fromkeys(j for t in terms for j in t.effect.scope)
-    both = {e.joint for e in present if isinstance(e, AsymmetricFriction)}
-    labels = {e.label for e in present}
+    own = {(e.name, e.scope) for e in present}  # also where it differs between logs, or drifts
+    both = {e.scope[0] for e in present if e.name == AsymmetricFriction.name}
     effects: list[Effect] = [kind(j) for j in joints if j not in both for kind in PLAIN]
-    return [e for e in effects if e.label not in labels]
+    return [e for e in effects if (e.name, e.scope) not in own]

@@ -24,6 +24,7 @@ from cdia_pin.changes.sizes import effort_tolerance
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, RotorInertia, Term, TorqueOffset
 from cdia_pin.effects.body import Body
+from cdia_pin.effects.varying import Varying
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.motion import Motion
@@ -105,12 +106,12 @@ def is_everyday(effect: Effect) -> bool:
 
 
 def is_plain(effect: Effect) -> bool:
-    """Tell whether every joint of every arm has an effect: Coulomb and viscous friction.
+    """Tell whether every joint of every arm has an effect: Coulomb and viscous friction that stays as it is.
 
     Args:
         effect: The effect.
     """
-    return effect.name in PLAIN_FRICTION
+    return effect.name in PLAIN_FRICTION and not isinstance(effect, Varying)
 
 
 def _confidence(

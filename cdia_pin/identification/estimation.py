@@ -49,7 +49,7 @@ def identify(
         holdout: Logs that are only predicted; without them, each block of time is predicted from the others.
         settings: How logs are filtered, and what may be fitted.
         progress: Called with a sentence and the share done, from 0 to 1.
-        start: Model that an interrupted identification kept; it goes on from there.
+        start: Model of the same arm that an interrupted identification gave to ``keep``; it goes on from there.
         keep: Called with each better model, so that an interrupted identification is not lost.
 
     Returns:
@@ -76,7 +76,8 @@ def identify(
     report("fitting links, friction and rotors", 0.1)
     whole = full_model(model, experiment, settings)
     plain, keep = {t.label for t in whole.terms}, keep or _forgotten
-    estimate = fitter.fit(start or whole, settings.strength or FIRST_STRENGTH)
+    begin = whole if start is None else Dynamics(model.robot, start.terms)
+    estimate = fitter.fit(begin, settings.strength or FIRST_STRENGTH)
     keep(estimate.model)
     if settings.refine:
         report("refining friction", 0.2)

@@ -47,10 +47,10 @@ def refitting(
                 for e, part in zip(effects, first, strict=True)
             )
             then = fitted_together(problem.regression, Dynamics(model.robot, terms), iterations)
+            equations = problem.regression.normal_equations(then, effects)
+            fit = bounded_fit(equations, range(len(effects)), bodies=True)
         except DIVERGED:
             return SetFit(chosen, start, np.inf, np.inf, False, False)
-        equations = problem.regression.normal_equations(then, effects)
-        fit = bounded_fit(equations, range(len(effects)), bodies=True)
         cost = fit.chi2 + evidence.penalty_of(chosen)
         return SetFit(chosen, fit.theta, fit.chi2, cost, fit.possible, fit.physical)
 

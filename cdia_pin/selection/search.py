@@ -99,12 +99,13 @@ def search(
         report(_what_changed(now.model, trial), 1.0 - 0.9**moves)
         failed.add(names(now.evidence, better.chosen))
         then = _refitted(problem, trial, _labels(now.model))
+        if then is not None and _carries_its_load(now.model) and not _carries_its_load(then.model):
+            continue  # it says nothing of the other moves
         grew = len(better.theta) > len(now.fit.theta)
         if (
             then is None
             or not then.fit.physical
             or (grew and not _is_seen(problem, now.errors, then.errors))
-            or (_carries_its_load(now.model) and not _carries_its_load(then.model))
             or then.fit.cost > now.fit.cost + _sacrifice(now.evidence, now.fit, better)
         ):
             driven = {t.label for t in trial.terms if Signal.TORQUE in t.effect.traits.depends_on}
@@ -231,7 +232,7 @@ def _is_seen(problem: WhitenedProblem, before: Array, after: Array) -> bool:
 
 def _carries_its_load(model: Dynamics) -> bool:
     """Return True if no drive delivers so little of what is asked that the arm could not have made its motion."""
-    return all(t.theta[0] >= WEAKEST for t in model.terms if isinstance(t.effect, ActuatorGain))
+    return all(min(t.theta) >= WEAKEST for t in model.terms if t.effect.name == ActuatorGain.name)
 
 
 def _sacrifice(evidence: Evidence, now: SetFit, after: SetFit) -> float:

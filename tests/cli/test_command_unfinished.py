@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from cdia_pin import Dynamics, load_robot, write_log
+from cdia_pin import Dynamics, load_model, load_robot, write_log
 from cdia_pin.discovery import discover
 from cdia_pin.selection import search as searching
 from tests.cli.conftest import HIDDEN, pendulum_log
@@ -78,7 +78,7 @@ def test_each_better_model_is_kept():
 
 
 def test_an_interrupted_identification_is_not_lost_either(cdia, two, tmp_path, monkeypatch):
-    from cdia_pin.identification import refinement
+    from cdia_pin.identification import estimate, refinement
 
     whole, save = tmp_path / "whole.json", tmp_path / "model.json"
     assert cdia("identify", two, *ROBOT, "--save", whole).code == 0
@@ -92,7 +92,16 @@ def test_an_interrupted_identification_is_not_lost_either(cdia, two, tmp_path, m
         done = cdia("identify", two, *ROBOT, "--save", save)
     unfinished = tmp_path / "model.json.unfinished"
     assert done.code == 130 and str(unfinished) in done.err and not save.exists()
+    kept = load_model(unfinished, load_robot("double_pendulum"))
+    begun, fit = [], estimate.Fitter.fit
+
+    def noted(fitter, model, *rest):
+        begun.append(model)
+        return fit(fitter, model, *rest)
+
+    monkeypatch.setattr(estimate.Fitter, "fit", noted)
     again = cdia("identify", two, *ROBOT, "--save", save)
     assert again.code == 0 and "going on from" in again.err
+    assert [t.theta for t in begun[0].terms] == [t.theta for t in kept.terms]
     assert effects(save) == effects(whole)
     assert not unfinished.exists()

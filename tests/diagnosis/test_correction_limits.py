@@ -5,6 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cdia_pin import Dynamics, load_robot
+from cdia_pin.diagnosis import Monitor, correction_kernel, sample_kernel
 from cdia_pin.diagnosis.correction_limits import POWER_SHARE, RAMP_TIME, RISE_TIME, CorrectionLimits
 
 EFFORT, SPEED, TICK = np.array([50.0, 10.0]), np.array([3.0, 2.0]), 1e-3
@@ -83,3 +85,20 @@ def test_an_unknown_effort_limit_leaves_the_torque_finite():
     for _ in range(RAMP):
         limits.tick(TICK, True, np.ones(2))
     np.testing.assert_array_equal(limits(np.array([np.inf, 7.0])), [0.0, 7.0])
+
+
+def test_signals_of_any_layout_compile_nothing_in_a_control_loop():
+    robot = load_robot("double_pendulum")
+    monitor = Monitor(Dynamics(robot), threshold=dict.fromkeys(robot.joints, 0.1), rate=100.0)
+
+    def run(signal):
+        for k in range(60):
+            q, v, tau = (signal(np.array(x)) for x in ([0.01 * k, 0.0], [1.0, 0.0], [5.0, 5.0]))
+            monitor.update(0.01 * k, q, v, tau)
+            monitor.correct(tau, v)
+
+    run(lambda x: x)
+    before = len(correction_kernel.bounded.signatures), len(sample_kernel.judge.signatures)
+    run(lambda x: np.repeat(x, 2)[::2])
+    run(lambda x: np.frombuffer(x.tobytes()))
+    assert before == (len(correction_kernel.bounded.signatures), len(sample_kernel.judge.signatures))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, Log, load_robot
-from cdia_pin.discovery.plain_friction import with_plain_friction
-from cdia_pin.effects import parse_term
+from cdia_pin.discovery.plain_friction import _of_each_joint, with_plain_friction
+from cdia_pin.effects import CoulombFriction, PerLog, ViscousFriction, parse_term
 from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection import DiscoverySettings
 from cdia_pin.selection.problem import Problem
@@ -69,3 +69,10 @@ def test_friction_that_follows_the_load_stays(robot):
         lambda v, load: 0.3 * np.abs(load) * np.sign(v),
     )
     assert "load_friction@joint2" in labels(found)
+
+
+def test_friction_that_differs_between_logs_is_not_added_again(robot):
+    per_log = PerLog(ViscousFriction("joint2"), ("a", "b"))
+    assert _of_each_joint([parse_term("load_friction@joint2: coefficient=0.1")], [per_log]) == [
+        CoulombFriction("joint2")
+    ]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, load_robot
-from cdia_pin.discovery.trust import Repeat, trust_in
-from cdia_pin.effects import parse_term
+from cdia_pin.discovery.trust import Repeat, is_plain, trust_in
+from cdia_pin.effects import CoulombFriction, Drift, LoadFriction, ViscousFriction, parse_term
 from cdia_pin.logs import Log
 from cdia_pin.regression.block_evidence import BlockFits
 from cdia_pin.selection import DiscoverySettings
@@ -95,3 +95,9 @@ def test_one_block_whose_motion_no_other_has_does_not_speak_against_an_effect(ro
     two = BlockFits(unlike.theta, unlike.certainty, np.array([[4.0, -50.0, -100.0, 3.0]]))
     monkeypatch.setattr(Repeat, "_beside", lambda *_: two)
     assert not whole.survives(FRICTION)
+
+
+def test_what_every_joint_has_stays_as_it_is():
+    coulomb = CoulombFriction("joint1")
+    assert is_plain(coulomb) and is_plain(ViscousFriction("joint1"))
+    assert not is_plain(Drift(coulomb, 0.0, 10.0, 3.0)) and not is_plain(LoadFriction("joint1"))

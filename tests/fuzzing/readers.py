@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-from cdia_pin.diagnosis import Monitor
+from cdia_pin.diagnosis import Monitor, Status
 from cdia_pin.dynamics import Dynamics, load_model
 from cdia_pin.effects import from_expression, parse_term
 from cdia_pin.errors import CdiaError
@@ -18,7 +18,9 @@ from cdia_pin.robot import load_robot
 
 CORPUS = Path(__file__).parent / "corpus"
 ROBOT = load_robot("double_pendulum")
+ARM = load_robot("ur5")  # with limits of its effort
 LONGEST = 20_000  # characters of an error
+MOST_TICKS = 200
 
 
 def read_and_check(file: Path) -> None:
@@ -40,20 +42,26 @@ def read_lines(read: Callable[[str], object]) -> Callable[[Path], None]:
 
 @cache
 def healthy_monitor() -> Monitor:
-    return Monitor(Dynamics(ROBOT), threshold=dict.fromkeys(ROBOT.joints, 1.0), rate=100.0)
+    return Monitor(Dynamics(ARM), threshold=dict.fromkeys(ARM.joints, 1.0), rate=100.0)
 
 
 def monitor_samples(file: Path) -> None:
-    """Each row of eight numbers is a tick: time, positions, velocities, torques, what is to be commanded."""
-    monitor, limit = healthy_monitor(), ROBOT.limits.effort
-    monitor.reset()
-    numbers = np.frombuffer(file.read_bytes()[: 64 * 200 * 8], np.float64, file.stat().st_size // 8)
-    for t, *row in numbers[: len(numbers) // 8 * 8].reshape(-1, 8):
-        q, v, tau = np.array(row[:2]), np.array(row[2:4]), np.array(row[4:6])
-        status = monitor.update(t, q, v, tau)
-        command = monitor.correct(np.full(2, row[6]))
-        assert np.isfinite(command).all() and (np.abs(command) <= limit).all()
+    for status, nominal, command in monitored(file):
+        assert np.isfinite(command).all() and (np.abs(command) <= ARM.limits.effort).all()
         assert np.isfinite(status.torque_correction).all() and np.isfinite(status.residual).all()
+        assert np.isfinite(nominal) or np.isfinite(command).all()
+
+
+def monitored(file: Path) -> Iterator[tuple[Status, float, np.ndarray]]:
+    """Each row of numbers is a tick: time, positions, velocities, torques, and what is commanded of all joints."""
+    monitor, data, n = healthy_monitor(), file.read_bytes(), ARM.n
+    monitor.reset()
+    width = 2 + 3 * n
+    numbers = np.frombuffer(data[: len(data) // 8 * 8], np.float64)
+    for row in numbers[: len(numbers) // width * width].reshape(-1, width)[:MOST_TICKS]:
+        q, v, tau = row[1 : 1 + 3 * n].reshape(3, n)
+        status = monitor.update(row[0], q, v, tau)
+        yield status, row[-1], monitor.correct(np.full(n, row[-1]))
 
 
 READERS: dict[str, Callable[[Path], object]] = {

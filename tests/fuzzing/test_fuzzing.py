@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cdia_pin.errors import CdiaError
-from tests.fuzzing.readers import CORPUS, READERS
+from tests.fuzzing.readers import CORPUS, READERS, monitored
 
 EXAMPLES = 60 * int(os.environ.get("CDIA_FUZZ", "1"))
 # what often breaks a parser, beside single bytes
@@ -92,6 +92,13 @@ def damaged(draw: st.DrawFn, kind: str) -> tuple[str, bytes]:
 
 def test_every_kind_has_a_corpus():
     assert {folder.name for folder in CORPUS.iterdir()} == set(READERS)
+
+
+def test_the_samples_of_the_corpus_make_the_monitor_correct():
+    added = [
+        abs(command - nominal).max() for _, nominal, command in monitored(CORPUS / "samples" / "plain.f64")
+    ]
+    assert max(added[:30]) == 0.0 and max(added) > 1.0
 
 
 @pytest.mark.parametrize("kind", READERS)
