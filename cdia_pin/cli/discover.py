@@ -148,16 +148,14 @@ def discover(
         unfinished = Unfinished.beside(
             save, ctx.obj or "", [model, known.robot.urdf, gains], [*given, *held_out]
         )
-        start = unfinished.go_on(known.robot)
-        with unfinished.kept():
+        with unfinished.resumed(known.robot) as resumed:
             found = discovery.discover(
                 known,
                 given,
                 holdout=held_out or None,
                 settings=settings,
                 progress=tell,
-                start=start,
-                keep=unfinished.keep,
+                **resumed,
             )
     from cdia_pin.viewers import discovery_table
     from cdia_pin.viewers.text_ranking import ranking_table

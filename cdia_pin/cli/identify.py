@@ -103,16 +103,14 @@ def identify(
         unfinished = Unfinished.beside(
             save, ctx.obj or "", [model, known.robot.urdf, gains], [*given, *held_out]
         )
-        start = unfinished.go_on(known.robot)
-        with unfinished.kept():
+        with unfinished.resumed(known.robot) as resumed:
             found = identification.identify(
                 known,
                 given,
                 holdout=held_out or None,
                 settings=settings,
                 progress=tell,
-                start=start,
-                keep=unfinished.keep,
+                **resumed,
             )
     from cdia_pin.dynamics import save_model
     from cdia_pin.viewers import identification_table

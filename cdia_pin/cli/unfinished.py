@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 from cdia_pin.cli.console import warn
 from cdia_pin.errors import CdiaError
@@ -20,6 +20,13 @@ if TYPE_CHECKING:
     from cdia_pin.robot import RobotModel
 
 SUFFIX = ".unfinished"
+
+
+class Resumed(TypedDict):
+    """Arguments of `discover` and `identify`: the model at which to begin, and what keeps each better one."""
+
+    start: Dynamics | None
+    keep: Callable[[Dynamics], None]
 
 
 @dataclass(frozen=True)
@@ -53,17 +60,6 @@ class Unfinished:
             digest.update(log.sha256.encode())
         return cls(save and save.with_name(save.name + SUFFIX), digest.hexdigest())
 
-    def go_on(self, robot: RobotModel) -> Dynamics | None:
-        """Return the model that an interrupted run of the same command left, and say so; None if there is none.
-
-        Args:
-            robot: Whose model it is.
-        """
-        start = self._read(robot)
-        if start is not None:
-            warn(f"going on from {self.path}, which an interrupted run left")
-        return start
-
     def _read(self, robot: RobotModel) -> Dynamics | None:
         import json
 
@@ -89,10 +85,17 @@ class Unfinished:
                 save_model(model, self.path, record={"search": self.key})
 
     @contextmanager
-    def kept(self) -> Iterator[None]:
-        """Say where the last model is if the block is interrupted."""
+    def resumed(self, robot: RobotModel) -> Iterator[Resumed]:
+        """Give what an interrupted run left to the block, and say where its last model is if it is interrupted again.
+
+        Args:
+            robot: Whose model it is.
+        """
+        start = self._read(robot)
+        if start is not None:
+            warn(f"going on from {self.path}, which an interrupted run left")
         try:
-            yield
+            yield {"start": start, "keep": self.keep}
         except KeyboardInterrupt:
             if self.path is not None and self.path.is_file():
                 warn(f"what was found so far is in {self.path}; the same command goes on from there")

@@ -69,7 +69,7 @@ def fuzz(kind: str, seconds: int) -> None:
         (first / file.name).write_bytes(chosen + file.read_bytes())
     OUT.mkdir(parents=True, exist_ok=True)
     limits = [f"-max_total_time={seconds}", f"-timeout={SLOWEST}", f"-rss_limit_mb={MOST_MEMORY}"]
-    atheris.Setup([sys.argv[0], *limits, f"-artifact_prefix={folder}/", str(first)], one)
+    atheris.Setup([sys.argv[0], *limits, f"-artifact_prefix={OUT}/{kind}-", str(first)], one)
     atheris.Fuzz()
 
 
