@@ -29,6 +29,11 @@ Measure = Callable[[Sequence[Any]], Figure]  # from outcomes
 Test = Callable[[Any], bool]  # of an outcome
 
 
+def met(holds: bool) -> str:
+    """Return whether a claim holds, in a word."""
+    return "yes" if holds else "**NOT met**"
+
+
 @dataclass(frozen=True)
 class Claim:
     """One row of the results.
@@ -49,7 +54,7 @@ class Claim:
         """Return whether a figure meets the target, in a word."""
         if not self.target or isnan(value):
             return "–"
-        return "yes" if self.met(value) else "**NOT met**"
+        return met(self.met(value))
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from time import process_time
 import numpy as np
 
 from benchmarks.claim_tables import MUST_SHOW
+from benchmarks.claims import met
 from benchmarks.markdown import table
 from benchmarks.outcomes import CHECKOUT, tell
 from benchmarks.publishing import made_by, publish, stated
@@ -116,9 +117,6 @@ def page(parts: Sequence[Part], ticks: int, command: str) -> str:
     memory, time = (max(x[2:]) / x[1] for x in ([p.memory for p in parts], [p.microseconds for p in parts]))
     faults, seen = sum(p.faults for p in parts), sum(p.seen for p in parts)
     finite = all(p.finite for p in parts)
-
-    def met(holds: bool) -> str:
-        return "yes" if holds else "**NOT met**"
 
     rows = [
         ("ticks", "10⁷", f"{ticks:,}", PARTS, met(ticks >= 10_000_000)),

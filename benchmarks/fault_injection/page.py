@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from benchmarks.claims import met
 from benchmarks.fault_injection.kinds import kinds
 from benchmarks.fault_injection.recordings import FAULT_AT, LENGTH, SIZE
 from benchmarks.fault_injection.running import MOST_PUSH, fell_short
@@ -53,8 +54,8 @@ def _head(outcomes: Sequence[Outcome], command: str) -> str:
 def _claims(outcomes: Sequence[Outcome]) -> Iterator[Row]:
     of = [[o for o in outcomes if o.engine == engine] for engine in ENGINES]
 
-    def row(claim: str, target: str, measured: list[str], met: bool) -> Row:
-        return claim, target, *measured, "yes" if met else "**NOT met**"
+    def row(claim: str, target: str, measured: list[str], holds: bool) -> Row:
+        return claim, target, *measured, met(holds)
 
     def none(claim: str, count: Callable[[Outcome], int], of_runs: bool = True) -> Row:
         counts = [sum(map(count, one)) for one in of]
