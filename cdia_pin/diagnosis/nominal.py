@@ -61,7 +61,7 @@ class Nominal:
         for term in map(_steady, model.terms):
             effect, theta = term.effect, np.array(term.theta)
             always = term.profile.kind == "always"
-            if always and effect.bodies and not isinstance(effect, Varying):
+            if always and effect.bodies:
                 pi += effect.on_links(theta, robot)
             elif always and isinstance(effect, BaseTilt):
                 g = g + effect.tilt(robot, theta)
@@ -114,11 +114,15 @@ class Nominal:
 
 
 def _steady(term: Term) -> Term:
-    """Return a term as a monitor can hold it: without memory, as it is where the past has no weight.
+    """Return a term as a monitor can hold it: where the past has no weight, and as it was in the mean of its logs.
+
+    A drift belongs to the clock of its log, and says nothing about another day; the thresholds cover what it drifts.
 
     Raises:
         ModelError: If the effect has memory and is nothing else, or depends on temperature.
     """
+    if isinstance(term.effect, Varying):
+        term = Term(term.effect.effect, term.effect.mean(term.theta), term.profile)
     effect = term.effect.steady
     if effect is None:
         raise ModelError(f"a monitor cannot hold effects with memory yet: {term.label}")

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-import numpy as np
-
 from cdia_pin.effects import (
     AsymmetricFriction,
     BaseTilt,
@@ -101,8 +99,7 @@ def simplified(term: Term, at_rest: bool = False) -> Simplified | None:
 
 def _mean(effect: Varying, term: Term, at_rest: bool) -> Simplified | None:
     """Return friction that varies as its mean; None for other effects, such as a payload that was exchanged."""
-    theta = np.reshape(term.theta, (len(effect.parts), effect.effect.size)).mean(axis=0)
-    plain = simplified(Term(effect.effect, tuple(theta), term.profile), at_rest)
+    plain = simplified(Term(effect.effect, effect.mean(term.theta), term.profile), at_rest)
     if plain is None or not all(isinstance(t.effect, FRICTION) for t in plain.terms):
         return None
     return Simplified(

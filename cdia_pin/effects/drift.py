@@ -28,7 +28,7 @@ class Drift(Varying):
     Attributes:
         effect: The effect; its own shape is kept.
         start: t₀ [s], where its first parameters hold; before, they hold too.
-        end: t₁ [s], where its second parameters hold.
+        end: t₁ [s], where its second parameters hold; after it, they hold too: a trend of seconds is no forecast.
         time_constant: T [s]; much longer than the log, the drift is linear.
     """
 
@@ -55,7 +55,7 @@ class Drift(Varying):
         Args:
             x: Motion and torques, N samples.
         """
-        since = np.maximum(x.time - self.start, 0.0) / self.time_constant
+        since = np.clip(x.time - self.start, 0.0, self.end - self.start) / self.time_constant
         share = np.expm1(-since) / np.expm1(-(self.end - self.start) / self.time_constant)
         return np.column_stack([1.0 - share, share])
 

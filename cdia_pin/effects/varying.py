@@ -83,6 +83,14 @@ class Varying(WrappedEffect):
         """
         return tuple(float(v) for v in self._split(np.asarray(theta))[self.parts.index(part)])
 
+    def mean(self, theta: Sequence[float] | Array) -> tuple[float, ...]:
+        """Return the mean of the parts' parameters, shape (p of the effect,).
+
+        Args:
+            theta: Parameters of all parts, one part after another, shape (p,).
+        """
+        return tuple(float(v) for v in self._split(np.asarray(theta)).mean(axis=0))
+
     def basis(self, x: State) -> Array:
         """Return Φ with each part's weight, shape (N, n, p).
 

@@ -9,9 +9,11 @@ from cdia_pin.effects import (
     BaseTilt,
     CoulombFriction,
     CoupledFriction,
+    Drift,
     EffortDelay,
     EncoderOffset,
     Payload,
+    PerLog,
     Region,
     State,
     Term,
@@ -50,6 +52,16 @@ def test_the_parts_are_the_model(whole: Term) -> None:
         tau = model.inverse_dynamics(q, v, a)
         parts = nominal.robot.inverse_dynamics(q, v, a) - joints_torque(nominal, q, v, a, tau, width)
         np.testing.assert_allclose(parts, tau, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "varying", [lambda e: Drift(e, 0.0, 14.0, 3.0), lambda e: PerLog(e, ("cold", "warm"))]
+)
+def test_what_varies_is_held_at_its_mean_whatever_the_clock_says(varying) -> None:
+    friction = CoulombFriction(ELBOW)
+    nominal = Nominal.of(Dynamics(ROBOT, (Term(varying(friction), (2.0, 4.0)),)))
+    assert nominal.of_joints == (Term(friction, (3.0,)),)
+    assert nominal.others.terms == ()
 
 
 def test_only_what_is_always_there_on_one_joint_is_compiled() -> None:

@@ -70,6 +70,13 @@ def test_a_drift_goes_from_its_first_parameters_to_its_last(time_constant, ur5):
     assert middle == pytest.approx(0.5, abs=1e-3) if time_constant > 1e3 else middle > 0.5
 
 
+def test_a_drift_is_no_forecast(ur5):
+    x = state(ur5)
+    weights = Drift(parse_effect("torque_offset@elbow_joint"), 2.0, 6.0, 3.0).weights(x)
+    np.testing.assert_allclose(weights[x.time <= 2.0], [[1.0, 0.0]] * 9)
+    np.testing.assert_allclose(weights[x.time >= 6.0], [[0.0, 1.0]] * 17, atol=1e-12)
+
+
 @pytest.mark.parametrize("label", EFFECTS)
 def test_files_keep_how_an_effect_varies(label, ur5, tmp_path):
     terms = tuple(Term(e, tuple(EFFECTS[label]) * 2) for e in variants(parse_effect(label)))
