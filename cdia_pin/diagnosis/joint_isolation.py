@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.belief import JointBelief
 from cdia_pin.diagnosis.healthy_arm import HealthyArm
 from cdia_pin.diagnosis.isolation import Decision, Isolator
+from cdia_pin.diagnosis.joint_gram import TINY, gram_parts
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Verdict
@@ -109,6 +110,19 @@ class JointIsolation(Stateful):
             caused=caused,
         )
         return self.last
+
+    def explained(self, decision: Decision) -> float:
+        """Return the share of the residual's mean square that a decision explains, beside what was believed [1].
+
+        Args:
+            decision: A decision.
+        """
+        y, right, energy = gram_parts(self.gram, self.isolator.bank.width)
+
+        def left(theta: Array) -> float:
+            return float(energy - 2 * theta @ right + theta @ y @ theta)
+
+        return 1.0 - left(decision.theta) / max(left(self._centre), TINY)
 
     def belief(self, decision: Decision, verdict: Verdict) -> JointBelief:
         """Return a decision as a belief, with intervals.
