@@ -1,4 +1,4 @@
-"""Whether friction differs between the directions: notably, surely, and in each half of the log that could show it."""
+"""Whether friction differs between the directions: notably, surely, and in half of the log by itself."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ NOTABLE = 0.1  # RMS torque that differs between the directions over the frictio
 
 
 def is_asymmetric(whole: Repeat, term: Term) -> bool:
-    """Tell whether the directions differ notably, surely, and in both halves of the log as far as they can show it.
+    """Tell whether the directions differ notably, surely, and in each half of the log that can show it; one must.
 
     Args:
         whole: The decision on the whole log.
@@ -26,15 +26,13 @@ def is_asymmetric(whole: Repeat, term: Term) -> bool:
 
 
 def _differ(whole: Repeat, term: Term, k: int) -> bool:
-    """Tell whether two parameters differ in the whole log, and alike in each half that could show it."""
+    """Tell whether two parameters differ in the whole log, and alike in each half that could show it, at least one."""
     difference, spread = _difference(whole, term, k)
     if abs(difference) <= CERTAIN * spread:
         return False
-    for value, uncertainty in (_difference(half, term, k) for half in whole.halves):
-        could = abs(difference) >= 2 * CERTAIN * uncertainty
-        if could and value * np.sign(difference) <= CERTAIN * uncertainty:
-            return False
-    return True
+    halves = [_difference(half, term, k) for half in whole.halves]
+    telling = [(value, s) for value, s in halves if abs(difference) >= 2 * CERTAIN * s]
+    return bool(telling) and all(value * np.sign(difference) > CERTAIN * s for value, s in telling)
 
 
 def _difference(repeat: Repeat, term: Term, k: int) -> tuple[float, float]:

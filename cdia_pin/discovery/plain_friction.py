@@ -23,6 +23,7 @@ from cdia_pin.effects import (
     ViscousFriction,
 )
 from cdia_pin.effects.traits import Signal
+from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection.problem import WhitenedProblem
 
@@ -81,7 +82,10 @@ def _is_under_load_alone(term: Term, model: Dynamics) -> bool:
 
 
 def _with_dry_friction(problem: WhitenedProblem, model: Dynamics, load: Term) -> Dynamics:
-    """Return a model with Coulomb and viscous friction of a joint, beside friction under load if that is visible."""
+    """Return a model with Coulomb and viscous friction of a joint, beside friction under load if that is visible.
+
+    Where only one of the two dry frictions can be told, it is Coulomb friction if that predicts about as well.
+    """
     design, settings = problem.problem.design, problem.settings
     added = _of_each_joint([load], [t.effect for t in model.terms])
     plain = replace(model, terms=(*model.terms, *(Term(e, (0.0,)) for e in added)))
@@ -91,9 +95,21 @@ def _with_dry_friction(problem: WhitenedProblem, model: Dynamics, load: Term) ->
     repeat = Repeat(design, plain, settings)
     unsure = {e.label for e in added if not repeat.survives(plain.find(e.label))}
     if CoulombFriction(*load.effect.scope).label in unsure:
-        return model
+        return _with_coulomb_alone(problem, model, load)
     kept = tuple(t for t in plain.terms if t.label not in unsure)
     return fitted_together(problem.regression, replace(plain, terms=kept)) if unsure else plain
+
+
+def _with_coulomb_alone(problem: WhitenedProblem, model: Dynamics, load: Term) -> Dynamics:
+    """Return a model with Coulomb friction in the place of friction under load, if it predicts about as well."""
+    coulomb = Term(CoulombFriction(*load.effect.scope), (0.0,))
+    others = model.remove(load.label)
+    plain = fitted_together(problem.regression, replace(others, terms=(*others.terms, coulomb)))
+    j = model.robot.joint_index(load.effect.scope[0])
+    error, plain_error = (
+        held_out_rms(problem.regression, problem.experiment.predict(m))[j] for m in (model, plain)
+    )
+    return plain if plain_error <= problem.settings.confidence.worth_of_refinement * error else model
 
 
 def _of_each_joint(terms: Sequence[Term], present: Sequence[Effect]) -> list[Effect]:

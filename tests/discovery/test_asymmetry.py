@@ -1,0 +1,34 @@
+"""Friction is asymmetric only if half of the log shows it by itself, and no half contradicts."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from cdia_pin.discovery.asymmetry import is_asymmetric
+from cdia_pin.effects import parse_term
+
+TERM = parse_term("asymmetric_friction@joint2: level_positive=0.5, level_negative=0.3")
+
+
+def fit(difference, spread, halves=()):
+    """Return what a fit says of the difference between the directions."""
+    return SimpleNamespace(
+        theta=lambda _: np.array([0.4 + difference / 2, 0.4 - difference / 2, 0.0, 0.0]),
+        covariance=lambda _: np.eye(4) * spread**2 / 2,
+        torque=lambda _, theta: np.abs(theta).max(keepdims=True),
+        halves=halves,
+    )
+
+
+@pytest.mark.parametrize(
+    ("halves", "answer"),
+    [
+        (((0.2, 0.02), (0.2, 0.02)), True),
+        (((0.2, 0.02), (0.1, 0.10)), True),  # the joint hardly moves in one half
+        (((0.2, 0.02), (0.0, 0.02)), False),
+        (((0.2, 0.06), (0.2, 0.06)), False),  # neither half can tell
+    ],
+)
+def test_what_the_halves_must_show(halves, answer):
+    assert is_asymmetric(fit(0.2, 0.04, [fit(*h) for h in halves]), TERM) is answer
