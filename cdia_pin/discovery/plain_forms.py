@@ -60,12 +60,16 @@ def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics)
     whole = Repeat(problem.problem.design, model, problem.settings)
     left = problem.problem.lack_of_fit(model).left
     # a refinement that leaves nothing to explain is no coincidence
-    doubtful = [t for t in refined if left[_joint(model, t)] or _is_symmetric(whole, t)]
+    doubtful = [t for t in refined if left[_joint(model, t)] or _is_symmetric(whole, t, False)]
     if not doubtful:
         return model
     plain = _plain(problem, model, doubtful)
     growth = _held_out(problem, plain) / _held_out(problem, model)  # of the error [1]
-    given_up = [t for t in doubtful if not _is_needed(whole, t, float(growth[_joint(model, t)]))]
+    given_up = [
+        t
+        for t in doubtful
+        if not _is_needed(whole, t, float(growth[_joint(model, t)]), bool(left[_joint(model, t)]))
+    ]
     if given_up == doubtful:
         return plain
     return _plain(problem, model, given_up) if given_up else model
@@ -75,17 +79,17 @@ def _joint(model: Dynamics, term: Term) -> int:
     return model.robot.joint_index(term.effect.scope[0])
 
 
-def _is_symmetric(whole: Repeat, term: Term) -> bool:
-    return isinstance(term.effect, AsymmetricFriction) and not is_asymmetric(whole, term)
+def _is_symmetric(whole: Repeat, term: Term, beside_structure: bool) -> bool:
+    return isinstance(term.effect, AsymmetricFriction) and not is_asymmetric(whole, term, beside_structure)
 
 
-def _is_needed(whole: Repeat, term: Term, growth: float) -> bool:
+def _is_needed(whole: Repeat, term: Term, growth: float, beside_structure: bool) -> bool:
     """Tell whether a refined effect stays, because its joint's error would grow without the refinement."""
     confidence = whole.settings.confidence
     if growth <= confidence.worth_of_refinement:
         return False
     if isinstance(term.effect, AsymmetricFriction):
-        return growth > confidence.clear_asymmetry or not _is_symmetric(whole, term)
+        return growth > confidence.clear_asymmetry or not _is_symmetric(whole, term, beside_structure)
     return growth > confidence.clear_refinement or replace(whole, everyday=True).is_visible(term)
 
 
