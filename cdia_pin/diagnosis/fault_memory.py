@@ -62,11 +62,9 @@ class FaultMemory(Stateful):
         if not self._all:
             self._looks = 0
             return None
-        columns, right, energy = gram_parts(gram, len(belief.theta))
+        parts = gram_parts(gram, len(belief.theta))
         for memory in self._all:
-            theta = belief.theta + memory.theta
-            rss = energy - 2 * theta @ right + theta @ columns @ theta
-            if rss < LARGEST_REST * energy:
+            if parts.left(belief.theta + memory.theta) < LARGEST_REST * parts.energy:
                 self._looks += 1
                 return memory if self._looks >= LOOKS_NEEDED else None
         self._looks = 0

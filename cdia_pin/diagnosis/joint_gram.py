@@ -26,6 +26,14 @@ class GramParts(NamedTuple):
     right: Array
     energy: float
 
+    def left(self, theta: Array) -> float:
+        """Return Σ (r − θᵀy)², what parameters leave of the residual [(N·m)² or N²].
+
+        Args:
+            theta: Parameters, shape (P,).
+        """
+        return float(self.energy - 2 * theta @ self.right + theta @ self.columns @ theta)
+
 
 def gram_parts(gram: Array, width: int) -> GramParts:
     """Return the parts of a Gram matrix that belong to its first columns and the residual.

@@ -117,12 +117,8 @@ class JointIsolation(Stateful):
         Args:
             decision: A decision.
         """
-        y, right, energy = gram_parts(self.gram, self.isolator.bank.width)
-
-        def left(theta: Array) -> float:
-            return float(energy - 2 * theta @ right + theta @ y @ theta)
-
-        return 1.0 - left(decision.theta) / max(left(self._centre), TINY)
+        parts = gram_parts(self.gram, self.isolator.bank.width)
+        return 1.0 - parts.left(decision.theta) / max(parts.left(self._centre), TINY)
 
     def belief(self, decision: Decision, verdict: Verdict) -> JointBelief:
         """Return a decision as a belief, with intervals.

@@ -11,11 +11,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cdia_pin.discovery.asymmetry import is_asymmetric
 from cdia_pin.discovery.plain_friction import PLAIN as PLAIN_FRICTION
+from cdia_pin.discovery.plain_friction import held_out_growth
 from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import (
@@ -30,7 +28,6 @@ from cdia_pin.effects import (
     TorqueOffset,
 )
 from cdia_pin.effects.joint_effect import JointEffect
-from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection.problem import WhitenedProblem
 
@@ -59,17 +56,14 @@ def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics)
         return model
     whole = Repeat(problem.problem.design, model, problem.settings)
     left = problem.problem.lack_of_fit(model).left
+    symmetric = [t for t in refined if _is_symmetric(whole, t, bool(left[_joint(model, t)]))]
     # a refinement that leaves nothing to explain is no coincidence
-    doubtful = [t for t in refined if left[_joint(model, t)] or _is_symmetric(whole, t, False)]
+    doubtful = [t for t in refined if left[_joint(model, t)] or t in symmetric]
     if not doubtful:
         return model
     plain = _plain(problem, model, doubtful)
-    growth = _held_out(problem, plain) / _held_out(problem, model)  # of the error [1]
-    given_up = [
-        t
-        for t in doubtful
-        if not _is_needed(whole, t, float(growth[_joint(model, t)]), bool(left[_joint(model, t)]))
-    ]
+    growth = held_out_growth(problem, model, plain)
+    given_up = [t for t in doubtful if not _is_needed(whole, t, growth[_joint(model, t)], t in symmetric)]
     if given_up == doubtful:
         return plain
     return _plain(problem, model, given_up) if given_up else model
@@ -83,18 +77,14 @@ def _is_symmetric(whole: Repeat, term: Term, beside_structure: bool) -> bool:
     return isinstance(term.effect, AsymmetricFriction) and not is_asymmetric(whole, term, beside_structure)
 
 
-def _is_needed(whole: Repeat, term: Term, growth: float, beside_structure: bool) -> bool:
+def _is_needed(whole: Repeat, term: Term, growth: float, is_symmetric: bool) -> bool:
     """Tell whether a refined effect stays, because its joint's error would grow without the refinement."""
     confidence = whole.settings.confidence
     if growth <= confidence.worth_of_refinement:
         return False
     if isinstance(term.effect, AsymmetricFriction):
-        return growth > confidence.clear_asymmetry or not _is_symmetric(whole, term, beside_structure)
+        return growth > confidence.clear_asymmetry or not is_symmetric
     return growth > confidence.clear_refinement or replace(whole, everyday=True).is_visible(term)
-
-
-def _held_out(problem: WhitenedProblem, model: Dynamics) -> NDArray[np.float64]:
-    return np.maximum(held_out_rms(problem.regression, problem.experiment.predict(model)), 1e-12)
 
 
 def _plain(problem: WhitenedProblem, model: Dynamics, refined: Sequence[Term]) -> Dynamics:

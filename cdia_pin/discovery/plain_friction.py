@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cdia_pin.changes.run_to_run import is_friction_of_joint
 from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
@@ -27,7 +30,10 @@ from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection.problem import WhitenedProblem
 
+Array = NDArray[np.float64]
+
 PLAIN = (CoulombFriction, ViscousFriction)
+LEAST_ERROR = 1e-12  # [N·m or N], below every measured torque: a joint without error must not divide by zero
 
 
 def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
@@ -70,6 +76,21 @@ def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynami
     return fitted_together(problem.regression, certain) if unsure else plain
 
 
+def held_out_growth(problem: WhitenedProblem, model: Dynamics, plain: Dynamics) -> Array:
+    """Return the held-out error of each joint with a plain model over that with another [1], shape (n,).
+
+    Args:
+        problem: The logs and their noise.
+        model: The other model, fitted.
+        plain: The plain model, fitted.
+    """
+    before, after = (
+        np.maximum(held_out_rms(problem.regression, problem.experiment.predict(m)), LEAST_ERROR)
+        for m in (model, plain)
+    )
+    return np.asarray(after / before)
+
+
 def _is_under_load_alone(term: Term, model: Dynamics) -> bool:
     """Tell whether a term is friction under load, and its joint has no other dry friction."""
     return term.effect.name == LoadFriction.name and not any(
@@ -103,13 +124,9 @@ def _with_dry_friction(problem: WhitenedProblem, model: Dynamics, load: Term) ->
 def _with_coulomb_alone(problem: WhitenedProblem, model: Dynamics, load: Term) -> Dynamics:
     """Return a model with Coulomb friction in the place of friction under load, if it predicts about as well."""
     coulomb = Term(CoulombFriction(*load.effect.scope), (0.0,))
-    others = model.remove(load.label)
-    plain = fitted_together(problem.regression, replace(others, terms=(*others.terms, coulomb)))
-    j = model.robot.joint_index(load.effect.scope[0])
-    error, plain_error = (
-        held_out_rms(problem.regression, problem.experiment.predict(m))[j] for m in (model, plain)
-    )
-    return plain if plain_error <= problem.settings.confidence.worth_of_refinement * error else model
+    plain = fitted_together(problem.regression, model.remove(load.label).add(coulomb))
+    growth = held_out_growth(problem, model, plain)[model.robot.joint_index(load.effect.scope[0])]
+    return plain if growth <= problem.settings.confidence.worth_of_refinement else model
 
 
 def _of_each_joint(terms: Sequence[Term], present: Sequence[Effect]) -> list[Effect]:

@@ -16,9 +16,9 @@ from cdia_pin.selection.discovery_settings import AlternativeSettings
 from cdia_pin.selection.evidence import Evidence, SetFit
 from cdia_pin.selection.replacement import Refit, promising
 
-# Alternatives [1] that are named per effect. At one speed and in one direction four kinds of friction and an offset are
+# Alternatives that are named per effect. At one speed and in one direction four kinds of friction and an offset are
 # the same torque: with two, the right name was among them in 59 % of such logs.
-MOST = 4
+MOST = 4  # [1]
 # Candidates per effect [1] on its joint, and as many elsewhere, that are fitted at their own optimum, the best first.
 MOST_REFITS = 2
 
