@@ -30,7 +30,7 @@ docs: $(VENV)/.installed-docs  ## the documentation site, in out/docs; runs the 
 audit:  ## look for known vulnerabilities in requirements.lock, where the database of advisories answers
 	.ci/audit
 
-fuzz: $(VENV)/.installed-dev  ## fuzz all readers for some seconds each, led by coverage; FUZZ_SECONDS=600 for longer
+fuzz: $(VENV)/.installed-dev  ## fuzz all readers, led by coverage, with the inputs of CI; FUZZ_SECONDS=600 tries new ones for so long
 	VENV=$(VENV) .ci/fuzz
 
 demo: $(VENV)/.installed  ## find a missing effect in a log that ships, in under a minute

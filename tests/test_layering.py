@@ -38,6 +38,7 @@ COMMON = (
     "errors",
     "extras",
     "phrases",
+    "decoding",
     "plain_json",
     "progress",
     "resources",

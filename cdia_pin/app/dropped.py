@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import lzma
 import os
 import zipfile
-import zlib
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -16,6 +14,7 @@ from typing import Any
 from lxml import etree
 
 from cdia_pin import schemas
+from cdia_pin.decoding import decoding
 from cdia_pin.errors import CdiaError, LogError, RobotError
 from cdia_pin.input_files import read_text
 from cdia_pin.logs.columns import sort_names
@@ -29,7 +28,6 @@ from cdia_pin.robot.urdf import parse_xml
 LARGEST = 500  # [MB], of a file that is dropped
 UNPACKED = 2000  # [MB], of what a zip file holds, and of all drops of a session
 MOST_FILES = 5000  # of a zip file, and of all drops of a session
-DAMAGED = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, UnicodeDecodeError)  # of a zip file
 MESHES = (".stl", ".dae", ".obj", ".ply", ".glb", ".gltf")
 ROBOTS = (".urdf", ".xacro", ".xml")
 TEXT = ".txt"
@@ -212,19 +210,19 @@ def _are_gains(document: Mapping[str, Any]) -> bool:
 
 def _unpack(packed: Path) -> None:
     folder = packed.with_suffix("")
-    try:
-        with zipfile.ZipFile(packed) as archive:
-            members = [m for m in archive.infolist() if not m.is_dir()]
-            size = sum(m.file_size for m in members)
-            if size > UNPACKED * 10**6 or len(members) > MOST_FILES:
-                raise RobotError(
-                    f"{packed.name} holds {len(members)} files of {size / 1e6:.0f} MB; "
-                    f"{MOST_FILES} of {UNPACKED} MB are read at most"
-                )
-            for member in members:
-                target = inside(folder, member.filename)
-                target.parent.mkdir(parents=True, exist_ok=True)
-                archive.extract(member, folder)
-    except (*DAMAGED, OSError, RuntimeError, NotImplementedError) as error:
-        raise RobotError(f"{packed.name}: not a zip file that can be read ({error})") from None
+    with (
+        decoding(lambda said: RobotError(f"{packed.name}: not a zip file that can be read ({said})")),
+        zipfile.ZipFile(packed) as archive,
+    ):
+        members = [m for m in archive.infolist() if not m.is_dir()]
+        size = sum(m.file_size for m in members)
+        if size > UNPACKED * 10**6 or len(members) > MOST_FILES:
+            raise RobotError(
+                f"{packed.name} holds {len(members)} files of {size / 1e6:.0f} MB; "
+                f"{MOST_FILES} of {UNPACKED} MB are read at most"
+            )
+        for member in members:
+            target = inside(folder, member.filename)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            archive.extract(member, folder)
     packed.unlink()

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import zipfile
-import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -19,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin import schemas
+from cdia_pin.decoding import decoding
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.engine_interface import Engine
 from cdia_pin.diagnosis.engines import ENGINES, Knowledge
@@ -172,7 +172,10 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Return the text and the arrays of a file."""
     try:
         require_small_file(path)
-        with zipfile.ZipFile(path) as archive:
+        with (
+            decoding(lambda said: ModelError(f"{path} is not a whole monitor: {said}")),
+            zipfile.ZipFile(path) as archive,
+        ):
             if sum(member.file_size for member in archive.infolist()) > LARGEST:
                 raise ValueError(f"more than {LARGEST / 1e6:.0f} MB")
             document = json.loads(archive.read(TEXT))
@@ -183,17 +186,6 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
             }
     except OSError as error:
         raise ModelError(f"cannot read the monitor {path}: {error.strerror or error}") from None
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        EOFError,
-        KeyError,
-        ValueError,
-        RecursionError,
-        MemoryError,
-        RuntimeError,
-    ) as error:
-        raise ModelError(f"{path} is not a whole monitor: {error}") from None
     if not isinstance(document, dict) or document.get("schema") != schemas.MONITOR:
         given = document.get("schema") if isinstance(document, dict) else None
         raise ModelError(f"{path} is no monitor of the schema {schemas.MONITOR}, it is of {given!r}")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import base64
-import binascii
 from io import BytesIO
 from typing import Any, NotRequired, TypedDict
 
 import numpy as np
 
+from cdia_pin.decoding import decoding
 from cdia_pin.errors import LogError
 from cdia_pin.logs.motion import Motion, MotionRecord
 from cdia_pin.logs.torque_side import TorqueSide
@@ -90,7 +90,8 @@ def motion_from(document: Any) -> Motion:
     Raises:
         LogError: If it is not a motion.
     """
-    try:
+    refusal = LogError("a log that it was learned from is not written as a model file has it")
+    with decoding(lambda _: refusal):
         rate, joints = float(document["rate"]), tuple(map(str, document["joints"]))
         with np.load(
             BytesIO(base64.b64decode(document["arrays"], validate=True)), allow_pickle=False
@@ -123,7 +124,3 @@ def motion_from(document: Any) -> Motion:
             stretches=tuple(k for _, k in given),
             **arrays,
         )
-    except LogError:
-        raise
-    except (KeyError, TypeError, ValueError, OSError, EOFError, binascii.Error, ArithmeticError):
-        raise LogError("a log that it was learned from is not written as a model file has it") from None

@@ -1,7 +1,7 @@
 """A fuzzer that is led by coverage: it keeps inputs that reach new code, and changes those further.
 
-    python -m tests.fuzzing.guided                   # every kind, 10 seconds each
-    python -m tests.fuzzing.guided logs --seconds 600
+    python -m tests.fuzzing.guided                     # every kind, the same inputs in each run
+    python -m tests.fuzzing.guided logs --seconds 600  # new inputs
 
 It needs `atheris` (``pip install "cdia-pin[fuzz]"``). What breaks is kept in out/fuzz; put it into the corpus beside
 the mend.
@@ -28,12 +28,18 @@ PACKAGES = ("logs", "robot", "dynamics", "effects", "diagnosis")
 COMPILED = [f"cdia_pin.diagnosis.{m}" for m in ("correction_kernel", "fits", "kernels", "sample_kernel")]
 COMPILED_TOO = {"samples": ["cdia_pin.effects"]}
 OUT = Path(__file__).parents[2] / "out" / "fuzz"
+INPUTS = (
+    1500  # of each kind in a run that is the same each time; half a minute for samples, which are the slowest
+)
 SLOWEST = 20  # [s] for one input; a reader that takes longer hangs
 MOST_MEMORY = 3000  # [MB]
 
 
-def fuzz(kind: str, seconds: int) -> None:
-    """Fuzz one kind in this process, which the fuzzer ends: with 0 if nothing broke."""
+def fuzz(kind: str, seconds: int | None) -> None:
+    """Fuzz one kind in this process, which the fuzzer ends: with 0 if nothing broke.
+
+    It tries new inputs for some seconds, or the same `INPUTS` each time.
+    """
     import atheris
 
     warnings.simplefilter("ignore")
@@ -68,7 +74,8 @@ def fuzz(kind: str, seconds: int) -> None:
         chosen = bytes([suffixes.index(file.suffix)]) if len(suffixes) > 1 else b""
         (first / file.name).write_bytes(chosen + file.read_bytes())
     OUT.mkdir(parents=True, exist_ok=True)
-    limits = [f"-max_total_time={seconds}", f"-timeout={SLOWEST}", f"-rss_limit_mb={MOST_MEMORY}"]
+    amount = [f"-runs={INPUTS}", "-seed=1"] if seconds is None else [f"-max_total_time={seconds}"]
+    limits = [*amount, f"-timeout={SLOWEST}", f"-rss_limit_mb={MOST_MEMORY}"]
     atheris.Setup([sys.argv[0], *limits, f"-artifact_prefix={OUT}/{kind}-", str(first)], one)
     atheris.Fuzz()
 
@@ -88,7 +95,11 @@ def main() -> int:
         prog="python -m tests.fuzzing.guided", description="Fuzz what reads files."
     )
     given.add_argument("kinds", nargs="*", choices=[[], *KINDS], default=[], help="all by default")
-    given.add_argument("--seconds", type=int, default=10, help="time for each kind [s]")
+    given.add_argument(
+        "--seconds",
+        type=int,
+        help=f"try new inputs of each kind for so long [s]; else the same {INPUTS:,} each time",
+    )
     given.add_argument("--here", action="store_true", help=argparse.SUPPRESS)
     options = given.parse_args()
     if options.here:
@@ -96,8 +107,10 @@ def main() -> int:
         return 0
     broke = []
     for kind in options.kinds or KINDS:
-        command = [sys.executable, "-m", "tests.fuzzing.guided", kind, "--here", "--seconds"]
-        done = subprocess.run([*command, str(options.seconds)], check=False, capture_output=True, text=True)
+        command = [sys.executable, "-m", "tests.fuzzing.guided", kind, "--here"]
+        if options.seconds is not None:
+            command += ["--seconds", str(options.seconds)]
+        done = subprocess.run(command, check=False, capture_output=True, text=True)
         print(f"{kind}: {_in_short(done.stderr)}", flush=True)
         if done.returncode:
             broke.append(kind)

@@ -108,6 +108,21 @@ def test_what_is_not_damaged_is_read(kind, tmp_path):
             READERS[kind](file)
 
 
+def read_or_refuse(kind, file):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            READERS[kind](file)
+        except CdiaError as error:
+            assert str(error).strip()
+            assert not re.search(r"Traceback \(most recent", str(error))
+
+
+@pytest.mark.parametrize("file", sorted(CORPUS.glob("*/broke_*")), ids=lambda file: file.name)
+def test_what_broke_once_is_read_or_refused(file):
+    read_or_refuse(file.parent.name, file)
+
+
 @pytest.mark.parametrize("kind", READERS)
 @given(data=st.data())
 @settings(
@@ -119,10 +134,4 @@ def test_what_is_damaged_is_read_or_refused(kind, tmp_path, data):
     suffix, content = data.draw(damaged(kind))
     file = tmp_path / f"damaged{suffix}"
     file.write_bytes(content)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        try:
-            READERS[kind](file)
-        except CdiaError as error:
-            assert str(error).strip()
-            assert not re.search(r"Traceback \(most recent", str(error))
+    read_or_refuse(kind, file)

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.decoding import decoding
 from cdia_pin.errors import LogError
 from cdia_pin.input_files import read_text
 from cdia_pin.logs.readers.bounds import parquet_contents, require_bounded
 from cdia_pin.logs.readers.checksum import sha256_of
 from cdia_pin.logs.readers.table import Table
-from cdia_pin.phrases import LONGEST_REASON, one_line
 
 if TYPE_CHECKING:
     from pyarrow import parquet
@@ -87,16 +87,13 @@ def read_lerobot(path: Path, episode: int | None) -> tuple[Table, str]:
 def _features(folder: Path) -> dict[str, list[str]]:
     """Return the names of the values of each measured vector."""
     where = folder / INFO
-    try:
+    with decoding(lambda said: LogError(f"{where}: not the information of a LeRobot dataset ({said})")):
         features = json.loads(read_text(where))["features"]
         measured = {
             name: _names(feature)
             for name, feature in features.items()
             if name.startswith(OBSERVED) and feature["dtype"] in NUMBERS and len(feature["shape"]) == 1
         }
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        said = one_line(error, LONGEST_REASON)
-        raise LogError(f"{where}: not the information of a LeRobot dataset ({said})") from None
     if not measured:
         raise LogError(f"{where}: no vector of numbers named {OBSERVED}…; found {', '.join(features)}")
     return measured
@@ -149,20 +146,17 @@ def _part(file: Path, names: Sequence[str]) -> _Part:
 
 
 def _opened(file: Path) -> parquet.ParquetFile:
-    import pyarrow as pa
     from pyarrow import parquet
 
-    try:
+    with decoding(lambda said: LogError(f"{file.name}: not readable as Parquet ({said})")):
         return parquet.ParquetFile(file)
-    except (pa.ArrowException, OSError, ValueError) as error:
-        raise LogError(f"{file.name}: not readable as Parquet ({one_line(error, LONGEST_REASON)})") from None
 
 
 def _column(file: parquet.ParquetFile, name: str, source: str) -> NDArray[Any]:
     """Return a column of numbers or of vectors, shape (N, k)."""
     import pyarrow as pa
 
-    try:
+    with decoding(lambda said: LogError(f"{source}: {name} cannot be read ({said})")):
         column = file.read(columns=[name])[name].combine_chunks()
         count = len(column)
         if (
@@ -172,5 +166,3 @@ def _column(file: parquet.ParquetFile, name: str, source: str) -> NDArray[Any]:
         ):
             column = column.flatten()
         return np.asarray(column.to_numpy(zero_copy_only=False)).reshape(count, -1 if count else 1)
-    except (pa.ArrowException, OSError, ValueError) as error:
-        raise LogError(f"{source}: {name} cannot be read ({one_line(error, LONGEST_REASON)})") from None

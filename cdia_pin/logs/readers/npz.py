@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import io
-import zipfile
-import zlib
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.decoding import decoding
 from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import signal_of_all
 from cdia_pin.logs.readers.bounds import require_bounded
 from cdia_pin.logs.readers.table import Table
-from cdia_pin.phrases import LONGEST_REASON, one_line
 
 _JOINT_KEYS = ("joints", "joint_names", "names", "name")
 
@@ -76,7 +74,7 @@ def _names(array: NDArray[Any], key: str, source: str) -> list[str]:
 
 
 def _arrays(data: bytes, source: str) -> dict[str, NDArray[Any]]:
-    try:
+    with decoding(lambda said: LogError(f"{source}: not readable as .npz ({said})")):
         loaded = np.load(io.BytesIO(data), allow_pickle=False)
         if not isinstance(loaded, np.lib.npyio.NpzFile):
             raise LogError(f"{source}: one bare array, expected an .npz archive with named arrays")
@@ -84,5 +82,3 @@ def _arrays(data: bytes, source: str) -> dict[str, NDArray[Any]]:
             entries = archive.zip.infolist() if archive.zip is not None else []
             require_bounded(sum(int(entry.file_size) for entry in entries), len(data), source)
             return {key: archive[key] for key in archive.files}
-    except (OSError, ValueError, EOFError, KeyError, AttributeError, zipfile.BadZipFile, zlib.error) as error:
-        raise LogError(f"{source}: not readable as .npz ({one_line(error, LONGEST_REASON)})") from None

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from cdia_pin.decoding import decoding
 from cdia_pin.errors import LogError
 from cdia_pin.logs.readers.arrow_batches import ROWS, table_from_batches
 from cdia_pin.logs.readers.bounds import parquet_contents, require_bounded
 from cdia_pin.logs.readers.table import Table
-from cdia_pin.phrases import LONGEST_REASON, one_line
 
 
 def read_parquet(path: Path) -> Table:
@@ -23,14 +23,13 @@ def read_parquet(path: Path) -> Table:
     Raises:
         LogError: If the file is not Parquet.
     """
-    import pyarrow as pa
     from pyarrow import parquet
 
     source = path.name
-    try:
-        with parquet.ParquetFile(path) as file:
-            contents = parquet_contents(file.metadata, file.schema_arrow.names)
-            require_bounded(contents, path.stat().st_size, source)
-            return table_from_batches(file.iter_batches(ROWS), file.schema_arrow, source)
-    except (pa.ArrowException, OSError, ValueError) as error:
-        raise LogError(f"{source}: not readable as Parquet ({one_line(error, LONGEST_REASON)})") from None
+    with (
+        decoding(lambda said: LogError(f"{source}: not readable as Parquet ({said})")),
+        parquet.ParquetFile(path) as file,
+    ):
+        contents = parquet_contents(file.metadata, file.schema_arrow.names)
+        require_bounded(contents, path.stat().st_size, source)
+        return table_from_batches(file.iter_batches(ROWS), file.schema_arrow, source)

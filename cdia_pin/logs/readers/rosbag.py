@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.decoding import decoding
 from cdia_pin.errors import LogError
 from cdia_pin.extras import require
 from cdia_pin.logs.joint_names import match_joints
@@ -18,7 +19,6 @@ from cdia_pin.logs.readers.bag_files import storage_files
 from cdia_pin.logs.readers.bounds import require_bounded
 from cdia_pin.logs.readers.joint_states import JointStates, joint_states
 from cdia_pin.logs.readers.table import Table
-from cdia_pin.phrases import LONGEST_REASON, one_line
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 _COMMANDS = ("command", "cmd", "desired", "target", "reference", "goal")
@@ -175,7 +175,8 @@ def _joint_states(path: Path, source: str) -> tuple[list[_Topic], list[str]]:
     from rosbags.rosbag2 import Reader
 
     _require_bounded(path)
-    try:
+    mend = "a recording that was cut off may be repaired with 'ros2 bag reindex' or 'mcap recover'"
+    with decoding(lambda said: LogError(f"{source}: not readable as a ROS 2 bag ({said}); {mend}")):
         with mcap.bounded_decompression(), Reader(path) as bag:
             wanted = [c for c in bag.connections if c.msgtype == JOINT_STATE]
             others = [f"{c.topic} ({c.msgtype})" for c in bag.connections if c.msgtype != JOINT_STATE]
@@ -184,10 +185,4 @@ def _joint_states(path: Path, source: str) -> tuple[list[_Topic], list[str]]:
             _Topic(name, np.array(r.times, dtype=np.int64), joint_states(r.messages))
             for name, r in received.items()
         ]
-    except Exception as error:  # rosbags, apsw, struct and lz4 each raise their own
-        said = one_line(error, LONGEST_REASON)
-        raise LogError(
-            f"{source}: not readable as a ROS 2 bag ({said}); a recording that was cut off may be "
-            "repaired with 'ros2 bag reindex' or 'mcap recover'"
-        ) from None
     return topics, others
