@@ -88,7 +88,9 @@ def common_effects(
     torque = np.maximum(rms(experiment.measured, experiment.informative), 1e-9)
     out = []
     for effect in filter(wanted, effects):
-        x, joints = columns.of(effect, prediction, present.get(effect)), effect.acts_on(robot)
+        # exact columns: means over both sides would differ from those that depend on the torque, on one side alone
+        theta = present.get(effect, np.zeros(effect.size))
+        x, joints = columns.of(effect, prediction, theta), effect.acts_on(robot)
         of_unit = np.sqrt(np.mean(x**2, axis=0)) / torque[list(joints)][:, None]  # (joints, p)
         scale = np.minimum(effect.prior_scale(robot), 1.0 / np.maximum(of_unit.max(axis=0), 1e-12))
         out.append(ColumnGroup.of(effect, x, robot, scale))

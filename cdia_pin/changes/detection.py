@@ -11,6 +11,7 @@ from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.changes_result import Bound, Change, Changes
 from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.interpretation import findings_of
+from cdia_pin.changes.linearisation import estimated, without_remainders
 from cdia_pin.changes.run_to_run import RunToRun, UsualFriction, is_friction_of_joint
 from cdia_pin.changes.sizes import friction_before, sized
 from cdia_pin.dynamics import Dynamics
@@ -123,7 +124,7 @@ def searched(
     tell("leaving out one block of time at a time", 0.4)
     search = ChangeSearch(differing, differing.evidence(), settings.changes)
     tell("looking for changes", 0.6)
-    return search, search.changes(settings.most_effects)
+    return search, without_remainders(search, search.changes(settings.most_effects))
 
 
 def sized_changes(
@@ -141,7 +142,7 @@ def sized_changes(
     evidence, effects = search.evidence, search.evidence.effects
     earlier = friction_before(search.differing, [effects[c] for c in chosen])
     with_all = float(np.sum(evidence.unexplained(chosen)))
-    terms = sized(search, chosen)
+    terms = sized(search, chosen, estimated(search, chosen))
     usual = run_to_run.usual(search, chosen, terms)
     slight = {u.joint for u in usual}
     out: list[Change] = []

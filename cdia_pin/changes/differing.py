@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -13,6 +14,7 @@ from cdia_pin.changes.common_structure import common_effects, plainly_fitted
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.overlap import Overlap
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Effect, Signal, Term
 from cdia_pin.regression.block_evidence import BlockEvidence
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
@@ -113,6 +115,31 @@ class Differing:
             np.maximum(rms(prediction.residual, used), 1e-12),
         )
         return differing._weighted()
+
+    def about(self, changes: Mapping[Difference, Array]) -> Self:
+        """Return the same logs with some changes alone, and columns that are right for their sizes.
+
+        Other effects of their joints that depend on the torque are left out. A gain that both logs have is beside a
+        gain that one has the same as heavier links, so the two could not be told apart.
+
+        Args:
+            changes: Parameters of the changes, shape (p,) each.
+        """
+        x, columns = self.experiment, DesignMatrix(self.experiment)
+        terms = [Term(change, tuple(theta)) for change, theta in changes.items()]
+        prediction = x.predict(plainly_fitted(Dynamics(x.robot, (*self.given.model.terms, *terms)), x))
+        joints = {j for change in changes for j in change.acts_on(x.robot)}
+
+        def is_common(effect: Effect) -> bool:
+            by_torque = Signal.TORQUE in effect.traits.depends_on
+            return effect not in changes and not (by_torque and joints.intersection(effect.acts_on(x.robot)))
+
+        common = common_effects(x, prediction, columns, is_common)
+        own = {
+            change: ColumnGroup.of(change, columns.of(change, prediction, theta), x.robot)
+            for change, theta in changes.items()
+        }
+        return replace(self, prediction=prediction, common=tuple(common), changes=own, searched={})
 
     @property
     def names(self) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -20,7 +20,9 @@ from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 Array = NDArray[np.float64]
 
 
-def sized(search: ChangeSearch, chosen: tuple[int, ...]) -> list[Term]:
+def sized(
+    search: ChangeSearch, chosen: tuple[int, ...], estimate: tuple[Array, Array] | None = None
+) -> list[Term]:
     """Return the differences of some effects, fitted together, with 95 % intervals.
 
     The statistical part comes from blocks of time, the systematic one from the tolerance of the torque's scale.
@@ -28,6 +30,7 @@ def sized(search: ChangeSearch, chosen: tuple[int, ...]) -> list[Term]:
     Args:
         search: The search, with the evidence for all changes.
         chosen: Indices of the changes; the terms come in this order.
+        estimate: Their parameters, shape (p,), and the covariance of those, shape (p, p); those of the search if None.
     """
     if not chosen:
         return []
@@ -35,7 +38,7 @@ def sized(search: ChangeSearch, chosen: tuple[int, ...]) -> list[Term]:
 
     evidence, experiment = search.evidence, search.differing.experiment
     effects = [evidence.effects[c] for c in chosen]
-    theta, covariance = evidence.estimate(chosen)
+    theta, covariance = estimate or evidence.estimate(chosen)
     half = student.ppf(0.975, len(evidence.training) - 1) * np.sqrt(np.diag(covariance))
     blocks = ParameterBlocks.of(effects)
     pairs = zip(effects, blocks.split(theta), blocks.split(half), strict=True)
