@@ -172,5 +172,25 @@ class ChangeSearch:
         )
 
 
+@dataclass(frozen=True, repr=False)
+class FoundChanges:
+    """What a search found, with its size.
+
+    Attributes:
+        search: The search.
+        chosen: Indices of the changes.
+        theta: Their parameters, shape (p,).
+        covariance: Covariance of the parameters, shape (p, p).
+    """
+
+    search: ChangeSearch
+    chosen: tuple[int, ...]
+    theta: Array
+    covariance: Array
+
+    def __repr__(self) -> str:
+        return f"FoundChanges({len(self.chosen)})"
+
+
 def _sorted(*chosen: int) -> tuple[int, ...]:
     return tuple(sorted(chosen))

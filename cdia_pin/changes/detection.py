@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from cdia_pin.changes.change_search import ChangeSearch
+from cdia_pin.changes.change_search import ChangeSearch, FoundChanges
 from cdia_pin.changes.changes_result import Bound, Change, Changes
 from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.interpretation import findings_of
-from cdia_pin.changes.linearisation import estimated, without_remainders
+from cdia_pin.changes.linearisation import sized_about_themselves
 from cdia_pin.changes.run_to_run import RunToRun, UsualFriction, is_friction_of_joint
 from cdia_pin.changes.sizes import friction_before, sized
 from cdia_pin.dynamics import Dynamics
@@ -61,11 +61,11 @@ def what_changed(
     earlier, later = (
         [condition(log, model.robot, settings.searched) for log in side] for side in (first, last)
     )
-    search, chosen = searched(model, earlier, later, settings, tell)
-    differing = search.differing
+    found = searched(model, earlier, later, settings, tell)
+    differing = found.search.differing
     tell("computing intervals", 0.9)
-    run_to_run = RunToRun.of(search, chosen)
-    changes, usual = sized_changes(search, chosen, run_to_run)
+    run_to_run = RunToRun.of(found.search, found.chosen)
+    changes, usual = sized_changes(found, run_to_run)
     errors = [
         rms(differing.given.residual, differing.used & of[:, None])
         for of in (~differing.after, differing.after)
@@ -79,7 +79,7 @@ def what_changed(
         usual=usual,
         torque_rms=differing.torque,
         not_compared={model.robot.joints[j]: why for j, why in differing.overlap.reasons.items()},
-        bounds=_bounds(search, chosen, run_to_run),
+        bounds=_bounds(found, run_to_run),
         findings=findings_of(changes, model.robot),
         rms_before=errors[0],
         rms_after=errors[1],
@@ -99,8 +99,8 @@ def searched(
     after: Sequence[Motion],
     settings: DiscoverySettings,
     tell: Progress = silent,
-) -> tuple[ChangeSearch, tuple[int, ...]]:
-    """Search for changes, and return the search and the indices of what it found.
+) -> FoundChanges:
+    """Search for changes, and return what was found.
 
     Args:
         model: The model of the arm as it is known.
@@ -124,25 +124,25 @@ def searched(
     tell("leaving out one block of time at a time", 0.4)
     search = ChangeSearch(differing, differing.evidence(), settings.changes)
     tell("looking for changes", 0.6)
-    return search, without_remainders(search, search.changes(settings.most_effects))
+    return sized_about_themselves(search, search.changes(settings.most_effects))
 
 
 def sized_changes(
-    search: ChangeSearch, chosen: tuple[int, ...], run_to_run: RunToRun
+    found: FoundChanges, run_to_run: RunToRun
 ) -> tuple[tuple[Change, ...], tuple[UsualFriction, ...]]:
     """Return the changes with their sizes, in the order of what would be lost without them, and usual differences.
 
     Sizes are fitted beside the usual differences of friction, which are no changes of the arm.
 
     Args:
-        search: The search.
-        chosen: Indices of what it found.
+        found: The changes.
         run_to_run: Friction of both sides beside what was found.
     """
+    search, chosen = found.search, found.chosen
     evidence, effects = search.evidence, search.evidence.effects
     earlier = friction_before(search.differing, [effects[c] for c in chosen])
     with_all = float(np.sum(evidence.unexplained(chosen)))
-    terms = sized(search, chosen, estimated(search, chosen))
+    terms = sized(found)
     usual = run_to_run.usual(search, chosen, terms)
     slight = {u.joint for u in usual}
     out: list[Change] = []
@@ -171,8 +171,9 @@ def _confusions(term: Term, rivals: Sequence[Effect], robot: RobotModel) -> Iter
         yield Confusion((rival,), motion_between(term.effect, rival, robot))
 
 
-def _bounds(search: ChangeSearch, chosen: tuple[int, ...], run_to_run: RunToRun) -> dict[str, Bound]:
+def _bounds(found: FoundChanges, run_to_run: RunToRun) -> dict[str, Bound]:
     """Return for each joint that is compared the largest change of one parameter that would not be named."""
+    search, chosen = found.search, found.chosen
     differing, effects = search.differing, search.evidence.effects
     robot = differing.experiment.robot
     out: dict[str, Bound] = {}
@@ -180,7 +181,8 @@ def _bounds(search: ChangeSearch, chosen: tuple[int, ...], run_to_run: RunToRun)
         joints = difference.acts_on(robot)
         if c in chosen or difference.size > 1 or difference.shape or len(joints) > 1:
             continue
-        term = sized(search, (*chosen, c))[-1]
+        beside = (*chosen, c)
+        term = sized(FoundChanges(search, beside, *search.evidence.estimate(beside)))[-1]
         assert term.ci95 is not None
         furthest = max(term.ci95[0], key=abs)
         limit = replace(term, theta=(furthest,), ci95=None)

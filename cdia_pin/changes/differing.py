@@ -37,6 +37,7 @@ class Differing:
     Attributes:
         experiment: The conditioned logs, those before first.
         before: Number of logs before.
+        columns: Columns of effects; those that depend on the motion alone are computed once.
         given: Prediction of the model as it is known.
         prediction: Prediction of that model with what every arm has, fitted to both sides.
         after: True for compared samples of the logs after, shape (K,).
@@ -51,6 +52,7 @@ class Differing:
 
     experiment: Experiment
     before: int
+    columns: DesignMatrix
     given: Prediction
     prediction: Prediction
     after: Mask
@@ -103,6 +105,7 @@ class Differing:
         differing = cls(
             experiment,
             before,
+            columns,
             experiment.predict(model),
             prediction,
             after,
@@ -125,7 +128,7 @@ class Differing:
         Args:
             changes: Parameters of the changes, shape (p,) each.
         """
-        x, columns = self.experiment, DesignMatrix(self.experiment)
+        x, columns = self.experiment, self.columns
         terms = [Term(change, tuple(theta)) for change, theta in changes.items()]
         prediction = x.predict(plainly_fitted(Dynamics(x.robot, (*self.given.model.terms, *terms)), x))
         joints = {j for change in changes for j in change.acts_on(x.robot)}

@@ -12,8 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.change_search import ChangeSearch
-from cdia_pin.changes.difference import Difference
+from cdia_pin.changes.change_search import ChangeSearch, FoundChanges
 from cdia_pin.effects import Signal
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 
@@ -24,17 +23,31 @@ CLEAR = 2.0  # standard deviations [1] by which a parameter differs from zero, t
 SETTLED = 0.2  # standard deviations [1]; a smaller step is the last, since it moves the interval by a tenth of its half
 
 
-def estimated(search: ChangeSearch, chosen: Sequence[int]) -> tuple[Array, Array]:
-    """Return the parameters of changes, shape (p,), and their covariance, shape (p, p).
+def sized_about_themselves(search: ChangeSearch, chosen: tuple[int, ...]) -> FoundChanges:
+    """Return changes with their sizes.
+
+    Of several, those are left out that only made up for columns at another size: all their intervals hold zero.
 
     Args:
         search: The search, with the evidence for all changes.
-        chosen: Indices of the changes.
+        chosen: Indices of what it found.
     """
     effects = [search.evidence.effects[c] for c in chosen]
+    if not any(Signal.TORQUE in e.traits.depends_on for e in effects):
+        return FoundChanges(search, chosen, *search.evidence.estimate(chosen))
+    theta, covariance = _settled(search, chosen)
+    ratio = np.abs(theta) / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    parts = ParameterBlocks.of(effects).split(ratio)
+    clear = tuple(c for c, part in zip(chosen, parts, strict=True) if (part > CLEAR).any())
+    if len(chosen) > 1 and len(clear) < len(chosen):
+        return sized_about_themselves(search, clear)
+    return FoundChanges(search, chosen, theta, covariance)
+
+
+def _settled(search: ChangeSearch, chosen: Sequence[int]) -> tuple[Array, Array]:
+    """Return the parameters of changes and their covariance, after steps about their own size."""
+    effects = [search.evidence.effects[c] for c in chosen]
     theta, covariance = search.evidence.estimate(chosen)
-    if not _any_bends(effects):
-        return theta, covariance
     parts = ParameterBlocks.of(effects)
     for _ in range(STEPS):
         about = search.differing.about(dict(zip(effects, parts.split(theta), strict=True)))
@@ -43,25 +56,3 @@ def estimated(search: ChangeSearch, chosen: Sequence[int]) -> tuple[Array, Array
         if np.all(np.abs(step) <= SETTLED * np.sqrt(np.diag(covariance))):
             break
     return theta, covariance
-
-
-def without_remainders(search: ChangeSearch, chosen: tuple[int, ...]) -> tuple[int, ...]:
-    """Return changes without those that only made up for columns at another size: all their intervals hold zero.
-
-    Args:
-        search: The search, with the evidence for all changes.
-        chosen: Indices of what it found.
-    """
-    effects = [search.evidence.effects[c] for c in chosen]
-    if len(chosen) < 2 or not _any_bends(effects):
-        return chosen
-    theta, covariance = estimated(search, chosen)
-    ratio = np.abs(theta) / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    parts = ParameterBlocks.of(effects).split(ratio)
-    left = tuple(c for c, part in zip(chosen, parts, strict=True) if (part > CLEAR).any())
-    return left if len(left) == len(chosen) else without_remainders(search, left)
-
-
-def _any_bends(changes: Sequence[Difference]) -> bool:
-    """Tell whether the columns of a change depend on its size."""
-    return any(Signal.TORQUE in change.traits.depends_on for change in changes)

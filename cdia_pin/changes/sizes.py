@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.change_search import ChangeSearch
+from cdia_pin.changes.change_search import FoundChanges
 from cdia_pin.changes.common_structure import PLAIN
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
@@ -20,28 +20,24 @@ from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 Array = NDArray[np.float64]
 
 
-def sized(
-    search: ChangeSearch, chosen: tuple[int, ...], estimate: tuple[Array, Array] | None = None
-) -> list[Term]:
+def sized(found: FoundChanges) -> list[Term]:
     """Return the differences of some effects, fitted together, with 95 % intervals.
 
     The statistical part comes from blocks of time, the systematic one from the tolerance of the torque's scale.
 
     Args:
-        search: The search, with the evidence for all changes.
-        chosen: Indices of the changes; the terms come in this order.
-        estimate: Their parameters, shape (p,), and the covariance of those, shape (p, p); those of the search if None.
+        found: The changes; the terms come in their order.
     """
+    search, chosen = found.search, found.chosen
     if not chosen:
         return []
     from scipy.stats import t as student
 
     evidence, experiment = search.evidence, search.differing.experiment
     effects = [evidence.effects[c] for c in chosen]
-    theta, covariance = estimate or evidence.estimate(chosen)
-    half = student.ppf(0.975, len(evidence.training) - 1) * np.sqrt(np.diag(covariance))
+    half = student.ppf(0.975, len(evidence.training) - 1) * np.sqrt(np.diag(found.covariance))
     blocks = ParameterBlocks.of(effects)
-    pairs = zip(effects, blocks.split(theta), blocks.split(half), strict=True)
+    pairs = zip(effects, blocks.split(found.theta), blocks.split(half), strict=True)
     out = []
     for c, (e, value, statistical) in zip(chosen, pairs, strict=True):
         tolerance = effort_tolerance(experiment, e.effect, search.torque(c, value))

@@ -44,8 +44,9 @@ def discover_beyond(model: Dynamics, logs: Problem, report: Progress) -> Discove
     """
     after = [s.motion for s in logs.experiment.segments]
     before = [_remembered(m, k) for k, m in enumerate(model.learned_from)]
-    search, chosen = searched(model, before, after, logs.settings, part(report, 0.0, 0.8))
-    changes, usual = sized_changes(search, chosen, RunToRun.of(search, chosen))
+    found = searched(model, before, after, logs.settings, part(report, 0.0, 0.8))
+    search, chosen = found.search, found.chosen
+    changes, usual = sized_changes(found, RunToRun.of(search, chosen))
     at = {search.evidence.effects[c].effect: c for c in chosen}
     known = {t.label for t in model.terms}
     later, steps, so_far = model, [Step(None, *errors_of(logs, model, None))], []

@@ -13,6 +13,7 @@ from cdia_pin.discovery.discovery_documents import DiscoveryRecord
 from cdia_pin.discovery.discovery_result import Discovery, Ranked, Step
 from cdia_pin.discovery.ranking import taken_first
 from cdia_pin.discovery.recognition import recognised
+from cdia_pin.discovery.rival_names import has_another_name
 from cdia_pin.discovery.total_intervals import with_total_intervals
 from cdia_pin.discovery.trace import trace
 from cdia_pin.discovery.trust import trust_in
@@ -55,6 +56,8 @@ def concluded(
             return step
         term = final.find(step.term.label)  # without a parameter that is surely not zero, a name says nothing
         confidence = Confidence.DESCRIPTIVE if term.may_be_nothing else trust[term.label].confidence
+        if confidence is Confidence.ESTABLISHED and has_another_name(term, step.confusions, final.robot):
+            confidence = Confidence.LIKELY
         return replace(step, term=term, confidence=confidence)
 
     steps = tuple(map(repeated, steps))

@@ -1,0 +1,37 @@
+"""A name is not established where another effect explains the logs as well and says something else of the arm."""
+
+import pytest
+
+from cdia_pin import load_robot
+from cdia_pin.discovery.rival_names import has_another_name
+from cdia_pin.effects import Term, parse_effect
+from cdia_pin.identifiability.confusion import Confusion
+
+
+@pytest.mark.parametrize(
+    ("named", "rival", "doubtful"),
+    [
+        ("coulomb_friction@elbow_joint", "asymmetric_friction@elbow_joint", False),
+        ("coulomb_friction@elbow_joint", "asymmetric_friction@wrist_1_joint", True),
+        ("coulomb_friction@elbow_joint", "viscous_friction@elbow_joint", True),
+        ("coulomb_friction@wrist_1_joint", "coupled_friction@elbow_joint+wrist_1_joint", False),
+        ("asymmetric_friction@elbow_joint", "coulomb_friction@elbow_joint", True),
+        ("torque_offset@elbow_joint", "actuator_gain@elbow_joint", True),
+        ("payload", "link_inertia@wrist_3_joint", False),
+        ("link_inertia@elbow_joint", "link_inertia@wrist_1_joint", True),
+    ],
+)
+def test_a_finer_drawing_is_no_other_name(named, rival, doubtful):
+    robot = load_robot("ur5")
+    effect, other = (parse_effect(text, robot) for text in (named, rival))
+    term = Term(effect, (1.0,) * effect.size)
+    assert has_another_name(term, [Confusion((other,), "")], robot) is doubtful
+
+
+def test_several_effects_together_are_another_name():
+    robot = load_robot("ur5")
+    two = tuple(parse_effect(f"{kind}_friction@elbow_joint", robot) for kind in ("coulomb", "viscous"))
+    effect = parse_effect("stribeck_friction@elbow_joint", robot)
+    term = Term(effect, (1.0,) * effect.size)
+    assert has_another_name(term, [Confusion(two, "")], robot)
+    assert not has_another_name(term, [], robot)
