@@ -89,7 +89,7 @@ def common_effects(
     out = []
     for effect in filter(wanted, effects):
         # exact columns: means over both sides would differ from those that depend on the torque, on one side alone
-        theta = present.get(effect, np.zeros(effect.size) if effect.traits.linear else None)
+        theta = present.get(effect, np.zeros(effect.size))
         x, joints = columns.of(effect, prediction, theta), effect.acts_on(robot)
         of_unit = np.sqrt(np.mean(x**2, axis=0)) / torque[list(joints)][:, None]  # (joints, p)
         scale = np.minimum(effect.prior_scale(robot), 1.0 / np.maximum(of_unit.max(axis=0), 1e-12))

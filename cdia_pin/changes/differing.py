@@ -170,6 +170,11 @@ class Differing:
         """RMS of the measured torque where it counts [N·m or N], shape (n,)."""
         return np.maximum(rms(self.experiment.measured, self.used), 1e-12)
 
+    @property
+    def misfit(self) -> float:
+        """Sum of squares of what the model leaves where it counts, in units of what is left there [1]."""
+        return float(np.sum(np.where(self.used, self.prediction.residual / self.size, 0.0) ** 2))
+
     def scaled(self, joint: int, columns: Array) -> Array:
         """Return columns of a joint in units of what is left there, zero for samples that do not count.
 

@@ -1,7 +1,7 @@
 """Other names of an effect. Where another effect explains the logs as well, its name is not established.
 
-That two drawings of one thing fit alike is no doubt of what it is: a Stribeck curve beside Coulomb friction refines it,
-and a payload and the last link are one body.
+That two drawings of one thing fit alike is no doubt of what it is: a spring beside an offset refines it, and a payload
+and the last link are one body.
 """
 
 from __future__ import annotations
@@ -9,28 +9,28 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from cdia_pin.discovery.plain_forms import PLAIN
-from cdia_pin.discovery.plain_friction import PLAIN as PLAIN_FRICTION
-from cdia_pin.effects import CoupledFriction, Effect, QuadraticFriction, Term, ViscousFriction, WrappedEffect
+from cdia_pin.discovery.trust import is_plain
+from cdia_pin.effects import Effect, QuadraticFriction, Term, ViscousFriction, WrappedEffect
 from cdia_pin.effects.rigid_body import RigidBody
 from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.robot.model import RobotModel
 
 # kinds of effects, with the kinds that they draw more finely
-FINER: dict[type[Effect], tuple[type[Effect], ...]] = {
-    **PLAIN,
-    QuadraticFriction: (ViscousFriction,),
-    CoupledFriction: PLAIN_FRICTION,
-}
+FINER: dict[type[Effect], tuple[type[Effect], ...]] = {**PLAIN, QuadraticFriction: (ViscousFriction,)}
 
 
 def has_another_name(term: Term, confusions: Iterable[Confusion], robot: RobotModel) -> bool:
     """Tell whether other effects explain the logs as well as a term, and say something else of the arm.
+
+    Coulomb and viscous friction have no other name: every joint has them, and whatever resembles them is rarer.
 
     Args:
         term: The term.
         confusions: What the logs hardly distinguish from it.
         robot: The arm.
     """
+    if is_plain(term.effect):
+        return False
     return any(len(c.effects) > 1 or not _same(term.effect, c.effects[0], robot) for c in confusions)
 
 
@@ -41,7 +41,7 @@ def _same(named: Effect, other: Effect, robot: RobotModel) -> bool:
         return one.carrier(robot) == two.carrier(robot)
     if type(one) is type(two):
         return one.scope == two.scope
-    return type(one) in FINER.get(type(two), ()) and set(one.scope) <= set(two.scope)
+    return type(one) in FINER.get(type(two), ()) and one.scope == two.scope
 
 
 def _inner(effect: Effect) -> Effect:

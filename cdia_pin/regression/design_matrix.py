@@ -79,8 +79,11 @@ class DesignMatrix:
         exact = theta is not None
         joints = list(effect.acts_on(self.experiment.robot))
         traits = effect.traits
+        bends = (
+            not traits.linear and theta is not None and bool(np.any(theta))
+        )  # at zero it is that of a candidate
         # slopes are right for the present parameters alone and cannot be reused
-        if isinstance(effect, Slope) or Signal.TORQUE in traits.depends_on or (exact and not traits.linear):
+        if isinstance(effect, Slope) or Signal.TORQUE in traits.depends_on or bends:
             values = self.experiment.columns(effect, prediction, theta)
             return Columns(values, None, np.full(len(joints), np.nan))
         fixed = self.fixed(effect, prediction)

@@ -11,17 +11,17 @@ from cdia_pin.identifiability.confusion import Confusion
 @pytest.mark.parametrize(
     ("named", "rival", "doubtful"),
     [
-        ("coulomb_friction@elbow_joint", "asymmetric_friction@elbow_joint", False),
-        ("coulomb_friction@elbow_joint", "asymmetric_friction@wrist_1_joint", True),
-        ("coulomb_friction@elbow_joint", "viscous_friction@elbow_joint", True),
-        ("coulomb_friction@wrist_1_joint", "coupled_friction@elbow_joint+wrist_1_joint", False),
+        ("coulomb_friction@elbow_joint", "torque_offset@wrist_1_joint", False),
+        ("viscous_friction@elbow_joint", "actuator_gain@elbow_joint", False),
+        ("torque_offset@elbow_joint", "joint_spring@elbow_joint", False),
+        ("torque_offset@elbow_joint", "joint_spring@wrist_1_joint", True),
         ("asymmetric_friction@elbow_joint", "coulomb_friction@elbow_joint", True),
         ("torque_offset@elbow_joint", "actuator_gain@elbow_joint", True),
         ("payload", "link_inertia@wrist_3_joint", False),
         ("link_inertia@elbow_joint", "link_inertia@wrist_1_joint", True),
     ],
 )
-def test_a_finer_drawing_is_no_other_name(named, rival, doubtful):
+def test_what_every_joint_has_and_a_finer_drawing_have_no_other_name(named, rival, doubtful):
     robot = load_robot("ur5")
     effect, other = (parse_effect(text, robot) for text in (named, rival))
     term = Term(effect, (1.0,) * effect.size)
