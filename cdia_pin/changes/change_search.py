@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -190,6 +191,16 @@ class FoundChanges:
 
     def __repr__(self) -> str:
         return f"FoundChanges({len(self.chosen)})"
+
+    @classmethod
+    def as_searched(cls, search: ChangeSearch, chosen: tuple[int, ...]) -> Self:
+        """Return changes with the sizes that they have with the columns of the search.
+
+        Args:
+            search: The search.
+            chosen: Indices of the changes.
+        """
+        return cls(search, chosen, *search.evidence.estimate(chosen))
 
 
 def _sorted(*chosen: int) -> tuple[int, ...]:

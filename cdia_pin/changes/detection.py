@@ -181,8 +181,7 @@ def _bounds(found: FoundChanges, run_to_run: RunToRun) -> dict[str, Bound]:
         joints = difference.acts_on(robot)
         if c in chosen or difference.size > 1 or difference.shape or len(joints) > 1:
             continue
-        beside = (*chosen, c)
-        term = sized(FoundChanges(search, beside, *search.evidence.estimate(beside)))[-1]
+        term = sized(FoundChanges.as_searched(search, (*chosen, c)))[-1]
         assert term.ci95 is not None
         furthest = max(term.ci95[0], key=abs)
         limit = replace(term, theta=(furthest,), ci95=None)

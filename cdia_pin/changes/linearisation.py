@@ -35,7 +35,7 @@ def sized_about_themselves(search: ChangeSearch, chosen: tuple[int, ...]) -> Fou
     """
     effects = [search.evidence.effects[c] for c in chosen]
     if not any(Signal.TORQUE in e.traits.depends_on for e in effects):
-        return FoundChanges(search, chosen, *search.evidence.estimate(chosen))
+        return FoundChanges.as_searched(search, chosen)
     theta, covariance = _settled(search, chosen)
     ratio = np.abs(theta) / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     parts = ParameterBlocks.of(effects).split(ratio)

@@ -172,20 +172,21 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Return the text and the arrays of a file."""
     try:
         require_small_file(path)
-        with (
-            decoding(lambda said: ModelError(f"{path} is not a whole monitor: {said}")),
-            zipfile.ZipFile(path) as archive,
-        ):
-            if sum(member.file_size for member in archive.infolist()) > LARGEST:
-                raise ValueError(f"more than {LARGEST / 1e6:.0f} MB")
-            document = json.loads(archive.read(TEXT))
-            arrays = {
-                name.removesuffix(".npy"): np.load(BytesIO(archive.read(name)), allow_pickle=False)
-                for name in archive.namelist()
-                if name != TEXT
-            }
+        data = path.read_bytes()
     except OSError as error:
         raise ModelError(f"cannot read the monitor {path}: {error.strerror or error}") from None
+    with (
+        decoding(lambda said: ModelError(f"{path} is not a whole monitor: {said}")),
+        zipfile.ZipFile(BytesIO(data)) as archive,
+    ):
+        if sum(member.file_size for member in archive.infolist()) > LARGEST:
+            raise ValueError(f"more than {LARGEST / 1e6:.0f} MB")
+        document = json.loads(archive.read(TEXT))
+        arrays = {
+            name.removesuffix(".npy"): np.load(BytesIO(archive.read(name)), allow_pickle=False)
+            for name in archive.namelist()
+            if name != TEXT
+        }
     if not isinstance(document, dict) or document.get("schema") != schemas.MONITOR:
         given = document.get("schema") if isinstance(document, dict) else None
         raise ModelError(f"{path} is no monitor of the schema {schemas.MONITOR}, it is of {given!r}")

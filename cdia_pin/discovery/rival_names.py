@@ -39,9 +39,7 @@ def _same(named: Effect, other: Effect, robot: RobotModel) -> bool:
     one, two = _inner(named), _inner(other)
     if isinstance(one, RigidBody) and isinstance(two, RigidBody):
         return one.carrier(robot) == two.carrier(robot)
-    if type(one) is type(two):
-        return one.scope == two.scope
-    return type(one) in FINER.get(type(two), ()) and one.scope == two.scope
+    return one.scope == two.scope and type(one) in (type(two), *FINER.get(type(two), ()))
 
 
 def _inner(effect: Effect) -> Effect:

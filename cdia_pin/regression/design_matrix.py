@@ -79,9 +79,8 @@ class DesignMatrix:
         exact = theta is not None
         joints = list(effect.acts_on(self.experiment.robot))
         traits = effect.traits
-        bends = (
-            not traits.linear and theta is not None and bool(np.any(theta))
-        )  # at zero it is that of a candidate
+        # at zero, a nonlinear effect has the columns of a candidate
+        bends = not traits.linear and theta is not None and bool(np.any(theta))
         # slopes are right for the present parameters alone and cannot be reused
         if isinstance(effect, Slope) or Signal.TORQUE in traits.depends_on or bends:
             values = self.experiment.columns(effect, prediction, theta)

@@ -2,7 +2,6 @@
 
 import pytest
 
-from cdia_pin import load_robot
 from cdia_pin.discovery.rival_names import has_another_name
 from cdia_pin.effects import Term, parse_effect
 from cdia_pin.identifiability.confusion import Confusion
@@ -21,17 +20,15 @@ from cdia_pin.identifiability.confusion import Confusion
         ("link_inertia@elbow_joint", "link_inertia@wrist_1_joint", True),
     ],
 )
-def test_what_every_joint_has_and_a_finer_drawing_have_no_other_name(named, rival, doubtful):
-    robot = load_robot("ur5")
-    effect, other = (parse_effect(text, robot) for text in (named, rival))
+def test_what_every_joint_has_and_a_finer_drawing_have_no_other_name(ur5, named, rival, doubtful):
+    effect, other = (parse_effect(text, ur5) for text in (named, rival))
     term = Term(effect, (1.0,) * effect.size)
-    assert has_another_name(term, [Confusion((other,), "")], robot) is doubtful
+    assert has_another_name(term, [Confusion((other,), "")], ur5) is doubtful
 
 
-def test_several_effects_together_are_another_name():
-    robot = load_robot("ur5")
-    two = tuple(parse_effect(f"{kind}_friction@elbow_joint", robot) for kind in ("coulomb", "viscous"))
-    effect = parse_effect("stribeck_friction@elbow_joint", robot)
+def test_several_effects_together_are_another_name(ur5):
+    two = tuple(parse_effect(f"{kind}_friction@elbow_joint", ur5) for kind in ("coulomb", "viscous"))
+    effect = parse_effect("stribeck_friction@elbow_joint", ur5)
     term = Term(effect, (1.0,) * effect.size)
-    assert has_another_name(term, [Confusion(two, "")], robot)
-    assert not has_another_name(term, [], robot)
+    assert has_another_name(term, [Confusion(two, "")], ur5)
+    assert not has_another_name(term, [], ur5)

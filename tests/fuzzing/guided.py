@@ -28,9 +28,8 @@ PACKAGES = ("logs", "robot", "dynamics", "effects", "diagnosis")
 COMPILED = [f"cdia_pin.diagnosis.{m}" for m in ("correction_kernel", "fits", "kernels", "sample_kernel")]
 COMPILED_TOO = {"samples": ["cdia_pin.effects"]}
 OUT = Path(__file__).parents[2] / "out" / "fuzz"
-INPUTS = (
-    1500  # of each kind in a run that is the same each time; half a minute for samples, which are the slowest
-)
+# of each kind in a run that is the same each time; half a minute for samples, which are the slowest
+INPUTS = 1500
 SLOWEST = 20  # [s] for one input; a reader that takes longer hangs
 MOST_MEMORY = 3000  # [MB]
 
