@@ -35,9 +35,6 @@ SENSOR_TIME = 0.3  # [s] of bad samples after which a sensor is called faulty; a
 EVIDENT_TIME = 0.1  # [s], the same where the evidence is of many samples already
 YOUNG_TICKS = 10  # good samples from the start on, before which the first ones may be those that were bad
 HELD_TICKS = 5  # samples with nothing but a step of the torque that are held back before they are called bad
-MOST_SPIKES = (
-    5.0  # within about the recovery time; what lies near the last good sample among more is there by chance
-)
 MANY_TIME = (
     1.0  # [s], for which samples must follow from each other after several signals have jumped at once
 )
@@ -100,8 +97,7 @@ class SampleCheck(Stateful):
         "_broken",
         "_is_evident",
         "_has_many_jumps",
-        "_spikes",
-        "_last_spike",
+        "_recent",
         "_quiet",
     )
 
@@ -115,6 +111,7 @@ class SampleCheck(Stateful):
         self._still = np.zeros(n)
         self._has_velocity = has_velocity
         self._recovery_ticks = max(RECOVERY_TICKS, RECOVERY_TIME / bounds.period)
+        self._fade = float(np.exp(-1.0 / self._recovery_ticks))
         self._many_ticks = max(RECOVERY_TICKS, MANY_TIME / bounds.period)
         self.reset()
         if not self._judge.signatures:
@@ -143,10 +140,7 @@ class SampleCheck(Stateful):
         self._accepted, self._bad, self._chain, self._steps = 0, 0, 0, 0
         self._entry, self._since, self._broken, self._is_evident = codes.GOOD, 0.0, False, False
         self._has_many_jumps = False
-        self._spikes, self._last_spike = (
-            0.0,
-            0,
-        )  # spikes within about the recovery time, and sample of the last one
+        self._recent = 0.0  # bad samples within about the recovery time
         self._quiet = np.inf  # ticks since the last bad sample
 
     def __call__(self, t: float, q: Array, v: Array | None, tau: Array) -> Outcome:
@@ -183,6 +177,7 @@ class SampleCheck(Stateful):
     def _enter(self, code: int, t: float, q: Array, v: Array, tau: Array) -> Outcome:
         """Take the first bad sample."""
         self._bad, self._chain, self._steps = 1, 0, 0
+        self._recent = 1.0 + self._recent * self._fade**self._quiet
         self._entry, self._since, self._is_evident = code, self._time(t), False
         self._broken = codes.kind_of(code) not in (codes.JUMP, codes.ZEROED)
         self._count_jumps()
@@ -196,27 +191,24 @@ class SampleCheck(Stateful):
         """Take a sample after a bad one."""
         self._bad += 1
         kind = codes.kind_of(code)
+        self._chain = self._chain + 1 if code == codes.GOOD else 0
         if kind in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.TIME_BACK, codes.GAP, codes.OUTSIDE):
-            self._chain, self._broken = 0, True
+            self._broken = True
         if kind not in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.OUTSIDE) and not codes.is_evidence(
             code
         ):
             if self._follows(code, t, q, v, tau):
                 self.missed = round((t - self._scalars[rows.ACCEPTED]) / self.bounds.period) - 1
                 return self._accept(Outcome.BRIDGED, t)
-            if code == codes.GOOD:
-                self._chain += 1
-                if self._chain >= self._recovery_ticks:
-                    stopped = self._stopped()
-                    if stopped:
-                        code = codes.FROZEN + codes.POSITION
-                        self._state[rows.ACCUSED, stopped] = code
-                    elif self._is_new_normal(t, q, v):
-                        return self._accept(Outcome.RESTARTED, t)
-            else:
-                self._chain = 0
-        else:
-            self._chain = 0
+            if self._chain >= self._recovery_ticks:
+                stopped = self._stopped()
+                if stopped:
+                    code = codes.FROZEN + codes.POSITION
+                    self._state[rows.ACCUSED, stopped] = code
+                elif self._is_new_normal(t, q, v):
+                    return self._accept(Outcome.RESTARTED, t)
+        self._recent *= self._fade
+        self._recent += code != codes.GOOD
         if self._steps == self._bad - 1 < HELD_TICKS:
             return Outcome.HELD
         self._announce(code, t, q, v, tau)
@@ -224,19 +216,20 @@ class SampleCheck(Stateful):
         return Outcome.BAD
 
     def _follows(self, code: int, t: float, q: Array, v: Array, tau: Array) -> bool:
-        """Whether a sample follows from the last good one."""
+        """Whether a sample follows from the last good one.
+
+        What was bad for some samples must be good for as many: near the last good sample, noise is by chance.
+        """
         if self._is_evident:
             return False
         since = self._since_good(self._limits, self._state, self._scalars, q, v, tau, t)
+        asked = min(self._recent, self._recovery_ticks)
         if since == codes.GOOD:
-            ticks = self._accepted - self._last_spike
-            self._spikes = 1.0 + self._spikes * float(np.exp(-ticks / self._recovery_ticks))
-            self._last_spike = self._accepted
-            return self._spikes < MOST_SPIKES
+            return 1 + self._chain >= asked
         if since != codes.JUMP + codes.TORQUE:
             return False
-        if code == codes.GOOD:
-            return True  # the torque alone has changed, and stays so: it was no spike
+        if code == codes.GOOD:  # the torque alone has changed, and stays so: it was no spike
+            return self._chain >= asked
         self._steps += 1
         return False
 

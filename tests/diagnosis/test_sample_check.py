@@ -123,6 +123,18 @@ def test_among_many_spikes_nothing_is_trusted_until_they_end():
     assert outcomes[-1] is Outcome.ACCEPTED
 
 
+@pytest.mark.parametrize(("signal", "size"), [(2, 0.3), (3, 8.0)])
+def test_of_a_burst_of_noise_hardly_a_sample_passes_by_chance(signal, size):
+    passed = []
+    for seed in range(8):
+        s = signals(1.0)
+        s[signal][500:700, 2] += size * np.random.default_rng(seed).standard_normal(200)
+        outcomes, _ = feed(check(), *s)
+        passed.append(sum(o in PASSED for o in outcomes[500:700]))
+        assert outcomes[-1] is Outcome.ACCEPTED
+    assert np.mean(passed) <= 2  # of 200
+
+
 @pytest.mark.parametrize("shift", [-100.0, 1000.0])
 def test_a_clock_that_is_set_is_followed(shift):
     s = signals(1.0)
