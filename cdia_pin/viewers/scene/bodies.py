@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.phrases import one_line
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.viewers.scene.chain import SceneJoint
 from cdia_pin.viewers.scene.collada import collada_asset
@@ -85,8 +86,7 @@ def _parts(robot: RobotModel, notes: list[ShapeNote]) -> list[_Part]:
         try:
             meshes, upright = load_mesh(path), collada_asset(path).upright
         except Exception as error:  # every format's reader raises its own
-            why = " ".join(str(error).split())
-            notes.append(ShapeNote(f"link '{visual.link}': {path.name} cannot be read ({why})"))
+            notes.append(ShapeNote(f"link '{visual.link}': {path.name} cannot be read ({one_line(error)})"))
             continue
         if visual.colour is not None:
             meshes = [replace(m, colour=visual.colour) for m in meshes]
