@@ -229,9 +229,21 @@ class SampleCheck(Stateful):
         if since != codes.JUMP + codes.TORQUE:
             return False
         if code == codes.GOOD:  # the torque alone has changed, and stays so: it was no spike
-            return self._chain >= asked
+            return self._chain >= asked and not self._is_dead(tau)
         self._steps += 1
         return False
+
+    def _is_dead(self, tau: Array) -> bool:
+        """Whether a torque repeats itself since its step, as none does with the noise of healthy runs.
+
+        It confirms nothing: either it changes, or there is soon evidence that its sensor is frozen or dead.
+        """
+        j, limits = int(self._scalars[rows.JOINT]), self._limits
+        longest = limits[rows.HOLD_TORQUE, j]
+        return bool(
+            1 <= self._state[rows.HELD_TORQUE, j] <= longest <= self._recovery_ticks
+            and abs(tau[j]) < limits[rows.SATURATED, j]
+        )
 
     def _accept(self, outcome: Outcome, t: float) -> Outcome:
         """Return to good samples."""

@@ -105,6 +105,16 @@ def test_a_step_of_the_torque_that_stays_is_accepted_with_the_next_sample():
     assert not news
 
 
+def test_a_torque_sensor_that_dies_passes_nothing_on():
+    s, checked = signals(1.0), check()
+    s[3][500:, 0] = 0.0
+    assert abs(s[3][499, 0]) > 1.0
+    outcomes, _ = feed(checked, *s)
+    assert not PASSED & set(outcomes[500:])
+    (fault,) = checked.faults
+    assert (fault.joint, fault.signal, fault.condition) == (ROBOT.joints[0], "torque", "frozen")
+
+
 @pytest.mark.parametrize("t", [np.nan, np.inf, 1e200, 0.3, 0.499, 100.0])
 def test_a_time_that_cannot_be_is_dropped(t):
     s = signals(1.0)
