@@ -21,10 +21,11 @@ from cdia_pin.diagnosis import sample_codes as codes
 from cdia_pin.diagnosis import sample_rows as rows
 from cdia_pin.diagnosis.kernel_cache import first_call
 from cdia_pin.diagnosis.sample_bounds import MEMORY_TIME, SampleBounds
-from cdia_pin.diagnosis.sample_words import SIGNALS, why_bad
-from cdia_pin.diagnosis.sensor_fault import SensorCondition, SensorFault, SensorSignal
+from cdia_pin.diagnosis.sample_words import why_bad
+from cdia_pin.diagnosis.sensor_fault import SensorFault
 from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event, EventStage, Verdict
+from cdia_pin.diagnosis.suspect_sensors import Accusation, SuspectSensors
 
 Array = NDArray[np.float64]
 
@@ -43,13 +44,6 @@ CORRECTIONS = 8  # ticks whose corrections are remembered: drives and sensors ar
 REVERSAL = (
     2.5  # [1], step of the torque over the size of a correction that turns its sign, as that of friction does
 )
-CONDITIONS = {
-    codes.OUTSIDE: SensorCondition.OUTSIDE,
-    codes.JUMP: SensorCondition.ERRATIC,
-    codes.ZEROED: SensorCondition.ERRATIC,
-    codes.FROZEN: SensorCondition.FROZEN,
-    codes.kind_of(codes.DISAGREE): SensorCondition.BIASED,
-}
 
 
 class Outcome(IntEnum):
@@ -71,23 +65,19 @@ class SampleCheck(Stateful):
         has_velocity: Whether velocities are measured.
 
     Attributes:
-        offset: Shift of each encoder, to be subtracted from its readings [rad or m], shape (n,); None without any.
-        faults: Faults of sensors now known.
+        sensors: Sensors that are at fault.
         news: Events of the last sample.
         corrections: Last corrections [N·m or N], shape (n,) each; their steps in the torque are no spikes.
         missed: Ticks between the last good sample and the one that bridges the gap.
     """
 
     STATE = (
-        "offset",
-        "faults",
+        "sensors",
         "news",
         "corrections",
         "missed",
         "_state",
         "_scalars",
-        "_shifts",
-        "_accused",
         "_accepted",
         "_bad",
         "_chain",
@@ -109,6 +99,7 @@ class SampleCheck(Stateful):
         self._limits, n = bounds.array, len(joints)
         self._state, self._scalars = np.zeros((rows.STATE_ROWS, n)), np.zeros(rows.SCALARS)
         self._still = np.zeros(n)
+        self.sensors = SuspectSensors(joints, bounds.array[rows.DRIFT_BOUND])
         self._has_velocity = has_velocity
         self._recovery_ticks = max(RECOVERY_TICKS, RECOVERY_TIME / bounds.period)
         self._fade = float(np.exp(-1.0 / self._recovery_ticks))
@@ -131,12 +122,10 @@ class SampleCheck(Stateful):
         s[rows.IS_GOOD], s[rows.HAS_VELOCITY] = 1.0, float(self._has_velocity)
         s[rows.PERIOD], s[rows.MEMORY] = self.bounds.period, MEMORY_TIME
         s[rows.SHORTEST], s[rows.LONGEST] = self.bounds.shortest, self.bounds.longest
-        self.offset: Array | None = None
-        self.faults: tuple[SensorFault, ...] = ()
+        self.sensors.reset()
         self.news: tuple[Event, ...] = ()
         self.corrections: deque[Array] = deque(maxlen=CORRECTIONS)
         self.missed = 0
-        self._shifts, self._accused = np.zeros(len(self._joints)), dict[tuple[str | None, int], SensorFault]()
         self._accepted, self._bad, self._chain, self._steps = 0, 0, 0, 0
         self._entry, self._since, self._broken, self._is_evident = codes.GOOD, 0.0, False, False
         self._has_many_jumps = False
@@ -164,6 +153,16 @@ class SampleCheck(Stateful):
             self._scalars[rows.IS_GOOD] = 1.0
             return Outcome.ACCEPTED
         return self._enter(code, t, q, v, tau) if not self._bad else self._go_on(code, t, q, v, tau)
+
+    @property
+    def offset(self) -> Array | None:
+        """Shift of each encoder, to be subtracted from its readings [rad or m], shape (n,); None without any."""
+        return self.sensors.offset
+
+    @property
+    def faults(self) -> tuple[SensorFault, ...]:
+        """Faults of sensors now known."""
+        return self.sensors.faults
 
     @property
     def last_time(self) -> float:
@@ -207,8 +206,7 @@ class SampleCheck(Stateful):
                     self._state[rows.ACCUSED, stopped] = code
                 elif self._is_new_normal(t, q, v):
                     return self._accept(Outcome.RESTARTED, t)
-        self._recent *= self._fade
-        self._recent += code != codes.GOOD
+        self._recent = self._recent * self._fade + (code != codes.GOOD)
         if self._steps == self._bad - 1 < HELD_TICKS:
             return Outcome.HELD
         self._announce(code, t, q, v, tau)
@@ -218,7 +216,7 @@ class SampleCheck(Stateful):
     def _follows(self, code: int, t: float, q: Array, v: Array, tau: Array) -> bool:
         """Whether a sample follows from the last good one.
 
-        What was bad for some samples must be good for as many: near the last good sample, noise is by chance.
+        What was bad for some samples must be good for as many: noise comes near the last good sample by chance.
         """
         if self._is_evident:
             return False
@@ -250,13 +248,10 @@ class SampleCheck(Stateful):
         s = self._scalars
         s[rows.IS_GOOD], self._bad = 1.0, 0
         self._quiet = 0
-        if self._accused:
-            good = tuple(f.name for f in self._accused.values())
-            self._accused.clear()
+        if good := self.sensors.trust(self._since):
             self._tell(
                 t, EventStage.SENSOR, self._joints, f"{', '.join(good)}: readings can be trusted again"
             )
-            self._list_faults()
         return outcome
 
     def _is_corrected(self, code: int) -> bool:
@@ -305,27 +300,16 @@ class SampleCheck(Stateful):
         step, error = np.abs(self._state[rows.VELOCITY_STEP]), np.abs(self._state[rows.ERROR])
         b, period = self._limits, self.bounds.period
         jumped = error > b[rows.POSITION_SLACK] + b[rows.ACCELERATION] * period**2
-        if not self._has_velocity:
-            self._has_many_jumps = bool(
-                (step > b[rows.VELOCITY_SLACK] + b[rows.ACCELERATION] * period).sum() > 1
-            )
-            return
         turned = step > b[rows.VELOCITY_SLACK] + b[rows.ACCELERATION] * period
-        self._has_many_jumps = bool(jumped.sum() > 1 or turned.any())
+        if self._has_velocity:
+            self._has_many_jumps = bool(jumped.sum() > 1 or turned.any())
+        else:
+            self._has_many_jumps = bool(turned.sum() > 1)
 
     def _subtract(self, t: float, shift: Array) -> None:
         """Name encoders that are off since samples were good last."""
-        bound = self._limits[rows.DRIFT_BOUND]
-        self._shifts += shift
-        self._shifts[np.abs(self._shifts) <= bound] = 0.0
-        self.offset = self._shifts.copy() if self._shifts.any() else None
-        self._list_faults()
-        for j in np.flatnonzero(shift):
-            now = next(
-                (f for f in self.faults if f.joint == self._joints[j] and f.offset),
-                f"encoder of {self._joints[j]}: reads as before its jump",
-            )
-            self._tell(t, EventStage.SENSOR, (self._joints[j],), str(now))
+        for joint, said in self.sensors.shift(shift, self._since):
+            self._tell(t, EventStage.SENSOR, (joint,), said)
 
     def _accuse(self, code: int, t: float, q: Array, v: Array, tau: Array) -> None:
         """Call sensors faulty once there is enough evidence."""
@@ -335,7 +319,7 @@ class SampleCheck(Stateful):
             return
         kind, signal = codes.kind_of(code), codes.signal_of(code)
         if kind in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.TIME_BACK):
-            accused: list[tuple[str | None, int, int]] = [(None, codes.NO_SIGNAL, codes.OUTSIDE)]
+            accused: list[Accusation] = [(None, codes.NO_SIGNAL, codes.OUTSIDE)]
         elif evident:
             flags = self._state[rows.ACCUSED].astype(int)
             accused = [(self._joints[j], codes.signal_of(flags[j]), flags[j]) for j in np.flatnonzero(flags)]
@@ -345,17 +329,8 @@ class SampleCheck(Stateful):
             accused = [(self._joints[int(self._scalars[rows.JOINT])], signal, code)]
         else:
             return
-        new, named = [], {joint for joint, _ in self._accused}
-        for joint, of_signal, why in accused:
-            # Position and velocity accuse each other; the first evidence is the better one.
-            known = (joint, of_signal) in self._accused if kind == codes.OUTSIDE else joint in named
-            if not known:
-                condition = CONDITIONS[codes.kind_of(why)]
-                fault = SensorFault(joint, SIGNALS[of_signal], condition, self._since)
-                self._accused[joint, of_signal] = fault
-                new.append(fault)
+        new = self.sensors.accuse(accused, self._since, is_first_only=kind != codes.OUTSIDE)
         if new:
-            self._list_faults()
             joints = tuple(dict.fromkeys(f.joint for f in new if f.joint)) or self._joints
             self._tell(t, EventStage.SENSOR, joints, "; ".join(map(str, new)))
 
@@ -368,20 +343,6 @@ class SampleCheck(Stateful):
             np.abs(tau) <= b[rows.STRONGEST],
         )
         return [(s, int(j)) for s, one in enumerate(good) for j in np.flatnonzero(~one)]
-
-    def _list_faults(self) -> None:
-        shifted = tuple(
-            SensorFault(
-                self._joints[j], SensorSignal.POSITION, SensorCondition.SHIFTED, self._since, float(shift)
-            )
-            for j, shift in enumerate(self._shifts)
-            if shift
-        )
-        known = {f.joint: f for f in self.faults if f.condition is SensorCondition.SHIFTED}
-        kept = tuple(
-            known[f.joint] if f.joint in known and known[f.joint].offset == f.offset else f for f in shifted
-        )
-        self.faults = kept + tuple(self._accused.values())
 
     # ------------------------------------------------------------- events
 
