@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import io
 import json
 import os
 import sys
@@ -60,20 +61,29 @@ def fetched_urdf(name: str, module: str, arguments: Mapping[str, str], origin: s
         return known
     require("robots", f"robots that are fetched, such as {name},")
     try:
-        # What git and xacro print is no result of a command.
-        with contextlib.redirect_stdout(sys.stderr), _environment(GIT):
+        print(f"fetching the description of '{name}' from {origin}, once", file=sys.stderr, flush=True)
+        # What git and xacro print is no result of a command, and their progress bars would run into an error.
+        with _printing_nothing(), _environment(GIT):
             description = importlib.import_module(f"robot_descriptions.{module}")
             get_urdf_path = importlib.import_module("robot_descriptions._xacro").get_urdf_path
             options = {"xacro_args": dict(arguments)} if arguments else {}
             path = Path(get_urdf_path(description, **options))
     except Exception as error:  # git, xacro and the network each raise their own
-        said = one_line(error, LONGEST_ANSWER)
+        said = one_line(getattr(error, "stderr", None) or error, LONGEST_ANSWER)  # git's own words, not its call
         raise RobotError(
             f"the description of '{name}' cannot be fetched from {origin}: its first use needs git and the network; "
             f"without them give the path of a URDF file ({said})"
         ) from None
     _remember(name, path)
     return path
+
+
+@contextlib.contextmanager
+def _printing_nothing() -> Iterator[None]:
+    """Leave out what other packages print."""
+    unread = io.StringIO()  # left open: a progress bar may still write when it is deleted
+    with contextlib.redirect_stdout(unread), contextlib.redirect_stderr(unread):
+        yield
 
 
 @contextlib.contextmanager

@@ -14,6 +14,7 @@ from cdia_pin.logs.checks.conventions import ConventionChange, Conventions, Tria
 from cdia_pin.logs.checks.effort_kind import GravityGain
 from cdia_pin.logs.checks.sampling import quantum
 from cdia_pin.logs.derivatives import differentiate
+from tests.one_joint import write_urdf
 
 
 def problems(log, robot):
@@ -424,3 +425,31 @@ def test_a_heavy_payload_is_not_another_arm(ur5, ur5_log):
     made = ur5_log.position, ur5_log.velocity, differentiate(ur5_log.velocity, ur5_log.rate)
     check = check_log(replace(ur5_log, effort=loaded.inverse_dynamics(*made)), ur5)
     assert not check.about("robot")
+
+
+# ---------------------------------------------------------------- arms of one joint, joints without limits
+
+
+@pytest.fixture
+def wheel(tmp_path):
+    return load_robot(str(write_urdf("continuous", tmp_path)))
+
+
+def test_an_arm_of_one_joint_has_no_order_to_determine(wheel, plant):
+    check = check_log(plant(wheel), wheel)
+    assert check.ok
+    assert not check.about("joint_order")
+
+
+def test_several_turns_of_a_joint_without_limits_are_not_degrees(wheel, plant):
+    log = plant(wheel)
+    q, v = 12 * log.position, 12 * log.velocity
+    noise = np.random.default_rng(0).normal(size=q.shape)  # no torque tells the unit of the angle
+    for effort in (wheel.inverse_dynamics(q, v, 0 * q), noise):
+        assert not check_log(replace(log, position=q, velocity=v, effort=effort), wheel).about("units")
+
+
+def test_a_velocity_later_than_any_that_is_tried_is_said_to_be_so(ur5, ur5_log):
+    late = np.column_stack([np.interp(ur5_log.time - 0.18, ur5_log.time, v) for v in ur5_log.velocity.T])
+    messages = [f.message for f in check_log(replace(ur5_log, velocity=late), ur5).about("velocity")]
+    assert any("100 ms or more late" in m for m in messages), messages

@@ -10,6 +10,7 @@ from cdia_pin.extras import MissingExtraError
 from cdia_pin.robot import catalogue, load_robot
 from cdia_pin.robot.catalogue import RobotSource
 
+ORIGIN = catalogue()["ur5e"].origin
 FETCHED = [name for name, entry in catalogue().items() if entry.source is RobotSource.FETCHED]
 
 
@@ -38,7 +39,9 @@ def test_a_fetched_robot_is_kept_and_needs_no_package_afterwards(fetcher, monkey
     assert not catalogue()["ur5e"].available
     robot = load_robot("ur5e")
     assert (robot.name, robot.n, robot.tool_frame) == ("ur5e", 6, "tool0")
-    assert capsys.readouterr().out == ""  # what git prints is no result of a command
+    said = capsys.readouterr()
+    assert said.out == ""  # what git prints is no result of a command
+    assert said.err.splitlines() == ["fetching the description of 'ur5e' from " + ORIGIN + ", once"]
     assert catalogue()["ur5e"].available
     monkeypatch.setitem(sys.modules, "robot_descriptions", None)
     assert load_robot("ur5e").joints == robot.joints
@@ -53,6 +56,24 @@ def test_without_a_network_the_error_says_what_the_first_use_needs(fetcher):
     assert "Could not resolve host" in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not catalogue()["ur5e"].available
+
+
+def test_an_error_of_git_is_told_in_its_own_words_and_without_its_progress(fetcher, capsys):
+    fetcher(
+        """
+        import sys
+
+        class GitError(Exception):
+            stderr = "fatal: unable to access the repository"
+
+        print("Cloning ...")
+        sys.stderr.write("0it [00:00, ?it/s]")
+        raise GitError("Cmd('git') failed, cmdline: git fetch -v")
+        """
+    )
+    with pytest.raises(RobotError, match=r"\(fatal: unable to access the repository\)$"):
+        load_robot("ur5e")
+    assert "0it" not in capsys.readouterr().err
 
 
 def test_a_cache_that_was_deleted_or_broken_is_fetched_again(fetcher, tmp_path):

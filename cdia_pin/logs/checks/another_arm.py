@@ -1,10 +1,7 @@
-r"""Whether a log is one of another arm: an arm on this machine explains its efforts better than the one that was named.
+"""Whether a log is one of another arm: an arm on this machine explains its efforts better than the one that was named.
 
-.. math:: \tau_j \approx (M \ddot q + \mathrm{nle})_j + \beta_v \dot q_j + \beta_c\,\mathrm{sgn}\,\dot q_j
-          + I_j \ddot q_j + c
-
-The rigid-body torque has no gain here: an arm of twice the size has the same shape of torque. The arm that was named is
-also fitted with any body on its tool, and with one gain for all joints. Another arm must explain the efforts about as
+The rigid-body torque has no gain: an arm of twice the size has the same shape of torque. The arm that was named is also
+fitted with any body on its tool, and with one gain for all joints. Another arm must explain the efforts about as
 well without them, so that neither a payload nor another unit is taken for another arm. A gain that no unit in use has
 is no excuse, for arms of one maker are alike but for their size.
 """
@@ -12,21 +9,17 @@ is no excuse, for arms of one maker are alike but for their size.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cdia_pin.logs.checks.arm_fit import ArmFit, arm_fit, loaded_fit, scaled_fit
 from cdia_pin.logs.checks.effort_kind import GravityGain
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
-from cdia_pin.logs.checks.fit import misfit
-from cdia_pin.logs.checks.motion import SmoothedMotion, sign_of
+from cdia_pin.logs.checks.motion import SmoothedMotion
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
-
-Array = NDArray[np.float64]
 
 SAMPLES = 300  # [samples], many for the ten parameters of a body
 OTHER_MASS = 1.5  # [1], gravity over the URDF's, or its inverse, above which other arms are tried
@@ -39,33 +32,6 @@ BEHIND_BODY, BEHIND_GAIN = 3.0, 1.5
 LEAST_UNIT = 50.0  # [1], times by which efforts are too large in any other unit: N·cm has 100, N·mm 1000
 # Arms of one maker and size differ by 0.6 to 2.2 on measured logs.
 NEAR = 2.2  # misfit behind the best, within which another arm may be the one [1]
-BODY = 10  # inertial parameters of a body on the tool
-
-
-@dataclass(frozen=True)
-class ArmFit:
-    """How an arm explains the efforts of a log.
-
-    Attributes:
-        name: Name of the arm.
-        share: Unexplained share of the variance of each effort [1], shape (n,); NaN for joints that do not move.
-        shared: Coefficients that all joints share, shape (k,).
-    """
-
-    name: str
-    share: Array
-    shared: Array
-
-    @property
-    def misfit(self) -> float:
-        """Sum of the logarithms of the shares [1]."""
-        return misfit(self.share)
-
-    @property
-    def mean(self) -> float:
-        """Mean of the shares [1]; 1 if no joint moves."""
-        moving = self.share[np.isfinite(self.share)]
-        return float(np.mean(moving)) if moving.size else 1.0
 
 
 def check_arm(
@@ -91,9 +57,7 @@ def check_arm(
     alone = arm_fit(robot, motion)
     if likely and alone.mean < UNEXPLAINED:
         return
-    made = motion.q, motion.v, motion.a
-    loaded = arm_fit(robot, motion, robot.torque_regressor(*made)[:, :, -BODY:])
-    scaled = arm_fit(robot, motion, robot.inverse_dynamics(*made)[:, :, None])
+    loaded, scaled = loaded_fit(robot, motion), scaled_fit(robot, motion)
     recorded = recorded.thin(SAMPLES)
     others = [
         min((arm_fit(arm, m) for m in (motion, recorded)), key=lambda fit: fit.misfit)
@@ -131,47 +95,9 @@ def _why(known: Sequence[float], likely: bool, robot: RobotModel) -> str:
     return f"the efforts need masses {times} times those of '{robot.name}'"
 
 
-def arm_fit(robot: RobotModel, motion: SmoothedMotion, shared: Array | None = None) -> ArmFit:
-    """Explain efforts by the rigid-body torque of an arm, and friction, rotor inertia and offset of each joint.
-
-    Args:
-        robot: The arm; the joints of the motion are taken in its order.
-        motion: Signals in SI units.
-        shared: Columns whose coefficients all joints share [N·m or N per unit], shape (N, n, k).
-
-    Returns:
-        The unexplained shares.
-    """
-    missing = motion.effort - robot.inverse_dynamics(motion.q, motion.v, motion.a)
-    size = np.maximum(motion.effort.std(axis=0), 1e-12)
-    moving = np.flatnonzero(motion.moves).tolist()
-    left, columns, coefficients = {}, [], np.zeros(0)
-    for j in moving:
-        own = np.column_stack(
-            [np.ones(len(motion.time)), motion.v[:, j], sign_of(motion.v[:, j]), motion.a[:, j]]
-        )
-        basis, _ = np.linalg.qr(own / np.maximum(np.linalg.norm(own, axis=0), 1e-12))
-        left[j] = _outside(basis, missing[:, j]) / size[j]
-        if shared is not None:
-            columns.append(_outside(basis, shared[:, j]) / size[j])
-    if columns:
-        x, y = np.vstack(columns), np.concatenate([left[j] for j in moving])
-        coefficients = np.linalg.lstsq(x, y, rcond=1e-6)[0]
-        rest = np.split(y - x @ coefficients, len(moving))
-        left = dict(zip(moving, rest, strict=True))
-    share = np.full(robot.n, np.nan)
-    for j, e in left.items():
-        share[j] = np.mean(e**2)
-    return ArmFit(robot.name, share, coefficients)
-
-
 def _gain(scaled: ArmFit) -> float:
     """Return the gain on the rigid-body torque of an arm that was fitted with one [1]; 1 if no joint moves."""
     return 1.0 + float(scaled.shared.sum())
-
-
-def _outside(basis: Array, signal: Array) -> Array:
-    return np.asarray(signal - basis @ (basis.T @ signal))
 
 
 def _others(robot: RobotModel) -> Iterator[RobotModel]:

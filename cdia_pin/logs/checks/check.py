@@ -33,8 +33,8 @@ def check_log(log: Log, robot: RobotModel) -> LogCheck:
 
     Sampling, resolution, limits, saturation and excitation are checked. Single samples that no motion makes are named,
     and left out of the other checks. Efforts are compared with the URDF's
-    rigid-body torque and friction of unknown size. This checks units, signs, the order of joints, the kind of
-    effort and its lag. An arm on this machine that explains the efforts clearly better is named. A finding states where
+    rigid-body torque and friction of unknown size. This checks units, signs, the order of joints, how the
+    base stands, the kind of effort and its lag. An arm on this machine that explains the efforts clearly better is named. A finding states where
     the evidence is weak. It is *not* checked whether the zero of each position is the URDF's, or whether drive gains
     are right.
 
@@ -84,6 +84,7 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     yield from units
     yield from check_conventions(log, robot, search)
     recorded, motion = motion, search.conventions.apply(motion, robot)
+    robot = search.conventions.mounted(robot)
     yield from check_excitation(log, robot, motion)
     gains = gravity_gains(motion, robot)
     if log.effort_origin is EffortOrigin.MEASURED:

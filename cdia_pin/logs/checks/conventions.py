@@ -1,4 +1,4 @@
-"""Search for other conventions of a log: order of joints, signs, unit of angle."""
+"""Search for other conventions of a log: order of joints, signs, unit of angle, direction of gravity."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.logs.checks.fit import misfit, physical_columns, unexplained
 from cdia_pin.logs.checks.motion import SmoothedMotion
+from cdia_pin.logs.checks.mounting import gravity_elsewhere
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
@@ -35,6 +36,7 @@ class ConventionChange(StrEnum):
     ORDER = "order"
     EFFORT_ORDER = "effort order"
     DEGREES = "degrees"
+    MOUNTING = "mounting"
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,7 @@ class Conventions:
         position_sign: Sign of each joint's position and velocity, shape (n,).
         effort_sign: Sign of each joint's effort, shape (n,).
         angle: Size of the unit of angle [rad].
+        gravity: Gravity in the base [m/s²]; None for the URDF's.
     """
 
     position_column: tuple[int, ...]
@@ -54,6 +57,7 @@ class Conventions:
     position_sign: tuple[int, ...]
     effort_sign: tuple[int, ...]
     angle: float = 1.0
+    gravity: tuple[float, float, float] | None = None
 
     @classmethod
     def assumed(cls, n: int) -> Conventions:
@@ -66,6 +70,14 @@ class Conventions:
             Columns in order, signs +1, angles in rad.
         """
         return cls(tuple(range(n)), tuple(range(n)), (1,) * n, (1,) * n)
+
+    def mounted(self, robot: RobotModel) -> RobotModel:
+        """Return the robot under the gravity of these conventions.
+
+        Args:
+            robot: The robot as its URDF has it.
+        """
+        return robot if self.gravity is None else robot.with_gravity(self.gravity)
 
     def apply(self, motion: SmoothedMotion, robot: RobotModel) -> SmoothedMotion:
         """Return the motion under these conventions.
@@ -199,6 +211,10 @@ def _changes(
         yield ConventionChange.EFFORT_SIGN, (k,), replace(current, effort_sign=effort)
         yield ConventionChange.POSITION_SIGN, (k,), replace(current, position_sign=position)
         yield ConventionChange.BOTH_SIGNS, (k,), replace(current, effort_sign=effort, position_sign=position)
+    if moves.sum() > 1:
+        efforts = tuple(-s for s in current.effort_sign)
+        moving = tuple(np.flatnonzero(moves).tolist())
+        yield ConventionChange.EFFORT_SIGN, moving, replace(current, effort_sign=efforts)
     for i, j in itertools.combinations(range(robot.n), 2):
         if not (moves[i] or moves[j]):
             continue
@@ -223,6 +239,12 @@ def _changes(
     if current.angle == 1.0 and not robot.is_prismatic.all():
         revolute = tuple(np.flatnonzero(~robot.is_prismatic).tolist())
         yield ConventionChange.DEGREES, revolute, replace(current, angle=DEGREE)
+    if current.gravity is None and (gravity := gravity_elsewhere(current.apply(motion, robot), robot)):
+        yield (
+            ConventionChange.MOUNTING,
+            tuple(np.flatnonzero(moves).tolist()),
+            replace(current, gravity=gravity),
+        )
 
 
 class _Shares:
@@ -236,9 +258,14 @@ class _Shares:
     def of(self, conventions: Conventions) -> Array:
         """Return the unexplained share of every joint that moves, NaN elsewhere [1], shape (n,)."""
         read = conventions.apply(self.motion, self.robot)
-        key = (conventions.position_column, conventions.position_sign, conventions.angle)
+        key = (
+            conventions.position_column,
+            conventions.position_sign,
+            conventions.angle,
+            conventions.gravity,
+        )
         if key not in self._columns:
-            self._columns[key] = physical_columns(read, self.robot)
+            self._columns[key] = physical_columns(read, conventions.mounted(self.robot))
         columns = self._columns[key]
         out = np.full(self.robot.n, np.nan)
         for k in np.flatnonzero(read.moves).tolist():

@@ -37,6 +37,7 @@ class Topic(StrEnum):
     EXCITATION = "excitation"
     VELOCITY = "velocity"
     UNITS = "units"
+    MOUNTING = "mounting"  # how the base stands
     SIGN = "sign"
     JOINT_ORDER = "joint_order"
     ROBOT = "robot"

@@ -1,10 +1,10 @@
-"""Findings on the signs, the order of joints and the unit of angle of a log."""
+"""Findings on the signs, the order of joints, the unit of angle and the mounting of a log."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from cdia_pin.logs.checks.conventions import (
 )
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.motion import SmoothedMotion
+from cdia_pin.logs.checks.mounting import turn_of, upright
 from cdia_pin.logs.log import Log
 
 if TYPE_CHECKING:
@@ -27,6 +28,27 @@ if TYPE_CHECKING:
 
 UNDECIDED = 0.3  # [1], difference in misfit that is within the noise of a good log
 POOR = 0.5  # [1], unexplained share above which friction and the URDF are not the main part of an effort
+
+STEEPEST = 60.0  # [°], turn of gravity that the effect of a tilted base can still be fitted to
+TOO_FAST = 5.0  # [1], speed over the URDF's limit that no arm reaches; degrees read as rad make 57
+
+
+class Difference(NamedTuple):
+    """What the conventions of a log have other than assumed.
+
+    Attributes:
+        topic: Property of the log.
+        message: What is different.
+        advice: What to do.
+        joints: Names of the joints concerned.
+        severity: How much it matters.
+    """
+
+    topic: Topic
+    message: str
+    advice: str
+    joints: list[str]
+    severity: Severity = Severity.ERROR
 
 
 def check_conventions(log: Log, robot: RobotModel, search: ConventionSearch) -> Iterator[Finding]:
@@ -43,19 +65,18 @@ def check_conventions(log: Log, robot: RobotModel, search: ConventionSearch) -> 
     yield from _adopted(log, robot, search)
     likely = [t for t in search.rest if t.gain > LIKELY]
     if likely:
-        for topic, message, advice, joints in _differences(
-            log, robot, search.conventions, likely[0].conventions
-        ):
+        for d in _differences(log, robot, search.conventions, likely[0].conventions):
             yield Finding(
-                topic,
+                d.topic,
                 Severity.WARNING,
-                f"perhaps {message}: that would fit better, but not by enough to be sure",
-                joint=joints[0] if len(joints) == 1 else None,
-                advice=f"look at another log; if so, {advice}",
-                value={"joints": joints, "gain": likely[0].gain},
+                f"perhaps {d.message}: that would fit better, but not by enough to be sure",
+                joint=d.joints[0] if len(d.joints) == 1 else None,
+                advice=f"look at another log; if so, {d.advice}",
+                value={"joints": d.joints, "gain": likely[0].gain},
             )
     yield _signs(log, search)
-    yield _order(log, search)
+    if robot.n > 1:
+        yield _order(log, search)
     for k in np.flatnonzero(search.after > POOR).tolist():
         yield Finding(
             Topic.EFFORT_KIND,
@@ -77,41 +98,43 @@ def _adopted(log: Log, robot: RobotModel, search: ConventionSearch) -> Iterator[
         for r in among
         if (r.kind, r.joints) not in done
     ]
-    for topic, message, advice, joints in _differences(log, robot, search.start, search.conventions):
-        worst = max(joints, key=lambda j: np.nan_to_num(search.before[log.joints.index(j)]))
+    for d in _differences(log, robot, search.start, search.conventions):
+        worst = max(d.joints, key=lambda j: np.nan_to_num(search.before[log.joints.index(j)]))
         k = log.joints.index(worst)
         others = [
-            m
+            other.message
             for before, r in rivals
-            if set(joints) & {log.joints[i] for i in r.joints}
-            for _, m, _, _ in _differences(log, robot, before, r.conventions)
-            if m != message
+            if set(d.joints) & {log.joints[i] for i in r.joints}
+            for other in _differences(log, robot, before, r.conventions)
+            if other.message != d.message
         ]
         yield Finding(
-            topic,
-            Severity.ERROR,
-            f"{message}: the unexplained share of the effort of {worst} falls from {search.before[k]:.0%} to "
+            d.topic,
+            d.severity,
+            f"{d.message}: the unexplained share of the effort of {worst} falls from {search.before[k]:.0%} to "
             f"{search.after[k]:.0%}"
             + (f"; about as likely: {' / '.join(list(dict.fromkeys(others))[:3])}" if others else ""),
-            joint=joints[0] if len(joints) == 1 else None,
-            advice=advice,
-            value={"joints": joints, "alternatives": others, "before": _by_name(log, search.before)},
+            joint=d.joints[0] if len(d.joints) == 1 else None,
+            advice=d.advice,
+            value={"joints": d.joints, "alternatives": others, "before": _by_name(log, search.before)},
         )
 
 
-def _differences(
-    log: Log, robot: RobotModel, old: Conventions, new: Conventions
-) -> list[tuple[Topic, str, str, list[str]]]:
-    """Return topic, message, advice and joints of each difference between two conventions."""
-    said: list[tuple[Topic, str, str, list[str]]] = []
+def _differences(log: Log, robot: RobotModel, old: Conventions, new: Conventions) -> list[Difference]:
+    """Return the differences between two conventions."""
+    said: list[Difference] = []
     if new.angle != old.angle:
         revolute = [j for j, slides in zip(log.joints, robot.is_prismatic, strict=True) if not slides]
-        said.append((Topic.UNITS, "positions are in degrees, not rad", "--convert angle=deg", revolute))
+        said.append(
+            Difference(Topic.UNITS, "positions are in degrees, not rad", "--convert angle=deg", revolute)
+        )
+    if new.gravity is not None and new.gravity != old.gravity:
+        said.append(_mounted(robot, np.array(new.gravity)))
     moved = _moved(log.joints, old.position_column, new.position_column)
     if moved:
         renames = ",".join(f"{column}={joint}" for joint, column in moved.items())
         said.append(
-            (
+            Difference(
                 Topic.JOINT_ORDER,
                 f"the columns hold other joints ({_said(moved)})",
                 f"--joint-map {renames}",
@@ -121,7 +144,7 @@ def _differences(
     moved = _moved(log.joints, old.effort_column, new.effort_column)
     if moved and new.effort_column != new.position_column:
         said.append(
-            (
+            Difference(
                 Topic.JOINT_ORDER,
                 f"the efforts, but not the positions, are those of other joints ({_said(moved)})",
                 "rename the effort columns",
@@ -147,8 +170,21 @@ def _differences(
     for joints, message, keys in signs:
         if joints:
             flags = " ".join(f"--convert {key}={','.join(joints)}" for key in keys)
-            said.append((Topic.SIGN, f"{message} on {', '.join(joints)}", flags, joints))
+            said.append(Difference(Topic.SIGN, f"{message} on {', '.join(joints)}", flags, joints))
     return said
+
+
+def _mounted(robot: RobotModel, gravity: np.ndarray) -> Difference:
+    """Describe how the base stands: by gravity in the base, and by its turn from the URDF's."""
+    turn = turn_of(gravity, robot.gravity_vector)
+    vector = ", ".join(f"{g:.2g}" for g in np.where(np.abs(gravity) < 0.05, 0.0, gravity))
+    message = f"the base stands {turn:.0f}° from the URDF's (gravity in the base is about ({vector}) m/s²)"
+    roll, pitch = upright(gravity)
+    urdf = f'hang the base in the URDF on a fixed joint with rpy="{roll:.3g} {pitch:.3g} 0"'
+    if turn > STEEPEST:
+        return Difference(Topic.MOUNTING, message, urdf, list(robot.joints))
+    advice = f"'cdia discover --mounted tilted' fits it; or {urdf}"
+    return Difference(Topic.MOUNTING, message, advice, list(robot.joints), Severity.WARNING)
 
 
 def _moved(joints: Sequence[str], old: Sequence[int], new: Sequence[int]) -> dict[str, str]:
@@ -199,24 +235,31 @@ def find_conventions(
 
 
 def _angle_out_of_reach(log: Log, robot: RobotModel) -> float | None:
-    """Return the largest position if it is several turns in rad, and all are within the URDF's limits as degrees."""
-    revolute = ~robot.is_prismatic
-    most = np.abs(log.position).max(axis=0)
+    """Return the largest position that no joint reaches in rad, if all are within the URDF's limits as degrees.
+
+    A joint without limits of position may make many turns; only its speed tells that they are degrees.
+    """
     limits = robot.limits
+    revolute = ~robot.is_prismatic
+    limited = np.isfinite(limits.lower) & np.isfinite(limits.upper)
+    most = np.abs(log.position).max(axis=0)
+    speed = np.abs(np.diff(log.position, axis=0) / np.diff(log.time)[:, None])
+    usual = np.percentile(speed, 90, axis=0)  # single wild samples do not count
     as_degrees = log.position * DEGREE
     fits = (as_degrees > limits.lower - 0.01) & (as_degrees < limits.upper + 0.01)
-    turns = np.maximum(2 * np.pi, np.where(np.isfinite(limits.upper), limits.upper, 0.0))
-    beyond = revolute & (most > 1.2 * turns)
+    turns = np.maximum(2 * np.pi, np.where(limited, limits.upper, 0.0))
+    beyond = revolute & (most > 1.2 * turns) & (limited | (usual > TOO_FAST * limits.velocity))
     return float(most[beyond].max()) if beyond.any() and fits[:, revolute].all() else None
 
 
 def _signs(log: Log, search: ConventionSearch) -> Finding:
     """Report the joints whose sign is certain, and those whose axis may be reversed."""
-    flips = {t.joints[0]: -t.gain for t in search.rest if t.kind is ConventionChange.EFFORT_SIGN}
+    single = [t for t in search.rest if len(t.joints) == 1]
+    flips = {t.joints[0]: -t.gain for t in single if t.kind is ConventionChange.EFFORT_SIGN}
     sure = [log.joints[k] for k in sorted(flips) if flips[k] > LIKELY]
     unsure = [log.joints[k] for k in sorted(flips) if flips[k] <= LIKELY]
     open_axes = sorted(
-        t.joints[0] for t in search.rest if t.kind is ConventionChange.BOTH_SIGNS and t.gain > -UNDECIDED
+        t.joints[0] for t in single if t.kind is ConventionChange.BOTH_SIGNS and t.gain > -UNDECIDED
     )
     mirrored = [log.joints[k] for k in open_axes]
     parts = []
