@@ -1,8 +1,8 @@
 """Refined effects give way to the plain ones that they refine, unless they predict their joint clearly better.
 
-Asymmetry, a Stribeck curve and bristles refine the friction that every joint has, and a spring refines an offset. Any
-of them follows a little of what a measured joint does besides, another one in each log. The plain name holds from log
-to log.
+Asymmetry, a Stribeck curve and bristles refine the friction that every joint has, a spring refines an offset, and a
+drift whatever drifts. Any of them follows a little of what a measured joint does besides, another one in each log. The
+plain name holds from log to log.
 """
 
 from __future__ import annotations
@@ -27,12 +27,13 @@ from cdia_pin.effects import (
     Term,
     TorqueOffset,
 )
+from cdia_pin.effects.drift import Drift
 from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection.problem import WhitenedProblem
 
 PLAIN: dict[type[Effect], tuple[type[JointEffect], ...]] = {
-    AsymmetricFriction: PLAIN_FRICTION,
+    AsymmetricFriction: (*PLAIN_FRICTION, TorqueOffset),  # a level of its own each way is one level and an offset
     StribeckFriction: PLAIN_FRICTION,
     PreslidingFriction: PLAIN_FRICTION,
     LoadStribeckFriction: (LoadFriction, *PLAIN_FRICTION),
@@ -49,16 +50,17 @@ def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics)
         given: The model before the discovery; its terms stay as they are.
     """
     known = {t.label for t in given.terms}
-    refined = [t for t in model.terms if t.label not in known and type(t.effect) in PLAIN]
+    refined = [t for t in model.terms if t.label not in known and plain_forms(t.effect)]
     asked = problem.settings.effects
-    plain_kinds = {kind.name for t in refined for kind in PLAIN[type(t.effect)]}
+    plain_kinds = {plain.name for t in refined for plain in plain_forms(t.effect)}
     if not refined or (asked is not None and not plain_kinds <= set(asked)):
         return model
     whole = Repeat(problem.problem.design, model, problem.settings)
-    left = problem.problem.lack_of_fit(model).left
-    symmetric = [t for t in refined if _is_symmetric(whole, t, bool(left[_joint(model, t)]))]
-    # a refinement that leaves nothing to explain is no coincidence
-    doubtful = [t for t in refined if left[_joint(model, t)] or t in symmetric]
+    # Refinements of an arm that they explain wholly are no coincidence. Where structure is left on one joint, the same
+    # hidden cause may act on the others, and a refinement can follow it there until nothing is left.
+    beside_structure = bool(problem.problem.lack_of_fit(model).left.any())
+    symmetric = [t for t in refined if _is_symmetric(whole, t, beside_structure)]
+    doubtful = refined if beside_structure else symmetric
     if not doubtful:
         return model
     plain = _plain(problem, model, doubtful)
@@ -67,6 +69,17 @@ def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics)
     if given_up == doubtful:
         return plain
     return _plain(problem, model, given_up) if given_up else model
+
+
+def plain_forms(effect: Effect) -> tuple[Effect, ...]:
+    """Return the plain effects that an effect refines; none if it refines nothing.
+
+    Args:
+        effect: The effect.
+    """
+    if isinstance(effect, Drift):
+        return (effect.effect,)
+    return tuple(kind(*effect.scope) for kind in PLAIN.get(type(effect), ()))
 
 
 def _joint(model: Dynamics, term: Term) -> int:
@@ -91,9 +104,9 @@ def _plain(problem: WhitenedProblem, model: Dynamics, refined: Sequence[Term]) -
     """Return a fitted model with the plain forms of some terms: the certain ones, or the first where none is."""
     kept = [t for t in model.terms if t not in refined]
     present = {t.label for t in kept}
-    forms = [[k(*t.effect.scope) for k in PLAIN[type(t.effect)]] for t in refined]
+    forms = [plain_forms(t.effect) for t in refined]
     added = [e for e in dict.fromkeys(chain(*forms)) if e.label not in present]
-    plain = replace(model, terms=(*kept, *(Term(e, (0.0,)) for e in added)))
+    plain = replace(model, terms=(*kept, *(Term(e, (0.0,) * e.size) for e in added)))
     plain = fitted_together(problem.regression, plain)
     repeat = Repeat(problem.problem.design, plain, problem.settings)
     certain = present | {t.label for t in plain.terms if repeat.survives(t)}

@@ -19,11 +19,12 @@ def robot():
     return load_robot("double_pendulum")
 
 
-def named(robot, refined, torque, effects=None, *, bump=0.0, noise=0.01):
+def named(robot, refined, torque, effects=None, *, bump=0.0, bumpy=1, noise=0.01):
     """Return the names that a refined effect ends with, beside a torque and perhaps a bump that has no name."""
     t, q, v, a = motion(robot.n, 5, duration=24.0)
     effort = Dynamics(robot).inverse_dynamics(q, v, a)
-    effort[:, 1] += torque(v[:, 1]) + bump * np.exp(-(((q[:, 1] - np.median(q[:, 1])) / 0.15) ** 2))
+    effort[:, 1] += torque(v[:, 1])
+    effort[:, bumpy] += bump * np.exp(-(((q[:, bumpy] - np.median(q[:, bumpy])) / 0.15) ** 2))
     effort += np.random.default_rng(0).normal(0.0, noise, effort.shape)
     settings = DiscoverySettings(effects=effects)
     logs = Problem.conditioned(robot, [Log(robot.joints, t, q, effort)], [], settings)
@@ -37,6 +38,10 @@ def symmetric(v):
 
 
 def asymmetric(v):
+    return LEVEL * np.sign(v) + np.where(v > 0, 1.6, 0.4) * v
+
+
+def with_an_offset(v):
     return np.where(v > 0, 1.5, 0.5) * LEVEL * np.sign(v)
 
 
@@ -55,6 +60,10 @@ def test_friction_that_differs_between_the_directions_stays_asymmetric(robot, bu
     assert named(robot, ASYMMETRIC, asymmetric, bump=bump) == {"asymmetric_friction"}
 
 
+def test_beside_structure_a_level_of_its_own_each_way_is_one_level_and_an_offset(robot):
+    assert named(robot, ASYMMETRIC, with_an_offset, bump=0.1) == {"coulomb_friction", "torque_offset"}
+
+
 @pytest.mark.parametrize(
     ("refined", "torque", "plain"),
     [(BRISTLES, symmetric, "coulomb_friction"), (SPRING, lambda v: LEVEL + 0 * v, "torque_offset")],
@@ -68,7 +77,9 @@ def test_a_small_refinement_stays_if_it_leaves_nothing(robot):
         return np.where(v > 0, 1.3, 0.7) * LEVEL * np.sign(v)
 
     assert named(robot, ASYMMETRIC, little, noise=0.4) == {"asymmetric_friction"}
-    assert named(robot, ASYMMETRIC, little, noise=0.4, bump=1.5) == {"coulomb_friction"}
+    for bumpy in range(2):  # structure on another joint is enough
+        found = named(robot, ASYMMETRIC, little, noise=0.4, bump=1.5, bumpy=bumpy)
+        assert "asymmetric_friction" not in found
 
 
 def test_nothing_is_named_that_the_user_did_not_ask_for(robot):
