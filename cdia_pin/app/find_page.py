@@ -182,7 +182,7 @@ class FindPage:
         log = inputs.log
         with node("p", data_mark="loaded"):
             node("b", inputs.robot.name)
-            node("span", f", {inputs.robot.n} joints · ")
+            node("span", f", {inputs.robot.n} joint{'s' * (inputs.robot.n != 1)} · ")
             node("b", inputs.request.name or log.source)
             size = f", {len(log.time):,} samples, {log.duration:.4g} s at {log.rate:.4g} Hz"
             node("span", re.sub(r"(?<=\d) (?=\w)", NO_BREAK, size), "soft")

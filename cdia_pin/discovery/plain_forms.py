@@ -33,7 +33,10 @@ from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection.problem import WhitenedProblem
 
 PLAIN: dict[type[Effect], tuple[type[JointEffect], ...]] = {
-    AsymmetricFriction: (*PLAIN_FRICTION, TorqueOffset),  # a level of its own each way is one level and an offset
+    AsymmetricFriction: (
+        *PLAIN_FRICTION,
+        TorqueOffset,
+    ),  # a level of its own each way is one level and an offset
     StribeckFriction: PLAIN_FRICTION,
     PreslidingFriction: PLAIN_FRICTION,
     LoadStribeckFriction: (LoadFriction, *PLAIN_FRICTION),

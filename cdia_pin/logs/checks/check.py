@@ -32,11 +32,10 @@ def check_log(log: Log, robot: RobotModel) -> LogCheck:
     """Infer what a log holds, and whether it can be used for this robot.
 
     Sampling, resolution, limits, saturation and excitation are checked. Single samples that no motion makes are named,
-    and left out of the other checks. Efforts are compared with the URDF's
-    rigid-body torque and friction of unknown size. This checks units, signs, the order of joints, how the
-    base stands, the kind of effort and its lag. An arm on this machine that explains the efforts clearly better is named. A finding states where
-    the evidence is weak. It is *not* checked whether the zero of each position is the URDF's, or whether drive gains
-    are right.
+    and left out of the other checks. Efforts are compared with the URDF's rigid-body torque and friction of unknown
+    size. This checks units, signs, the order of joints, how the base stands, the kind of effort and its lag. An arm on
+    this machine that explains the efforts clearly better is named. A finding states where the evidence is weak. It is
+    *not* checked whether the zero of each position is the URDF's, or whether drive gains are right.
 
     Args:
         log: The log, joints in the robot's order.
