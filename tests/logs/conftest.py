@@ -51,8 +51,8 @@ def simulated_log(robot: RobotModel, *, delay: float = 0.0, seed: int = 1, noise
     """Inverse dynamics of sums of sines with friction, rotor inertia, offset and noise, 20 s at 250 Hz."""
     rng = np.random.default_rng(seed)
     time = np.arange(5000) / 250.0
-    lower, upper = robot.limits.lower, robot.limits.upper
-    middle = np.clip(np.where(np.isfinite(lower + upper), 0.5 * (lower + upper), 0.0), -1.5, 1.5)
+    bounds = np.array([robot.limits.lower, robot.limits.upper])
+    middle = np.clip(np.where(np.isfinite(bounds).all(axis=0), bounds, 0.0).mean(axis=0), -1.5, 1.5)
     q = np.zeros((len(time), robot.n)) + middle
     v, a = np.zeros_like(q), np.zeros_like(q)
     for k in range(5):

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from cdia_pin.errors import LogError
+from cdia_pin.logs.checks.angle_unit import find_conventions
 from cdia_pin.logs.checks.another_arm import check_arm
 from cdia_pin.logs.checks.effort_kind import check_effort_kind, gravity_gains
 from cdia_pin.logs.checks.excitation import check_excitation
@@ -14,7 +15,7 @@ from cdia_pin.logs.checks.lag import check_lag
 from cdia_pin.logs.checks.limits import check_limits, check_saturation
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import check_gaps, check_rate, check_repeats, check_resolution
-from cdia_pin.logs.checks.sign_and_order import check_conventions, find_conventions
+from cdia_pin.logs.checks.sign_and_order import check_conventions
 from cdia_pin.logs.checks.stretches import check_copied, check_held
 from cdia_pin.logs.checks.torque_side import check_torque_side
 from cdia_pin.logs.checks.velocity import check_velocity
