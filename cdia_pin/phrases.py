@@ -11,6 +11,26 @@ LONGEST_REASON = 160  # characters of a library's own message that are shown
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
+def plural(noun: str, count: int) -> str:
+    """Return a noun in the singular or the plural.
+
+    Args:
+        noun: In the singular; its plural ends in s.
+        count: How many there are.
+    """
+    return noun if count == 1 else f"{noun}s"
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a count with its noun, such as ``1 gap`` or ``3 gaps``.
+
+    Args:
+        count: How many there are.
+        noun: In the singular; its plural ends in s.
+    """
+    return f"{count} {plural(noun, count)}"
+
+
 def some(names: Sequence[str], most: int = 12) -> str:
     """Return names separated by commas; a long list is cut and its length is stated.
 

@@ -21,7 +21,7 @@ from cdia_pin.app.session import Session
 from cdia_pin.app.tiles import tiles
 from cdia_pin.app.workbench import Workbench
 from cdia_pin.fault_report import fault_sentence
-from cdia_pin.phrases import NO_BREAK
+from cdia_pin.phrases import NO_BREAK, counted
 
 STEPS = {
     "load": "Load a robot and a log",
@@ -182,7 +182,7 @@ class FindPage:
         log = inputs.log
         with node("p", data_mark="loaded"):
             node("b", inputs.robot.name)
-            node("span", f", {inputs.robot.n} joint{'s' * (inputs.robot.n != 1)} · ")
+            node("span", f", {counted(inputs.robot.n, 'joint')} · ")
             node("b", inputs.request.name or log.source)
             size = f", {len(log.time):,} samples, {log.duration:.4g} s at {log.rate:.4g} Hz"
             node("span", re.sub(r"(?<=\d) (?=\w)", NO_BREAK, size), "soft")

@@ -15,7 +15,7 @@ from cdia_pin.campaigns.alarm_scores import FACTORS, alarms
 from cdia_pin.campaigns.campaign_spec import CampaignSpec
 from cdia_pin.campaigns.estimates import Estimate, median, quantile, rate, share
 from cdia_pin.campaigns.run_row import RunRow
-from cdia_pin.phrases import shortened
+from cdia_pin.phrases import counted, shortened
 from cdia_pin.version import __version__
 
 HOUR = 3600.0  # [s]
@@ -243,13 +243,13 @@ def _why(row: RunRow) -> str:
     if row.diverged:
         said.append("the arm ran away")
     if row.false_alarms:
-        said.append(f"{row.false_alarms} false alarm{'s' * (row.false_alarms > 1)}")
+        said.append(f"{counted(row.false_alarms, 'false alarm')}")
     if row.fault and not row.detected:
         said.append("not detected")
     elif row.fault and not row.exact:
         said.append(f"named {row.named.replace('+', ' + ')}")
     if row.elsewhere:
-        said.append(f"{row.elsewhere} alarm{'s' * (row.elsewhere > 1)} on other joints")
+        said.append(f"{counted(row.elsewhere, 'alarm')} on other joints")
     return ", ".join(said)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from cdia_pin.cli.console import Tell, warn
 from cdia_pin.cli.failures import CommandError
-from cdia_pin.phrases import some
+from cdia_pin.phrases import counted, some
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -240,7 +240,7 @@ def show_inputs(
     table = Table.grid(padding=(0, 2))
     table.add_column(style="bold", no_wrap=True)
     table.add_column(overflow="fold")
-    table.add_row("robot", Text(f"{robot.name}, {robot.n} joint{'s' * (robot.n != 1)}"))
+    table.add_row("robot", Text(f"{robot.name}, {counted(robot.n, 'joint')}"))
     table.add_row(role, Text(some(["the URDF", *(t.label for t in model.terms)], MOST_TERMS)))
     for what, given in (("log", logs), ("held out", held_out)):
         for log in given:

@@ -14,6 +14,7 @@ from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.errors import ModelError, unknown_name
 from cdia_pin.logs.log import Log
+from cdia_pin.phrases import plural
 from cdia_pin.robot.model import RobotModel
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def require_threshold(threshold: Mapping[str, float], robot: RobotModel) -> None
         if not 0 < value < math.inf:
             raise ModelError(f"threshold of {joint} must be above 0, given {value}")
     if missing := [j for j in robot.joints if j not in threshold]:
-        raise ModelError(f"threshold: no value for joint(s) {', '.join(missing)}")
+        raise ModelError(f"threshold: no value for {plural('joint', len(missing))} {', '.join(missing)}")
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from cdia_pin.errors import EffectError
+from cdia_pin.phrases import counted
 
 Values = Mapping[str, Any]
 
@@ -114,7 +115,7 @@ def _check(node: ast.expr, text: str, depth: int) -> None:  # noqa: PLR0912  (on
             wanted = 2 if name in {"minimum", "maximum"} else 1
             if len(args) != wanted:
                 raise EffectError(
-                    f"expression '{text}': {name} takes {wanted} argument(s), given {len(args)}"
+                    f"expression '{text}': {name} takes {counted(wanted, 'argument')}, given {len(args)}"
                 )
             for inner in args:
                 _check(inner, text, depth - 1)

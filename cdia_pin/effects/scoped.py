@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Self
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.records import EffectRecord
 from cdia_pin.errors import EffectError, unknown_name
+from cdia_pin.phrases import counted
 from cdia_pin.robot.model import RobotModel
 
 
@@ -97,10 +98,10 @@ class Scoped:
         most = len(cls.scope_fields)
         least = most - sum(cls._default(f) is None for f in cls.scope_fields)
         if not least <= len(scope) <= most or not all(isinstance(j, str) and j for j in scope):
-            count = f"{least}" if least == most else f"{least} or {most}"
+            count = counted(most, "joint") if least == most else f"{least} or {counted(most, 'joint')}"
             hint = cls.name + ("@" + "+".join(["JOINT"] * most) if most else "")
             given = "+".join(map(str, scope)) or "none"
-            raise EffectError(f"{cls.name} takes {count} joint(s), given {given}: write {hint}")
+            raise EffectError(f"{cls.name} takes {count}, given {given}: write {hint}")
         valid = {f.name for f in fields(cls)} - set(cls.scope_fields)  # type: ignore[arg-type]
         for key in shape:
             if key not in valid:

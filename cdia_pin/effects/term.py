@@ -16,6 +16,7 @@ from cdia_pin.effects.state import State
 from cdia_pin.effects.traits import Signal
 from cdia_pin.effects.vocabulary import effect_from_dict
 from cdia_pin.errors import EffectError, unknown_name
+from cdia_pin.phrases import counted, plural
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -46,7 +47,9 @@ class Term:
         object.__setattr__(self, "theta", tuple(float(v) for v in self.theta))  # hashable, and plain in JSON
         if len(self.theta) != self.effect.size:
             names = ", ".join(p.name for p in self.effect.parameters)
-            raise EffectError(f"{self.effect.label} takes {names}; given {len(self.theta)} number(s)")
+            raise EffectError(
+                f"{self.effect.label} takes {names}; given {counted(len(self.theta), 'number')}"
+            )
         if not np.isfinite(self.theta).all():
             raise EffectError(f"{self.effect.label}: parameters must be finite, given {self.theta}")
         if any(abs(v) > LARGEST for v in self.theta):
@@ -208,7 +211,9 @@ class Term:
         names = [p.name for p in effect.parameters]
         missing = [n for n in names if n not in written]
         if missing:
-            raise EffectError(f"{effect.label}: no value for parameter(s) {', '.join(missing)}")
+            raise EffectError(
+                f"{effect.label}: no value for {plural('parameter', len(missing))} {', '.join(missing)}"
+            )
         for name in written:
             if name not in names:
                 raise EffectError(f"{effect.label}: " + unknown_name("parameter", name, names))

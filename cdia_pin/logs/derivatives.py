@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
+from cdia_pin.phrases import counted
 
 Array = NDArray[np.float64]
 
@@ -56,8 +57,9 @@ def uniform(log: Log) -> Log:
     step = np.diff(log.time)
     if step.max() > LONGEST_GAP:
         notes.append(
-            f"the clock has {int((step > LONGEST_GAP).sum())} gap(s) of up to {step.max():.3g} s, the longest after "
-            f"t = {log.time[step.argmax()]:.4g} s: what lies between is interpolated; make two logs of it, split there"
+            f"the clock has {counted(int((step > LONGEST_GAP).sum()), 'gap')} of up to {step.max():.3g} s, the longest "
+            f"after t = {log.time[step.argmax()]:.4g} s: what lies between is interpolated; "
+            "make two logs of it, split there"
         )
     return sampled_at(log, time).noted(*notes)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cdia_pin.errors import LogError, unknown_name
-from cdia_pin.phrases import some
+from cdia_pin.phrases import plural, some
 
 _DIGITS = "0123456789"
 MOST_DIGITS = 9  # of a joint's number
@@ -65,8 +65,9 @@ def match_joints(
         )
     missing = [j for j in joints if j not in by_name]
     raise LogError(
-        f"no column for joint(s) {', '.join(missing)}; the log has {some(list(given)) or 'none'}, "
-        f"the robot has {', '.join(joints)}; name them with --joint-map name=joint,…"
+        f"no column for {plural('joint', len(missing))} {', '.join(missing)}; "
+        f"the log has {some(list(given)) or 'none'}, the robot has {', '.join(joints)}; "
+        "name them with --joint-map name=joint,…"
     )
 
 

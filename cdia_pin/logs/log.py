@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.logs.effort_origin import EffortOrigin
 from cdia_pin.logs.torque_side import TorqueSide
-from cdia_pin.phrases import shortened
+from cdia_pin.phrases import counted, shortened
 
 Array = NDArray[np.float64]
 
@@ -71,8 +71,8 @@ class Log:
             if bad.any():
                 row, column = np.argwhere(bad)[0]
                 raise LogError(
-                    f"{self.source}: {name}.{self.joints[column]} holds {int(bad.sum())} value(s) that are not "
-                    f"finite, the first in sample {row} (t = {self.time[row]:g} s); remove or repair those rows"
+                    f"{self.source}: {name}.{self.joints[column]} has {counted(int(bad.sum()), 'number')} not finite, "
+                    f"the first in sample {row} (t = {self.time[row]:g} s); remove or repair those rows"
                 )
         if not np.isfinite(self.time).all():
             raise LogError(f"{self.source}: time holds values that are not finite")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from cdia_pin.campaigns.campaign_result import HEALTHY
 from cdia_pin.campaigns.estimates import LEVEL
+from cdia_pin.phrases import counted
 from cdia_pin.viewers.cells import table_of
 from cdia_pin.viewers.words import number, percent
 
@@ -142,7 +143,7 @@ def alarm_words(cell: Cell) -> str:
     count, hours = cell.false_alarms.count, number(cell.hours, 2)
     if not cell.hours:
         return "no time without a fault, so no false alarms to count"
-    alarms = f"{count} false alarm{'s' * (count != 1)} in {hours} h"
+    alarms = f"{counted(count, 'false alarm')} in {hours} h"
     return f"{alarms}: at most {number(cell.false_alarms.upper, 2)} an hour"
 
 

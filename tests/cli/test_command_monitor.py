@@ -122,7 +122,7 @@ def test_the_engine_of_the_thesis_runs_too(cdia, folder):
         (["--bank", "payload"], "not an effect of one joint"),
         (["--threshold", "joint1"], "JOINT=VALUE"),
         (["--threshold", "joint1=much"], "JOINT=VALUE"),
-        (["--threshold", "joint1=0.1"], "no value for joint(s) joint2"),
+        (["--threshold", "joint1=0.1"], "no value for joint joint2"),
         (["--threshold", "jiont1=0.1"], "did you mean joint1"),
         (["--healthy-until", "100"], "cannot be split at 100 s"),
         (["--healthy-until", "0"], "cannot be split at 0 s"),

@@ -118,7 +118,7 @@ def test_a_missing_file_is_refused(arm, tmp_path):
         (lambda t: t.update(joints=[3]), "takes 1 joint"),
         (lambda t: t.update(shape={"decay": 3.0}), "decay"),
         (lambda t: t.update(shape=[1.0]), "shape an object"),
-        (lambda t: t.update(parameters={}), "no value for parameter(s) level"),
+        (lambda t: t.update(parameters={}), "no value for parameter level"),
         (lambda t: t.update(parameters={"level": 1.0, "levle": 2.0}), "levle"),
         (lambda t: t["parameters"]["level"].update(value=float("nan")), "finite"),
         (lambda t: t["parameters"]["level"].update(value=float("inf")), "finite"),

@@ -11,6 +11,7 @@ from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.joint_units import units_of
 from cdia_pin.logs.checks.motion import SmoothedMotion
 from cdia_pin.logs.log import Log
+from cdia_pin.phrases import counted
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
@@ -73,7 +74,7 @@ def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
         }
         message = (
             f"covers {value['range']:.3g} {unit} at up to {value['max_speed']:.3g} {unit}/s and "
-            f"{value['max_acceleration']:.3g} {unit}/s², {reversals} reversal{'s' * (reversals != 1)}, "
+            f"{value['max_acceleration']:.3g} {unit}/s², {counted(reversals, 'reversal')}, "
             f"gravity changes by {round(gravity[k], 6):.3g} {effort_unit}"
         )
         lacks = []

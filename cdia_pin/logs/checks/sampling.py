@@ -19,6 +19,7 @@ from cdia_pin.logs.checks.motion import (
 from cdia_pin.logs.derivatives import LONGEST_GAP
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.resolution import quantum
+from cdia_pin.phrases import counted
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
@@ -80,7 +81,7 @@ def check_gaps(log: Log) -> Iterator[Finding]:
         yield Finding(
             Topic.GAPS,
             Severity.WARNING if longest > LONG_GAP else Severity.INFO,
-            f"{len(gaps)} gap(s), the longest {said} after t = {at:.4g} s"
+            f"{counted(len(gaps), 'gap')}, the longest {said} after t = {at:.4g} s"
             + (split if longest > LONGEST_GAP else ""),
             advice="make two logs of it, split there, if the arm moved meanwhile"
             if longest > LONG_GAP
@@ -225,7 +226,7 @@ def check_resolution(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
         yield Finding(
             Topic.RESOLUTION,
             Severity.WARNING if shares[worst] > 0.1 else Severity.INFO,
-            f"{signal}s of {len(steps)} joint(s) are rounded, on {coarsest} to multiples of "
+            f"{signal}s of {counted(len(steps), 'joint')} are rounded, on {coarsest} to multiples of "
             f"{steps[coarsest]:.2g} {unit}: a noise in torque of up to {shares[worst]:.1%} of the effort ({worst})",
             advice=f"record {signal}s with more digits" if shares[worst] > 0.1 else "",
             value={"signal": signal, "quantum": steps, "share_of_effort": shares},

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.wild_samples import LARGEST_SHARE, NAMED, WildSample, share_of
+from cdia_pin.phrases import counted
 
 
 def check_wild(log: Log, found: Sequence[WildSample]) -> Iterator[Finding]:
@@ -29,7 +30,7 @@ def check_wild(log: Log, found: Sequence[WildSample]) -> Iterator[Finding]:
         yield Finding(
             Topic.WILD,
             Severity.ERROR if too_many else Severity.WARNING,
-            f"the {signal} has {len(samples)} value(s) that no motion makes: {named}{more}; "
+            f"the {signal} has {counted(len(samples), 'value')} that no motion makes: {named}{more}; "
             "the other checks leave them out",
             joint=joint,
             advice="find out what went wrong when the log was recorded"
