@@ -145,7 +145,7 @@ def _effect_table(effects: list[dict[str, Any]], n: int) -> str:
         numbers = [f"{k.replace('_', ' ')} {_interval(p)}" for k, p in given]
         hidden_ones = len(e["parameters"]) - len(numbers)
         numbers += [f"{k} {number(v)}" for k, v in e.get("shape", {}).items() if isinstance(v, float)]
-        numbers += [f"({hidden_ones} more, not told from 0)"] if hidden_ones else []
+        numbers += [f"({hidden_ones} more whose interval holds 0)"] if hidden_ones else []
         others = dict.fromkeys(c["effect"] for c in e["confusable_with"])
         where = "whole arm" if len(e["joints"]) == n else " + ".join(e["joints"])
         name = e["effect"].replace("_", " ")

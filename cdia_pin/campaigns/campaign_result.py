@@ -243,7 +243,7 @@ def _why(row: RunRow) -> str:
     if row.diverged:
         said.append("the arm ran away")
     if row.false_alarms:
-        said.append(f"{counted(row.false_alarms, 'false alarm')}")
+        said.append(counted(row.false_alarms, "false alarm"))
     if row.fault and not row.detected:
         said.append("not detected")
     elif row.fault and not row.exact:

@@ -33,10 +33,8 @@ from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection.problem import WhitenedProblem
 
 PLAIN: dict[type[Effect], tuple[type[JointEffect], ...]] = {
-    AsymmetricFriction: (
-        *PLAIN_FRICTION,
-        TorqueOffset,
-    ),  # a level of its own each way is one level and an offset
+    # a level of its own each way is one level and an offset
+    AsymmetricFriction: (*PLAIN_FRICTION, TorqueOffset),
     StribeckFriction: PLAIN_FRICTION,
     PreslidingFriction: PLAIN_FRICTION,
     LoadStribeckFriction: (LoadFriction, *PLAIN_FRICTION),

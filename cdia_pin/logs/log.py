@@ -71,7 +71,7 @@ class Log:
             if bad.any():
                 row, column = np.argwhere(bad)[0]
                 raise LogError(
-                    f"{self.source}: {name}.{self.joints[column]} has {counted(int(bad.sum()), 'number')} not finite, "
+                    f"{self.source}: {name}.{self.joints[column]} holds {counted(int(bad.sum()), 'value')} not finite, "
                     f"the first in sample {row} (t = {self.time[row]:g} s); remove or repair those rows"
                 )
         if not np.isfinite(self.time).all():

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.logs.derivatives import akima, linear
 from cdia_pin.logs.log import Log
+from cdia_pin.phrases import counted
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -140,9 +141,9 @@ def said_of(found: Sequence[WildSample], log: Log) -> str:
     """
     rows = len({s.row for s in found})
     share = f" ({100 * share_of(found, log):.2g} % of the samples)" if rows > 1 else ""
-    counted = f"{rows} sample{'s' if rows > 1 else ''} that no motion makes{share}"
+    said = f"{counted(rows, 'sample')} that no motion makes{share}"
     more = ", …" if len(found) > NAMED else ""
-    return f"{counted}: {', '.join(map(str, found[:NAMED]))}{more}"
+    return f"{said}: {', '.join(map(str, found[:NAMED]))}{more}"
 
 
 def _wild_positions(x: Array, time: Array) -> list[int]:

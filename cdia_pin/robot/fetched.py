@@ -69,9 +69,8 @@ def fetched_urdf(name: str, module: str, arguments: Mapping[str, str], origin: s
             options = {"xacro_args": dict(arguments)} if arguments else {}
             path = Path(get_urdf_path(description, **options))
     except Exception as error:  # git, xacro and the network each raise their own
-        said = one_line(
-            getattr(error, "stderr", None) or error, LONGEST_ANSWER
-        )  # git's own words, not its call
+        words = getattr(error, "stderr", None)  # git's own, without the call
+        said = one_line(Exception(words) if words else error, LONGEST_ANSWER)
         raise RobotError(
             f"the description of '{name}' cannot be fetched from {origin}: its first use needs git and the network; "
             f"without them give the path of a URDF file ({said})"

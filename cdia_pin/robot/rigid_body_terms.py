@@ -16,7 +16,6 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.errors import RobotError
-from cdia_pin.phrases import plural
 
 Array = NDArray[np.float64]
 
@@ -40,7 +39,7 @@ class RigidBodyTerms:
         wide = [model.names[i] for i in range(1, model.njoints) if model.joints[i].nv != 1]
         if wide:
             raise RobotError(
-                f"robot '{name}': {plural('joint', len(wide))} {', '.join(wide)} with more than one degree of freedom; "
+                f"robot '{name}': joints that have more than one degree of freedom: {', '.join(wide)}; "
                 "an arm has a fixed base and revolute, continuous or prismatic joints"
             )
         self.name = name

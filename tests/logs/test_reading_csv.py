@@ -241,12 +241,12 @@ def broken(text: str, kind: str) -> str:
 @pytest.mark.parametrize(
     ("kind", "said"),
     [
-        ("nan", r"position\.elbow_joint has 1 number not finite.*sample 7"),
-        ("empty cell", r"position\.elbow_joint has 1 number not finite.*sample 7"),
+        ("nan", r"position\.elbow_joint holds 1 value.*sample 7"),
+        ("empty cell", r"position\.elbow_joint holds 1 value.*sample 7"),
         ("word", r"position\.elbow_joint' must hold numbers, found 'oops' in sample 7"),
         ("time back", "time must increase"),
         ("same time", "samples 6 and 7 have the same time"),
-        ("short row", "without the 19 columns"),
+        ("short row", "do not have the 19 columns"),
     ],
 )
 def test_a_bad_cell_is_named_by_column_and_sample(ur5, tmp_path, kind, said):
@@ -285,7 +285,7 @@ def test_a_file_that_is_not_a_log_is_refused_in_one_line(ur5, tmp_path, content,
             lambda t: t.replace("effort.elbow_joint", "effort.knee_joint"),
             "effort: no column for joint.* elbow_joint",
         ),
-        (lambda t: t.replace("velocity.elbow_joint", "position.elbow_joint"), "more than once"),
+        (lambda t: t.replace("velocity.elbow_joint", "position.elbow_joint"), "appear more than once"),
         (lambda t: t.replace("velocity.elbow_joint", "q.elbow_joint"), "that another column has"),
     ],
 )

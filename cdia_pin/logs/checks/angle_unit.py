@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 TOO_FAST = 5.0  # [1], speed over the URDF's limit that no arm reaches; degrees read as rad make 57
+USUAL = 90.0  # [%], of the samples have less than the speed that counts, so that single wild samples do not
 
 
 def find_conventions(
@@ -65,10 +66,13 @@ def _angle_out_of_reach(log: Log, robot: RobotModel) -> float | None:
     revolute = ~robot.is_prismatic
     limited = np.isfinite(limits.lower) & np.isfinite(limits.upper)
     most = np.abs(log.position).max(axis=0)
-    speed = np.abs(np.diff(log.position, axis=0) / np.diff(log.time)[:, None])
-    usual = np.percentile(speed, 90, axis=0)  # single wild samples do not count
+    turns = np.maximum(2 * np.pi, np.where(limited, limits.upper, 0.0))
+    beyond = revolute & (most > 1.2 * turns)
+    for k in np.flatnonzero(beyond & ~limited).tolist():
+        speed = np.abs(np.diff(log.position[:, k]) / np.diff(log.time))
+        beyond[k] = np.percentile(speed, USUAL) > TOO_FAST * limits.velocity[k]
+    if not beyond.any():
+        return None
     as_degrees = log.position * DEGREE
     fits = (as_degrees > limits.lower - 0.01) & (as_degrees < limits.upper + 0.01)
-    turns = np.maximum(2 * np.pi, np.where(limited, limits.upper, 0.0))
-    beyond = revolute & (most > 1.2 * turns) & (limited | (usual > TOO_FAST * limits.velocity))
-    return float(most[beyond].max()) if beyond.any() and fits[:, revolute].all() else None
+    return float(most[beyond].max()) if fits[:, revolute].all() else None

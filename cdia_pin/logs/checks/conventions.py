@@ -205,15 +205,15 @@ def _changes(
     current: Conventions, motion: SmoothedMotion, robot: RobotModel
 ) -> Iterator[tuple[ConventionChange, tuple[int, ...], Conventions]]:
     moves = motion.moves[list(current.position_column)]
-    for k in np.flatnonzero(moves).tolist():
+    moving = tuple(np.flatnonzero(moves).tolist())
+    for k in moving:
         effort = _negated(current.effort_sign, k)
         position = _negated(current.position_sign, k)
         yield ConventionChange.EFFORT_SIGN, (k,), replace(current, effort_sign=effort)
         yield ConventionChange.POSITION_SIGN, (k,), replace(current, position_sign=position)
         yield ConventionChange.BOTH_SIGNS, (k,), replace(current, effort_sign=effort, position_sign=position)
-    if moves.sum() > 1:
+    if len(moving) > 1:
         efforts = tuple(-s for s in current.effort_sign)
-        moving = tuple(np.flatnonzero(moves).tolist())
         yield ConventionChange.EFFORT_SIGN, moving, replace(current, effort_sign=efforts)
     for i, j in itertools.combinations(range(robot.n), 2):
         if not (moves[i] or moves[j]):
@@ -240,11 +240,7 @@ def _changes(
         revolute = tuple(np.flatnonzero(~robot.is_prismatic).tolist())
         yield ConventionChange.DEGREES, revolute, replace(current, angle=DEGREE)
     if current.gravity is None and (gravity := gravity_elsewhere(current.apply(motion, robot), robot)):
-        yield (
-            ConventionChange.MOUNTING,
-            tuple(np.flatnonzero(moves).tolist()),
-            replace(current, gravity=gravity),
-        )
+        yield ConventionChange.MOUNTING, moving, replace(current, gravity=gravity)
 
 
 class _Shares:

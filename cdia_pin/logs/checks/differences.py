@@ -14,7 +14,9 @@ from cdia_pin.logs.checks.mounting import turn_of, upright
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
-STEEPEST = 60.0  # [°], turn of gravity that the effect of a tilted base can still be fitted to
+FITTED_TURN = (
+    60.0  # [°], most that `--mounted tilted` is offered for: the bound of the effect, 64°, leaves no room
+)
 
 
 class Difference(NamedTuple):
@@ -102,7 +104,7 @@ def _mounted(robot: RobotModel, gravity: np.ndarray) -> Difference:
     message = f"the base stands {turn:.0f}° from the URDF's (gravity in the base is about ({vector}) m/s²)"
     roll, pitch = upright(gravity)
     urdf = f'hang the base in the URDF on a fixed joint with rpy="{roll:.3g} {pitch:.3g} 0"'
-    if turn > STEEPEST:
+    if turn > FITTED_TURN:
         return Difference(Topic.MOUNTING, message, urdf, list(robot.joints))
     advice = f"'cdia discover --mounted tilted' fits it; or {urdf}"
     return Difference(Topic.MOUNTING, message, advice, list(robot.joints), Severity.WARNING)

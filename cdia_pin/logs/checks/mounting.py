@@ -17,8 +17,9 @@ Array = NDArray[np.float64]
 
 SAMPLES = 300  # [samples], many for three parameters
 TURNED = 20.0  # [°], least turn of gravity that counts: measured arms with their own URDF show up to 6°
-# [1], size of the fitted gravity over the URDF's, and its inverse: wrong masses and a payload give up to 1.9
-SIZE = 2.5
+MOST_SIZE = (
+    2.5  # [1], fitted gravity over the URDF's, or its inverse: wrong masses and a payload give up to 1.9
+)
 # [1], fall of the misfit by which a turned gravity must be ahead of a gain, or behind any body on the tool (which has
 # ten parameters): a factor of e in unexplained shares
 AHEAD_OF_GAIN, BEHIND_BODY = 1.0, 1.0
@@ -42,7 +43,7 @@ def gravity_elsewhere(motion: SmoothedMotion, robot: RobotModel) -> tuple[float,
     turned = arm_fit(robot, motion, robot.gravity_regressor(motion.q))
     gravity = expected + turned.shared
     found = float(np.linalg.norm(gravity))
-    if not 1 / SIZE < found / size < SIZE or turn_of(gravity, expected) < TURNED:
+    if not 1 / MOST_SIZE < found / size < MOST_SIZE or turn_of(gravity, expected) < TURNED:
         return None
     ahead_of_gain = turned.misfit < scaled_fit(robot, motion).misfit - AHEAD_OF_GAIN
     if not ahead_of_gain or turned.misfit > loaded_fit(robot, motion).misfit + BEHIND_BODY:

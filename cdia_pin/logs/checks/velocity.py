@@ -200,12 +200,12 @@ def _lag(lags: Array, rate: float, count: int) -> Finding:
     lag = float(np.median(lags))
     value = {"lag_s": lag, "spread_s": float(np.ptp(lags)), "joints": count}
     if abs(lag) > max(1.5 / rate, 2e-3):
-        least = f"{LAGS * 1e3:.0f} ms or more" if abs(lag) > 0.99 * LAGS else f"{abs(lag) * 1e3:.1f} ms"
+        by = f"{LAGS * 1e3:.0f} ms or more" if abs(lag) >= LAGS else f"{abs(lag) * 1e3:.1f} ms"
         when = "late (a filter, usually)" if lag > 0 else "early"
         return Finding(
             Topic.VELOCITY,
             Severity.WARNING if abs(lag) > 10e-3 else Severity.INFO,
-            f"recorded velocities fit the positions but are {least} {when}",
+            f"recorded velocities fit the positions but are {by} {when}",
             advice=_LEAVE_OUT,
             value=value,
         )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import sort_names
 from cdia_pin.logs.readers.table import Table
-from cdia_pin.phrases import plural, some
+from cdia_pin.phrases import some
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -36,7 +36,7 @@ def table_from_arrow(arrow: pa.Table, source: str, notes: tuple[str, ...] = ()) 
     names = list(arrow.column_names)
     twice = sorted(n for n, count in Counter(names).items() if count > 1)
     if twice:
-        raise LogError(f"{source}: {plural('column', len(twice))} {some(twice)} more than once")
+        raise LogError(f"{source}: columns that appear more than once: {some(twice)}")
     columns: dict[str, NDArray[Any]] = {}
     not_numbers: dict[str, str] = {}
     time_unit = None

@@ -9,7 +9,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import sort_names
 from cdia_pin.logs.readers.arrow import table_from_arrow
 from cdia_pin.logs.readers.table import Table
-from cdia_pin.phrases import LONGEST_REASON, counted, one_line
+from cdia_pin.phrases import LONGEST_REASON, one_line
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -167,7 +167,7 @@ def _parse(text: bytes, names: list[str], delimiter: str, source: str, notes: li
     if broken and not (cut and broken[0][0] < len(names)):
         count, example = broken[0]
         raise LogError(
-            f"{source}: {counted(len(broken), 'row')} without the {len(names)} columns of the header; "
+            f"{source}: rows that do not have the {len(names)} columns of the header: {len(broken)}; "
             f"one has {count}: '{example[:60]}'"
         )
     if broken:
