@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 
 BELIEF_WORTH = 1.0  # [s] of measurement that an old belief counts as when the next fault comes
 CORRELATION_TIMES = 6.0  # [1], correlation times of a healthy residual that a decision needs
+# Independent samples [1] that a name needs for each new parameter after the first. On a measured arm that met a motion
+# unlike its healthy one, three parameters followed the error of the model for three of them.
+SAMPLES_PER_PARAMETER = 2.0
 MEMORY_SHARE = 0.4  # [1], share of the memory after which a decision is taken at the latest
 
 
@@ -110,6 +113,17 @@ class JointIsolation(Stateful):
             caused=caused,
         )
         return self.last
+
+    def determines(self, decision: Decision) -> bool:
+        """Tell whether there are enough independent samples for the parameters of a decision that are new.
+
+        Args:
+            decision: A decision for at least one effect.
+        """
+        assert decision.mask
+        bank = self.isolator.bank
+        new = int((self._prior[bank.columns(bank.members(decision.mask))] == 0.0).sum())
+        return self.weight >= SAMPLES_PER_PARAMETER * (new - 1) * self.independent
 
     def explained(self, decision: Decision) -> float:
         """Return the share of the residual's mean square that a decision explains, beside what was believed [1].

@@ -15,7 +15,7 @@ import numpy as np
 from cdia_pin.diagnosis.belief import JointBelief
 from cdia_pin.diagnosis.belief_state import BeliefState
 from cdia_pin.diagnosis.healthy_arm import HealthyArm
-from cdia_pin.diagnosis.isolation import Isolator
+from cdia_pin.diagnosis.isolation import LEAST_EXPLAINED, Isolator
 from cdia_pin.diagnosis.joint_isolation import JointIsolation, Votes
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
@@ -28,8 +28,6 @@ from cdia_pin.identifiability.distinguishing_motions import prepare
 TRIAL_TIME = 3.0  # [s]; a belief that fails sooner was wrong, one that fails later met a further fault
 # Where four combinations or more fitted alike on measured arms, it was a push or an error of the model.
 MOST_ALIKE = 2  # rivals that a name may have [1]
-# On measured arms the right names explained 0.94 and more, and a push that was taken for one 0.58.
-LEAST_EXPLAINED = 0.75  # [1], share of the residual's mean square that a name must explain
 MOST_FAILURES = 3  # wrong beliefs, after which the fault is called unknown
 HOLDING_TIME = (
     10.0  # [s], some periods of a motion; a joint that was quiet for so long has no failures any more
@@ -229,8 +227,8 @@ class JointMonitor(Stateful):
             return self._none_possible(t) if decision.mask is None else self._dismiss(t)
         if not self._votes.are_clear and t - self.since < self.settings.ambiguous_after:
             return []
-        if len(decision.rivals) > MOST_ALIKE:
-            return []  # what fits so many names is no name yet; the motion goes on
+        if len(decision.rivals) > MOST_ALIKE or not self.isolation.determines(decision):
+            return []  # what fits so many names, or has so many parameters, is no name yet; the motion goes on
         verdict = Verdict.AMBIGUOUS if decision.rivals else Verdict.UNIQUE
         belief = self.isolation.belief(decision, verdict)
         is_real = belief.is_certain(self.bank) and self.isolation.explained(decision) >= LEAST_EXPLAINED
@@ -256,6 +254,8 @@ class JointMonitor(Stateful):
             only = replace(found, verdict=Verdict.UNIQUE, rivals=())
             return self._commit(t, only, "the motion since then separates them")
         if not sure or not decision.mask or (unknown and t - self.since < 2 * TRIAL_TIME):
+            return []
+        if not self.isolation.determines(decision):
             return []
         before = ", ".join(term.label for term in self.faults) or str(now.verdict)
         found = self.isolation.belief(decision, Verdict.UNIQUE)

@@ -1,4 +1,4 @@
-"""A name that fits no better than three others, or explains little, is no name yet."""
+"""What fits no better than three others, explains little, or follows few samples by many parameters is no name yet."""
 
 from __future__ import annotations
 
@@ -12,27 +12,34 @@ from cdia_pin.diagnosis.joint_isolation import JointIsolation
 from cdia_pin.diagnosis.joint_monitor import JointMonitor
 
 
-def said_with(rivals: int, monkeypatch: pytest.MonkeyPatch, left: float = 0.0) -> list[str]:
-    """What a joint says for three seconds in which every look finds one effect, so many rivals, and leaves a share.
+def said_with(
+    rivals: int, monkeypatch: pytest.MonkeyPatch, left: float = 0.0, effects: int = 1, samples: float = 1e9
+) -> list[str]:
+    """What a joint says for three seconds in which every look finds the same effects and rivals, and leaves a share.
 
     Args:
         rivals: Number of rivals.
         monkeypatch: Of pytest.
-        left: Share of the residual's mean square that the effect does not explain [1].
+        left: Share of the residual's mean square that the effects do not explain [1].
+        effects: Number of effects, of one parameter each.
+        samples: Independent samples that it has collected [1].
     """
     robot = load_robot("scara")
-    monitor = Monitor(Dynamics(robot), threshold=dict.fromkeys(robot.joints, 1.0), rate=1000.0)
+    bank = ["coulomb_friction", "viscous_friction", "actuator_gain"]
+    monitor = Monitor(Dynamics(robot), threshold=dict.fromkeys(robot.joints, 1.0), rate=1000.0, bank=bank)
     joint: JointMonitor = monitor.engine.joint_monitors[0]
     theta = np.zeros(joint.bank.width)
     theta[0] = 1.0
-    decision = Decision(1, theta, tuple((2 << k, theta) for k in range(rivals)), 0.1)
+    mask = (1 << effects) - 1
+    decision = Decision(mask, theta, tuple((2 << k, theta) for k in range(rivals)), 0.1)
     monkeypatch.setattr(JointIsolation, "is_enough", True)
+    monkeypatch.setattr(JointIsolation, "weight", samples * joint.isolation.independent)
     gram = np.zeros((joint.bank.width + 1, joint.bank.width + 1))
     gram[0, 0] = gram[0, -1] = 1.0
     gram[-1, -1] = 1.0 / (1.0 - left)
     monkeypatch.setattr(JointIsolation, "gram", gram)
     monkeypatch.setattr(joint.isolation, "decide", lambda **_: decision)
-    belief = JointBelief(theta, 1, "ambiguous", np.array([[0.5, 1.5]]), decision.rivals)
+    belief = JointBelief(theta, mask, "ambiguous", np.array([[0.5, 1.5]] * effects), decision.rivals)
     monkeypatch.setattr(joint.isolation, "belief", lambda *_: belief)
     events = joint.alarm(0.0)
     for t in np.arange(0.05, 3.0, 0.05):
@@ -55,3 +62,14 @@ def test_a_name_must_explain_most_of_the_residual(
     left: float, said: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert said_with(0, monkeypatch, left) == said
+
+
+@pytest.mark.parametrize(
+    ("effects", "samples", "is_named"), [(1, 0.1, True), (3, 3.9, False), (3, 4.1, True)]
+)
+def test_each_further_parameter_takes_two_independent_samples(
+    effects: int, samples: float, is_named: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = said_with(0, monkeypatch, effects=effects, samples=samples)
+    assert ("isolation" in said) == is_named
+    assert said[0] == "detection"

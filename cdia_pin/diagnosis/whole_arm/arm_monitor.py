@@ -21,7 +21,7 @@ from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event, EventStage, Verdict
-from cdia_pin.diagnosis.whole_arm.belief import carried
+from cdia_pin.diagnosis.whole_arm.belief import carried, is_possible
 from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
 from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
 from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES, Hypothesis
@@ -177,7 +177,7 @@ class ArmMonitor(Stateful):
             return True
         lead = self._decision.lead
         open_question = lead > -self.settings.lead and t - self._since < self.settings.ambiguous_after
-        return self._decision.is_sure and (lead > self.settings.lead or open_question)
+        return self._counts(self._decision) and (lead > self.settings.lead or open_question)
 
     # ------------------------------------------------------------- ticks
 
@@ -242,13 +242,15 @@ class ArmMonitor(Stateful):
         if not joints:
             return self._refine(t)
         if self._since == np.inf:
-            if not self._was_wrong(joints):
+            if not self._on_trial(t):
                 self.evidence.start(self.observer.time)
                 self._trial = None
+            else:
+                self._withdraw_wrong(joints)
             self._since = t
             self._votes.clear()
         self._decision = found = self._decided(sorted(joints))
-        leads = found.is_sure and found.lead > self.settings.lead
+        leads = self._counts(found) and found.lead > self.settings.lead
         if found.joints_explain and not leads and not self.apart:
             self.apart = True
             self.detector.settle(self.observer.time, self.observer.remainder)
@@ -262,7 +264,8 @@ class ArmMonitor(Stateful):
 
     def _commit(self, t: float, found: ArmDecision, joints: tuple[str, ...]) -> list[Event]:
         assert found.index is not None
-        self._trial = ArmTrial(found.index, self.believed, np.zeros_like(found.theta), t)
+        if self._trial is None or self._trial.index != found.index:
+            self._trial = ArmTrial(found.index, self.believed, np.zeros_like(found.theta), t)
         before = self._believe(found)
         term = next((b for b in self.believed if b.label == before.label), None)
         events = []
@@ -275,9 +278,7 @@ class ArmMonitor(Stateful):
         if term is None:
             self._trial = None
             return [*events, Event(t, EventStage.IDLE, joints, Verdict.NONE, (before,), reason="cleared")]
-        events += [
-            Event(t, EventStage.ISOLATION, joints, Verdict.UNIQUE, (term,), reason="one cause for all joints")
-        ]
+        events.append(Event(t, EventStage.ISOLATION, joints, Verdict.UNIQUE, (term,), reason=_why(term)))
         if self.settings.accommodate:
             events.append(Event(t, EventStage.ACCOMMODATION, joints, Verdict.UNIQUE, (term,)))
         return events
@@ -286,10 +287,11 @@ class ArmMonitor(Stateful):
         """Update the parameters of what was isolated of late; collect no more after a while."""
         self.apart = False
         self._close()
-        if self._trial is None or t - self._trial.since > TRIAL:
+        if not self._on_trial(t):
             self._trial = None
             self.evidence.stop()
             return []
+        assert self._trial is not None
         if not self.evidence.is_active or t - self._refined_at < REFINED_EVERY:
             return []
         self._refined_at = t
@@ -303,8 +305,7 @@ class ArmMonitor(Stateful):
         found = decide(self.evidence, self.bank, joints, self.settings)
         if found.index is None:
             return found
-        effect = HYPOTHESES[found.index].effect
-        possible = effect.is_physical(np.array(self._changed(found).theta), self.observer.nominal.robot)
+        possible = is_possible(self._changed(found), self.observer.nominal.robot)
         return found if possible else replace(UNDECIDED, joints_explain=found.joints_explain)
 
     def _changed(self, found: ArmDecision) -> Term:
@@ -319,20 +320,26 @@ class ArmMonitor(Stateful):
         old = next((b for b in self.believed if b.effect == hypothesis.effect), None)
         return old, np.zeros(hypothesis.shown) if old is None else np.array(old.theta[: hypothesis.shown])
 
-    def _was_wrong(self, joints: set[int]) -> bool:
-        """Withdraw what is on trial if another effect explains all since the detection better; return whether."""
-        if self._trial is None:
-            return False
+    def _on_trial(self, t: float) -> bool:
+        """Tell whether something was isolated so lately that its numbers, and it, may still be wrong."""
+        return self._trial is not None and t - self._trial.since <= TRIAL
+
+    def _counts(self, found: ArmDecision) -> bool:
+        """Tell whether a decision may be believed if it leads: what is on trial needs no more than other numbers."""
+        return found.is_sure or (self._trial is not None and found.index == self._trial.index)
+
+    def _withdraw_wrong(self, joints: set[int]) -> None:
+        """Withdraw what is on trial if another effect explains all since the detection better."""
+        assert self._trial is not None
         trial = self._trial
         self.evidence.shift(trial.index, -trial.moved)
         found = decide(self.evidence, self.bank, sorted(joints), self.settings)
         self.evidence.shift(trial.index, trial.moved)
         if found.index == trial.index or not found.is_sure or found.lead < self.settings.lead:
-            return False
+            return
         self._move(trial.index, -trial.moved)
         self._become(trial.before)
         self._trial = None
-        return True
 
     def _believe(self, found: ArmDecision) -> Term:
         """Add a change to what is believed; return the effect as it is now, or as it was if it is gone."""
@@ -340,8 +347,7 @@ class ArmMonitor(Stateful):
         hypothesis = HYPOTHESES[found.index]
         old, shown = self._known(hypothesis)
         others = tuple(b for b in self.believed if b is not old)
-        main = np.s_[: hypothesis.main]
-        gone = old is not None and _is_gone(shown[main], (shown + found.theta)[main], found.half[main])
+        gone = old is not None and _is_gone(shown, found)
         term, moved = self._changed(found), -shown if gone else found.theta
         self._move(found.index, moved)
         self._become(others if gone else (*others, term))
@@ -385,15 +391,22 @@ class ArmMonitor(Stateful):
         return Contact(since, robot.joints[touch.link], (x, y, z), joints or robot.joints)
 
 
-def _is_gone(before: Array, after: Array, half: Array) -> bool:
+def _is_gone(before: Array, change: ArmDecision) -> bool:
     """Tell whether nearly nothing is left of an effect: it was put down, or stands upright again.
 
     Args:
-        before: Its main parameters as they were, shape (p,).
-        after: As they are, shape (p,).
-        half: Half widths of their 95 % intervals, shape (p,).
+        before: Its parameters as they were, shape (shown,).
+        change: By how much they changed.
     """
-    return bool(np.linalg.norm(after) < max(GONE_SHARE * np.linalg.norm(before), np.linalg.norm(half)))
+    after = before + change.theta
+    return not change.differs(after) or change.distance(after) < GONE_SHARE * change.distance(before)
+
+
+def _why(term: Term) -> str:
+    """Return the reason for an effect of the whole arm in words."""
+    no_number = (np.abs(term.theta) <= term.half_widths)[term.half_widths > 0].all()
+    unknown = "; this motion shows that it is there, and none of its numbers by itself" if no_number else ""
+    return f"one cause for all joints{unknown}"
 
 
 def _in_words(contact: Contact) -> str:

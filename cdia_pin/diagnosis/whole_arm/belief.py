@@ -7,9 +7,12 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.effects import BaseTilt, Term
+from cdia_pin.robot.inertia import pseudo_inertia
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
+
+ROUNDING = 1e-9  # [kg m²], by which an eigenvalue of a pseudo-inertia may fall
 
 
 def carried(nominal: Nominal, terms: tuple[Term, ...]) -> RobotModel:
@@ -28,6 +31,28 @@ def carried(nominal: Nominal, terms: tuple[Term, ...]) -> RobotModel:
             g = g + term.effect.tilt(robot, theta)
         pi += term.effect.on_links(theta, robot)
     return robot.with_inertial_parameters(pi).with_gravity(g)
+
+
+def is_possible(term: Term, robot: RobotModel) -> bool:
+    """Tell whether the arm can have an effect of the whole arm.
+
+    With a body, no link may be further from a possible body than it is by itself. Links that a URDF states or healthy
+    runs corrected need not be possible bodies, since the torques show some sums of their parameters alone.
+
+    Args:
+        term: The effect.
+        robot: The healthy arm.
+    """
+    effect, theta = term.effect, np.array(term.theta)
+    if not effect.bodies:
+        return effect.is_physical(theta, robot)
+    lower, upper = effect.bounds(robot)
+    now = robot.inertial_parameters
+    before, after = (
+        np.linalg.eigvalsh(pseudo_inertia(pi))[:, 0] for pi in (now, now + effect.on_links(theta, robot))
+    )
+    within = (lower <= theta) & (theta <= upper)
+    return bool(within.all() and (after >= np.minimum(before, 0.0) - ROUNDING).all())
 
 
 def added_torque(nominal: RobotModel, now: RobotModel, q: Array, v: Array, tau: Array) -> Array:

@@ -25,12 +25,10 @@ class Hypothesis:
     Attributes:
         effect: The effect.
         shown: Number of parameters that are estimated; those after them follow.
-        main: Number of the first of these that say how large it is: it is gone when they are.
     """
 
     effect: Effect
     shown: int
-    main: int
 
     def columns(self, x: State) -> Array:
         """Return the torque per unit of each estimated parameter near zero, shape (n, shown).
@@ -63,7 +61,7 @@ class Hypothesis:
         return term.with_intervals(np.concatenate([half, np.zeros(self.effect.size - self.shown)]))
 
 
-HYPOTHESES = (Hypothesis(Payload(), 4, 1), Hypothesis(BaseTilt(), 2, 2))
+HYPOTHESES = (Hypothesis(Payload(), 4), Hypothesis(BaseTilt(), 2))
 
 
 def _ball(theta: Array) -> Array:

@@ -14,11 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.isolation import LEAST_EXPLAINED, NORMAL_95
 from cdia_pin.diagnosis.joint_gram import ridge_inverse
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
@@ -30,11 +32,9 @@ Array = NDArray[np.float64]
 MISSED = 0.1
 COINCIDENCE = 9.0  # [1], log-odds against a joint that fails within seconds of another one: 10⁻⁴
 UNUSUAL = 5.0  # [1], log-odds against an effect that arms in use hardly ever have
-NORMAL_95 = 1.96  # [1], standard deviations to either side of a 95 % interval
 LEAST_NOISE = (
     0.25  # [1], least variance of what is left over that of a healthy residual: few samples say little
 )
-LEAST_EXPLAINED = 0.5  # [1], share of the remainder's energy that an effect of the whole arm must explain
 LONG_ENOUGH = 1.0  # [s] of motion, for which no push follows the formulas of effects of several joints
 EXPLAINED_APART = 0.9  # [1], share of each joint's remainder that one effect must explain to rule out a push
 LEAST_WEIGHT = 0.2  # [s] of motion of a joint, from which it counts
@@ -48,7 +48,7 @@ class ArmDecision:
     Attributes:
         index: Of the hypothesis; None if there is too little motion.
         theta: Its parameters, shape (shown,).
-        half: Half widths of their 95 % intervals, shape (shown,).
+        precision: Inverse of their covariance, shape (shown, shown).
         lead: Log-likelihood by which it leads the joints' own effects and the other effects of the whole arm, penalties
             included [1].
         explained: Share of the remainder's energy that it explains [1].
@@ -57,19 +57,55 @@ class ArmDecision:
 
     index: int | None
     theta: Array
-    half: Array
+    precision: Array
     lead: float
     explained: float
     joints_explain: bool = False
 
     @property
+    def half(self) -> Array:
+        """Half widths of the 95 % intervals of the parameters, shape (shown,)."""
+        return np.asarray(NORMAL_95 * np.sqrt(np.diag(ridge_inverse(self.precision))))
+
+    @property
     def is_sure(self) -> bool:
-        """Whether its first parameters differ from zero, and it explains most of the remainder."""
-        shows = bool(np.any(np.abs(self.theta) > self.half))
-        return self.index is not None and shows and self.explained >= LEAST_EXPLAINED
+        """Whether its parameters together differ from zero, and it explains most of the remainder.
+
+        A short motion may show a weight without telling its mass from where it hangs: then the interval of each holds
+        zero, and that of both together does not.
+        """
+        return self.index is not None and self.differs(self.theta) and self.explained >= LEAST_EXPLAINED
+
+    def distance(self, theta: Array) -> float:
+        """Return how far parameters are from zero [standard deviations].
+
+        Args:
+            theta: The parameters, shape (shown,).
+        """
+        return float(np.sqrt(theta @ self.precision @ theta))
+
+    def differs(self, theta: Array) -> bool:
+        """Tell whether the 95 % region of parameters leaves zero out.
+
+        Args:
+            theta: The parameters, shape (shown,).
+        """
+        return self.distance(theta) > region_95(len(theta))
 
 
-UNDECIDED = ArmDecision(None, np.zeros(0), np.zeros(0), -np.inf, 0.0)
+@lru_cache
+def region_95(size: int) -> float:
+    """Return how far the 95 % region of normal parameters reaches [standard deviations].
+
+    Args:
+        size: Number of parameters.
+    """
+    from scipy.special import chdtri
+
+    return float(np.sqrt(chdtri(size, 0.05)))
+
+
+UNDECIDED = ArmDecision(None, np.zeros(0), np.zeros((0, 0)), -np.inf, 0.0)
 
 
 def decide(
@@ -107,17 +143,17 @@ def _of_arm(evidence: ArmEvidence, i: int, G: Array, unit: Array, settings: Moni
     A = np.einsum("jab,j->ab", G[:, part, part], 2.0 / unit)
     b = np.einsum("ja,j->a", G[:, part, -1], 2.0 / unit)
     prior = evidence.hypotheses[i].prior_scale(evidence.observer.nominal.robot)
-    inverse = ridge_inverse(A + np.diag(1.0 / prior**2))
-    theta = inverse @ b
+    weighed = A + np.diag(1.0 / prior**2)
+    theta = ridge_inverse(weighed) @ b
     less = 2.0 * G[:, part, -1] @ theta - np.einsum("a,jab,b->j", theta, G[:, part, part], theta)
     energy = G[:, -1, -1]
     explained = float(np.sum(less / unit) / max(np.sum(energy / unit), TINY))
     left = np.sum((energy - less) * 2.0 / unit) / max(len(energy), 1)
-    half = NORMAL_95 * np.sqrt(np.diag(inverse) * max(LEAST_NOISE, float(left)))
+    precision = weighed / max(LEAST_NOISE, float(left))
     penalty = settings.price * len(theta)
     if evidence.hypotheses[i].effect.plausibility.unusual:
         penalty += UNUSUAL
-    return ArmDecision(i, theta, half, float(np.sum(less / unit)) - penalty, explained)
+    return ArmDecision(i, theta, precision, float(np.sum(less / unit)) - penalty, explained)
 
 
 def _of_joints(

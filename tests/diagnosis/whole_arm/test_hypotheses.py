@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cdia_pin.diagnosis.nominal import Nominal
-from cdia_pin.diagnosis.whole_arm.belief import added_torque, carried
+from cdia_pin.diagnosis.whole_arm.belief import added_torque, carried, is_possible
 from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import BaseTilt, State, Term
@@ -37,6 +37,28 @@ def test_a_payload_of_any_mass_and_place_is_a_possible_body() -> None:
             term.theta, parameters_of(mass, centre, 0.4 * mass * 0.05**2 * np.eye(3)), atol=1e-12
         )
         assert is_physical(term.theta)
+
+
+@pytest.mark.parametrize("inertia_left", [1.0, -0.2])
+def test_a_link_that_is_no_possible_body_carries_a_payload(inertia_left: float) -> None:
+    """Healthy runs correct sums of parameters alone; the links that come out of it need not be possible."""
+    pi = ROBOT.inertial_parameters.copy()
+    pi[-1, 4:] *= inertia_left
+    robot = ROBOT.with_inertial_parameters(pi)
+    assert is_physical(pi[-1]) == (inertia_left > 0)
+
+    def may_carry(mass: float, centre: tuple[float, float, float]) -> bool:
+        return is_possible(PAYLOAD.term(np.array([mass, *(mass * np.array(centre))]), np.zeros(4)), robot)
+
+    assert may_carry(0.3, (0.02, -0.05, 0.1))
+    beyond_reach = (2.0, 0.0, 0.0)  # a moment without the inertia that belongs to it
+    assert not may_carry(0.3, beyond_reach)
+    assert not may_carry(-1.1 * pi[-1, 0], (0.0, 0.0, 0.0))
+
+
+def test_a_base_tilts_no_further_than_gravity_reaches() -> None:
+    assert is_possible(Term(BaseTilt(), (3.0, 3.0)), ROBOT)
+    assert not is_possible(Term(BaseTilt(), (9.0, 9.0)), ROBOT)
 
 
 def test_nothing_believed_is_the_healthy_arm_itself() -> None:
