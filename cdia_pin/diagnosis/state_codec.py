@@ -30,7 +30,7 @@ TYPES: Final[dict[str, str]] = {
     "ArmDecision": "cdia_pin.diagnosis.whole_arm.isolation",
     "ArmSample": "cdia_pin.diagnosis.thesis.sample_interval",
     "ArmTrial": "cdia_pin.diagnosis.whole_arm.arm_monitor",
-    "Contact": "cdia_pin.diagnosis.whole_arm.arm_monitor",
+    "Contact": "cdia_pin.diagnosis.whole_arm.wrench",
     "ContactLimits": "cdia_pin.diagnosis.whole_arm.contact",
     "Decision": "cdia_pin.diagnosis.isolation",
     "Event": "cdia_pin.diagnosis.status",

@@ -26,8 +26,8 @@ from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
 from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
 from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES, Hypothesis
 from cdia_pin.diagnosis.whole_arm.isolation import UNDECIDED, ArmDecision, decide
-from cdia_pin.diagnosis.whole_arm.wrench import located
-from cdia_pin.effects import ExternalWrench, Term
+from cdia_pin.diagnosis.whole_arm.wrench import Contact
+from cdia_pin.effects import Term
 
 Array = NDArray[np.float64]
 
@@ -35,28 +35,6 @@ LONGEST_CONTACT = 10.0  # [s], after which joints decide by themselves: nobody l
 TRIAL = 10.0  # [s] after its isolation, for which an effect is updated, and withdrawn if joints alarm again
 REFINED_EVERY = 1.0  # [s] between two updates: each makes a robot model, in a fraction of a millisecond
 GONE_SHARE = 0.15  # [1], share of an effect that may be left when it counts as cleared
-
-
-@dataclass(frozen=True)
-class Contact:
-    """A push, a collision: the link and the force of the moment.
-
-    Attributes:
-        since: When it began [s].
-        joint: Name of the joint that moves the link.
-        force: Force on the arm in base axes [N].
-        joints: Joints that it has moved off their course.
-    """
-
-    since: float
-    joint: str
-    force: tuple[float, float, float]
-    joints: tuple[str, ...]
-
-    @property
-    def term(self) -> Term:
-        """The contact as an effect."""
-        return Term(ExternalWrench(self.joint), (*self.force, 0.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True)
@@ -223,7 +201,7 @@ class ArmMonitor(Stateful):
                 Event(
                     t, EventStage.DETECTION, joints, Verdict.NONE, reason="joints leave their course together"
                 ),
-                Event(t, EventStage.ISOLATION, joints, Verdict.UNIQUE, fault, reason=_in_words(self.contact)),
+                Event(t, EventStage.ISOLATION, joints, Verdict.UNIQUE, fault, reason=self.contact.in_words),
             ]
         gone, self.contact = self.contact, None
         said = "it was no contact" if self.apart else "the contact is gone"
@@ -383,12 +361,7 @@ class ArmMonitor(Stateful):
 
     def _touched(self, since: float) -> Contact:
         o, d = self.observer, self.detector
-        robot = o.nominal.robot
-        touch = located(d.deviation, d.limit, robot.link_end_jacobians(o.q))
-        off = np.abs(d.deviation) > 0.5 * d.limit
-        joints = tuple(j for j, is_off in zip(robot.joints, off, strict=True) if is_off)
-        x, y, z = map(float, np.nan_to_num(touch.force, posinf=0.0, neginf=0.0))
-        return Contact(since, robot.joints[touch.link], (x, y, z), joints or robot.joints)
+        return Contact.of(d.deviation, d.limit, o.nominal.robot, o.q, since)
 
 
 def _is_gone(before: Array, change: ArmDecision) -> bool:
@@ -407,8 +380,3 @@ def _why(term: Term) -> str:
     no_number = (np.abs(term.theta) <= term.half_widths)[term.half_widths > 0].all()
     unknown = "; this motion shows that it is there, and none of its numbers by itself" if no_number else ""
     return f"one cause for all joints{unknown}"
-
-
-def _in_words(contact: Contact) -> str:
-    size = float(np.linalg.norm(contact.force))
-    return f"{size:.0f} N on the link of {contact.joint}"
