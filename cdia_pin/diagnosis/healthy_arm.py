@@ -166,7 +166,7 @@ def _what_was_missing(nominal: Nominal, moved: Array, wider: Array, sight: Sight
     notes = []
     if moved.max() < ENOUGH_DURATION:
         notes.append(
-            f"only {moved.max():.2g} s of healthy motion: thresholds are up to {wider.max():.1f} × wider than from "
+            f"only {moved.max():.3g} s of healthy motion: thresholds are up to {wider.max():.1f} × wider than from "
             f"{REFERENCE_DURATION:.0f} s; give {ENOUGH_DURATION:.0f} s or more"
         )
     if unmoved := [j for j, seconds in zip(sight.joints, moved, strict=True) if seconds < LEAST_MOTION]:

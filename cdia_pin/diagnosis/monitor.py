@@ -272,6 +272,17 @@ class Monitor:
             return log
         return (thinned if healthy and log.rate > self.rate else resampled)(log, self.rate)
 
+    def remark(self, log: Log) -> str:
+        """Return a sentence if a log was recorded otherwise than the healthy runs, so that it looks like bad sensors.
+
+        Args:
+            log: At the rate of the ticks.
+
+        Returns:
+            Empty if nothing is to be said.
+        """
+        return self._parts.bounds.rougher(log)
+
     def replay(
         self,
         log: Log,

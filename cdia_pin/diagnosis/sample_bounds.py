@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.diagnosis import sample_rows as rows
 from cdia_pin.logs.log import Log
+from cdia_pin.phrases import some
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -54,6 +55,7 @@ LARGEST_GAP = 5.0  # ticks without a good sample that filters bridge
 GAP_MARGIN = 1.5  # [1], over the longest healthy time between ticks
 SHORTEST_TICK = 0.1  # [1], of the usual time between ticks: an earlier sample is a doubled one
 SHORTEST_SEEN = 0.5  # [1], of the shortest healthy time between ticks
+OFTEN = 0.002  # [1], share of the samples; of one of a minute at 200 Hz, a burst of 0.1 s
 UNSEEN_STEP = 0.1  # [1], of the largest speed: step and error of a velocity where no healthy run is known
 UNSEEN_TORQUE = 0.5  # [1], of the effort limit: step of the torque where no healthy run is known
 
@@ -136,6 +138,23 @@ class SampleBounds:
         shortest = min(SHORTEST_TICK * period, SHORTEST_SEEN * float(gaps.min()))
         longest = max(LARGEST_GAP * period, GAP_MARGIN * float(gaps.max()))
         return cls(array, period, shortest, longest, speed, effort)
+
+    def rougher(self, log: Log) -> str:
+        """Return a sentence if most joints' torques often step as no healthy one does, empty if not.
+
+        A sensor that fails is one; a log that was filtered less than the healthy runs is rougher on all joints.
+
+        Args:
+            log: A log of the arm, at the rate of the healthy runs.
+        """
+        beyond = np.abs(np.diff(log.effort, axis=0)) > self.array[rows.TORQUE_SLACK]
+        rough = [j for j, share in zip(log.joints, beyond.mean(axis=0), strict=True) if share > OFTEN]
+        if 2 * len(rough) <= len(log.joints):
+            return ""
+        return (
+            f"{log.source}: the torque of {some(rough)} steps from sample to sample as in no healthy run: it was "
+            "filtered otherwise, and looks like bad sensors; give healthy runs that were recorded as this log was"
+        )
 
     @classmethod
     def assumed(cls, robot: RobotModel, rate: float) -> SampleBounds:

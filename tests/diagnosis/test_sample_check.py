@@ -52,6 +52,13 @@ def feed(checked, t, q, v, tau):
     return outcomes, news
 
 
+@pytest.mark.parametrize(("joints", "is_said"), [(N, True), (1, False), (0, False)])
+def test_a_log_that_was_filtered_less_on_all_joints_is_said(joints, is_said):
+    log = motion(5.0, seed=2)
+    log.effort[:, :joints] += 3.0 * np.random.default_rng(5).standard_normal((len(log.time), joints))
+    assert ("filtered otherwise" in LEARNED.rougher(log)) == is_said
+
+
 @pytest.mark.parametrize("velocity", [True, False])
 def test_good_samples_pass(velocity):
     checked = check(velocity)
