@@ -25,7 +25,7 @@ from cdia_pin.diagnosis.whole_arm.belief import carried, is_possible
 from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
 from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
 from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES, Hypothesis
-from cdia_pin.diagnosis.whole_arm.isolation import UNDECIDED, ArmDecision, decide
+from cdia_pin.diagnosis.whole_arm.isolation import UNDECIDED, ArmDecision, decide, region_95
 from cdia_pin.diagnosis.whole_arm.wrench import Contact
 from cdia_pin.effects import Term
 
@@ -97,6 +97,8 @@ class ArmMonitor(Stateful):
         self.evidence = ArmEvidence(observer, bank.width, HYPOTHESES, healthy)
         self.detector = ContactDetector(limits)
         self._since: float = np.inf  # [s], when the present evidence began
+        for hypothesis in HYPOTHESES:
+            region_95(hypothesis.shown)  # imports SciPy's part before the first tick
         self.reset()
 
     def reset(self) -> None:

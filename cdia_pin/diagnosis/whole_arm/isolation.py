@@ -82,7 +82,7 @@ class ArmDecision:
         Args:
             theta: The parameters, shape (shown,).
         """
-        return float(np.sqrt(theta @ self.precision @ theta))
+        return float(np.sqrt(max(theta @ self.precision @ theta, 0.0)))
 
     def differs(self, theta: Array) -> bool:
         """Tell whether the 95 % region of parameters leaves zero out.
