@@ -82,7 +82,7 @@ class ArmDecision:
         Args:
             theta: The parameters, shape (shown,).
         """
-        return float(np.sqrt(max(theta @ self.precision @ theta, 0.0)))
+        return float(np.sqrt(max(float(theta @ self.precision @ theta), 0.0)))
 
     def differs(self, theta: Array) -> bool:
         """Tell whether the 95 % region of parameters leaves zero out.
