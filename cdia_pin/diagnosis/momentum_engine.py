@@ -276,6 +276,8 @@ class MomentumEngine(Stateful):
         """Return what a joint said; the slower detectors then start again on what is left."""
         if said:
             self.lasting.reset([monitor.j])
+            if any(e.stage is EventStage.ISOLATION for e in said):
+                self.arm.evidence.forget(monitor.j)  # what is left of it now speaks for itself
             if self.arm.contact is None:
                 self.arm.detector.settle(self.observer.time, self.observer.remainder)
         return said

@@ -106,6 +106,14 @@ class ArmEvidence(Stateful):
         self.gram += dt * rows[:, :, None] * rows[:, None, :]
         self.weight[:] = forget * self.weight + dt * counts
 
+    def forget(self, j: int) -> None:
+        """Forget the samples of a joint.
+
+        Args:
+            j: The joint's index.
+        """
+        self.gram[j], self.weight[j] = 0.0, 0.0
+
     def shift(self, k: int, theta: Array) -> None:
         """Take the torque of a hypothesis out of the collected remainder.
 
