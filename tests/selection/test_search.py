@@ -47,9 +47,8 @@ def test_a_candidate_whose_fit_diverges_is_not_the_end_of_the_run(robot, monkeyp
     assert "coulomb_friction@joint2" in found(robot, log)
 
 
-@pytest.mark.parametrize(("factor", "bound", "tighter"), [(2.5, "WEAKEST", -0.4), (0.4, "STRONGEST", 1.0)])
-def test_a_drive_that_delivers_an_impossible_share_is_no_name(robot, monkeypatch, factor, bound, tighter):
-    log = log_of(robot, torque=lambda effort: factor * effort)  # gains of −0.6 and 1.5
+def test_a_drive_that_could_not_move_the_arm_is_no_name(robot, monkeypatch):
+    log = log_of(robot, torque=lambda effort: 2.5 * effort)  # a gain of −0.6
     assert "actuator_gain@joint2" in found(robot, log)
-    monkeypatch.setattr(search, bound, tighter)
+    monkeypatch.setattr(search, "WEAKEST", -0.4)
     assert "actuator_gain@joint2" not in found(robot, log)
