@@ -30,9 +30,9 @@ Array = NDArray[np.float64]
 
 MOST_RIVALS = 4  # combinations that a report may list beside the leading one, to stay readable
 RANK_CUTOFF = 1e-15  # eigenvalues of the scaled normal equations that count as zero, over the largest
-# Share of the residual's mean square [1] that a name must explain, of a joint or of the whole arm. On measured arms the
-# right names explained 0.94 and more, a push that was taken for one 0.58, a payload that was none 0.65.
-LEAST_EXPLAINED = 0.75
+# On measured arms the right names of joints explained 0.94 and more, and a push that was taken for one 0.58. A payload
+# that was none explained 0.65; it was named at a limit of 0.5.
+LEAST_EXPLAINED = 0.75  # [1], share of the residual's mean square that a name must explain
 NORMAL_95 = 1.96  # [1], standard deviations to either side of a 95 % interval
 
 

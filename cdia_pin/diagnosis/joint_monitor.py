@@ -255,13 +255,10 @@ class JointMonitor(Stateful):
             return self._commit(t, only, "the motion since then separates them")
         if not sure or not decision.mask or (unknown and t - self.since < 2 * TRIAL_TIME):
             return []
-        if not self.isolation.determines(decision):
-            return []
         before = ", ".join(term.label for term in self.faults) or str(now.verdict)
         found = self.isolation.belief(decision, Verdict.UNIQUE)
-        return (
-            self._commit(t, found, f"decided again; before: {before}") if found.is_certain(self.bank) else []
-        )
+        is_name = found.is_certain(self.bank) and self.isolation.determines(decision)
+        return self._commit(t, found, f"decided again; before: {before}") if is_name else []
 
     def _commit(self, t: float, belief: JointBelief, reason: str = "") -> list[Event]:
         self.isolation.drop_prior()

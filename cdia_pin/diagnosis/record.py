@@ -222,7 +222,8 @@ def replay(
     recorder = Recorder(monitor, rate)
     even = monitor.at_rate(log)
     said = [] if even is log else [f"{log.source}: {even.notes[-1]}"]
-    said += [sentence for sentence in (monitor.remark(even),) if sentence]
+    if remark := monitor.remark(even):
+        said.append(remark)
     k = -1
 
     def watch(status: Status) -> None:

@@ -222,11 +222,11 @@ class ArmMonitor(Stateful):
         if not joints:
             return self._refine(t)
         if self._since == np.inf:
-            if not self._on_trial(t):
+            self._end_trial(t)
+            if self._trial is None:
                 self.evidence.start(self.observer.time)
-                self._trial = None
             else:
-                self._withdraw_wrong(joints)
+                self._withdraw_wrong(self._trial, joints)
             self._since = t
             self._votes.clear()
         self._decision = found = self._decided(sorted(joints))
@@ -267,11 +267,10 @@ class ArmMonitor(Stateful):
         """Update the parameters of what was isolated of late; collect no more after a while."""
         self.apart = False
         self._close()
-        if not self._on_trial(t):
-            self._trial = None
+        self._end_trial(t)
+        if self._trial is None:
             self.evidence.stop()
             return []
-        assert self._trial is not None
         if not self.evidence.is_active or t - self._refined_at < REFINED_EVERY:
             return []
         self._refined_at = t
@@ -300,18 +299,17 @@ class ArmMonitor(Stateful):
         old = next((b for b in self.believed if b.effect == hypothesis.effect), None)
         return old, np.zeros(hypothesis.shown) if old is None else np.array(old.theta[: hypothesis.shown])
 
-    def _on_trial(self, t: float) -> bool:
-        """Tell whether something was isolated so lately that its numbers, and it, may still be wrong."""
-        return self._trial is not None and t - self._trial.since <= TRIAL
+    def _end_trial(self, t: float) -> None:
+        """End the trial of what was isolated so long ago that it is no longer in doubt."""
+        if self._trial is not None and t - self._trial.since > TRIAL:
+            self._trial = None
 
     def _counts(self, found: ArmDecision) -> bool:
         """Tell whether a decision may be believed if it leads: what is on trial needs no more than other numbers."""
         return found.is_sure or (self._trial is not None and found.index == self._trial.index)
 
-    def _withdraw_wrong(self, joints: set[int]) -> None:
+    def _withdraw_wrong(self, trial: ArmTrial, joints: set[int]) -> None:
         """Withdraw what is on trial if another effect explains all since the detection better."""
-        assert self._trial is not None
-        trial = self._trial
         self.evidence.shift(trial.index, -trial.moved)
         found = decide(self.evidence, self.bank, sorted(joints), self.settings)
         self.evidence.shift(trial.index, trial.moved)
