@@ -219,6 +219,8 @@ def _bursts() -> Iterator[Kind]:
     yield Kind("encoder noise of 0.05 for 0.2 s", noise("q", lambda at: 0.05))
     yield Kind("velocity noise of 20 % of the limit for 0.2 s", noise("v", lambda at: 0.2 * at.fastest[at.j]))
     yield Kind("torque noise of the largest torque for 0.2 s", noise("tau", lambda at: at.strongest[at.j]))
+    yield Kind("torque noise of half of it for 0.2 s", noise("tau", lambda at: 0.5 * at.strongest[at.j]))
+    yield Kind("torque noise of a tenth of it for 0.2 s", noise("tau", lambda at: 0.1 * at.strongest[at.j]))
     yield Kind("encoder rounded to 0.01 for 0.5 s", coarse)
     yield Kind("the same sample for 10 ticks", held(10))
     yield Kind("the same sample for 0.2 s", held(round(SHORT * RATE)))

@@ -195,4 +195,6 @@ class SafeEngine(Stateful):
         self._nominal = tau
         asked = self.engine.correct(tau, v_desired)
         added = self._given(self._nothing if asked is tau else asked - tau)
-        return np.minimum(np.maximum(tau + added, -self._limit), self._limit)
+        command = np.minimum(np.maximum(tau + added, -self._limit), self._limit)
+        self._check.commands.append(command.copy())
+        return command

@@ -40,7 +40,7 @@ MANY_TIME = (
     1.0  # [s], for which samples must follow from each other after several signals have jumped at once
 )
 RETURN_SHARE = 0.1  # [1], of the largest speed: uncertainty of a mean velocity over bad samples
-CORRECTIONS = 8  # ticks whose corrections are remembered: drives and sensors are late by some ticks
+COMMANDS = 8  # ticks whose commands are remembered: drives and sensors are late by some ticks
 REVERSAL = (
     2.5  # [1], step of the torque over the size of a correction that turns its sign, as that of friction does
 )
@@ -68,6 +68,7 @@ class SampleCheck(Stateful):
         sensors: Sensors that are at fault.
         news: Events of the last sample.
         corrections: Last corrections [N·m or N], shape (n,) each; their steps in the torque are no spikes.
+        commands: Last commanded torques [N·m or N], shape (n,) each; nor are theirs.
         missed: Ticks between the last good sample and the one that bridges the gap.
     """
 
@@ -75,6 +76,7 @@ class SampleCheck(Stateful):
         "sensors",
         "news",
         "corrections",
+        "commands",
         "missed",
         "_state",
         "_scalars",
@@ -124,7 +126,8 @@ class SampleCheck(Stateful):
         s[rows.SHORTEST], s[rows.LONGEST] = self.bounds.shortest, self.bounds.longest
         self.sensors.reset()
         self.news: tuple[Event, ...] = ()
-        self.corrections: deque[Array] = deque(maxlen=CORRECTIONS)
+        self.corrections: deque[Array] = deque(maxlen=COMMANDS)
+        self.commands: deque[Array] = deque(maxlen=COMMANDS)
         self.missed = 0
         self._accepted, self._bad, self._chain, self._steps = 0, 0, 0, 0
         self._entry, self._since, self._broken, self._is_evident = codes.GOOD, 0.0, False, False
@@ -146,11 +149,11 @@ class SampleCheck(Stateful):
             v = self._still
         code = self._judge(self._limits, self._state, self._scalars, q, v, tau, t)
         self._accepted += 1
+        if code == codes.JUMP + codes.TORQUE and self._is_commanded():
+            code = codes.GOOD
         if code == codes.GOOD and not self._bad:
-            self._quiet += 1
-            return Outcome.ACCEPTED
-        if not self._bad and self._is_corrected(code):
             self._scalars[rows.IS_GOOD] = 1.0
+            self._quiet += 1
             return Outcome.ACCEPTED
         return self._enter(code, t, q, v, tau) if not self._bad else self._go_on(code, t, q, v, tau)
 
@@ -218,7 +221,7 @@ class SampleCheck(Stateful):
 
         What was bad for some samples must be good for as many: noise comes near the last good sample by chance.
         """
-        if self._is_evident:
+        if self._is_evident or self._repeats(tau):
             return False
         since = self._since_good(self._limits, self._state, self._scalars, q, v, tau, t)
         asked = min(self._recent, self._recovery_ticks)
@@ -227,21 +230,18 @@ class SampleCheck(Stateful):
         if since != codes.JUMP + codes.TORQUE:
             return False
         if code == codes.GOOD:  # the torque alone has changed, and stays so: it was no spike
-            return self._chain >= asked and not self._is_dead(tau)
+            return self._chain >= asked
         self._steps += 1
         return False
 
-    def _is_dead(self, tau: Array) -> bool:
-        """Whether a torque repeats itself since its step, as none does with the noise of healthy runs.
+    def _repeats(self, tau: Array) -> bool:
+        """Whether a torque repeats itself, as none does with the noise of healthy runs.
 
         It confirms nothing: either it changes, or there is soon evidence that its sensor is frozen or dead.
         """
-        j, limits = int(self._scalars[rows.JOINT]), self._limits
-        longest = limits[rows.HOLD_TORQUE, j]
-        return bool(
-            1 <= self._state[rows.HELD_TORQUE, j] <= longest <= self._recovery_ticks
-            and abs(tau[j]) < limits[rows.SATURATED, j]
-        )
+        held, longest = self._state[rows.HELD_TORQUE], self._limits[rows.HOLD_TORQUE]
+        noisy = (longest <= self._recovery_ticks) & (np.abs(tau) < self._limits[rows.SATURATED])
+        return bool(((held >= 1) & (held <= longest) & noisy).any())
 
     def _accept(self, outcome: Outcome, t: float) -> Outcome:
         """Return to good samples."""
@@ -254,12 +254,13 @@ class SampleCheck(Stateful):
             )
         return outcome
 
-    def _is_corrected(self, code: int) -> bool:
-        """Whether a step of the torque may be that of a correction."""
-        if code != codes.JUMP + codes.TORQUE or not self.corrections:
-            return False
-        largest = np.abs(np.array(self.corrections)).max(axis=0)
-        allowed = REVERSAL * largest + self._limits[rows.TORQUE_SLACK]
+    def _is_commanded(self) -> bool:
+        """Whether a step of the torque may be that of a correction, or of a command."""
+        allowed = self._limits[rows.TORQUE_SLACK].copy()
+        if self.corrections:
+            allowed += REVERSAL * np.abs(np.array(self.corrections)).max(axis=0)
+        if self.commands:
+            allowed += np.ptp(np.array(self.commands), axis=0)
         return bool((np.abs(self._state[rows.TORQUE_STEP]) <= allowed).all())
 
     def _stopped(self) -> list[int]:

@@ -138,6 +138,18 @@ def test_spikes_leave_no_trace(live):
     assert again.time == pytest.approx(first.time, abs=0.02)
 
 
+@pytest.mark.parametrize("is_commanded", [True, False])
+def test_a_step_of_the_torque_that_was_commanded_is_no_spike(live, is_commanded):
+    monitor, ran = live
+    log, step = ran.log, np.array([0.0, 1.0])
+    monitor.reset()
+    before = feed(monitor, log, 0, 300).residual.copy()
+    monitor.correct(log.effort[299])
+    monitor.correct(log.effort[299] + step * is_commanded)
+    status = monitor.update(log.time[300], log.position[300], log.velocity[300], log.effort[300] + step)
+    assert np.array_equal(status.residual, before) != is_commanded
+
+
 def test_a_clock_that_is_set_back_does_not_blind_the_monitor(live):
     monitor, ran = live
     log = ran.log

@@ -112,6 +112,21 @@ def test_a_step_of_the_torque_that_stays_is_accepted_with_the_next_sample():
     assert not news
 
 
+def test_steps_of_the_torque_that_were_commanded_pass():
+    """A controller that answers a shaken arm by steps is no bad sensor; what was not commanded is one still."""
+    s, checked, outcomes = signals(1.0), check(), []
+    steps = 20.0 * np.random.default_rng(4).standard_normal(200)
+    s[3][500:700, 2] += steps
+    s[3][600, 3] += 30.0
+    for k in range(len(s[0])):
+        outcomes.append(checked(float(s[0][k]), s[1][k], s[2][k], s[3][k]))
+        if k + 1 < len(s[0]):
+            checked.commands.append(s[3][k + 1] * (np.arange(N) != 3))
+    assert outcomes[600] is Outcome.HELD
+    assert outcomes[601] is Outcome.BRIDGED
+    assert set(outcomes[:600] + outcomes[602:]) == {Outcome.ACCEPTED}
+
+
 def test_a_torque_sensor_that_dies_passes_nothing_on():
     s, checked = signals(1.0), check()
     s[3][500:, 0] = 0.0
