@@ -335,8 +335,9 @@ class ArmMonitor(Stateful):
 
     def _move(self, k: int, theta: Array) -> None:
         """Take a change of a hypothesis out of the present residual, and out of what was collected."""
-        o = self.observer
-        o.state.residual = o.residual - self._columns(k) @ theta
+        o, explained = self.observer, self._columns(k) @ theta
+        o.state.residual = o.residual - explained
+        o.state.amplitude = np.maximum(o.state.amplitude, np.abs(explained))
         self.evidence.shift(k, theta)
 
     def _become(self, believed: tuple[Term, ...]) -> None:
