@@ -104,15 +104,24 @@ def changes_sentence(found: Changes) -> str:
 def change_words(change: Change, found: Changes) -> str:
     """Return ``coulomb friction on elbow +2.10 ± 0.12 N·m (+40 %)``.
 
+    Of several parameters it states the first whose interval leaves zero out, by name if it is not the main one.
+
     Args:
         change: One of them.
         found: All of them.
     """
     names = short_names(found.model.robot.joints)
     where = f" on {listed(names[j] for j in change.term.effect.scope)}" if change.term.effect.scope else ""
-    first = _differences(change, found)[:1]
     grown = f" ({_signed(percent(abs(change.growth)), change.growth)})" if change.growth is not None else ""
-    return f"{effect_name(change.term.effect)}{where} {first[0][1] if first else ''}{grown}"
+    return f"{effect_name(change.term.effect)}{where}{_stated(change, found)}{grown}"
+
+
+def _stated(change: Change, found: Changes) -> str:
+    """Return the difference that stands for a change in a sentence."""
+    rows = _differences(change, found)
+    name, text, _ = next((row for row in rows if row[2]), (rows or [("", "", False)])[0])
+    is_main = name == parameter_name(change.term.effect.parameters[0].name)
+    return f" {text}" if is_main else f" {name} {text}".rstrip()
 
 
 def _changes(found: Changes) -> Table:
@@ -128,7 +137,7 @@ def _changes(found: Changes) -> Table:
             table,
             effect_name(c.term.effect),
             listed(names[s] for s in c.term.effect.scope) or "whole arm",
-            "\n".join(f"{name} {text}" for name, text in _differences(c, found)),
+            "\n".join(f"{name} {text}" for name, text, _ in _differences(c, found)),
             *([share] if grown else []),
             f"{with_unit(number(c.torque_rms[j], 2), unit)} ({names[robot.joints[j]]})",
             str(c.confidence),
@@ -137,14 +146,16 @@ def _changes(found: Changes) -> Table:
     return table
 
 
-def _differences(change: Change, found: Changes) -> list[tuple[str, str]]:
-    """Return name and text of each difference that counts."""
+def _differences(change: Change, found: Changes) -> list[tuple[str, str, bool]]:
+    """Return name and text of each difference that counts, and whether its interval leaves zero out."""
     term, robot = change.term, found.model.robot
     intervals = term.ci95 or ((float("nan"),) * 2,) * len(term.theta)
     rows = list(zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True))
-    if len(rows) > MANY:
-        rows = [r for r in rows if not r[3][0] <= 0 <= r[3][1]]
-    return [(parameter_name(p.name), with_sign(with_interval(v, ci, unit), v)) for p, v, unit, ci in rows]
+    out = [
+        (parameter_name(p.name), with_sign(with_interval(v, ci, unit), v), not ci[0] <= 0 <= ci[1])
+        for p, v, unit, ci in rows
+    ]
+    return [row for row in out if row[2]] if len(out) > MANY else out
 
 
 def _signed(text: str, value: float) -> str:
