@@ -11,7 +11,9 @@ from cdia_pin.phrases import NO_BREAK
 from cdia_pin.viewers.text_changes import change_words
 from tests.changes.test_conditions import pair
 
-ASYMMETRIC = "asymmetric_friction@joint1: level_positive=-0.03, level_negative=0.28, coefficient_positive=-0.43"
+ASYMMETRIC = (
+    "asymmetric_friction@joint1: level_positive=-0.03, level_negative=0.28, coefficient_positive=-0.43"
+)
 
 
 @pytest.fixture(scope="module")
