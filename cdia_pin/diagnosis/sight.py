@@ -90,5 +90,8 @@ def blind_advice(blind: Sequence[str], model_has_terms: bool) -> str:
         return ""
     cure = "give more healthy motion, or a model that explains more of it"
     if not model_has_terms:
-        cure = "give the model that cdia discover finds on a healthy log, or more healthy motion"
+        cure = (
+            "give the model that cdia discover, or in seconds cdia identify, finds on a healthy log, or more healthy "
+            "motion"
+        )
     return f"blind on {some(blind)}: a fault of {BLIND_SHARE:.0%} of the torque is not seen there; {cure}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,8 +19,10 @@ from cdia_pin.identification.refinement import refine
 from cdia_pin.identification.terms import full_model
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.log import Log, listed
+from cdia_pin.logs.motion import Motion
 from cdia_pin.progress import Progress, part, silent
 from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.version import __version__
 
 LEAST_TORQUE = 1e-9  # [1], largest torque over the largest error of the model; below it none was recorded
@@ -53,7 +56,7 @@ def identify(
         keep: Called with each better model, so that an interrupted identification is not lost.
 
     Returns:
-        The identified model, its errors, and base parameters.
+        The identified model, which remembers the logs, its errors, and base parameters.
 
     Raises:
         LogError: If a log is too short or of other joints.
@@ -96,7 +99,9 @@ def identify(
     )
     report("done", 1.0)
     return Identification(
-        model=with_intervals(estimate, known.after),
+        model=replace(
+            with_intervals(estimate, known.after), learned_from=_remembered(given, model, settings)
+        ),
         torque_rms=rms(experiment.measured, experiment.informative),
         rms_before=rms(experiment.predict(model).residual, experiment.informative),
         rms_after=rms(experiment.predict(estimate.model).residual, experiment.informative),
@@ -121,6 +126,12 @@ def identify(
             "refine": settings.refine,
         },
     )
+
+
+def _remembered(logs: Sequence[Log], model: Dynamics, settings: IdentificationSettings) -> tuple[Motion, ...]:
+    """Return the logs as a search for effects would see them, so that a later one can be compared with them."""
+    conditioning = DiscoverySettings(conditioning=settings.conditioning).searched
+    return tuple(condition(log, model.robot, conditioning) for log in logs)
 
 
 def _forgotten(_: Dynamics) -> None:

@@ -7,6 +7,8 @@ import pytest
 
 from benchmarks.plant import Fault, Fourier, single, slow, small
 from cdia_pin import Dynamics, load_model, load_robot, save_model, write_corrected_urdf
+from cdia_pin.diagnosis.refitted_halves import refitted_halves
+from cdia_pin.discovery.beyond_model import is_known
 from cdia_pin.effects import Payload, Term
 from cdia_pin.effects.body import Body
 from cdia_pin.errors import LogError
@@ -14,6 +16,7 @@ from cdia_pin.identification import IdentificationSettings, identify
 from cdia_pin.identification.base import base_reduction
 from cdia_pin.logs.conditioning import Conditioning
 from cdia_pin.robot.inertia import at_centre_of_mass, is_physical, parameters_of
+from cdia_pin.selection import DiscoverySettings, Problem
 from tests.hidden_plants import plant_of
 from tests.made_logs import make
 
@@ -80,6 +83,16 @@ def test_an_unseen_motion_is_predicted_to_the_noise(identified, runs):
     noise = runs["unseen"].noise_std * np.sqrt(2 * conditioned["cutoff"] / conditioned["log_rate"])
     assert (found.heldout_after < 1.5 * noise).all()
     assert (found.heldout_after < 0.05 * found.heldout_before).all()
+
+
+def test_the_model_remembers_its_log(identified, runs, robot, tmp_path):
+    """So a monitor fits it to halves of that log for its thresholds, and a later log is compared with it."""
+    save_model(identified["strong"].model, tmp_path / "model.json")
+    model, log = load_model(tmp_path / "model.json", robot), runs["strong"].log
+    assert len(refitted_halves(model, [log], 1.0)) == 2
+    assert is_known(Problem.conditioned(robot, [log], (), DiscoverySettings()).experiment, model)
+    unseen = Problem.conditioned(robot, [runs["unseen"].log], (), DiscoverySettings())
+    assert not is_known(unseen.experiment, model)
 
 
 def test_intervals_cover_friction_and_rotors(identified, robot):
