@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis import sample_codes as codes
 from cdia_pin.diagnosis import sample_rows as rows
 from cdia_pin.diagnosis.kernel_cache import first_call
-from cdia_pin.diagnosis.sample_bounds import MEMORY_TIME, SampleBounds
+from cdia_pin.diagnosis.sample_bounds import LEAST_HOLD, MEMORY_TIME, SampleBounds
 from cdia_pin.diagnosis.sample_words import why_bad
 from cdia_pin.diagnosis.sensor_fault import SensorFault
 from cdia_pin.diagnosis.stateful import Stateful
@@ -29,6 +29,7 @@ from cdia_pin.diagnosis.suspect_sensors import Accusation, SuspectSensors
 
 Array = NDArray[np.float64]
 
+EVERY = slice(None)  # joints
 RECOVERY_TIME = 0.1  # [s], for which samples must follow from each other to be the new normal
 RECOVERY_TICKS = 3  # the least of it at low rates
 QUIET_TIME = 0.2  # [s] of good samples after which the next bad one is an event of its own
@@ -221,7 +222,7 @@ class SampleCheck(Stateful):
 
         What was bad for some samples must be good for as many: noise comes near the last good sample by chance.
         """
-        if self._is_evident or self._repeats(tau):
+        if self._is_evident or self._repeats(tau, LEAST_HOLD):
             return False
         since = self._since_good(self._limits, self._state, self._scalars, q, v, tau, t)
         asked = min(self._recent, self._recovery_ticks)
@@ -230,18 +231,24 @@ class SampleCheck(Stateful):
         if since != codes.JUMP + codes.TORQUE:
             return False
         if code == codes.GOOD:  # the torque alone has changed, and stays so: it was no spike
-            return self._chain >= asked
+            stepped = int(self._scalars[rows.JOINT])
+            return self._chain >= asked and not self._repeats(tau, self._recovery_ticks, stepped)
         self._steps += 1
         return False
 
-    def _repeats(self, tau: Array) -> bool:
-        """Whether a torque repeats itself, as none does with the noise of healthy runs.
+    def _repeats(self, tau: Array, most: float, joints: int | slice = EVERY) -> bool:
+        """Whether a torque repeats itself that may not do so for more than some ticks.
 
         It confirms nothing: either it changes, or there is soon evidence that its sensor is frozen or dead.
+
+        Args:
+            tau: Torques [N·m or N], shape (n,).
+            most: Ticks for which a torque may stay the same, at most; others may be held between updates.
+            joints: Which joints are asked.
         """
         held, longest = self._state[rows.HELD_TORQUE], self._limits[rows.HOLD_TORQUE]
-        noisy = (longest <= self._recovery_ticks) & (np.abs(tau) < self._limits[rows.SATURATED])
-        return bool(((held >= 1) & (held <= longest) & noisy).any())
+        is_free = np.abs(tau) < self._limits[rows.SATURATED]
+        return bool(((held >= 1) & (held <= longest) & (longest <= most) & is_free)[joints].any())
 
     def _accept(self, outcome: Outcome, t: float) -> Outcome:
         """Return to good samples."""

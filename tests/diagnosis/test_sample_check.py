@@ -137,6 +137,25 @@ def test_a_torque_sensor_that_dies_passes_nothing_on():
     assert (fault.joint, fault.signal, fault.condition) == (ROBOT.joints[0], "torque", "frozen")
 
 
+@pytest.mark.parametrize("ticks", [4, 10])
+def test_a_spike_is_bridged_where_torques_are_held_between_updates(ticks):
+    """Joint by joint at other ticks, so that in each tick the torque of some joint repeats itself."""
+
+    def held(log):
+        out = log.effort.copy()
+        for j in range(N):
+            out[:, j] = out[np.maximum((np.arange(len(out)) - j) // ticks * ticks + j, 0), j]
+        return Log(ROBOT.joints, log.time, log.position, out, log.velocity)
+
+    checked = SampleCheck(ROBOT.joints, SampleBounds.learned(ROBOT, [held(motion(10.0))]), True)
+    log = held(motion(1.0, 1))
+    log.position[500, 2] += 0.1
+    outcomes, _ = feed(checked, log.time, log.position, log.velocity, log.effort)
+    assert outcomes[500] is Outcome.BAD
+    assert outcomes[501] is Outcome.BRIDGED
+    assert set(outcomes[:500] + outcomes[502:]) == {Outcome.ACCEPTED}
+
+
 @pytest.mark.parametrize("t", [np.nan, np.inf, 1e200, 0.3, 0.499, 100.0])
 def test_a_time_that_cannot_be_is_dropped(t):
     s = signals(1.0)
