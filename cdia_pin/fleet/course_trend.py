@@ -12,7 +12,7 @@ from cdia_pin.fleet.alarm_limit import FEWEST_AFTER
 from cdia_pin.fleet.course import Course
 from cdia_pin.fleet.onset import find_onset
 from cdia_pin.fleet.robust_fit import robust_fit, usual_deviations
-from cdia_pin.fleet.step_search import FEWEST_BEFORE, CourseStep, find_step
+from cdia_pin.fleet.step_search import FEWEST_BEFORE, CourseStep, find_steps
 
 Array = NDArray[np.float64]
 
@@ -152,11 +152,11 @@ def trend_of(course: Course, limit: float, *, temperature: bool = True) -> Cours
     at = np.flatnonzero(course.use)
     value, deviation = course.value[at], course.deviation[at]
     units, columns = _regressors(course, at) if temperature else ({}, np.ones((len(at), 1)))
-    step = find_step(value, deviation, columns)
-    if step is None:
+    looks = _looks(value, deviation, columns)
+    if not looks:
         level, half = _mean(value, deviation)
         return CourseTrend(course, at, (), limit, np.zeros(0), level, float("nan"), half, None)
-    looks = _looks(value, deviation, columns, step)
+    _, step = looks[-1]
     alarm, fit = None, robust_fit(value, usual_deviations(deviation), columns)
     raised = next((n for n, s in looks if abs(s.z) > limit), None)
     if raised is not None:
@@ -216,17 +216,14 @@ def _regressors(course: Course, at: NDArray[np.intp]) -> tuple[dict[str, str], A
     return units, np.column_stack(columns)
 
 
-def _looks(value: Array, deviation: Array, columns: Array, whole: CourseStep) -> list[tuple[int, CourseStep]]:
-    """Return the most likely step after each log, as it was known then, with the number of logs."""
+def _looks(value: Array, deviation: Array, columns: Array) -> list[tuple[int, CourseStep]]:
+    """Return the most likely step after each log, as it was known then, with the number of logs; the last has all."""
     count = len(value)
     first = FEWEST_BEFORE + FEWEST_AFTER
+    if count < first:
+        return []
     numbers = np.unique(np.linspace(first, count, min(MOST_LOOKS, count - first + 1)).astype(int))
-    out = []
-    for n in numbers[:-1]:
-        step = find_step(value[:n], deviation[:n], columns[:n])
-        if step is not None:
-            out.append((int(n), step))
-    return [*out, (count, whole)]
+    return [*find_steps(value, deviation, columns, numbers.tolist()).items()]
 
 
 def _mean(value: Array, deviation: Array) -> tuple[float, float]:

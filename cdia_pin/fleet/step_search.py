@@ -13,19 +13,22 @@ logs faster [Lorden1971].
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.fleet.alarm_limit import FEWEST_AFTER
-from cdia_pin.fleet.robust_fit import ROUNDS, fit_once, robust_fit, usual_deviations
+from cdia_pin.fleet.robust_fit import ROUNDS, Counts, fit_once, robust_fit, usual_deviations
 
 Array = NDArray[np.float64]
 
 SMALLEST = 1e-300  # probability [1] that a double still holds
 FEWEST_BEFORE = 5  # logs before a change [1], so that there is something to compare with
 IMITATED = 1e-6  # share of a step [1] that the regressors must leave, so that it says something
+
+AT_ONCE = 16_384  # values [1] that are fitted at once; more of them leave the processor's cache
 
 
 @dataclass(frozen=True)
@@ -53,44 +56,84 @@ def find_step(values: Array, deviations: Array, regressors: Array) -> CourseStep
         deviations: Standard deviation of each value as its log states it, shape (N,).
         regressors: What explains the values besides, a constant first, shape (N, p).
     """
-    count, p = regressors.shape
-    freedom = count - p - 1
-    if count < FEWEST_BEFORE + FEWEST_AFTER or freedom < FEWEST_BEFORE:
-        return None
-    stated = usual_deviations(deviations)
-    fit = robust_fit(values, stated, regressors)  # without a step, so that one bad log does not pass for one
-    at = 0
+    return next(iter(find_steps(values, deviations, regressors, [len(values)]).values()), None)
+
+
+def find_steps(
+    values: Array, deviations: Array, regressors: Array, counts: Sequence[int]
+) -> dict[int, CourseStep]:
+    """Return the most likely step among the first logs of a course, by their number.
+
+    Args:
+        values: The parameter in each log, shape (N,).
+        deviations: Standard deviation of each value as its log states it, shape (N,).
+        regressors: What explains the values besides, a constant first, shape (N, p).
+        counts: Numbers of first logs, ascending; those that are too few for a step are left out.
+    """
+    p = regressors.shape[1]
+    fewest = max(FEWEST_BEFORE + FEWEST_AFTER, FEWEST_BEFORE + p + 1)
+    enough = [n for n in counts if n >= fewest]
+    at_once = max(1, AT_ONCE // max(len(values), 1))
+    out: dict[int, CourseStep] = {}
+    for k in range(0, len(enough), at_once):
+        some = enough[k : k + at_once]
+        out |= zip(some, _steps_of(values, deviations, regressors, np.array(some)), strict=True)
+    return out
+
+
+def _steps_of(values: Array, deviations: Array, regressors: Array, counts: Counts) -> Iterator[CourseStep]:
+    """Yield the most likely step among the first logs, for each of several numbers of logs that are enough.
+
+    All are fitted at once: row l of an array is the course as it was after so many logs.
+    """
+    most, p = int(counts[-1]), regressors.shape[1]
+    there = np.arange(most) < counts[:, None]
+    seen = np.where(there, values[:most], 0.0)
+    stated = np.full(there.shape, np.inf)
+    for row, n in zip(stated, counts, strict=True):
+        row[:n] = usual_deviations(deviations[:n])
+    columns = np.zeros((*there.shape, p + 1))
+    columns[..., :p] = np.where(there[..., None], regressors[:most], 0.0)
+    plain = columns[..., :p]
+    fit = robust_fit(seen, stated, plain)  # without a step, so that one bad log does not pass for one
+    at = np.zeros(len(counts), int)
     for _ in range(ROUNDS + 1):
-        at = _likeliest(fit.clipped, fit.variance, regressors)
-        fit = fit_once(values, stated, _with_step(regressors, at), fit.clipped, fit.variance)
-    size, deviation = float(fit.coefficients[-1]), float(fit.deviations[-1])
-    return CourseStep(at, size, deviation, _normal(size / deviation, freedom))
+        at = _likeliest(fit.clipped, fit.variance, plain, counts)
+        columns[..., p] = there & (np.arange(most) >= at[:, None])
+        fit = fit_once(seen, stated, columns, fit.clipped, fit.variance)
+    for first, size, deviation, n in zip(
+        at, fit.coefficients[:, -1], fit.deviations[:, -1], counts, strict=True
+    ):
+        z = _normal(float(size / deviation), int(n) - p - 1)
+        yield CourseStep(int(first), float(size), float(deviation), z)
 
 
-def _with_step(regressors: Array, at: int) -> Array:
-    step = np.zeros(len(regressors))
-    step[at:] = 1.0
-    return np.column_stack([regressors, step])
+def _likeliest(values: Array, variance: Array, regressors: Array, counts: Counts) -> Counts:
+    """Return the index of the first log after the step that explains most, shape (L,).
 
-
-def _likeliest(values: Array, variance: Array, regressors: Array) -> int:
-    """Return the index of the first log after the step that explains most."""
+    Args:
+        values: The values, zero behind the last log, shape (L, N).
+        variance: Their variance, infinite behind the last log, shape (L, N).
+        regressors: What explains them besides, shape (L, N, p).
+        counts: Number of logs, shape (L,).
+    """
     w = 1.0 / np.sqrt(variance)
-    basis, _ = np.linalg.qr(regressors * w[:, None])
+    basis, _ = np.linalg.qr(regressors * w[..., None])
     left = w * values
-    left = left - basis @ (basis.T @ left)
+    left = left - (basis @ (np.swapaxes(basis, -1, -2) @ left[..., None]))[..., 0]
     gained = _sums(w * left)
-    common = _sums(w[:, None] * basis)
-    room = np.maximum(_sums(w**2) - np.sum(common**2, axis=1), 1e-300)
+    common = np.stack([_sums(w * basis[..., k]) for k in range(basis.shape[-1])], axis=-1)
+    room = np.maximum(_sums(w**2) - np.sum(common**2, axis=-1), 1e-300)
     explained = gained**2 / room
-    explained[room < IMITATED * np.sum(w**2)] = 0.0
-    allowed = slice(FEWEST_BEFORE, len(values) - FEWEST_AFTER + 1)
-    return FEWEST_BEFORE + int(np.argmax(explained[allowed]))
+    explained[room < IMITATED * np.sum(w**2, axis=-1)[:, None]] = 0.0
+    first = np.arange(values.shape[1])
+    allowed = (first >= FEWEST_BEFORE) & (first <= (counts - FEWEST_AFTER)[:, None])
+    return np.asarray(np.argmax(np.where(allowed, explained, -1.0), axis=1))
 
 
 def _sums(x: Array) -> Array:
-    """Return the sum of each row and all later ones."""
-    return np.asarray(np.cumsum(x[::-1], axis=0)[::-1])
+    """Return the sum of each value and all later ones, shape (…, N)."""
+    return np.asarray(np.cumsum(x[..., ::-1], axis=-1)[..., ::-1])
 
 
 def _normal(t: float, freedom: int) -> float:

@@ -6,7 +6,7 @@ import pytest
 from cdia_pin.fleet.alarm_limit import FEWEST_AFTER, alarm_limit, run_length
 from cdia_pin.fleet.onset import find_onset
 from cdia_pin.fleet.robust_fit import robust_fit
-from cdia_pin.fleet.step_search import FEWEST_BEFORE, find_step
+from cdia_pin.fleet.step_search import FEWEST_BEFORE, find_step, find_steps
 
 COUNT = 60
 STATED = np.full(COUNT, 0.5)
@@ -88,3 +88,16 @@ def test_a_growth_is_told_from_a_step():
     values[30:] += 3.0
     stepped = find_onset(values, STATED, ONE)
     assert (stepped.at, stepped.logs) == (30, 1)
+
+
+def test_a_course_as_it_was_after_each_log_is_judged_as_if_it_ended_there():
+    values, deviations = noise(6), 0.5 + 0.1 * np.abs(noise(7))
+    values[30:] += 2.0
+    columns = np.column_stack([ONE, noise(8)])
+    counts = range(1, COUNT + 1)
+    found = find_steps(values, deviations, columns, counts)
+    alone = {n: find_step(values[:n], deviations[:n], columns[:n]) for n in counts}
+    assert list(found) == [n for n, step in alone.items() if step is not None]
+    for n, step in found.items():
+        assert (step.at, step.z) == (alone[n].at, pytest.approx(alone[n].z, rel=1e-9))
+        assert (step.size, step.deviation) == pytest.approx((alone[n].size, alone[n].deviation), rel=1e-9)
