@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,9 +23,9 @@ class FleetAddition:
     """What came of adding logs.
 
     Attributes:
-        added: Names of the logs that were fitted.
-        known: Names of the logs that the store had already.
-        failed: Reason by name of the log that gave nothing.
+        added: Names of the logs that were fitted; paths where several logs have the same name.
+        known: Those of the logs that the store had already.
+        failed: Reason by name or path of the log that gave nothing.
     """
 
     added: tuple[str, ...]
@@ -71,17 +72,19 @@ def add_logs(
     """
     tell = progress or silent
     wanted, known = [], []
-    for path in dict.fromkeys(map(Path, logs or fleet.logs)):
+    paths = list(dict.fromkeys(map(Path, logs or fleet.logs)))
+    names = _told_apart(paths)
+    for path in paths:
         tell(f"looking at {path.name}", 0.0)
         log = _fleet_log(path, fleet)
         file = store.file_of(log.robot.name, log.sha256, load_setup(log.robot).hash)
         if file.exists() and not (retry and _failed(file)):
-            known.append(path.name)
+            known.append(names[path])
         else:
             wanted.append(log)
     added, failed = [], {}
     for one in run_each(rows_of, wanted, workers=workers, scheduler=scheduler, progress=tell):
-        name = one.item.path.name
+        name = names[one.item.path]
         rows = one.result if one.error is None else failure_rows(one.item, one.why)
         store.write(rows)
         if rows[0]["failure"]:
@@ -89,6 +92,12 @@ def add_logs(
         else:
             added.append(name)
     return FleetAddition(tuple(added), tuple(known), failed)
+
+
+def _told_apart(paths: Sequence[Path]) -> dict[Path, str]:
+    """Return the name of each file, or its path where another one has the same name."""
+    times = Counter(path.name for path in paths)
+    return {path: path.name if times[path.name] == 1 else str(path) for path in paths}
 
 
 def _fleet_log(path: Path, fleet: FleetMap) -> FleetLog:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
@@ -26,9 +27,10 @@ HALF_WIDTHS = 2.2
 OTHER_SPEED = 2.0
 # Interval over the median one of all logs [1], beyond which a log says next to nothing about a parameter.
 TOO_WIDE = 10.0
-NEEDED = ("robot", "log", "setup", "added", "recorded", "failure", "effect", "joints", "parameter", "unit", "role",
-          "model_value", "value", "ci95_low", "ci95_high", "ci95_statistical_low", "ci95_statistical_high",
-          "not_shown", "temperature", "load", "speed")  # fmt: skip
+SHOWN_DIGITS = 8  # of a log's hash [1] at least, behind a name that several logs have
+NEEDED = ("robot", "log", "sha256", "setup", "version", "added", "recorded", "failure", "effect", "joints", "parameter",
+          "unit", "role", "model_value", "value", "ci95_low", "ci95_high", "ci95_statistical_low",
+          "ci95_statistical_high", "not_shown", "temperature", "load", "speed")  # fmt: skip
 
 
 @dataclass(frozen=True, repr=False)
@@ -43,7 +45,7 @@ class Course:
         unit: Its unit.
         role: What the effect is in the fit.
         model_value: The parameter in the model.
-        logs: Names of the logs.
+        logs: Names of the logs, each with a part of its hash where several have the same.
         recorded: When each was recorded; None where nothing says it.
         value: The parameter.
         half_width: Half width of its 95 % interval, statistical and systematic together.
@@ -96,8 +98,9 @@ class RobotCourses:
         courses: The courses.
         logs: Number of its logs.
         failed: Reason by name of the log that gave nothing.
-        outdated: Number of logs that were added with another setup of the robot only.
-        dated: Whether all logs say when they were recorded; else they are in the order of their names.
+        outdated: Number of logs that were added with another setup of the robot, or by another version, only.
+        dated: Whether all logs say when they were recorded; else they are in the order of their names, and those of
+            one name in the order in which they were added.
         days: Time from the first log to the last one [days]; NaN if not dated.
     """
 
@@ -125,27 +128,49 @@ def courses_of(store: FleetStore) -> Iterator[RobotCourses]:
 
 def _robot(name: str, table: pa.Table) -> RobotCourses:
     cells = {key: table[key].to_pylist() for key in table.column_names}
-    _, setup = max((str(at or ""), s) for at, s in zip(cells["added"], cells["setup"], strict=True))
-    now = [k for k, s in enumerate(cells["setup"]) if s == setup]
-    current = {cells["log"][k] for k in now}
-    failed = {cells["log"][k]: cells["failure"][k] for k in now if cells["failure"][k]}
-    when = {cells["log"][k]: cells["recorded"][k] for k in now if not cells["failure"][k]}
+    # What another version fits may differ as what another model leaves does: neither passes for wear.
+    setups = list(zip(cells["setup"], cells["version"], strict=True))
+    _, setup = max((str(at or ""), k) for k, at in enumerate(cells["added"]))
+    now = [k for k, s in enumerate(setups) if s == setups[setup]]
+    row_of = {cells["sha256"][k]: k for k in now}
+    called = _names({log: str(cells["log"][k]) for log, k in row_of.items()})
+    failed = {called[log]: cells["failure"][k] for log, k in row_of.items() if cells["failure"][k]}
+    when = {log: cells["recorded"][k] for log, k in row_of.items() if not cells["failure"][k]}
     dated = bool(when) and all(at is not None for at in when.values())
-    order = sorted(when, key=lambda log: (when[log], log) if dated else log)
+
+    def place(log: str) -> tuple[object, ...]:
+        k = row_of[log]
+        named = (cells["log"][k], str(cells["added"][k]), log)
+        return (when[log], *named) if dated else named
+
+    order = sorted(when, key=place)
     times = [when[log] for log in order]
     days = (times[-1] - times[0]).total_seconds() / 86400 if dated else float("nan")
     groups: dict[tuple[str, str, str], dict[str, int]] = {}
     for k in now:
         if cells["effect"][k]:
             key = (cells["effect"][k], cells["joints"][k], cells["parameter"][k])
-            groups.setdefault(key, {})[cells["log"][k]] = k
+            groups.setdefault(key, {})[cells["sha256"][k]] = k
     courses = tuple(
-        _course(name, [rows[log] for log in order if log in rows], cells) for rows in groups.values()
+        _course(name, {called[log]: rows[log] for log in order if log in rows}, cells)
+        for rows in groups.values()
     )
-    return RobotCourses(name, courses, len(current), failed, len(set(cells["log"]) - current), dated, days)
+    outdated = len(set(cells["sha256"]) - row_of.keys())
+    return RobotCourses(name, courses, len(row_of), failed, outdated, dated, days)
 
 
-def _course(robot: str, rows: list[int], cells: dict[str, list[object]]) -> Course:
+def _names(names: dict[str, str]) -> dict[str, str]:
+    """Return what each log is called, by its hash: its name, with a part of the hash where others have the same."""
+    times = Counter(names.values())
+    digits = SHOWN_DIGITS
+    while len({log[:digits] for log in names}) < len(names):
+        digits += 1
+    return {log: n if times[n] == 1 else f"{n} ({log[:digits]})" for log, n in names.items()}
+
+
+def _course(robot: str, row_of: dict[str, int], cells: dict[str, list[object]]) -> Course:
+    rows = list(row_of.values())
+
     def numbers(key: str) -> Array:
         return np.array([cells[key][k] for k in rows], float)  # None becomes NaN
 
@@ -176,7 +201,7 @@ def _course(robot: str, rows: list[int], cells: dict[str, list[object]]) -> Cour
         text("unit"),
         Role(text("role")),
         float(numbers("model_value")[-1]),
-        tuple(str(cells["log"][k]) for k in rows),
+        tuple(row_of),
         tuple(cells["recorded"][k] for k in rows),  # type: ignore[misc]
         value,
         (numbers("ci95_high") - numbers("ci95_low")) / 2,

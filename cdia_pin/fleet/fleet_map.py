@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,6 +10,7 @@ from dataclasses import dataclass, field
 from datetime import date, datetime, time
 from fnmatch import fnmatch
 from functools import cached_property
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, Self
 
@@ -21,6 +23,8 @@ from cdia_pin.phrases import one_line, shortened, some
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}")  # of a robot, which is also that of a folder
 READING = ("joint_map", "convert", "format", "columns", "torque_side")  # options of reading logs
 KEYS = ("robot", "model", "gains", "logs", "recorded", "job", "searched", "cutoff", *READING)
+
+WILDCARDS = frozenset("*?[")
 
 
 class FleetError(CdiaError):
@@ -58,6 +62,18 @@ class FleetRobot:
             log: Its path.
         """
         return next((at for pattern, at in self.recorded if fnmatch(log.name, pattern)), None)
+
+    def folders_of(self, log: Path) -> tuple[str, ...]:
+        """Return the names of the folders in which the robot's logs differ, the outermost first.
+
+        A folder that all patterns share says nothing of one log: a date in its name may be that of a backup.
+
+        Args:
+            log: Path of one of them.
+        """
+        shared = Path(os.path.commonpath([_fixed_folder(pattern).resolve() for pattern in self.logs]))
+        folder = log.resolve().parent
+        return folder.relative_to(shared).parts if folder.is_relative_to(shared) else ()
 
 
 @dataclass(frozen=True)
@@ -129,6 +145,12 @@ class FleetMap:
             for log in found:
                 out.setdefault(log, []).append(robot)
         return out
+
+
+def _fixed_folder(pattern: str) -> Path:
+    """Return the part of a pattern's folder before the first wildcard."""
+    fixed = takewhile(lambda part: not WILDCARDS & set(part), Path(pattern).parent.parts)
+    return Path(*fixed)
 
 
 def _found(pattern: str) -> Iterator[Path]:

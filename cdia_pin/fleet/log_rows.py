@@ -72,11 +72,12 @@ def failure_rows(log: FleetLog, why: str) -> list[Row]:
 
 def _whole(log: FleetLog, setup: RobotSetup, measured: Log | None, rows: Sequence[Row]) -> list[Row]:
     """Return rows with all columns."""
-    when = recording_time(measured, log.path.name, log.robot.stated_time(log.path))
+    robot, path = log.robot, log.path
+    when = recording_time(measured, path.name, robot.stated_time(path), robot.folders_of(path))
     head: Row = dict.fromkeys(COLUMNS)
     head |= {
-        "robot": log.robot.name,
-        "log": log.path.name,
+        "robot": robot.name,
+        "log": path.name,
         "sha256": log.sha256,
         "setup": setup.hash,
         "recorded": when.at,

@@ -18,7 +18,7 @@ class RobotStatus:
         robot: Name of the robot.
         logs: Number of its logs, failed ones included.
         failed: Reason by name of the log that gave nothing.
-        outdated: Number of logs that were added with another setup only.
+        outdated: Number of logs that were added with another setup, or by another version, only.
         first: When the first log was recorded; None if it is not known.
         last: When the last one was.
     """

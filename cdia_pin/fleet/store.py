@@ -1,10 +1,11 @@
 """The store of a fleet: a folder of Parquet files, one for each log of each robot.
 
     DIR/cdia-fleet.json              schema, version, and what the columns mean
-    DIR/rows/ROBOT/HASH.parquet      the rows of one log
+    DIR/rows/ROBOT/*.parquet         the rows of one log each
 
 A file is written whole or not at all, so an interrupted run loses the log at hand only. Its name holds the hashes of
-the log and of the robot's setup, so a log that was added before is known without being read.
+the log and of the robot's setup, and the version, so a log that was added before is known without being read. Another
+version may fit otherwise, so it fits the logs again.
 """
 
 from __future__ import annotations
@@ -77,15 +78,17 @@ class FleetStore:
             )
         return cls(folder)
 
-    def file_of(self, robot: str, log_hash: str, setup_hash: str) -> Path:
+    def file_of(self, robot: str, log_hash: str, setup_hash: str, version: str = __version__) -> Path:
         """Return the file of the rows of a log.
 
         Args:
             robot: Name of its robot.
             log_hash: Hash of its bytes.
             setup_hash: Hash of the robot's setup.
+            version: Version of cdia-pin that makes them.
         """
-        return self.folder / ROWS / robot / f"{log_hash[:DIGITS]}-{setup_hash[:DIGITS]}.parquet"
+        name = f"{log_hash[:DIGITS]}-{setup_hash[:DIGITS]}-{version}.parquet"
+        return self.folder / ROWS / robot / name
 
     def write(self, rows: Sequence[Row]) -> Path:
         """Write the rows of one log; the same log again replaces them.
@@ -103,7 +106,8 @@ class FleetStore:
         from pyarrow import parquet
 
         first = rows[0]
-        path = self.file_of(str(first["robot"]), str(first["sha256"]), str(first["setup"]))
+        made_by = str(first["version"] or __version__)
+        path = self.file_of(str(first["robot"]), str(first["sha256"]), str(first["setup"]), made_by)
         table = pa.Table.from_pylist(
             list(rows), arrow_schema({"schema": schemas.FLEET, "version": __version__})
         )

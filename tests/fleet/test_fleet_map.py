@@ -56,3 +56,21 @@ def test_the_map_may_state_when_a_log_was_recorded(tmp_path):
     assert robot.stated_time(tmp_path / "run_7.csv").day == 12
     assert robot.stated_time(tmp_path / "x.csv").hour == 8
     assert robot.stated_time(tmp_path / "y.csv") is None
+
+
+@pytest.mark.parametrize(
+    ("logs", "folders"),
+    [
+        ('["backup-2025-01-01/*/run.csv"]', ("2026-05-12",)),
+        ('["backup-2025-01-01/2026-05-12/run.csv", "backup-2025-01-01/2026-05-13/run.csv"]', ("2026-05-12",)),
+        ('["backup-2025-01-01/2026-05-12/*.csv"]', ()),
+        ('["**/run.csv"]', ("backup-2025-01-01", "2026-05-12")),
+    ],
+)
+def test_only_folders_in_which_logs_differ_say_something_of_one(tmp_path, logs, folders):
+    log = tmp_path / "backup-2025-01-01" / "2026-05-12" / "run.csv"
+    log.parent.mkdir(parents=True)
+    log.touch()
+    text = GOOD.replace('["a/*.csv"]', logs)
+    (robot,) = FleetMap.read(written(tmp_path, text)).robots
+    assert robot.folders_of(log) == folders

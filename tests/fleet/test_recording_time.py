@@ -39,3 +39,19 @@ def test_the_clock_of_a_log_and_the_map(tmp_path):
     assert recording_time(read, path.name, datetime(2026, 6, 1)).at == datetime(2026, 6, 1, tzinfo=UTC)
     assert read_log(write_log(log, tmp_path / "b.csv"), robot).recorded is None
     assert np.isclose(read.time[0], 0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "folders", "day"),
+    [
+        ("run.csv", ("2026-05-12",), 12),
+        ("run.csv", ("2026-05-12", "2026-05-13_night", "bag"), 13),  # the nearest one
+        ("2026-05-14.csv", ("2026-05-12",), 14),
+        ("run.csv", ("2026", "05", "12"), 12),
+        ("run.csv", ("2026", "05", "32"), None),
+        ("run.csv", ("cell-3",), None),
+    ],
+)
+def test_the_date_of_a_folder_counts_where_the_name_has_none(name, folders, day):
+    found = recording_time(None, name, folders=folders)
+    assert found.at == (None if day is None else datetime(2026, 5, day, tzinfo=UTC))

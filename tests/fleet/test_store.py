@@ -7,6 +7,7 @@ import pytest
 
 from cdia_pin.fleet import FleetError, FleetMap, FleetStore, add_logs, addition
 from cdia_pin.fleet.columns import COLUMNS
+from cdia_pin.fleet.course import courses_of
 from tests.fleet.conftest import DAYS, LEVEL
 
 
@@ -94,6 +95,35 @@ def test_a_log_that_fails_is_a_row_with_its_reason(small_fleet, tmp_path):
     assert rows[0]["effect"] is None
     assert add_logs(store, fleet).failed == {}
     assert list(add_logs(store, fleet, retry=True).failed) == ["bad.csv"]
+
+
+def test_logs_of_one_name_are_told_apart(small_fleet, tmp_path):
+    bad = "time,position.joint1\n0,{}\n"
+    for day, log in enumerate(small_fleet.logs[:2], start=12):
+        folder = tmp_path / f"2026-05-{day}"
+        folder.mkdir()
+        shutil.copy(log, folder / "run.csv")
+        (folder / "bad.csv").write_text(bad.format(day), encoding="utf-8")
+    (tmp_path / "fleet.toml").write_text(
+        '[robots.a]\nrobot = "scara"\nlogs = ["*/*.csv"]\n', encoding="utf-8"
+    )
+    store, fleet = FleetStore.at(tmp_path / "store", make=True), FleetMap.read(tmp_path / "fleet.toml")
+    done = add_logs(store, fleet)
+    assert (len(done.added), len(done.failed)) == (2, 2)
+    (robot,) = courses_of(store)
+    assert (robot.logs, len(robot.failed), robot.dated, robot.days) == (4, 2, True, 1.0)
+    assert {len(c.logs) for c in robot.courses} == {2}
+    assert [at.day for at in robot.courses[0].recorded] == [12, 13]
+
+
+def test_another_version_fits_the_logs_again(small_fleet, tmp_path):
+    text = small_fleet.map.read_text(encoding="utf-8").replace("arm-1/*.csv", str(small_fleet.logs[0]))
+    (tmp_path / "fleet.toml").write_text(text, encoding="utf-8")
+    store, fleet = FleetStore.at(tmp_path / "store", make=True), FleetMap.read(tmp_path / "fleet.toml")
+    add_logs(store, fleet)
+    (file,) = store.folder.glob("rows/*/*.parquet")
+    file.rename(store.file_of("arm-1", *file.stem.split("-")[:2], "0.0"))
+    assert len(add_logs(store, fleet).added) == 1
 
 
 def test_a_folder_that_is_no_store(tmp_path):
