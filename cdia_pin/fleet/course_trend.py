@@ -11,14 +11,12 @@ from numpy.typing import NDArray
 from cdia_pin.fleet.alarm_limit import FEWEST_AFTER
 from cdia_pin.fleet.course import Course
 from cdia_pin.fleet.onset import find_onset
+from cdia_pin.fleet.regressors import regressor_columns
 from cdia_pin.fleet.robust_fit import robust_fit, usual_deviations
 from cdia_pin.fleet.step_search import FEWEST_BEFORE, CourseStep, find_steps
 
 Array = NDArray[np.float64]
 
-LEAST_WARMING = 1.0  # [K], range of temperature below which it explains nothing: drives report whole degrees
-LEAST_LOADING = 0.05  # range of the load over its mean [1], below which it explains nothing
-LOGS_PER_REGRESSOR = 4  # logs [1] that each regressor needs besides those around a change
 MOST_LOOKS = 200  # times [1] at which a long course is looked at; each look is a fit
 NOTICED_AFTER = 7  # logs [1] after which it is asked how large a change must be to be noticed
 DISAGREEMENT = 0.01  # probability [1] below which a few logs do not agree
@@ -145,13 +143,13 @@ def trend_of(course: Course, limit: float, *, temperature: bool = True) -> Cours
     """Return the trend of a course.
 
     Args:
-        course: The course.
+        course: The course; of `with_regressors`, if temperature and load may explain a part of it.
         limit: Limit of the certainty of a change [1].
         temperature: Whether temperature and load may explain a part of it.
     """
     at = np.flatnonzero(course.use)
     value, deviation = course.value[at], course.deviation[at]
-    units, columns = _regressors(course, at) if temperature else ({}, np.ones((len(at), 1)))
+    units, columns = regressor_columns(course) if temperature else ({}, np.ones((len(at), 1)))
     looks = _looks(value, deviation, columns)
     if not looks:
         level, half = _mean(value, deviation)
@@ -195,25 +193,6 @@ def trend_of(course: Course, limit: float, *, temperature: bool = True) -> Cours
         tuple(abs(s.z) for _, s in looks),
         tuple(n for n, _ in looks),
     )
-
-
-def _regressors(course: Course, at: NDArray[np.intp]) -> tuple[dict[str, str], Array]:
-    """Return the units of the regressors by name, and their columns after a constant, centred, shape (M, p)."""
-    columns: list[Array] = [np.ones(len(at))]
-    units: dict[str, str] = {}
-    effort = "N" if course.unit.startswith("N") and "m" not in course.unit else "N·m"
-    for name, unit, signal in (
-        ("temperature", "K", course.temperature[at]),
-        ("load", effort, course.load[at]),
-    ):
-        enough = FEWEST_BEFORE + FEWEST_AFTER + LOGS_PER_REGRESSOR * (len(units) + 1)
-        if len(at) < enough or not np.isfinite(signal).all():
-            continue
-        least = LEAST_WARMING if name == "temperature" else LEAST_LOADING * abs(float(np.mean(signal)))
-        if np.ptp(signal) > least:
-            columns.append(signal - np.mean(signal))
-            units[name] = unit
-    return units, np.column_stack(columns)
 
 
 def _looks(value: Array, deviation: Array, columns: Array) -> list[tuple[int, CourseStep]]:

@@ -13,6 +13,7 @@ from cdia_pin.fleet.alarm_limit import alarm_limit
 from cdia_pin.fleet.course import Course, RobotCourses, courses_of
 from cdia_pin.fleet.course_trend import Alarm, CourseTrend, trend_of
 from cdia_pin.fleet.fleet_effects import Role
+from cdia_pin.fleet.regressors import with_regressors
 from cdia_pin.fleet.store import FleetStore
 from cdia_pin.progress import Progress, silent
 
@@ -143,6 +144,8 @@ def fleet_trend(
 
 
 def _robot_trend(courses: RobotCourses, settings: TrendSettings) -> RobotTrend:
+    if settings.regressors:
+        courses = replace(courses, courses=tuple(map(with_regressors, courses.courses)))
     watched = sum(c.role is not Role.JOB and bool(c.use.any()) for c in courses.courses)
     share = settings.false_alarms / max(watched, 1)  # of each course [1/year]
     trends = []

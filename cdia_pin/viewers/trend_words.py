@@ -10,8 +10,9 @@ import numpy as np
 from cdia_pin.fleet import Course, CourseTrend, FleetChange, FleetTrend, RobotTrend
 from cdia_pin.fleet.alarm_limit import FEWEST_AFTER
 from cdia_pin.fleet.fleet_effects import Role
+from cdia_pin.fleet.regressors import LACKING, TEMPERATURE
 from cdia_pin.fleet.step_search import FEWEST_BEFORE
-from cdia_pin.phrases import NO_BREAK
+from cdia_pin.phrases import NO_BREAK, counted
 from cdia_pin.viewers.words import (
     few,
     listed,
@@ -23,6 +24,7 @@ from cdia_pin.viewers.words import (
     with_unit,
 )
 
+WARMTH = "it moves friction more than wear does"
 MOST_NAMED = 3  # robots or courses that a line names before it counts the others
 
 
@@ -142,16 +144,25 @@ def _what_was_judged(trend: FleetTrend) -> str:
     return f"in {judged} parameters of {len(trend.robots)} robots"
 
 
+def is_level(trend: CourseTrend) -> bool:
+    """Tell whether a level is larger than its own interval, so that a change can be a share of it.
+
+    Args:
+        trend: A course with its trend.
+    """
+    return abs(trend.level) > trend.half_width
+
+
 def _noticed(trend: FleetTrend) -> str:
-    """Return the growth of friction that a week of daily logs shows, in the median of all joints."""
-    shares = [
-        t.noticed / abs(t.level)
-        for r in trend.robots
-        for t in r.judged
-        if t.course.effect.endswith("friction") and t.level
-    ]
-    if not shares:
+    """Return the growth of friction that a week of daily logs shows, in the median of all joints that rub."""
+    friction = [t for r in trend.robots for t in r.judged if t.course.effect.endswith("friction")]
+    if not friction:
         return "nothing yet: there are too few comparable logs of friction"
+    shares = [t.noticed / abs(t.level) for t in friction if is_level(t)]
+    if not shares:
+        return "nothing in percent: no friction is larger than its own interval"
+    if len(shares) == 1:
+        return f"friction that grows by {percent(shares[0])} for seven logs, in the only parameter above its interval"
     return (
         f"friction that grows by {percent(float(np.median(shares)))} for seven logs, in the median of "
         f"{len(shares)} parameters ({percent(min(shares))} to {percent(max(shares))})"
@@ -159,21 +170,27 @@ def _noticed(trend: FleetTrend) -> str:
 
 
 def _temperature(trend: FleetTrend) -> str:
-    warm = [
-        abs(g.slope / t.level)
-        for r in trend.robots
-        for t in r.judged
-        for g in t.regressors
-        if g.name == "temperature"
-        and t.course.effect.endswith("friction")
-        and abs(g.slope) > g.half_width
-        and t.level
-    ]
+    """Return by how much the temperature moves friction; where it was not taken out, why."""
     if not trend.settings.regressors:
-        return "left out, as asked; it moves friction more than wear does"
-    if not warm:
-        return "in no log, or it hardly varies; it moves friction more than wear does"
-    return f"taken out: it moves friction by {percent(float(np.median(warm)))} per kelvin in the median"
+        return f"left out, as asked; {WARMTH}"
+    friction = [t for r in trend.robots for t in r.judged if t.course.effect.endswith("friction")]
+    taken = [(t, g) for t in friction for g in t.regressors if g.name == TEMPERATURE]
+    shares = [abs(g.slope / t.level) for t, g in taken if abs(g.slope) > g.half_width and is_level(t)]
+    known = [float(np.isfinite(t.course.temperature[t.compared]).mean()) for t in friction]
+    lacking = [
+        (t.course.robot, share) for t, share in zip(friction, known, strict=True) if share <= 1 - LACKING
+    ]
+    robots = listed(few(list(dict.fromkeys(robot for robot, _ in lacking)), MOST_NAMED))
+    of_them = "half of the logs or more lack it" if any(s for _, s in lacking) else "no log has it"
+    beside = f"; not on {robots}: {of_them}" if lacking else ""
+    if shares:
+        median = percent(float(np.median(shares)))
+        return f"taken out: it moves friction by {median} per kelvin in the median{beside}"
+    if taken:
+        return f"taken out; it hardly moves friction here{beside}"
+    if lacking:
+        return f"in no log; {WARMTH}" if not any(known) else f"not taken out: {of_them}; {WARMTH}"
+    return f"not taken out: it hardly varies, or there are too few logs; {WARMTH}"
 
 
 def _not_compared(trend: FleetTrend) -> str:
@@ -187,13 +204,18 @@ def _not_compared(trend: FleetTrend) -> str:
             "the joint rests": " moves in ",
             "other speeds": "other speeds",
             "the motion hardly shows it": "the motion",
+            "no temperature": "lacks the temperature",
+            "no load": "lacks the load",
         }
         counts = {kind: sum(mark in why for why in left) for kind, mark in kinds.items()}
         said += f" ({listed(f'{kind}: {n}' for kind, n in counts.items() if n)})"
     undated = sum(not r.courses.dated for r in trend.robots)
+    outdated = sum(r.courses.outdated for r in trend.robots)
+    again = f"{counted(outdated, 'log')} of another setup or version: cdia fleet add fits what is there again"
     parts = [
         said,
-        f"{failed} logs failed" if failed else "",
+        f"{counted(failed, 'log')} failed" if failed else "",
+        again if outdated else "",
         f"logs without a date on {undated} of {len(trend.robots)} robots" if undated else "",
     ]
     return "; ".join(p for p in parts if p)

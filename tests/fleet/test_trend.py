@@ -44,14 +44,19 @@ def rows(robot: str, day: int, rng: np.random.Generator) -> list[dict[str, objec
     return out
 
 
-@pytest.fixture(scope="module")
-def store(tmp_path_factory):
-    store = FleetStore.at(tmp_path_factory.mktemp("trend") / "store", make=True)
+def stored(folder: Path, altered=lambda row, day: row) -> FleetStore:
+    """A store of three robots, with rows that a function alters."""
+    store = FleetStore.at(folder / "store", make=True)
     for k, robot in enumerate("abc"):
         rng = np.random.default_rng(k)
         for day in range(DAYS):
-            store.write(rows(robot, day, rng))
+            store.write([altered(row, day) for row in rows(robot, day, rng)])
     return store
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    return stored(tmp_path_factory.mktemp("trend"))
 
 
 @pytest.fixture(scope="module")
@@ -120,3 +125,72 @@ def test_the_report_is_one_file_without_network(trend):
 def test_a_rate_that_cannot_be(store):
     with pytest.raises(CdiaError, match="above 0"):
         fleet_trend(store, TrendSettings(false_alarms=0.0))
+
+
+def without_temperature(*days: int):
+    return lambda row, day: row | {"temperature": None} if day in days else row
+
+
+def test_a_log_without_temperature_is_left_out_and_the_others_keep_their_regressor(trend, tmp_path):
+    found = fleet_trend(stored(tmp_path, without_temperature(10)))
+    (change,), (whole,) = found.changes, trend.changes
+    assert change.alarm.size == pytest.approx(whole.alarm.size, rel=0.03)
+    assert change.alarm.half_width == pytest.approx(whole.alarm.half_width, rel=0.1)
+    left = [
+        why for r in found.robots for t in r.trends for why in t.course.not_comparable if "temperature" in why
+    ]
+    assert left == ["it lacks the temperature that most logs have"] * (3 * len(JOINTS))
+    answer = dict(trend_answer(found))
+    assert "no temperature: 6" in answer["not compared"]
+    assert answer["temperature"].startswith("taken out: it moves friction by 2")
+    bare = fleet_trend(stored(tmp_path / "bare", without_temperature(10)), TrendSettings(regressors=False))
+    assert not any("temperature" in why for t in bare.robots[0].trends for why in t.course.not_comparable)
+
+
+@pytest.mark.parametrize(
+    ("lacking", "said"),
+    [(range(0, DAYS, 2), "not taken out: half of the logs or more lack it"), (range(DAYS), "in no log")],
+)
+def test_where_most_logs_lack_the_temperature_it_is_not_used(tmp_path, lacking, said):
+    found = fleet_trend(stored(tmp_path, without_temperature(*lacking)))
+    names = {g.name for r in found.robots for t in r.trends for g in t.regressors}
+    assert names == {"load"}
+    assert not any("temperature" in why for t in found.robots[0].trends for why in t.course.not_comparable)
+    assert dict(trend_answer(found))["temperature"].startswith(said)
+
+
+def test_a_temperature_that_does_not_vary_is_said_to_be_so(tmp_path):
+    found = fleet_trend(stored(tmp_path, lambda row, day: row | {"temperature": 25.0}))
+    assert dict(trend_answer(found))["temperature"].startswith("not taken out: it hardly varies")
+
+
+def test_what_would_be_noticed_leaves_out_friction_that_hardly_is_there(trend, tmp_path):
+    def nothing_on_the_wrist(row, day):
+        if row["joints"] != "wrist":
+            return row
+        ends = {key: row[key] - 5.0 for key in row if key.startswith("ci95")}
+        return row | ends | {"value": row["value"] - 5.0, "temperature": 25.0 + day}
+
+    found = fleet_trend(stored(tmp_path, nothing_on_the_wrist))
+    assert dict(trend_answer(trend))["would be noticed"].endswith("%)")
+    assert "6 parameters" in dict(trend_answer(trend))["would be noticed"]
+    assert "3 parameters" in dict(trend_answer(found))["would be noticed"]
+
+
+def test_rows_of_two_versions_share_no_course(tmp_path):
+    def updated(row, day):
+        made = {"version": "9.9", "added": FIRST + timedelta(days=1)} if day >= CHANGE else {"version": "0.0"}
+        return row | made | ({"value": row["value"] + 2.0} if day >= CHANGE else {})
+
+    found = fleet_trend(stored(tmp_path, updated))
+    assert found.changes == ()
+    assert {(r.courses.logs, r.courses.outdated) for r in found.robots} == {(DAYS - CHANGE, CHANGE)}
+    assert f"{3 * CHANGE} logs of another setup or version" in dict(trend_answer(found))["not compared"]
+
+
+def test_logs_of_one_name_have_each_their_place(tmp_path, trend):
+    found = fleet_trend(stored(tmp_path, lambda row, day: row | {"log": "run.csv"}))
+    (change,), (named,) = found.changes, trend.changes
+    assert change.alarm.since_time == named.alarm.since_time
+    assert change.alarm.since.startswith("run.csv (")
+    assert len(set(found.robots[0].trends[0].course.logs)) == DAYS
