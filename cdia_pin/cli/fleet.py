@@ -14,6 +14,7 @@ from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.next_command import command_line, free, show_next
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_json
+from cdia_pin.phrases import counted
 
 MOST_FAILURES = 5  # that are printed; `show` has all
 
@@ -90,8 +91,9 @@ def fleet(
             scheduler=scheduler,
             progress=tell,
         )
+    were = "was" if len(done.known) == 1 else "were"
     console.print(
-        f"{len(done.added)} logs added, {len(done.known)} were there already, {len(done.failed)} failed",
+        f"{counted(len(done.added), 'log')} added, {len(done.known)} {were} there already, {len(done.failed)} failed",
         markup=False,
     )
     for name, why in list(done.failed.items())[:MOST_FAILURES]:

@@ -15,6 +15,7 @@ from cdia_pin.fleet.course_trend import Alarm, CourseTrend, trend_of
 from cdia_pin.fleet.fleet_effects import Role
 from cdia_pin.fleet.regressors import with_regressors
 from cdia_pin.fleet.store import FleetStore
+from cdia_pin.phrases import counted
 from cdia_pin.progress import Progress, silent
 
 DAYS_PER_YEAR = 365.25  # [days], with leap years
@@ -75,7 +76,7 @@ class RobotTrend:
     changes: tuple[FleetChange, ...]
 
     def __repr__(self) -> str:
-        return f"RobotTrend({self.courses.robot}: {len(self.changes)} changes)"
+        return f"RobotTrend({self.courses.robot}: {counted(len(self.changes), 'change')})"
 
     @property
     def robot(self) -> str:
@@ -101,7 +102,7 @@ class FleetTrend:
     settings: TrendSettings
 
     def __repr__(self) -> str:
-        return f"FleetTrend({len(self.robots)} robots, {len(self.changes)} changes)"
+        return f"FleetTrend({counted(len(self.robots), 'robot')}, {counted(len(self.changes), 'change')})"
 
     @cached_property
     def changes(self) -> tuple[FleetChange, ...]:

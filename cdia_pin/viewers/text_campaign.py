@@ -39,16 +39,18 @@ def campaign_answer(found: CampaignResult) -> list[str]:
             after = (
                 f", half of them within {time_words(cell.delay.value)}" if isfinite(cell.delay.value) else ""
             )
-            parts.append(f"{share_words(cell.detected)} of {cell.detected.count} faults detected{after}")
+            parts.append(
+                f"{share_words(cell.detected)} of {counted(cell.detected.count, 'fault')} detected{after}"
+            )
             parts.append(f"{share_words(cell.exact)} named exactly")
         parts.append(alarm_words(cell))
         said.append(f"{settings}{'; '.join(parts)}.")
     missing = found.planned - found.runs
     failed = sum(cell.failed for cell in found.whole)
     if missing:
-        said.append(f"{missing} of {found.planned} runs have not been made.")
+        said.append(f"{missing} of {counted(found.planned, 'run')} not made yet.")
     if failed:
-        said.append(f"{failed} of {found.planned} runs could not be made.")
+        said.append(f"{failed} of {counted(found.planned, 'run')} could not be made.")
     return said
 
 

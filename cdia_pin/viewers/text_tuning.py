@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from cdia_pin.phrases import counted
 from cdia_pin.viewers.text_campaign import share_words, time_words
 from cdia_pin.viewers.words import number
 
@@ -25,8 +26,8 @@ def tuning_answer(found: TuningResult) -> list[str]:
     said = [
         f"At {rate} false alarms an hour or fewer: γ = {best.settings['bandwidth']} /s, "
         f"{best.settings['debounce']} ticks in a row, thresholds {number(best.factor)} times the usual ones.",
-        f"{share_words(best.detected)} of {best.detected.count} faults cross the threshold, half of them within "
-        f"{time_words(best.median_delay)}.",
+        f"{share_words(best.detected)} of {counted(best.detected.count, 'fault')} cross the threshold, half of them "
+        f"within {time_words(best.median_delay)}.",
     ]
     if best.extrapolated:
         said.append(
@@ -34,7 +35,7 @@ def tuning_answer(found: TuningResult) -> list[str]:
             "fault: it is extrapolated from the tail of the residuals."
         )
     if found.failed:
-        said.append(f"{found.failed} runs could not be made.")
+        said.append(f"{counted(found.failed, 'run')} could not be made.")
     return said
 
 

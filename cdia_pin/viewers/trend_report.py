@@ -9,6 +9,7 @@ from pathlib import Path
 from cdia_pin.errors import CdiaError
 from cdia_pin.fleet import FleetChange, FleetTrend, RobotTrend
 from cdia_pin.fleet.fleet_effects import Role
+from cdia_pin.phrases import counted
 from cdia_pin.viewers.page import asset
 from cdia_pin.viewers.study_report import PAGE, page_style
 from cdia_pin.viewers.trend_chart import CHART_STYLE, course_chart
@@ -73,7 +74,7 @@ def trend_page(trend: FleetTrend, command: str = "") -> str:
         body += [_of_change(c) for c in trend.changes[:MOST_CHARTS]]
         if len(trend.changes) > MOST_CHARTS:
             body.append(
-                f"<p class='soft'>{len(trend.changes) - MOST_CHARTS} more changes have no chart here.</p>"
+                f"<p class='soft'>{counted(len(trend.changes) - MOST_CHARTS, 'more change')} without a chart here.</p>"
             )
     body.append("<h2>Every robot</h2>")
     body += [_of_robot(r, is_open=len(trend.robots) == 1) for r in trend.robots]
@@ -122,7 +123,7 @@ def _of_change(change: FleetChange) -> str:
         for t in change.along[:MOST_ALONG]
     )
     folded = (
-        f"<details><summary>{len(change.along)} parameters moved along</summary>{along}</details>"
+        f"<details><summary>{counted(len(change.along), 'parameter')} moved along</summary>{along}</details>"
         if along
         else ""
     )
@@ -134,9 +135,9 @@ def _of_change(change: FleetChange) -> str:
 
 def _of_robot(robot: RobotTrend, *, is_open: bool) -> str:
     c = robot.courses
-    said = f"{c.logs} logs" + (f", {len(c.failed)} failed" if c.failed else "")
+    said = counted(c.logs, "log") + (f", {len(c.failed)} failed" if c.failed else "")
     said += "" if c.dated else ", without dates: in the order of their names"
-    said += f", {len(robot.changes)} changes" if robot.changes else ""
+    said += f", {counted(len(robot.changes), 'change')}" if robot.changes else ""
 
     def rows() -> Iterator[list[str]]:
         for t in robot.trends:

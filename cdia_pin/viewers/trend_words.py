@@ -121,7 +121,7 @@ def trend_answer(trend: FleetTrend) -> list[tuple[str, str]]:
         first = lasting[0]
         said = f"{first.trend.course.robot}: {change_sentence(first)}"
         others = [r for r in robots if r != first.trend.course.robot]
-        head = f"{len(robots)} of {len(trend.robots)} robots changed"
+        head = f"{len(robots)} of {counted(len(trend.robots), 'robot')} changed"
         lines = [(head, said + (f"; also {listed(few(others, MOST_NAMED))}" if others else ""))]
     else:
         lines = [("nothing changed", _what_was_judged(trend))]
@@ -138,10 +138,10 @@ def _what_was_judged(trend: FleetTrend) -> str:
         wearing = [t for r in trend.robots for t in r.trends if t.course.role is not Role.JOB]
         most = max((len(t.compared) for t in wearing), default=0)
         return (
-            f"as far as can be told: a parameter has at most {most} comparable logs, and an alarm needs "
+            f"as far as can be told: a parameter has at most {counted(most, 'comparable log')}, and an alarm needs "
             f"more than {FEWEST_BEFORE + FEWEST_AFTER}"
         )
-    return f"in {judged} parameters of {len(trend.robots)} robots"
+    return f"in {counted(judged, 'parameter')} of {counted(len(trend.robots), 'robot')}"
 
 
 def is_level(trend: CourseTrend) -> bool:
@@ -198,7 +198,7 @@ def _not_compared(trend: FleetTrend) -> str:
     every = sum(len(c.logs) for c in courses)
     left = [why for c in courses for why in c.not_comparable if why]
     failed = sum(len(r.courses.failed) for r in trend.robots)
-    said = f"{len(left)} of {every} values"
+    said = f"{len(left)} of {counted(every, 'value')}"
     if left:
         kinds = {
             "the joint rests": " moves in ",
@@ -216,7 +216,7 @@ def _not_compared(trend: FleetTrend) -> str:
         said,
         f"{counted(failed, 'log')} failed" if failed else "",
         again if outdated else "",
-        f"logs without a date on {undated} of {len(trend.robots)} robots" if undated else "",
+        f"logs without a date on {undated} of {counted(len(trend.robots), 'robot')}" if undated else "",
     ]
     return "; ".join(p for p in parts if p)
 
@@ -247,7 +247,7 @@ def agreement_words(robot: RobotTrend) -> list[str]:
             f"; friction scatters by {percent(widest[0])} to {percent(widest[-1])}" if len(widest) > 1 else ""
         )
         out.append(
-            f"no drift shows in {len(agree)} of {len(few)} parameters ({kinds}): "
+            f"no drift shows in {len(agree)} of {counted(len(few), 'parameter')} ({kinds}): "
             f"they agree within their intervals{said}"
         )
     for t in few:

@@ -22,11 +22,11 @@ def test_logs_are_added_once_and_shown(cdia, folder):
     store = folder / "store"
     first = cdia("fleet", "add", "--robots", folder / "fleet.toml", "--store", store)
     assert first.code == 0
-    assert "1 logs added, 0 were there already, 0 failed" in first.out
+    assert "1 log added, 0 were there already, 0 failed" in first.out
     again = cdia(
         "fleet", "add", folder / "2026-05-12.csv", "--robots", folder / "fleet.toml", "--store", store
     )
-    assert "0 logs added, 1 were there already" in again.out
+    assert "0 logs added, 1 was there already" in again.out
     shown = cdia("fleet", "show", store, "--json", "-")
     assert shown.json["robots"][0]["logs"] == 1
     assert shown.json["schema"] == "cdia-fleet/1"
