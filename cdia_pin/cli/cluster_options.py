@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 WORK = "Workers"
 
 
-def _workers(left_out: str) -> Any:
-    return typer.Option(
+Workers = Annotated[
+    int | None,
+    typer.Option(
         "--workers",
         metavar="N",
         show_default=False,
-        help=f"Processes on this machine, one thread each; {left_out} if left out.",
+        help="Processes on this machine, one thread each; one a core if left out.",
         rich_help_panel=WORK,
-    )
-
-
-Workers = Annotated[int | None, _workers("one a core")]
-FewWorkers = Annotated[int | None, _workers("1")]  # of short work, which hardly repays their start
+    ),
+]
 Scheduler = Annotated[
     str | None,
     typer.Option(

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from cdia_pin.cli.cluster_options import FewWorkers, Scheduler
+from cdia_pin.cli.cluster_options import Scheduler, Workers
 from cdia_pin.cli.console import progress, stdout, warn
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.next_command import command_line, free, show_next
@@ -58,7 +58,7 @@ def fleet(
         ),
     ] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Try logs again that failed before.")] = False,
-    workers: FewWorkers = None,
+    workers: Workers = None,
     scheduler: Scheduler = None,
     json: Json = None,
 ) -> None:
@@ -81,13 +81,12 @@ def fleet(
         fleet_map = FleetMap.read(robots)
         if not given and not fleet_map.logs:
             raise CommandError(f"the patterns of {robots} find no log")
-        count = 1 if workers is None and scheduler is None else workers
         done = add_logs(
             FleetStore.at(store, make=True),
             fleet_map,
             given,
             retry=retry,
-            workers=count,
+            workers=workers,
             scheduler=scheduler,
             progress=tell,
         )

@@ -36,7 +36,7 @@ def run_each(
     Args:
         function: A function of a module that the workers can import.
         items: What it is called with; values that can be pickled.
-        workers: Number of processes on this machine; one a core if omitted.
+        workers: Number of processes on this machine; one a core if omitted, and none that would have no item.
         scheduler: Address of a running scheduler of Dask, such as ``tcp://10.0.0.7:8786``; its workers do the work.
         progress: Called after each item with the rate, the time left, and the share that is done [1].
 
@@ -48,7 +48,7 @@ def run_each(
             or the number of workers is given together with a scheduler or is below 1.
         MissingExtraError: If there are several workers and the extra ``fleet`` is not installed.
     """
-    count = number_of_workers(workers, scheduler)
+    count = number_of_workers(workers, scheduler, len(items) if isinstance(items, Sized) else None)
     if count == 1:
         results = run_here(function, items)
     else:
@@ -58,12 +58,13 @@ def run_each(
     return _told(results, Pace(len(items) if isinstance(items, Sized) else None), progress)
 
 
-def number_of_workers(workers: int | None, scheduler: str | None) -> int:
+def number_of_workers(workers: int | None, scheduler: str | None, items: int | None = None) -> int:
     """Return how many processes of this machine are asked for; 0 if the workers are those of a scheduler.
 
     Args:
         workers: Number of processes; one a core if None.
         scheduler: Address of a running scheduler, or None.
+        items: Number of items, above which no process is started unless it is asked for; None if it is not known.
 
     Raises:
         ClusterError: If both are given, or the number is below 1.
@@ -73,7 +74,8 @@ def number_of_workers(workers: int | None, scheduler: str | None) -> int:
         raise ClusterError(f"the scheduler {scheduler} has its own workers: leave their number out")
     if workers is not None and workers < 1:
         raise ClusterError(f"there must be at least one worker, given {workers}")
-    count = 0 if scheduler is not None else workers or usable_cores()
+    most = usable_cores() if items is None else min(usable_cores(), max(items, 1))
+    count = 0 if scheduler is not None else workers or most
     if count != 1:
         require("fleet", "several workers")
     return count

@@ -61,7 +61,8 @@ def add_logs(
         fleet: The robots, and which logs are theirs.
         logs: Files of logs; all that the map finds if empty.
         retry: Whether logs that failed before are tried again.
-        workers: Number of processes on this machine; one a core if None.
+        workers: Number of processes on this machine; one a core if None. One is this process itself, which needs no
+            ``if __name__ == "__main__":`` in a script.
         scheduler: Address of a running scheduler of Dask, whose workers do the work.
         progress: Called with a sentence and the share done, from 0 to 1.
 

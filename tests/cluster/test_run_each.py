@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from cdia_pin.cluster import ClusterError, run_each
+from cdia_pin.cluster import ClusterError, number_of_workers, run_each
 from cdia_pin.cluster.pace import Pace, duration_words
 from tests import cluster_work as work
 from tests.processes import python
@@ -71,6 +71,13 @@ def test_a_killed_worker_loses_nothing_and_gives_nothing_twice(scheduler):
         given += running
     assert sorted(f.result[0] for f in given) == list(range(60))
     assert {f.result[1] for f in given[-20:]} == {second.pid}
+
+
+def test_no_process_is_started_that_would_have_no_item():
+    assert number_of_workers(None, None, 1) == number_of_workers(None, None, 0) == 1
+    assert number_of_workers(3, None, 1) == 3  # as asked
+    (only,) = run_each(work.slowly, [7])
+    assert only.result == (7, os.getpid())
 
 
 def test_an_item_that_ends_its_workers_is_the_only_one_that_fails():
