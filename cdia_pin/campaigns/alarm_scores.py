@@ -72,6 +72,17 @@ def scores(ratio: Array, time: Array, debounce: int, onset: float, joints: NDArr
     return AlarmScores(tuple(peaks.tolist()), delays)
 
 
+def most_peaks(healthy_time: float, rate: float) -> int:
+    """Return the number of peaks that a run gives if it does not end before its time.
+
+    Args:
+        healthy_time: Time without a fault [s].
+        rate: Ticks per second [Hz].
+    """
+    ticks = max(healthy_time - QUIET, 0.0) * rate + 1  # the first and the last one count
+    return int(ticks / rate / BLOCK + 1e-9)
+
+
 def alarms(peaks: Array, factor: float) -> int:
     """Count the alarms of a healthy run: seconds in a row with a crossing are one.
 

@@ -13,6 +13,7 @@ from cdia_pin.campaigns.alarm_scores import BLOCK
 from cdia_pin.campaigns.estimates import LEVEL, SEED
 from cdia_pin.campaigns.run_row import RunRow
 from cdia_pin.errors import CdiaError
+from cdia_pin.phrases import counted
 
 Array = NDArray[np.float64]
 
@@ -49,12 +50,7 @@ class AlarmTail:
         for r in rows:
             arms.setdefault((r.robot, r.model_error, r.noise, r.arm_seed), []).extend(r.peaks)
         found = cls(tuple(np.array(p) for p in arms.values() if p))
-        seconds = sum(map(len, found.peaks))
-        if TAIL * seconds < FEWEST:
-            raise CdiaError(
-                f"{seconds} healthy seconds are too few for a threshold, {FEWEST / TAIL:.0f} are needed: raise "
-                "healthy or repeats"
-            )
+        require_enough(sum(map(len, found.peaks)))
         return found
 
     @property
@@ -82,6 +78,22 @@ class AlarmTail:
         drawn = rng.integers(len(self.peaks), size=(RESAMPLES, len(self.peaks)))
         levels = [_level(np.concatenate([self.peaks[k] for k in some]), rate) for some in drawn]
         return float(np.quantile(levels, LEVEL))
+
+
+def require_enough(seconds: int) -> None:
+    """Check that there are enough healthy seconds for a tail.
+
+    Args:
+        seconds: Number of seconds without a fault in the runs with the same settings.
+
+    Raises:
+        CdiaError: If there are too few.
+    """
+    if TAIL * seconds < FEWEST:
+        raise CdiaError(
+            f"{counted(seconds, 'healthy second')} are too few for a threshold, {FEWEST / TAIL:.0f} are needed: raise "
+            "healthy or repeats"
+        )
 
 
 def _level(peaks: Array, rate: float) -> float:

@@ -8,19 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import groupby
+from itertools import groupby, product
 from math import inf, isnan, nan
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
-from cdia_pin.campaigns.alarm_scores import FACTORS
-from cdia_pin.campaigns.alarm_tail import AlarmTail
+from cdia_pin.campaigns.alarm_scores import FACTORS, most_peaks
+from cdia_pin.campaigns.alarm_tail import AlarmTail, require_enough
 from cdia_pin.campaigns.campaign import rows_of
 from cdia_pin.campaigns.campaign_result import HOUR
-from cdia_pin.campaigns.campaign_spec import CampaignError, CampaignSpec
+from cdia_pin.campaigns.campaign_spec import CampaignError, CampaignSpec, with_joint
 from cdia_pin.campaigns.estimates import quantile, share
+from cdia_pin.campaigns.loop_comparison import onset
 from cdia_pin.campaigns.run_row import RunRow
 from cdia_pin.campaigns.run_store import TUNING, RunStore
 from cdia_pin.campaigns.scenario import Batch, planned
@@ -29,9 +30,11 @@ from cdia_pin.campaigns.tuning_result import TradeOff, TuningResult
 from cdia_pin.campaigns.watched_run import watched
 from cdia_pin.cluster import number_of_workers, run_each
 from cdia_pin.diagnosis import MonitorSettings
+from cdia_pin.effects import parse_term
 from cdia_pin.errors import CdiaError
 from cdia_pin.phrases import one_line
 from cdia_pin.progress import Progress, silent
+from cdia_pin.robot import load_robot
 
 BANDWIDTHS = (15.0, 30.0, 60.0)  # [1/s], filters that are tried unless the plan names others
 DEBOUNCES = (1, 2, 5, 10)  # ticks
@@ -65,10 +68,12 @@ def tune(
     Raises:
         CampaignError: If there are no faults or no healthy runs, the engine is another one, or the folder holds
             another campaign.
+        CdiaError: If the plan, or what came of it, has too few healthy seconds for a threshold.
     """
     number_of_workers(workers, scheduler)  # what is wrong with them is told before anything is written
     tried = tuning_spec(spec, false_alarms)
     tried.check()
+    require_enough(healthy_seconds(tried))
     store = RunStore.made(folder, tried, TUNING)
     done = {number for number, row in store.read().items() if not row.error}
     groups = [tuple(g) for _, g in groupby(planned(tried), key=_without_debounce)]
@@ -105,6 +110,21 @@ def tuning_spec(spec: CampaignSpec, false_alarms: float) -> CampaignSpec:
     )
     last = {"debounce": chosen.pop("debounce")}  # arms that differ in it alone follow each other
     return replace(spec, settings=(*sorted(chosen.items()), *last.items()), tracking=False)
+
+
+def healthy_seconds(spec: CampaignSpec) -> int:
+    """Return the number of healthy seconds that the runs of a plan have for each of its settings, at most.
+
+    Args:
+        spec: The plan; it has been checked.
+    """
+    times = [spec.healthy] * len(spec.robots)
+    for robot, case in product(spec.robots, spec.faults):
+        arm = load_robot(robot)
+        faults = [parse_term(with_joint(text, arm.joints[0]), arm) for text in case.terms]
+        times += [min(onset(faults), spec.duration)] * len(case.shares)
+    arms = spec.repeats * len(spec.model_error) * len(spec.noise)
+    return arms * sum(most_peaks(time, spec.rate) for time in times)
 
 
 def watch_group(batches: Sequence[Batch]) -> list[RunRow]:

@@ -9,7 +9,17 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from cdia_pin.campaigns import CampaignError, RunRow, RunStore, campaign, plan_text, read_spec, run_campaign
+from cdia_pin.campaigns import (
+    CampaignError,
+    RunRow,
+    RunStore,
+    campaign,
+    plan_text,
+    read_spec,
+    run_campaign,
+    tune,
+    tuning,
+)
 from cdia_pin.campaigns.campaign_spec import spec_from
 from cdia_pin.campaigns.scenario import planned
 from cdia_pin.campaigns.scenario_run import described
@@ -200,3 +210,17 @@ def test_a_folder_holds_one_campaign(folder, tmp_path):
     (tmp_path / "campaign.json").write_text(json.dumps({**document, "version": "0.0"}))
     with pytest.raises(CampaignError, match=r"made by cdia-pin 0\.0"):
         RunStore.opened(tmp_path)
+
+
+def test_a_plan_with_too_few_healthy_seconds_is_refused_before_any_run(tmp_path, monkeypatch):
+    spec = spec_from({**SMALL, "settings": {"bandwidth": [30.0], "debounce": [1, 4]}})
+    monkeypatch.setattr(tuning, "watch_group", lambda batches: pytest.fail("a run was made"))
+    # Two arms: 3 s of each healthy run and 2 s before each of the two faults, without the first second.
+    with pytest.raises(CdiaError, match=r"^14 healthy seconds are too few for a threshold, 400 are needed"):
+        tune(spec, 1.0, tmp_path / "runs", workers=1)
+    assert not (tmp_path / "runs").exists()
+
+
+def test_the_plan_tells_the_healthy_seconds_of_its_runs(folder):
+    store = RunStore.opened(folder)
+    assert tuning.healthy_seconds(store.spec) == sum(len(row.peaks) for row in store.read().values())
