@@ -46,9 +46,9 @@ class AlarmTail:
         Raises:
             CdiaError: If there are too few healthy seconds.
         """
-        arms: dict[tuple[str, float, float, int], list[float]] = {}
+        arms: dict[tuple[str, float, float, float, int], list[float]] = {}
         for r in rows:
-            arms.setdefault((r.robot, r.model_error, r.noise, r.arm_seed), []).extend(r.peaks)
+            arms.setdefault((r.robot, r.model_error, r.noise, r.speed, r.arm_seed), []).extend(r.peaks)
         found = cls(tuple(np.array(p) for p in arms.values() if p))
         require_enough(sum(map(len, found.peaks)))
         return found

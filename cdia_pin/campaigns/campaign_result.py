@@ -32,6 +32,7 @@ class Cell:
         robot: Name of the robot.
         model_error: Largest relative error of the model's inertias [1].
         noise: Noise of the measured torques over their RMS [1].
+        speed: Largest speed of the motion over the limit of the joint [1].
         settings: Settings of the engine that differ from the defaults.
         fault: Names of the hidden effects; ``healthy`` without any.
         share: Size of each fault as a share of its joint's torque [1]; NaN where it is as written.
@@ -50,6 +51,7 @@ class Cell:
     robot: str
     model_error: float
     noise: float
+    speed: float
     settings: str
     fault: str
     share: float
@@ -193,8 +195,9 @@ def _cell(rows: Sequence[RunRow], fault: str, size: float) -> Cell:
     delays = [r.delay if r.detected else inf for r in faulty]
     return Cell(
         robot=first.robot if len({r.robot for r in rows}) == 1 else "all",
-        model_error=first.model_error if len({r.model_error for r in rows}) == 1 else nan,
-        noise=first.noise if len({r.noise for r in rows}) == 1 else nan,
+        model_error=_common(r.model_error for r in rows),
+        noise=_common(r.noise for r in rows),
+        speed=_common(r.speed for r in rows),
         settings=first.settings,
         fault=fault,
         share=size,
@@ -211,9 +214,15 @@ def _cell(rows: Sequence[RunRow], fault: str, size: float) -> Cell:
     )
 
 
+def _common(values: Iterable[float]) -> float:
+    """Return the value that all runs have; NaN if they differ."""
+    first, *others = set(values)
+    return nan if others else first
+
+
 def _combination(row: RunRow) -> tuple[object, ...]:
     size = -1.0 if isnan(row.share) else row.share
-    return (row.settings, row.robot, row.model_error, row.noise, row.fault, size)
+    return (row.settings, row.robot, row.model_error, row.noise, row.speed, row.fault, size)
 
 
 def _grouped(rows: Iterable[RunRow], key: Callable[[RunRow], Any]) -> dict[Any, list[RunRow]]:

@@ -45,12 +45,13 @@ class FaultCase:
 
 @dataclass(frozen=True)
 class CampaignSpec:
-    """What a campaign runs: every combination of robots, errors, noises, settings and faults, with many arms each.
+    """What a campaign runs: every combination of robots, errors, noises, speeds, settings and faults, many arms each.
 
     Attributes:
         robots: Names of the catalogue, or paths of URDF files.
         model_error: Largest relative errors of the model's inertias [1].
         noise: Noises of the measured torques over their RMS [1].
+        speed: Largest speeds of the motions over the limit of the joint [1], of those too from which monitors learn.
         repeats: Number of arms for each combination; each has its own model error, motion and noise.
         duration: Length of a run with faults [s].
         healthy: Length of the run without faults that each arm makes [s]; 0 for none.
@@ -68,6 +69,7 @@ class CampaignSpec:
     robots: tuple[str, ...]
     model_error: tuple[float, ...] = (LoopSettings.model_error,)
     noise: tuple[float, ...] = (LoopSettings.noise,)
+    speed: tuple[float, ...] = (LoopSettings.speed,)
     repeats: int = 10
     duration: float = 10.0
     healthy: float = 60.0
@@ -103,6 +105,20 @@ class CampaignSpec:
         names = [name for name, _ in self.settings]
         return [tuple(zip(names, values, strict=True)) for values in product(*(v for _, v in self.settings))]
 
+    def loops(self, seed: int) -> list[LoopSettings]:
+        """Return the loop of each combination of model error, noise and speed.
+
+        Args:
+            seed: Of the arm.
+
+        Raises:
+            ModelError: If one of them is not valid.
+        """
+        return [
+            LoopSettings(self.rate, noise, error, self.healthy_runs, self.healthy_duration, seed, speed)
+            for error, noise, speed in product(self.model_error, self.noise, self.speed)
+        ]
+
     @property
     def digest(self) -> str:
         """Hash of all that decides what the runs are."""
@@ -116,10 +132,9 @@ class CampaignSpec:
         """
         for chosen in self.combinations():
             settings_of(self.engine, **dict(chosen))
-        for error, noise in product(self.model_error, self.noise):
-            if not 0 <= error <= 0.5:
-                raise CampaignError(f"a model error is between 0 and 0.5, given {error}")
-            LoopSettings(self.rate, noise, error, self.healthy_runs, self.healthy_duration, abs(self.seed))
+        for loop in self.loops(abs(self.seed)):
+            if not 0 <= loop.model_error <= 0.5:
+                raise CampaignError(f"a model error is between 0 and 0.5, given {loop.model_error}")
         for name in self.robots:
             robot = load_robot(name)
             Bank.of(robot, self.bank)
@@ -179,7 +194,7 @@ def spec_from(given: Mapping[str, Any]) -> CampaignSpec:
             out[name] = tuple((k, tuple(_listed(v))) for k, v in sorted(value.items()))
         elif name in {"robots", "bank"}:
             out[name] = tuple(_of_type(str, name, v) for v in _listed(value))
-        elif name in {"model_error", "noise"}:
+        elif name in {"model_error", "noise", "speed"}:
             out[name] = tuple(_number(name, v) for v in _listed(value))
         elif name in {"repeats", "seed", "healthy_runs"}:
             out[name] = _of_type(int, name, value)

@@ -46,6 +46,7 @@ class LoopSettings:
         healthy_runs: Number of runs from which a monitor learns.
         healthy_duration: Length of each of these runs [s].
         seed: Seed of motions, noise and model error.
+        speed: Largest speed of the motions over the limit of the joint [1].
     """
 
     rate: float = 1000.0
@@ -54,6 +55,7 @@ class LoopSettings:
     healthy_runs: int = 2
     healthy_duration: float = 20.0
     seed: int = 0
+    speed: float = 0.6
 
     def __post_init__(self) -> None:
         if not (self.rate > 0 and self.noise >= 0 and self.healthy_runs > 0 and self.healthy_duration > 0):
@@ -63,6 +65,8 @@ class LoopSettings:
             )
         if self.seed < 0:
             raise ModelError(f"a seed is 0 or more, given {self.seed}")
+        if not 0 < self.speed <= 1:
+            raise ModelError(f"the speed of a motion is above 0 and at most 1, given {self.speed}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -136,9 +140,8 @@ class ClosedLoop:
         Returns:
             A random exciting motion.
         """
-        return exciting_trajectory(
-            self.model.robot, np.random.default_rng([self.settings.seed, 2, number]), duration=duration
-        )
+        rng = np.random.default_rng([self.settings.seed, 2, number])
+        return exciting_trajectory(self.model.robot, rng, duration=duration, speed=self.settings.speed)
 
     def monitor(
         self,

@@ -28,6 +28,7 @@ class RunRow:
         joint: Joints on which they act; empty for the whole arm.
         terms: The faults with their values.
         share: Size of each fault as a share of its joint's torque [1].
+        speed: Largest speed of the motion over the limit of the joint [1].
         onset: When the fault begins [s].
         duration: Length of the run [s].
         healthy_time: Time without a fault, during which every alarm is a false one [s].
@@ -58,6 +59,7 @@ class RunRow:
     joint: str
     terms: str
     share: float
+    speed: float = nan
     onset: float = nan
     duration: float = nan
     healthy_time: float = 0.0

@@ -81,8 +81,7 @@ def planned(spec: CampaignSpec) -> Iterator[Batch]:
     joints = {name: load_robot(name).joints for name in spec.robots}
     for repeat in range(spec.repeats):
         seed = int(np.random.SeedSequence([spec.seed, repeat]).generate_state(1)[0])
-        for robot, error, noise in product(spec.robots, spec.model_error, spec.noise):
-            loop = LoopSettings(spec.rate, noise, error, spec.healthy_runs, spec.healthy_duration, seed)
+        for robot, loop in product(spec.robots, spec.loops(seed)):
             happens: list[tuple[tuple[str, ...], float | None, float]] = []
             if spec.healthy:
                 happens.append(((), None, spec.healthy))

@@ -109,6 +109,7 @@ def described(arm: DrawnArm, scenario: Scenario, faults: Sequence[Term] = ()) ->
             for t in faults
         ),
         share=nan if scenario.share is None else scenario.share,
+        speed=arm.loop.speed,
         duration=scenario.duration,
     )
 

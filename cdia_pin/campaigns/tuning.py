@@ -123,7 +123,7 @@ def healthy_seconds(spec: CampaignSpec) -> int:
         arm = load_robot(robot)
         faults = [parse_term(with_joint(text, arm.joints[0]), arm) for text in case.terms]
         times += [min(onset(faults), spec.duration)] * len(case.shares)
-    arms = spec.repeats * len(spec.model_error) * len(spec.noise)
+    arms = spec.repeats * len(spec.loops(0))
     return arms * sum(most_peaks(time, spec.rate) for time in times)
 
 

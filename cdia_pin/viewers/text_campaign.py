@@ -60,7 +60,7 @@ def campaign_rows(found: CampaignResult) -> tuple[tuple[str, ...], list[tuple[st
     Args:
         found: The result.
     """
-    asked = ("settings", "robot", "model_error", "noise")
+    asked = ("settings", "robot", "model_error", "noise", "speed")
     kept = [name for name in asked if len({getattr(c, name) for c in found.cells}) > 1]
     heads = (*(name.replace("_", " ") for name in kept), "fault", "size", "runs", *HEADINGS)
     rows = [(*(_given(getattr(c, name)) for name in kept), *_cells(c)) for c in found.cells]

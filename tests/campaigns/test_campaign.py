@@ -21,10 +21,13 @@ from cdia_pin.campaigns import (
     tuning,
 )
 from cdia_pin.campaigns.campaign_spec import spec_from
+from cdia_pin.campaigns.closed_loop import ClosedLoop
 from cdia_pin.campaigns.scenario import planned
 from cdia_pin.campaigns.scenario_run import described
 from cdia_pin.campaigns.watched_run import taught, watched
+from cdia_pin.dynamics import Dynamics
 from cdia_pin.errors import CdiaError
+from cdia_pin.robot import load_robot
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 ARM = {"robots": "double_pendulum", "rate": 250.0, "healthy_runs": 1, "healthy_duration": 8.0}
@@ -86,6 +89,8 @@ def test_the_plan_that_ships_can_be_run():
         ({"faults": [{"terms": "frictions@*: level=1"}]}, "unknown effect 'frictions'"),
         ({"settings": {"margin": -1.0}}, "margin must be above 0"),
         ({"model_error": 0.7}, "between 0 and 0.5"),
+        ({"speed": [0.6, 1.5]}, "at most 1, given 1.5"),
+        ({"engine": ["momentum"]}, "engine takes a value of type str"),
     ],
 )
 def test_what_a_plan_cannot_state_is_said_in_one_line(change, said):
@@ -105,6 +110,18 @@ def test_settings_are_compared_on_the_same_arms_and_faults():
     assert len({b.arm.loop.seed for b in batches}) == 2
     for repeat in (batches[:4], batches[4:]):
         assert len({tuple(s.faults for s in b.scenarios) for b in repeat}) == 1
+
+
+def test_the_speed_of_the_motion_can_be_swept():
+    spec = spec_from({**SMALL, "repeats": 1, "speed": [0.2, 0.6]})
+    spec.check()
+    loops = [b.arm.loop for b in planned(spec)]
+    assert [loop.speed for loop in loops] == [0.2, 0.6]
+    robot = Dynamics(load_robot("double_pendulum"))
+    slow, usual = (np.abs(ClosedLoop(robot, x).motion(0, 7.0)(np.linspace(0, 7, 500)).v).max() for x in loops)
+    assert slow < 0.5 * usual
+    assert {described(b.arm, b.scenarios[0]).speed for b in planned(spec)} == {0.2, 0.6}
+    assert list(planned(spec_from(SMALL))) == list(planned(spec_from({**SMALL, "speed": 0.6})))
 
 
 def test_what_came_of_each_run_is_a_row(folder):
