@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from typing import Any
 
 from cdia_pin.cluster.finished import ClusterError
@@ -29,6 +31,23 @@ LOCAL = {
 
 
 @contextmanager
+def without_interrupts() -> Iterator[None]:
+    """Start threads and processes that never get Ctrl-C, which a terminal sends to all; this thread gets it afterwards.
+
+    This process ends its workers. One that is interrupted itself prints where it was, and may be started anew.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # such as on Windows
+        yield
+        return
+    resource_tracker.ensure_running()  # its start inside the block would let interrupts through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
 def connected(workers: int, scheduler: str | None) -> Iterator[Any]:
     """Give a client of Dask, and end its workers afterwards if they were started for it.
 
@@ -47,18 +66,17 @@ def connected(workers: int, scheduler: str | None) -> Iterator[Any]:
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # the result of an item says what failed
     if scheduler is None:
-        with (
-            dask.config.set(LOCAL),
-            LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                host=LOOPBACK,
-                dashboard_address=f"{LOOPBACK}:0",
-                silence_logs=logging.CRITICAL,
-            ) as cluster,
-            Client(cluster, set_as_default=False) as client,
-        ):
-            yield client
+        with dask.config.set(LOCAL):
+            with without_interrupts():
+                started = LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    host=LOOPBACK,
+                    dashboard_address=f"{LOOPBACK}:0",
+                    silence_logs=logging.CRITICAL,
+                )
+            with started as cluster, Client(cluster, set_as_default=False) as client:
+                yield client
         return
     try:
         client = Client(scheduler, timeout=ENOUGH, set_as_default=False)

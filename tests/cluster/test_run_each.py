@@ -168,8 +168,10 @@ def test_ctrl_c_ends_the_work_and_its_processes(tmp_path):
         process.stdout.readline()
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does: all processes get it
     begin = time.monotonic()
-    process.communicate(timeout=20)
+    _, said = process.communicate(timeout=20)
     assert process.returncode != 0
+    assert said.endswith("KeyboardInterrupt\n")
+    assert "Worker" not in said  # workers end in silence
     assert time.monotonic() - begin < 10
     while alive_in(process.pid) and time.monotonic() - begin < 15:
         time.sleep(0.05)
