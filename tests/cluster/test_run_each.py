@@ -4,11 +4,7 @@ import os
 import re
 import signal
 import subprocess
-import sys
-import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from itertools import count, islice
 from pathlib import Path
 
@@ -17,35 +13,7 @@ import pytest
 from cdia_pin.cluster import ClusterError, number_of_workers, run_each
 from cdia_pin.cluster.pace import Pace, duration_words
 from tests import cluster_work as work
-from tests.processes import python
-
-
-@pytest.fixture(scope="module")
-def scheduler() -> Iterator[str]:
-    """A scheduler of its own process; its workers are ended first."""
-    with dask("scheduler", "--port", "0", "--no-dashboard") as process:
-        lines = iter(process.stderr.readline, "")
-        address = next(m[0] for line in lines if (m := re.search(r"tcp://127\.0\.0\.1:\d+", line)))
-        threading.Thread(target=process.stderr.read, daemon=True).start()  # a full pipe would stop it
-        yield address
-
-
-@contextmanager
-def dask(kind: str, *options: str) -> Iterator[subprocess.Popen[str]]:
-    command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", "--host", "127.0.0.1", *options]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
-
-
-@contextmanager
-def worker(scheduler: str) -> Iterator[subprocess.Popen[str]]:
-    with dask("worker", scheduler, "--nthreads", "1", "--no-nanny", "--no-dashboard") as process:
-        threading.Thread(target=process.stderr.read, daemon=True).start()
-        yield process
+from tests.processes import dask, python, worker
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -171,7 +139,7 @@ def test_ctrl_c_ends_the_work_and_its_processes(tmp_path):
     _, said = process.communicate(timeout=20)
     assert process.returncode != 0
     assert said.endswith("KeyboardInterrupt\n")
-    assert "Worker" not in said  # workers end in silence
+    assert "Dask Worker process" not in said  # workers end in silence
     assert time.monotonic() - begin < 10
     while alive_in(process.pid) and time.monotonic() - begin < 15:
         time.sleep(0.05)
