@@ -7,7 +7,7 @@ JOBS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: install test lint docs demo audit fuzz lock bench bench-discovery bench-real bench-cdia bench-samples
-.PHONY: bench-logs bench-scale bench-sensitivity bench-soak clean help
+.PHONY: bench-logs bench-scale bench-sensitivity bench-soak bench-reliability clean help
 
 help:  ## show this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -59,6 +59,9 @@ bench-samples: $(VENV)/.installed-dev  ## give the monitor samples that cannot b
 
 bench-soak: $(VENV)/.installed-dev  ## let a monitor run for ten million ticks; ten minutes
 	$(BIN)/python -m benchmarks.soak
+
+bench-reliability: $(VENV)/.installed-dev  ## try by kinds what must not break, and count what held; three minutes
+	$(BIN)/python -m benchmarks.reliability
 
 bench-sensitivity: $(VENV)/.installed-dev  ## halve and double each number that decides; an hour, an interrupted run goes on
 	$(BIN)/python -m benchmarks.sensitivity --jobs $(JOBS)

@@ -80,16 +80,17 @@ def test_a_device_takes_what_comes():
         write_whole("/dev/full", "too much")
 
 
-def test_a_killed_program_leaves_the_old_file(tmp_path):
+@pytest.mark.parametrize("size", [0, 1, 4095, 4096, 1_000_000])
+def test_a_killed_program_leaves_the_old_file(tmp_path, size):
     path = tmp_path / "model.json"
     path.write_text("old")
     program = (
         "import os, signal, sys\n"
         "from cdia_pin.whole_files import whole_file\n"
         "with whole_file(sys.argv[1]) as file:\n"
-        "    file.write(b'half'); file.flush(); os.kill(os.getpid(), signal.SIGKILL)\n"
+        "    file.write(bytes(int(sys.argv[2]))); file.flush(); os.kill(os.getpid(), signal.SIGKILL)\n"
     )
-    done = subprocess.run([sys.executable, "-c", program, str(path)], check=False)
+    done = subprocess.run([sys.executable, "-c", program, str(path), str(size)], check=False)
     assert done.returncode == -signal.SIGKILL
     assert path.read_text() == "old"
 

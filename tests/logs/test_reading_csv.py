@@ -205,6 +205,19 @@ def test_a_last_number_that_is_cut_off_is_noticed(ur5, tmp_path, left):
         assert len(log.time) == (ROWS if rest == last[:left] else ROWS - 1)
 
 
+@given(cut=st.floats(0.3, 1.0), newline=st.sampled_from(["\n", "\r\n"]))
+@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_a_file_cut_off_anywhere_gives_all_of_its_complete_rows(ur5, tmp_path, plain, cut, newline):
+    text = text_of(ur5.joints, newline=newline)
+    text = text[: round(cut * len(text))]
+    log = read_log(write(tmp_path / "a.csv", text), ur5)
+    complete = text.count("\n") - 1  # less the header
+    assert complete <= len(log.time) <= complete + 1
+    for signal in ("time", "position", "velocity", "effort"):
+        np.testing.assert_array_equal(getattr(log, signal)[:complete], getattr(plain, signal)[:complete])
+    assert text.endswith("\n") or any("cut off" in note for note in log.notes)
+
+
 @given(row=st.integers(1, ROWS - 2), column=st.integers(0, 18), after=st.booleans())
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_a_stray_quote_is_refused_and_swallows_no_rows(ur5, tmp_path, row, column, after):
