@@ -124,6 +124,7 @@ KINDS = (
         "refused, or doubted",
         (
             f"{TERMINAL}::test_a_fault_that_no_arm_can_have_is_refused",
+            f"{TERMINAL}::test_a_fault_that_is_larger_than_any_is_refused",
             f"{TERMINAL}::test_export_refuses_what_a_urdf_cannot_be",
             f"{TERMINAL}::test_a_model_with_a_number_that_no_arm_has_is_doubted",
         ),

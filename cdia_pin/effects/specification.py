@@ -10,7 +10,9 @@ from cdia_pin.errors import EffectError
 from cdia_pin.robot.model import RobotModel
 
 REGION_KEYS = {"q": "position", "dq": "velocity", "speed": "speed", "tau": "effort"}
-TIME_KEYS = ("after", "until", "rate", "period", "duty")
+MOMENTS = ("after", "until")
+TIME_KEYS = (*MOMENTS, "rate", "period", "duty")
+LATEST = 1e10  # [s], 300 years; a time of day in Unix seconds is below it
 KINDS = "after and until; after and rate; after, period and duty; or one of " + ", ".join(REGION_KEYS)
 
 
@@ -68,6 +70,10 @@ def parse_profile(keys: dict[str, str], effect: Effect, text: str) -> Profile:
     if len(given) == 1 and given <= set(REGION_KEYS):
         return _region(*keys.popitem(), effect, text)
     times = {k: _number(v, text) for k, v in keys.items() if k in TIME_KEYS}
+    for key, value in times.items():
+        least = 0.0 if key in MOMENTS else -float("inf")  # a profile refuses the others itself
+        if not least <= value <= LATEST:
+            raise EffectError(f"'{text}': {key} is 0 to {LATEST:g}, given {keys[key]}")
     if given <= {"after", "until"}:
         return Between(times.get("after", -float("inf")), times.get("until", float("inf")))
     start = times.get("after", 0.0)

@@ -6,7 +6,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from cdia_pin.dynamics.physical import require_physical
+from cdia_pin.effects import parse_term
+from cdia_pin.effects.weight import largest_weight
 from cdia_pin.phrases import printable
+from cdia_pin.robot.catalogue import robots_here
 
 STYLE = re.compile(r"\x1b\[[0-9;]*m")  # what rich writes itself
 ODD = "a\x1b]0;owned\x07\x1b[2J\x9b31mb\u202ec\rd"
@@ -81,6 +85,43 @@ def test_a_fault_that_no_arm_can_have_is_refused(cdia, tmp_path, fault, said):
     assert said in done.error and not out.exists()
 
 
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [
+        (
+            "coulomb_friction@elbow_joint: level=1e9",
+            "1e+09 N·m at elbow_joint, more than 10 times the 150 N·m",
+        ),
+        ("viscous_friction@elbow_joint: coefficient=1e6", "at elbow_joint"),
+        ("rotor_inertia@elbow_joint: inertia=1e9", "at elbow_joint"),
+        ("payload: mass=1e6", "more than 10 times"),
+        ("torque_offset@wrist_3_joint: offset=-1e6", "at wrist_3_joint"),
+        ("coulomb_friction@elbow_joint: level=5, after=-4", "after is 0 to 1e+10, given -4"),
+        ("coulomb_friction@elbow_joint: level=5, after=1e308", "after is 0 to 1e+10, given 1e308"),
+        ("coulomb_friction@elbow_joint: level=5, until=inf", "until is 0 to 1e+10, given inf"),
+        ("coulomb_friction@elbow_joint: level=5, after=1, rate=1e300", "rate is 0 to 1e+10"),
+    ],
+)
+def test_a_fault_that_is_larger_than_any_is_refused(cdia, tmp_path, fault, said):
+    out = tmp_path / "out.csv"
+    done = cdia("simulate", "--robot", "ur5", "--duration", "5", "--fault", fault, "--out", out)
+    assert said in done.error and not out.exists()
+
+
+@given(share=st.floats(0.0, 2.0), sign=st.sampled_from([-1, 1]))
+def test_a_fault_of_up_to_twice_the_effort_is_not_refused(ur5, share, sign):
+    for joint, effort in zip(ur5.joints, ur5.limits.effort, strict=True):
+        require_physical([parse_term(f"torque_offset@{joint}: offset={sign * share * effort}")], ur5)
+        require_physical([parse_term(f"coulomb_friction@{joint}: level={share * effort}")], ur5)
+
+
+def test_what_arms_have_is_not_refused():
+    for arm in robots_here():
+        require_physical([parse_term(f"payload: mass={0.2 * arm.total_mass}")], arm)
+        for joint, weight in zip(arm.joints, largest_weight(arm), strict=True):
+            require_physical([parse_term(f"coulomb_friction@{joint}: level={weight}")], arm)
+
+
 def model_with(folder, *terms):
     import json
 
@@ -109,7 +150,7 @@ def friction(level: float) -> dict:
     return {"effect": "coulomb_friction", "joints": ["elbow_joint"], "parameters": {"level": level}}
 
 
-@pytest.mark.parametrize("term", [body(-100.0), friction(-5.0)])
+@pytest.mark.parametrize("term", [body(-100.0), friction(-5.0), friction(1e9)])
 def test_export_refuses_what_a_urdf_cannot_be(cdia, tmp_path, term):
     out = tmp_path / "arm.urdf"
     done = cdia("export", "--robot", "ur5", "--model", model_with(tmp_path, term), "--urdf", out)
@@ -131,4 +172,7 @@ def test_a_model_with_a_number_that_no_arm_has_is_doubted(cdia, tmp_path):
     done = cdia("check", "none.csv", "--robot", "ur5")
     assert done.code == 2
     model = model_with(tmp_path, friction(-5.0))
+    huge = model_with(tmp_path, friction(1e9))
+    assert "more than 10 times" in cdia("compare", "none.csv", "--robot", "ur5", "--model", huge).err
+    model_with(tmp_path, friction(-5.0))
     assert "level = -5" in cdia("compare", "none.csv", "--robot", "ur5", "--model", model).err
