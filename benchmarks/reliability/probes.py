@@ -99,6 +99,15 @@ KINDS = (
         (f"{CSV}::test_a_stray_quote_is_refused_and_swallows_no_rows",),
         "rows",
     ),
+    Kind(
+        "logs whose joints have odd names, written as CSV",
+        "read back as they were, or refused",
+        (
+            f"{CSV}::test_names_of_any_joints_are_read_back_or_refused",
+            f"{CSV}::test_a_joint_whose_name_has_commas_and_quotes_is_read_back",
+        ),
+        "the log",
+    ),
     Kind("odd URDF files", "read, or refused with what is wrong", ("tests/robot/test_odd_urdf.py",)),
     Kind(
         "odd logs and numbers for commands",

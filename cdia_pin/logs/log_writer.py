@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
+from cdia_pin.phrases import printable
 from cdia_pin.whole_files import whole_file
 
 Array = NDArray[np.float64]
 
+SEPARATES = frozenset(",;\"'# ")  # in a name, it needs quotes
 WRITABLE = (".csv", ".parquet", ".npz")
 """Suffixes of the formats that can be written."""
 
@@ -30,7 +32,7 @@ def write_log(log: Log, path: str | Path) -> Path:
         The path that was written.
 
     Raises:
-        LogError: If the suffix is unknown or the file cannot be written.
+        LogError: If the suffix is unknown, the file cannot be written, or CSV cannot hold the name of a joint.
     """
     path = Path(path)
     suffix = path.suffix.lower()
@@ -82,9 +84,22 @@ def _write_arrow(log: Log, path: Path, suffix: str) -> None:
         return
     from pyarrow import csv
 
+    header = _header(table.column_names, path.name)
     with whole_file(path) as file:
-        file.write((",".join(table.column_names) + "\n").encode())  # pyarrow would put the names in quotes
+        file.write(header)  # pyarrow would put all names in quotes
         csv.write_csv(table, file, csv.WriteOptions(include_header=False))
+
+
+def _header(names: list[str], source: str) -> bytes:
+    """Return the line of names; those that hold what separates columns are in quotes."""
+    for name in names:
+        if name != printable(name).strip():
+            raise LogError(
+                f"{source}: CSV cannot hold the name '{printable(name)}', with blanks at its end or characters that "
+                "cannot be printed; write .parquet or .npz"
+            )
+    quoted = ['"' + n.replace('"', '""') + '"' if SEPARATES & set(n) else n for n in names]
+    return (",".join(quoted) + "\n").encode()
 
 
 def _write_npz(log: Log, path: Path) -> None:

@@ -1,14 +1,20 @@
 """CSV as people write it is read; what cannot be used is refused in one clear line."""
 
 import time as clock
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, read_log, write_log
+from cdia_pin.logs.log_writer import columns_of
+from cdia_pin.logs.readers.csv import read_csv
+from cdia_pin.phrases import printable
+from cdia_pin.robot import load_robot
+from tests.one_joint import write_urdf
 
 ROWS = 40
 
@@ -227,6 +233,42 @@ def test_a_stray_quote_is_refused_and_swallows_no_rows(ur5, tmp_path, row, colum
     lines[row] = ",".join(cells)
     with pytest.raises(LogError, match=f"line {row + 1}.*quot"):
         read_log(write(tmp_path / "a.csv", "\n".join(lines) + "\n"), ur5)
+
+
+@given(names=st.lists(st.text(min_size=1, max_size=12), min_size=1, max_size=4, unique=True))
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@example(names=["a,b", 'c"d', "e;f", "g#h", "i'"])
+@example(names=["a\nb"])
+@example(names=["a,b,c;d;e;f;g;h"])
+def test_names_of_any_joints_are_read_back_or_refused(tmp_path, names):
+    values = np.arange(3.0 * len(names)).reshape(3, len(names))
+    log = Log(tuple(names), np.array([0.0, 0.1, 0.2]), values, 2 * values)
+    file = tmp_path / "a.csv"
+    try:
+        write_log(log, file)
+    except LogError as error:
+        assert any(n != printable(n).strip() for n in names), error
+        assert printable(str(error)) == str(error) and ".parquet" in str(error)
+        return
+    table = read_csv(file.read_bytes(), "a.csv")
+    assert list(table.columns) == list(columns_of(log))
+    np.testing.assert_array_equal(table.columns[f"effort.{names[-1]}"], 2 * values[:, -1])
+
+
+def with_name(folder, joint):
+    """The URDF of an arm whose only joint has this name."""
+    file = write_urdf("revolute", folder)
+    file.write_text(file.read_text().replace('"only"', quoteattr(joint)))
+    return file
+
+
+def test_a_joint_whose_name_has_commas_and_quotes_is_read_back(tmp_path):
+    name = 'elbow, "left"; 2'
+    robot = load_robot(with_name(tmp_path, name))
+    assert robot.joints == (name,)
+    log = Log((name,), np.arange(20) / 10, np.linspace(0, 1, 20)[:, None], np.linspace(1, 2, 20)[:, None])
+    again = read_log(write_log(log, tmp_path / "a.csv"), robot)
+    np.testing.assert_array_equal(again.effort, log.effort)
 
 
 def test_numbers_in_quotes_are_read(ur5, tmp_path, plain):

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 _BOMS = ((b"\xef\xbb\xbf", "utf-8"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
 _COMMENT = re.compile(rb"(?m)^[ \t]*#[^\r\n]*(?:\r\n|\r|\n|$)")
 _CUT_NUMBER = re.compile(r"^(?:[+-]?[0-9.,]*(?:[eE][+-]?)?)$")
+_QUOTED = re.compile(r'"[^"]*"')
 _DECIMAL_COMMA = re.compile(r"^-?\d+,\d+$")
 
 
@@ -58,8 +59,27 @@ def column_names(header: str) -> tuple[list[str], str]:
         header: The line.
     """
     delimiter = _delimiter(header)
-    names = [name.strip().strip("\"'").strip() for name in header.strip().split(delimiter)]
+    names = [_without_quotes(cell.strip()) for cell in _cells(header.strip(), delimiter)]
     return [n for n in names if n] if delimiter == " " else names, delimiter
+
+
+def _cells(line: str, delimiter: str) -> list[str]:
+    """Split a line at the delimiters that are not between quotes."""
+    cells: list[list[str]] = []
+    is_open = False
+    for piece in line.split(delimiter):
+        if is_open:
+            cells[-1].append(piece)
+        else:
+            cells.append([piece])
+        is_open ^= piece.count('"') % 2 == 1
+    return [delimiter.join(pieces) for pieces in cells]
+
+
+def _without_quotes(name: str) -> str:
+    if len(name) > 1 and name.startswith('"') and name.endswith('"'):
+        return name[1:-1].replace('""', '"').strip()
+    return name.strip("\"'").strip()
 
 
 def _plain_text(data: bytes, source: str) -> tuple[bytes, list[str]]:
@@ -133,7 +153,8 @@ def _first_line(data: bytes) -> tuple[bytes, bytes]:
 
 
 def _delimiter(header: str) -> str:
-    counts = {d: header.count(d) for d in (",", ";", "\t")}
+    bare = _QUOTED.sub("", header)
+    counts = {d: bare.count(d) for d in (",", ";", "\t")}
     best = max(counts, key=lambda d: counts[d])
     return best if counts[best] else " "
 
