@@ -77,10 +77,14 @@ class Store(Generic[T]):
         return {o.id: o for o in whole}
 
     def add(self, outcome: T) -> None:
-        """Append an outcome."""
+        """Append an outcome, on a line of its own even behind one that was cut short."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(outcome.to_json() + "\n")
+        with self.path.open("ab+") as file:
+            if file.tell():
+                file.seek(-1, os.SEEK_END)
+                if file.read() != b"\n":
+                    file.write(b"\n")
+            file.write(outcome.to_json().encode() + b"\n")
 
     def forget(self) -> None:
         """Delete what is there."""

@@ -15,6 +15,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from cdia_pin import Log
+from cdia_pin.whole_files import whole_file, write_whole
 
 Array = NDArray[np.float64]
 Columns = dict[str, NDArray[Any]]
@@ -33,8 +34,7 @@ def write(path: Path, columns: Mapping[str, NDArray[Any]], separator: str = ",")
     """Write columns of one length as text, with every digit."""
     rows = np.column_stack(list(columns.values()))
     lines = [separator.join(columns), *(separator.join(map(repr, row)) for row in rows.tolist())]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return path
+    return write_whole(path, "\n".join(lines) + "\n")
 
 
 def rtde(log: Log, **torques: Array) -> Columns:
@@ -120,8 +120,9 @@ def lerobot(
     (folder / "meta").mkdir(parents=True)
     (folder / "data" / "chunk-000").mkdir(parents=True)
     info = {"codebase_version": "v3.0", "fps": round(log.rate), "features": features}
-    (folder / "meta" / "info.json").write_text(json.dumps(info), encoding="utf-8")
-    parquet.write_table(pa.table(table), folder / "data" / "chunk-000" / "file-000.parquet")
+    write_whole(folder / "meta" / "info.json", json.dumps(info))
+    with whole_file(folder / "data" / "chunk-000" / "file-000.parquet") as file:
+        parquet.write_table(pa.table(table), file)
     return folder
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cdia_pin.fleet import FleetMap, FleetStore, FleetTrend, add_logs, fleet_trend
+from cdia_pin.whole_files import write_whole
 
 ARM = "ur10e"
 
@@ -19,10 +20,10 @@ def fleet_of_one(data: Path, folder: Path) -> FleetTrend:
     logs = data / ARM
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "fleet.toml"
-    path.write_text(
+    write_whole(
+        path,
         f'[robots.{ARM}]\nrobot = "{logs / "ur10e.urdf"}"\ngains = "{logs / "drive_gains.json"}"\n'
         f'logs = ["{logs}/*.csv"]\n',
-        encoding="utf-8",
     )
     store = FleetStore.at(folder / "store", make=True)
     add_logs(store, FleetMap.read(path))

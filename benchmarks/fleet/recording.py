@@ -13,6 +13,7 @@ from benchmarks.fleet.plan import ARM, LINKS, FleetRobotPlan
 from benchmarks.plant import Fourier, MujocoPlant
 from benchmarks.plant.model_error import erroneous
 from cdia_pin.logs import write_log
+from cdia_pin.whole_files import write_whole
 
 DURATION, RATE = 8.0, 100.0  # [s], [Hz]: thousands of logs have to be cheap
 STEP = 2e-3  # [s] of the integration
@@ -88,5 +89,4 @@ def write_map(robots: Iterable[FleetRobotPlan], folder: Path) -> Path:
     path = folder / "fleet.toml"
     folder.mkdir(parents=True, exist_ok=True)
     lines = (f'[robots.{r.name}]\nrobot = "{ARM}"\nlogs = ["{r.name}/*.parquet"]\n' for r in robots)
-    path.write_text("\n".join(lines), encoding="utf-8")
-    return path
+    return write_whole(path, "\n".join(lines))

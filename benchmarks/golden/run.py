@@ -266,7 +266,9 @@ def main(arguments: list[str] | None = None) -> None:
     given = parser.parse_args(arguments)
     cases = selected(read_cases(given.cases), given.only, given.quick)
     answers = run(cases, given.logs.resolve(), given.data.resolve(), given.jobs)
-    given.out.write_text(json.dumps(answers, indent=1), encoding="utf-8")
+    draft = given.out.with_name(f"{given.out.name}.part")  # the old answers stay until the new ones are whole
+    draft.write_text(json.dumps(answers, indent=1), encoding="utf-8")
+    draft.replace(given.out)
     processor = sum(a.get("processor_s", 0.0) for a in answers["cases"].values())
     print(
         f"{len(cases)} cases, {processor:.0f} s of processor, {answers['total_s']:.0f} s, with {answers['package']}"
