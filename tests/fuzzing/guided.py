@@ -23,10 +23,10 @@ from pathlib import Path
 CORPUS = Path(__file__).parent / "corpus"
 KINDS = sorted(folder.name for folder in CORPUS.iterdir())
 # their modules are imported at once; where they are needed is too late for the fuzzer to follow them
-PACKAGES = ("logs", "robot", "dynamics", "effects", "diagnosis")
+PACKAGES = ("logs", "robot", "dynamics", "effects", "diagnosis", "fleet", "campaigns")
 # by numba, which takes no code that the fuzzer has changed; a monitor compiles the effects too
 COMPILED = [f"cdia_pin.diagnosis.{m}" for m in ("correction_kernel", "fits", "kernels", "sample_kernel")]
-COMPILED_TOO = {"samples": ["cdia_pin.effects"]}
+COMPILED_TOO = {kind: ["cdia_pin.effects"] for kind in ("samples", "monitors")}
 OUT = Path(__file__).parents[2] / "out" / "fuzz"
 # of each kind in a run that is the same each time; half a minute for samples, which are the slowest
 INPUTS = 1500
