@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.effects import parse_term
@@ -13,8 +15,19 @@ from cdia_pin.logs import Log, check_log, read_log, write_log
 from cdia_pin.logs.checks.conventions import ConventionChange, Conventions, Trial, commonest
 from cdia_pin.logs.checks.effort_kind import GravityGain
 from cdia_pin.logs.checks.sampling import quantum
+from cdia_pin.logs.checks.stretches import check_stuck
 from cdia_pin.logs.derivatives import differentiate
 from tests.one_joint import write_urdf
+
+# folder, robot, gains, below the measured logs
+ARMS = (
+    ("ur10", "ur10", None),
+    ("panda", "panda", None),
+    ("double_pendulum", "double_pendulum/double_pendulum.urdf", None),
+    ("kuka_lwr4", "kuka_lwr4/kuka_lwr4.urdf", None),
+    ("ur10e", "ur10e/ur10e.urdf", "ur10e/drive_gains.json"),
+    ("ur5", "ur5", "ur5/drive_gains.json"),
+)
 
 
 def problems(log, robot):
@@ -280,6 +293,80 @@ def test_a_stretch_in_which_every_signal_stands_still_is_named(ur5, ur5_log):
     found, *_ = check_log(replace(ur5_log, **held), ur5).about("frozen")
     assert found.severity == "warning" and found.joint is None
     assert "t = 4 s" in found.message and found.value["seconds"] == pytest.approx(0.396)
+
+
+def stuck(log: Log, joint: int, start: int, stop: int) -> Log:
+    position = log.position.copy()
+    position[start:stop, joint] = position[start, joint]
+    return replace(log, position=position)
+
+
+@pytest.mark.parametrize("with_velocity", [True, False])
+@pytest.mark.parametrize("joint", range(6))
+def test_an_encoder_that_stands_still_alone_is_named(ur5, ur5_log, joint, with_velocity):
+    log = stuck(ur5_log if with_velocity else replace(ur5_log, velocity=None), joint, 1000, 1500)
+    found = [f for f in check_log(log, ur5).about("frozen") if "jump" in f.value]
+    assert [f.joint for f in found] == [ur5.joints[joint]] and found[0].severity == "warning"
+    assert found[0].value["from_s"] == 4.0 and found[0].value["seconds"] == pytest.approx(1.996)
+    assert found[0].value["jump"] == pytest.approx(
+        ur5_log.position[1500, joint] - ur5_log.position[1000, joint]
+    )
+
+
+def test_of_two_stretches_the_longer_one_is_named(ur5, ur5_log):
+    log = stuck(stuck(ur5_log, 2, 1000, 1200), 2, 3000, 3500)
+    (found,) = [f for f in check_log(log, ur5).about("frozen") if "jump" in f.value]
+    assert found.value["from_s"] == 12.0
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    rest=st.integers(50, 2000),
+    step=st.sampled_from([0.0, 1e-5, 1e-3, 0.02]),
+    rate=st.sampled_from([50.0, 250.0, 1000.0]),
+    hold=st.sampled_from([1, 2, 10]),
+)
+@settings(max_examples=100, deadline=None)
+def test_joints_that_rest_and_coarse_encoders_are_not_called_stuck(ur5, seed, rest, step, rate, hold):
+    # rests, moves with the acceleration of a smooth step, rests, and moves back; the other joints move on
+    rng = np.random.default_rng(seed)
+    ramp = np.linspace(0, 1, int(rate * rng.uniform(0.3, 3.0)))
+    move = 6 * ramp**5 - 15 * ramp**4 + 10 * ramp**3
+    one = np.concatenate([np.zeros(rest), move, np.ones(rest), 1 - move, np.zeros(rest)])
+    time = np.arange(len(one)) / rate
+    position = np.sin(np.outer(time, rng.uniform(0.5, 2.0, 6)))
+    position[:, 2] = rng.uniform(0.2, 2.0) * one
+    position = position[np.arange(len(time)) // hold * hold]
+    position = np.round(position / step) * step if step else position
+    log = Log(ur5.joints, time, position, rng.normal(size=position.shape))
+    assert not list(check_stuck(log, ur5))
+
+
+def test_measured_logs_have_no_encoder_that_stands_still(measured):
+    for folder, robot, gains in ARMS:
+        arm = load_robot(measured / robot if robot.endswith(".urdf") else robot)
+        for file in sorted((measured / folder).glob("*.csv")):
+            if "wrench" in file.name:
+                continue
+            log = read_log(file, arm, gains=measured / gains if gains else None)
+            assert not list(check_stuck(log, arm)), file.name
+
+
+@pytest.mark.parametrize("rate", [125.0, 250.0, 500.0, 1000.0])
+@pytest.mark.parametrize("dropped", [{700}, {700, 2500}, {700, 701, 2500}])
+def test_rows_missing_on_an_exact_grid_are_counted(ur5, ur5_log, rate, dropped):
+    keep = [k for k in range(len(ur5_log.time)) if k not in dropped]
+    time = np.arange(len(ur5_log.time)) / rate
+    parts = {s: getattr(ur5_log, s)[keep] for s in ("position", "velocity", "effort")}
+    (found,) = check_log(replace(ur5_log, time=time[keep], **parts), ur5).about("gaps")
+    assert found.severity == "info" and found.value["missing_rows"] == len(dropped)
+    assert f"{len(dropped)} row" in found.message and f"after t = {699 / rate:.4g} s" in found.message
+
+
+def test_jitter_is_no_missing_row(ur5, ur5_log):
+    time = np.cumsum(np.random.default_rng(0).uniform(0.5, 1.9, len(ur5_log.time))) / 250.0
+    (found,) = check_log(replace(ur5_log, time=time), ur5).about("gaps")
+    assert found.severity == "ok"
 
 
 def test_rows_that_come_twice_are_named(ur5, ur5_log):

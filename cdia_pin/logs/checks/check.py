@@ -16,7 +16,7 @@ from cdia_pin.logs.checks.limits import check_limits, check_saturation
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import check_gaps, check_rate, check_repeats, check_resolution
 from cdia_pin.logs.checks.sign_and_order import check_conventions
-from cdia_pin.logs.checks.stretches import check_copied, check_held
+from cdia_pin.logs.checks.stretches import check_copied, check_held, check_stuck
 from cdia_pin.logs.checks.torque_side import check_torque_side
 from cdia_pin.logs.checks.velocity import check_velocity
 from cdia_pin.logs.checks.wild import check_wild
@@ -67,6 +67,7 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     motion = motion_of(log, robot.is_prismatic)
     yield from check_repeats(log, robot, motion)
     yield from check_held(log)
+    yield from check_stuck(log, robot)
     yield from check_copied(log)
     yield from check_resolution(log, robot, motion)
     yield from check_limits(log, robot)

@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 
 LOWEST_RATE = 40.0  # [Hz], accelerations of an arm cannot be derived at a lower rate
 LONG_GAP = 0.1  # [s], an arm's acceleration can change sign in this time
+EVEN = 0.05  # [1], spread of the steps over a period (5 to 95 %) up to which a clock is even
 FROZEN = 0.25  # [s], a measured signal of a moving joint changes in less than this time
 
 
@@ -89,10 +90,10 @@ def check_gaps(log: Log) -> Iterator[Finding]:
             value={"count": len(gaps), "longest_s": longest, "after_s": at, "not_checked": left_out},
         )
     else:
-        yield Finding(Topic.GAPS, Severity.OK, "no gaps", value={"count": 0})
+        yield _missing_rows(log, step, period)
     low, high = np.percentile(step, [5, 95])
     value = {"step_p05_s": float(low), "step_p95_s": float(high), "step_std_s": float(step.std())}
-    if high - low > 0.05 * period:
+    if high - low > EVEN * period:
         grid = _time_grid(log.time)
         stamped = f"; stamps are multiples of {grid * 1e3:g} ms" if grid else ""
         yield Finding(
@@ -107,6 +108,21 @@ def check_gaps(log: Log) -> Iterator[Finding]:
         )
     else:
         yield Finding(Topic.JITTER, Severity.OK, "evenly sampled", value=value)
+
+
+def _missing_rows(log: Log, step: Array, period: float) -> Finding:
+    """Return the rows that an even clock lacks; a clock that jitters does not tell them."""
+    low, high = np.percentile(step, [5, 95])
+    lacking = np.round(step / period).astype(int) - 1
+    if high - low > EVEN * period or not (lacking > 0).any():
+        return Finding(Topic.GAPS, Severity.OK, "no gaps", value={"count": 0})
+    count, first = int(lacking.sum()), float(log.time[int(np.argmax(lacking > 0))])
+    return Finding(
+        Topic.GAPS,
+        Severity.INFO,
+        f"{counted(count, 'row')} missing, the first after t = {first:.4g} s; interpolated where the log is used",
+        value={"count": 0, "missing_rows": count, "first_after_s": first},
+    )
 
 
 def check_repeats(log: Log, robot: RobotModel, motion: SmoothedMotion | None) -> Iterator[Finding]:
@@ -233,6 +249,19 @@ def check_resolution(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
         )
 
 
+def runs(true: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Find all runs of True.
+
+    Args:
+        true: Flags, shape (N,).
+
+    Returns:
+        First index and index after the last of each run, shape (R,) each.
+    """
+    edge = np.diff(np.concatenate([[0], true.astype(np.int8), [0]]))
+    return np.flatnonzero(edge == 1), np.flatnonzero(edge == -1)
+
+
 def longest_run(true: NDArray[np.bool_]) -> tuple[int, int]:
     """Find the longest run of True.
 
@@ -242,8 +271,7 @@ def longest_run(true: NDArray[np.bool_]) -> tuple[int, int]:
     Returns:
         First index and index after the last; (0, 0) if no flag is True.
     """
-    edge = np.diff(np.concatenate([[0], true.astype(np.int8), [0]]))
-    starts, stops = np.flatnonzero(edge == 1), np.flatnonzero(edge == -1)
+    starts, stops = runs(true)
     if not len(starts):
         return 0, 0
     longest = int((stops - starts).argmax())

@@ -1,19 +1,26 @@
-"""Stretches of a log that hold no measurements of their own: every signal stands still, or rows come again."""
+"""Stretches of a log that hold no measurements of their own: signals stand still, or rows come again."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
-from cdia_pin.logs.checks.sampling import FROZEN, longest_run
+from cdia_pin.logs.checks.joint_units import units_of
+from cdia_pin.logs.checks.sampling import FROZEN, longest_run, runs
 from cdia_pin.logs.log import Log
+
+if TYPE_CHECKING:
+    from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
 MOVING = 0.1  # [1], speed over the joint's largest one above which it cannot stop between two samples
+# [1], speed of a jump over the joint's largest one elsewhere: a joint that rests starts slower than it moves
+JUMP = 5.0
 FEWEST_ROWS = 20  # rows that come again; noise and rounding do not repeat so many in a row
 
 
@@ -41,6 +48,44 @@ def check_held(log: Log) -> Iterator[Finding]:
             "just before: nothing was measured there",
             advice="leave that part out of the file, or find out why the samples were not updated",
             value={"from_s": float(log.time[start]), "seconds": seconds},
+        )
+
+
+def check_stuck(log: Log, robot: RobotModel) -> Iterator[Finding]:
+    """Report the longest stretch in which a position alone stands still, and then jumps as no joint does.
+
+    A joint that rests starts with small steps, and a coarse encoder has no larger step than others of its own.
+
+    Args:
+        log: The log.
+        robot: Its robot.
+
+    Yields:
+        One finding per joint, or none.
+    """
+    changes = np.concatenate([[0], np.cumsum(_changes(log))])
+    for k, q in enumerate(log.position.T):
+        speed = np.abs(np.diff(q)) / np.diff(log.time)
+        starts, stops = runs(speed == 0.0)
+        long = (log.time[stops] - log.time[starts] > FROZEN) & (stops < len(speed))
+        # where nothing at all changes, `check_held` reports it
+        long &= changes[stops] > changes[starts]
+        starts, stops = starts[long], stops[long]
+        usual = float(np.delete(speed, stops).max(initial=0.0))
+        stuck = np.flatnonzero(speed[stops] > JUMP * usual) if usual else ()
+        if not len(stuck):
+            continue
+        longest = max(stuck, key=lambda run: log.time[stops[run]] - log.time[starts[run]])
+        start, stop = int(starts[longest]), int(stops[longest])
+        seconds, jump = float(log.time[stop] - log.time[start]), float(q[stop + 1] - q[stop])
+        yield Finding(
+            Topic.FROZEN,
+            Severity.WARNING,
+            f"the position stands still for {seconds:.3g} s from t = {log.time[start]:.4g} s and then jumps by "
+            f"{jump:.3g} {units_of(robot, k)[0]}, faster than the joint ever moves: nothing was measured there",
+            joint=log.joints[k],
+            advice="leave that part out of the file, or find out why the position was not updated",
+            value={"signal": "position", "from_s": float(log.time[start]), "seconds": seconds, "jump": jump},
         )
 
 
