@@ -17,6 +17,7 @@ from cdia_pin.diagnosis import Event
 from cdia_pin.diagnosis.event_history import MOST_EVENTS
 from cdia_pin.diagnosis.sight import blind_joints
 from cdia_pin.effects import Term
+from cdia_pin.fault_report import fault_sentence
 from cdia_pin.progress import Progress
 from cdia_pin.robot import catalogue
 from cdia_pin.viewers.event_words import event_rows, fault_words
@@ -52,6 +53,11 @@ class LivePage:
             pass
         ui.timer(LOOK, self._look)
         context.client.on_delete(self._close)
+        context.client.on_exception(self._crashed)
+
+    def _crashed(self, error: Exception) -> None:
+        """Say what has failed on the page itself, and a way on."""
+        self._runner.refuse(f"{fault_sentence(error, 'cdia app: the page')}. Begin anew.")
 
     def _close(self) -> None:
         self._runner.cancel()

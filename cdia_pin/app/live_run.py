@@ -11,6 +11,7 @@ import numpy as np
 from cdia_pin.app.live_sources import Source
 from cdia_pin.diagnosis import Event, Status
 from cdia_pin.errors import CdiaError
+from cdia_pin.fault_report import fault_sentence, is_fault
 from cdia_pin.viewers.live import FrameMaker
 from cdia_pin.viewers.scene import Frame
 
@@ -79,6 +80,11 @@ class LiveRun:
             self._follow()
         except CdiaError as error:
             self.error = " ".join(str(error).split())
+        except BaseException as error:
+            if not is_fault(error):
+                raise
+            fault = fault_sentence(error, "cdia app: an arm that moves")
+            self.error = f"{fault}. Begin anew, with other faults or another log."
 
     def _follow(self) -> None:
         frame_of = FrameMaker(self.source.robot, rate=FRAMES)

@@ -121,3 +121,21 @@ def test_an_arm_that_runs_away_ends_the_run_with_a_reason(watched):
     run._thread.join(5.0)
     assert run.ended
     assert run.error == "the simulation diverged"
+
+
+def test_a_fault_of_the_program_ends_the_run_with_a_way_on(watched, monkeypatch, tmp_path, capfd):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    source, _ = watched
+
+    def crashed():
+        yield from ()
+        raise ZeroDivisionError("float division by zero")
+
+    run = LiveRun(Source(source.robot, source.monitor, crashed(), source.reach))
+    run._thread.join(5.0)
+    assert run.ended
+    assert "ZeroDivisionError: float division by zero" in run.error
+    assert run.error.endswith("Begin anew, with other faults or another log.")
+    (file,) = tmp_path.glob("cdia-error-*.txt")
+    assert str(file) in run.error and "in crashed" in file.read_text()
+    assert "Traceback" not in "".join(capfd.readouterr())
