@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
 from fastapi import Request, Response
 from fastapi.responses import PlainTextResponse
@@ -11,16 +10,14 @@ from nicegui import app
 
 from cdia_pin.app.dropped import LARGEST
 from cdia_pin.app.shelf import Shelf
+from cdia_pin.app.visit import Visit
 from cdia_pin.errors import CdiaError
 from cdia_pin.whole_files import whole_file
-
-if TYPE_CHECKING:
-    from cdia_pin.app.workbench import Workbench
 
 ADDRESS = "/cdia/drop/"  # and the key of a session
 
 
-def serve_drops(shelf: Shelf[Workbench]) -> None:
+def serve_drops(shelf: Shelf[Visit]) -> None:
     """Take files at an address for each session.
 
     Args:
@@ -29,9 +26,10 @@ def serve_drops(shelf: Shelf[Workbench]) -> None:
 
     @app.post(ADDRESS + "{key}")
     async def receive(key: str, drop: str, path: str, request: Request) -> Response:
-        bench = shelf.find(key)
-        if bench is None:
+        visit = shelf.find(key)
+        if visit is None:
             return PlainTextResponse("this session has ended: load the page again", 404)
+        bench = visit.find
         size = 0
         try:
             file = bench.drops.place(drop, path)

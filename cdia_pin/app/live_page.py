@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 from nicegui import context, ui
 
 from cdia_pin.app.elements import ArmElement, LiveElement
+from cdia_pin.app.live_bench import LiveBench
 from cdia_pin.app.live_run import LiveRun
-from cdia_pin.app.live_sources import Source, replayed, simulated
 from cdia_pin.app.parts import PageStep, button, node
-from cdia_pin.app.runner import Runner
 from cdia_pin.app.runner_bar import RunnerBar
-from cdia_pin.diagnosis import Event
-from cdia_pin.diagnosis.event_history import MOST_EVENTS
 from cdia_pin.diagnosis.sight import blind_joints
-from cdia_pin.effects import Term
 from cdia_pin.fault_report import fault_sentence
-from cdia_pin.progress import Progress
 from cdia_pin.robot import catalogue
 from cdia_pin.viewers.event_words import event_rows, fault_words
-from cdia_pin.viewers.scene import Frame, Scene, SceneDocument, monitor_stages
+from cdia_pin.viewers.scene import Frame, monitor_stages
 from cdia_pin.viewers.words import joint_units, short_names
 
 LOOK = 0.1  # [s], between looks at what is new
@@ -29,158 +24,107 @@ WHAT = {"simulate": "Simulate", "replay": "Replay a log"}
 
 
 class LivePage:
-    """One tab: the moving arm, and the elements that show it."""
+    """One tab: the elements that show a bench. What is done goes to the bench; what is new there is shown.
 
-    def __init__(self) -> None:
-        self._run: LiveRun | None = None
-        self._form = {"what": "simulate", "robot": "ur5", "log": "", "faults": "", "accommodate": True}
-        self._events: list[Event] = []
-        self._chosen = False  # whether the user chose a joint; until then the last event does
+    Args:
+        bench: What is shown.
+        leave: Called when the tab has gone.
+    """
+
+    def __init__(self, bench: LiveBench, leave: Callable[[], None]) -> None:
+        self._bench, self._leave = bench, leave
+        bench.arrive()
+        context.client.on_delete(self._close)  # also of a page that cannot be built
+        context.client.on_exception(self._crashed)
+        self._run: LiveRun | None = None  # what the page shows
+        self._shown: dict[Callable[[], None], object] = {}  # the state that each view shows
         self._stages = [s.to_dict() for s in monitor_stages()]
-        self._runner = Runner()
         with node("div", classes="page"):
             with node("div", classes="steps"):
-                RunnerBar(self._runner)
+                RunnerBar(bench.runner)
                 self._what = PageStep(1, "What moves", "what")
                 self._faults = PageStep(2, "Faults", "faults")
                 self._said = PageStep(3, "Events of the monitor", "events")
             with node("div", classes="stage", data_state="waiting") as self._stage:
-                self._arm = ArmElement(self._choose)
+                self._arm = ArmElement(bench.choose)
                 self._arm.props["data-mark"] = "arm"
-                self._live = LiveElement(self._choose)
-        self._show_form()
-        with self._faults.filling("waiting"), self._said.filling("waiting"):
-            pass
+                self._live = LiveElement(bench.choose)
+        self._look()
         ui.timer(LOOK, self._look)
-        context.client.on_delete(self._close)
-        context.client.on_exception(self._crashed)
+
+    def _close(self) -> None:
+        self._bench.leave()
+        self._leave()
 
     def _crashed(self, error: Exception) -> None:
         """Say what has failed on the page itself, and a way on."""
-        self._runner.refuse(f"{fault_sentence(error, 'cdia app: the page')}. Begin anew.")
+        fault = fault_sentence(error, "cdia app: the page")
+        self._bench.runner.refuse(f"{fault}. Load this page again: the run is kept.")
 
-    def _close(self) -> None:
-        self._runner.cancel()
-        if self._run is not None:
-            self._run.stop()
+    # ------------------------------------------------------------- how it is shown
 
-    # ------------------------------------------------------------- what can be done
+    def _look(self) -> None:
+        """Show what has changed since the last look."""
+        bench = self._bench
+        bench.look()
+        run = bench.run
+        if run is not None and run is not self._run:
+            self._draw(run)
+        self._run = run
+        views: dict[Callable[[], None], object] = {
+            self._show_form: (bench.form["what"], bench.moves, run is not None and run.paused),
+            self._show_faults: None if run is None else (run, frozenset(run.source.acting)),
+            self._show_events: None if run is None else (run, run.events),
+            self._follow: bench.joint,
+        }
+        for view, state in views.items():
+            if view not in self._shown or self._shown[view] != state:
+                self._shown[view] = state
+                view()
+        if run is not None and (piece := self._new()):
+            self._push(run, piece)
 
-    async def begin(self) -> None:
-        """Prepare what the form asks for, and let it move."""
-        asked = dict(self._form)
-
-        def work(tell: Progress) -> tuple[Source, SceneDocument]:
-            robot = str(asked["robot"]).strip()
-            if asked["what"] == "replay":
-                source = replayed(robot, Path(str(asked["log"]).strip()).expanduser(), tell)
-            else:
-                lines = [line.strip() for line in str(asked["faults"]).splitlines() if line.strip()]
-                source = simulated(robot, lines, bool(asked["accommodate"]), tell)
-            tell("drawing the arm", 0.97)
-            return source, Scene.of(source.robot).to_dict(source.reach[0])
-
-        done = await self._runner.run("Preparing", work)
-        if done is None:
-            return
-        source, scene = done
-        if self._run is not None:
-            self._run.stop()
-        self._events = []
+    def _draw(self, run: LiveRun) -> None:
+        """Draw the arm of a run anew."""
+        source = run.source
+        robot = source.robot
         self._stage.props["data-state"] = "open"
         self._stage.update()
-        robot = source.robot
+        if self._bench.scene is not None:
+            self._arm.draw(self._bench.scene, self._stages, source.reach.tolist())
         short = short_names(robot.joints)
         units = {j: joint_units(robot, j)["load"] for j in robot.joints}
-        self._arm.draw(scene, self._stages, source.reach.tolist())
         blind = blind_joints(source.monitor.record["sight"])
         self._live.begin(
             [{"name": j, "short": short[j], "unit": units[j], "blind": j in blind} for j in robot.joints],
             self._stages,
         )
-        self._chosen = False
-        self._follow(robot.joints[0])
-        self._run = LiveRun(source, replay=asked["what"] == "replay")
-        self._show_form()
-        self._show_faults()
-        self._show_events()
-        self._runner.say(" ".join([f"{robot.name} moves.", *source.notes]))
+        self._new = run.frames.reader()
+        self._shown.clear()
 
-    def end(self) -> None:
-        """Stop what moves."""
-        if self._run is not None:
-            self._run.stop()
-        self._runner.say("Stopped.")
-        self._show_form()
+    def _push(self, run: LiveRun, piece: Frame) -> None:
+        charted: Frame = {
+            "time": piece["time"],
+            "stage": piece["stage"],
+            "residual": piece["residual"],
+            "threshold": piece["threshold"],
+        }
+        if "attached" in piece:
+            charted["attached"] = piece["attached"]
+        self._live.push(charted)
+        drawn = piece.copy()
+        del drawn["residual"], drawn["threshold"]
+        self._arm.append(drawn, self._stages)
+        self._speed.text = f"{run.speed:.1f} × real time, {piece['time'][-1]:.0f} s"
 
-    def pause(self) -> None:
-        """Pause, or go on."""
-        if self._run is not None:
-            self._run.pause(not self._run.paused)
-            self._show_form()
-
-    def switch(self, fault: Term) -> None:
-        """Switch a fault on or off.
-
-        Args:
-            fault: One of the source's.
-        """
-        run = self._run
-        if run is None:
-            return
-        acting = run.source.acting
-        if fault in acting:
-            acting.remove(fault)
-        else:
-            acting.add(fault)
-        self._show_faults()
-        words = fault_words(fault, run.source.robot, joint=True)
-        self._runner.say(f"{'On' if fault in acting else 'Off'}: {words}")
-
-    # ------------------------------------------------------------- how it is shown
-
-    def _look(self) -> None:
-        run = self._run
-        if run is None:
-            return
-        piece, events = run.take()
-        if piece:
-            charted: Frame = {
-                "time": piece["time"],
-                "stage": piece["stage"],
-                "residual": piece["residual"],
-                "threshold": piece["threshold"],
-            }
-            if "attached" in piece:
-                charted["attached"] = piece["attached"]
-            self._live.push(charted)
-            drawn = piece.copy()
-            del drawn["residual"], drawn["threshold"]
-            self._arm.append(drawn, self._stages)
-            self._speed.text = f"{run.speed:.1f} × real time, {piece['time'][-1]:.0f} s"
-        if events:
-            self._events = [*self._events, *events][-MOST_EVENTS:]
-            self._show_events()
-            if not self._chosen:
-                self._follow(events[-1].joints[0])
-        if run.ended:
-            self._run = None
-            if run.error:
-                self._runner.refuse(run.error)
-            self._show_form()
-
-    def _choose(self, joint: str | None) -> None:
-        """Show the joint that somebody chose, from now on."""
-        if joint is not None:
-            self._chosen = True
-            self._follow(joint)
-
-    def _follow(self, joint: str) -> None:
-        self._arm.select(joint)
-        self._live.select(joint)
+    def _follow(self) -> None:
+        if joint := self._bench.joint:
+            self._arm.select(joint)
+            self._live.select(joint)
 
     def _show_form(self) -> None:
-        form, runs = self._form, self._run is not None and not self._run.ended
+        bench, run = self._bench, self._run
+        form, runs = bench.form, bench.moves
         with self._what.filling("done" if runs else "open"):
             with node("div", classes="picker", role="group", aria_label="what moves"):
                 for key, name in WHAT.items():
@@ -210,15 +154,15 @@ class LivePage:
                     "The monitor corrects the control", value=bool(form["accommodate"])
                 ).bind_value_to(form, "accommodate").props("dense")
             with node("div", classes="actions"):
-                button("Begin anew" if runs else "Begin", self.begin, mark="begin", classes="primary")
-                if runs and self._run is not None:
-                    button("Go on" if self._run.paused else "Pause", self.pause, mark="pause")
-                    button("Stop", self.end, mark="stop")
+                button("Begin anew" if runs else "Begin", bench.begin, mark="begin", classes="primary")
+                if runs and run is not None:
+                    button("Go on" if run.paused else "Pause", bench.pause, mark="pause")
+                    button("Stop", bench.end, mark="stop")
                 self._speed = node("span", classes="soft", data_mark="speed")
 
     def _choose_what(self, key: str) -> None:
-        self._form["what"] = key
-        self._show_form()
+        self._bench.form["what"] = key
+        self._look()
 
     def _show_faults(self) -> None:
         run = self._run
@@ -242,7 +186,7 @@ class LivePage:
                     aria_label=words,
                     data_mark=f"fault-{k}",
                     data_fault=fault.label,
-                ).on("click", partial(self.switch, fault), args=[]):
+                ).on("click", partial(self._bench.switch, fault), args=[]):
                     node("i", aria_hidden="true")
                     node("span", words)
 
@@ -251,7 +195,7 @@ class LivePage:
         with self._said.filling("waiting" if run is None else "open"):
             if run is None:
                 return
-            rows = event_rows(self._events, run.source.robot)
+            rows = event_rows(run.events, run.source.robot)
             if not rows:
                 node("p", "No event yet: the arm is healthy.", "soft")
             with node("div", classes="events", role="log", aria_label="events"):

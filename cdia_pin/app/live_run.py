@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import cast
 
 import numpy as np
 
+from cdia_pin.app.frame_history import FrameHistory
 from cdia_pin.app.live_sources import Source
 from cdia_pin.diagnosis import Event, Status
+from cdia_pin.diagnosis.event_history import MOST_EVENTS
 from cdia_pin.errors import CdiaError
 from cdia_pin.fault_report import fault_sentence, is_fault
 from cdia_pin.viewers.live import FrameMaker
@@ -17,7 +18,6 @@ from cdia_pin.viewers.scene import Frame
 
 FRAMES = 20.0  # [Hz]
 LATE = 0.25  # [s], by which the clock may be missed before it is set anew
-UNSEEN = 400  # frames that wait for a page which does not ask; older ones are dropped
 
 
 class LiveRun:
@@ -28,6 +28,8 @@ class LiveRun:
         replay: Whether desired positions are unknown, as in a log.
 
     Attributes:
+        frames: What is drawn, the last `frame_history.KEPT` frames.
+        events: The monitor's last events; another tuple each time that one is added.
         error: Why it ended, in a sentence; empty if it did not fail.
         speed: Time of the arm over time of the clock [1].
     """
@@ -35,8 +37,8 @@ class LiveRun:
     def __init__(self, source: Source, *, replay: bool = False) -> None:
         self.source, self.error, self.speed = source, "", 1.0
         self._replay = replay
-        self._frames: list[Frame] = []
-        self._events: list[Event] = []
+        self.frames = FrameHistory()
+        self.events: tuple[Event, ...] = ()
         self._stop, self._goes = threading.Event(), threading.Event()
         self._goes.set()
         self._thread = threading.Thread(target=self._run, name="cdia live", daemon=True)
@@ -65,16 +67,6 @@ class LiveRun:
         """
         self._goes.clear() if waits else self._goes.set()
 
-    def take(self) -> tuple[Frame, list[Event]]:
-        """Return what is new since the last call: frames as a piece of a timeline, and events."""
-        frames, self._frames = self._frames, []
-        events, self._events = self._events, []
-        piece: dict[str, list[object]] = {}
-        for frame in frames:
-            for key, rows in frame.items():
-                piece.setdefault(key, []).extend(cast("list[object]", rows))
-        return cast("Frame", piece), events
-
     def _run(self) -> None:
         try:
             self._follow()
@@ -93,11 +85,12 @@ class LiveRun:
             status = tick.status
             if self._stop.is_set() or status is None:
                 return
-            self._events.extend(status.events)
+            if status.events:
+                self.events = (*self.events, *status.events)[-MOST_EVENTS:]
             frame = frame_of(tick.time, tick.q, status, None if self._replay else tick.desired)
             if frame is None:
                 continue
-            self._frames = [*self._frames[-UNSEEN:], frame | _signals(status)]
+            self.frames.add(frame | _signals(status))
             if not self._goes.is_set():
                 self._goes.wait()
                 begun = None

@@ -26,11 +26,13 @@ from cdia_pin.app.page_files import SERVED, served
 from cdia_pin.app.parts import node
 from cdia_pin.app.scratch import Scratch
 from cdia_pin.app.shelf import KEPT, Shelf
+from cdia_pin.app.visit import Visit
 from cdia_pin.errors import CdiaError
 from cdia_pin.fault_report import fault_sentence
 from cdia_pin.viewers.door import Door, entrance, new_token
 
 if TYPE_CHECKING:
+    from cdia_pin.app.runner import Runner
     from cdia_pin.app.workbench import Workbench
 
 HOST = "127.0.0.1"
@@ -66,7 +68,7 @@ def serve(start: Request | None = None, *, port: int | None = None, show: bool =
     """
     chosen = free_port(port)
     scratch = Scratch()
-    shelf = Shelf(lambda: _workbench(scratch, start))
+    shelf = Shelf(lambda: Visit(lambda: _workbench(scratch, start)))
     build(shelf)
     token = new_token()
     app.add_middleware(Door, token=token, name=f"cdia-{chosen}", policy=POLICY)
@@ -129,7 +131,7 @@ async def _announce(port: int, address: str, opened_in: Path | None) -> None:
         return
 
 
-def build(shelf: Shelf[Workbench]) -> None:
+def build(shelf: Shelf[Visit]) -> None:
     """Declare pages and files.
 
     Args:
@@ -143,25 +145,35 @@ def build(shelf: Shelf[Workbench]) -> None:
 
     @ui.page("/")
     def find(session: str = "") -> Response | None:
-        bench = shelf.find(session)
-        if bench is None:
-            key = shelf.begin()
-            begun = shelf.find(key)
-            if session and begun is not None:
-                begun.runner.say(ENDED)
-            return RedirectResponse(f"/?session={key}", status_code=303)
+        visit = shelf.find(session)
+        if visit is None:
+            return _anew("/", shelf, lambda begun: begun.find.runner if session else None)
         _frame("/", session)
         from cdia_pin.app.find_page import FindPage
 
-        FindPage(bench, session, shelf.show(session))
+        FindPage(visit.find, session, shelf.show(session))
         return None
 
     @ui.page("/live")
-    def live(session: str = "") -> None:
+    def live(session: str = "") -> Response | None:
+        visit = shelf.find(session)
+        if visit is None:
+            return _anew("/live", shelf, lambda begun: begun.live.runner if session else None)
         _frame("/live", session)
         from cdia_pin.app.live_page import LivePage
 
-        LivePage()
+        LivePage(visit.live, shelf.show(session))
+        return None
+
+
+def _anew(here: str, shelf: Shelf[Visit], informed: Callable[[Visit], Runner | None]) -> Response:
+    """Lead to a new session, and say so to whoever came for one that has ended."""
+    key = shelf.begin()
+    begun = shelf.find(key)
+    runner = None if begun is None else informed(begun)
+    if runner is not None:
+        runner.say(ENDED)
+    return RedirectResponse(f"{here}?{urlencode({'session': key})}", status_code=303)
 
 
 def _failed(error: Exception) -> None:

@@ -343,6 +343,37 @@ def test_faults_switched_while_an_arm_moves(page, app, screenshots):
     quiet(page, app)
 
 
+def test_a_reload_finds_the_run_its_form_and_its_events(page, app):
+    page.set_default_timeout(PATIENCE)
+    page.goto(app.entry)
+    page.goto(app.address + "/live")
+    page.get_by_label("Robot", exact=True).fill("double_pendulum")
+    page.get_by_label("Faults to switch, one a line").fill("viscous_friction@joint2: coefficient=0.1")
+    mark(page, "begin").click()
+    mark(page, "fault-0").click()
+    event = mark(page, "event").first
+    event.wait_for()
+    clock = "Number(document.querySelector('[data-mark=speed]').textContent.match(/([0-9]+) s/)?.[1])"
+    page.wait_for_function(f"{clock} > 2")
+    moved = page.evaluate(clock)
+    page.reload()
+    page.locator('[data-mark="fault-0"][aria-checked="true"]').wait_for()
+    event.wait_for()
+    page.wait_for_function(f"{clock} >= {moved}")
+    page.wait_for_selector('[data-mark="live-tile-joint2"][data-stage]')
+    page.wait_for_function("document.querySelector('[data-mark=arm]')?.player?.end > 0")
+    assert page.get_by_label("Robot", exact=True).input_value() == "double_pendulum"
+    assert "viscous_friction@joint2" in page.get_by_label("Faults to switch, one a line").input_value()
+    # and when it has ended
+    mark(page, "stop").click()
+    mark(page, "stop").wait_for(state="detached")
+    page.reload()
+    event.wait_for()
+    mark(page, "begin").wait_for()
+    assert mark(page, "stop").count() == 0
+    quiet(page, app)
+
+
 def test_a_log_is_replayed(page, app, minute):
     page.set_default_timeout(PATIENCE)
     page.goto(app.entry)
