@@ -6,7 +6,7 @@ inertias differ from the model's, its sensors have noise and rounding, and the m
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypedDict
 
@@ -135,6 +135,8 @@ def arm_study(
     settings: LoopSettings | None = None,
     duration: float = DURATION,
     cases: Sequence[str] | None = None,
+    done: Collection[tuple[str, str]] = (),
+    keep: Callable[[ArmCase], None] = lambda case: None,
     progress: Progress = silent,
 ) -> tuple[ArmCase, ...]:
     """Run every case on every arm.
@@ -144,23 +146,28 @@ def arm_study(
         settings: Settings of the loops.
         duration: Length of a run [s].
         cases: Names of cases of `arm_faults`; all if omitted.
+        done: Arm and name of cases that are not run again.
+        keep: Called with each case as soon as it has been run.
         progress: Called with the current work and the share that is done [1].
 
     Returns:
-        The cases, arm by arm.
+        The cases that were run, arm by arm.
     """
     out = []
     for i, arm in enumerate(arms):
         loop = ClosedLoop(Dynamics(load_robot(arm)), settings or LoopSettings())
-        monitor = loop.monitor(progress=_part(progress, f"{arm}, ", i / len(arms), 0.1 / len(arms)))
         faults = arm_faults(loop, duration)
-        chosen = list(faults) if cases is None else list(cases)
+        chosen = [name for name in (faults if cases is None else cases) if (arm, name) not in done]
+        if not chosen:
+            continue
+        monitor = loop.monitor(progress=_part(progress, f"{arm}, ", i / len(arms), 0.1 / len(arms)))
         width = 0.9 / len(arms) / len(chosen)
         for k, name in enumerate(chosen):
             tell = _part(progress, f"{arm}, {name}: ", (i + 0.1) / len(arms) + k * width, width)
             since = max(onset([t]) for t in faults[name]) + SETTLED
             compared = compare_loops(loop, monitor, faults[name], duration, since=since, progress=tell)
             out.append(ArmCase(arm, name, faults[name], compared))
+            keep(out[-1])
     return tuple(out)
 
 
@@ -195,13 +202,13 @@ def arm_faults(loop: ClosedLoop, duration: float) -> dict[str, tuple[Term, ...]]
     }
 
 
-def to_dict(cases: Sequence[ArmCase]) -> ArmStudyRecord:
+def to_dict(cases: Sequence[ArmCaseRecord]) -> ArmStudyRecord:
     """Return a study as ``cdia study arms --json`` writes it.
 
     Args:
-        cases: Results of `arm_study`.
+        cases: Records of the results of `arm_study`.
 
     Returns:
         Plain JSON.
     """
-    return {"schema": schemas.STUDY_ARMS, "cases": [case.to_dict() for case in cases]}
+    return {"schema": schemas.STUDY_ARMS, "cases": list(cases)}

@@ -42,7 +42,7 @@ from cdia_pin.cli.options import (
     Topic,
     TorqueSide,
 )
-from cdia_pin.cli.unfinished import Unfinished
+from cdia_pin.cli.unfinished import UnfinishedSearch
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Discovery
@@ -145,7 +145,7 @@ def discover(
         )
         given, checks = read(logs)
         held_out, later = read(unseen)
-        unfinished = Unfinished.beside(
+        unfinished = UnfinishedSearch.beside(
             save, ctx.obj or "", [model, known.robot.urdf, gains], [*given, *held_out]
         )
         with unfinished.resumed(known.robot) as resumed:

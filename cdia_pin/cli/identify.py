@@ -30,7 +30,7 @@ from cdia_pin.cli.options import (
     Topic,
 )
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
-from cdia_pin.cli.unfinished import Unfinished
+from cdia_pin.cli.unfinished import UnfinishedSearch
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -100,7 +100,7 @@ def identify(
         reading = Reading(gains, joint_map, convert, topic, format, columns, episode)
         given, _ = read_logs(logs, known.robot, reading, check=check, tell=tell)
         held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
-        unfinished = Unfinished.beside(
+        unfinished = UnfinishedSearch.beside(
             save, ctx.obj or "", [model, known.robot.urdf, gains], [*given, *held_out]
         )
         with unfinished.resumed(known.robot) as resumed:

@@ -159,9 +159,9 @@ def _show_thesis(console: Console, found: ThesisStudy) -> None:
 
 def _arms(console: Console, asked: StudyRequest) -> None:
     """Tracking of several arms healthy, with faults, and with a monitor."""
-    from cdia_pin.campaigns.arm_study import arm_study, to_dict
-    from cdia_pin.viewers.arm_figures import arm_pictures
-    from cdia_pin.viewers.arm_report import HEADINGS, arm_rows, write_arm_report
+    from cdia_pin.campaigns.arm_study import ArmCase, arm_study, to_dict
+    from cdia_pin.cli.unfinished_study import ShownCase, UnfinishedStudy
+    from cdia_pin.viewers.arm_report import HEADINGS, write_arm_report
     from cdia_pin.viewers.whole_table import WholeTable
 
     if asked.preset:
@@ -169,23 +169,31 @@ def _arms(console: Console, asked: StudyRequest) -> None:
     require("figures", "figures")
     out = _directory(asked)
     require_writable(asked.json, out / ARMS_REPORT)
-    with progress() as tell:
-        found = arm_study(progress=tell)
-        tell("drawing", 0.98)
-        pictures = list(arm_pictures(found))
+    unfinished = UnfinishedStudy.beside(out / ARMS_REPORT, asked.command)
+    with unfinished.resumed() as cases, progress() as tell:
+
+        def keep(case: ArmCase) -> None:
+            cases.append(ShownCase.of(case))
+            unfinished.keep(cases)
+
+        done = {(case.record["arm"], case.record["case"]) for case in cases}
+        arm_study(done=done, keep=keep, progress=tell)
     table = WholeTable(title="RMS of q − q_d over all joints \\[mrad]")
     for k, heading in enumerate(HEADINGS):
         table.add_column(heading, justify="right" if 2 <= k < 6 else "left", no_wrap=2 <= k < 6)
-    for row in arm_rows(found):
+    rows, pictures = [case.row for case in cases], [case.picture for case in cases]
+    for row in rows:
         table.add_row(*row)
     console.print(table)
-    document = {**to_dict(found), "record": {**_record(), "loop": vars(found[0].compared.loop.settings)}}
+    settings = cases[0].settings
+    document = {**to_dict([case.record for case in cases]), "record": {**_record(), "loop": vars(settings)}}
     write_all(
         console,
         *((out / f"{p.name}.png", lambda f, png=p.png: write_whole(f, png)) for p in pictures),
-        (out / ARMS_REPORT, lambda f: write_arm_report(f, found, pictures, asked.command)),
+        (out / ARMS_REPORT, lambda f: write_arm_report(f, rows, settings, pictures, asked.command)),
         (asked.json, lambda f: write_json(document, f)),
     )
+    unfinished.forget()
 
 
 def _directory(asked: StudyRequest) -> Path:

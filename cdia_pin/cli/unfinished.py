@@ -1,4 +1,4 @@
-"""What an interrupted run had found: kept beside the file of its result, and where the same command goes on."""
+"""What an interrupted command had found: kept beside the file of its result, and where the same command goes on."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, Self, TypedDict
 
 from cdia_pin.cli.console import warn
 from cdia_pin.errors import CdiaError
@@ -31,11 +31,11 @@ class Resumed(TypedDict):
 
 @dataclass(frozen=True)
 class Unfinished:
-    """The last model of a search that has not ended.
+    """The file of a command that has not ended.
 
     Attributes:
-        path: Its file; None if no model is to be saved.
-        key: Hash of the command, its logs and files: a search of anything else does not go on from here.
+        path: The file; None if nothing is to be saved.
+        key: Hash of the command, its logs and files: a run of anything else does not go on from here.
     """
 
     path: Path | None
@@ -43,8 +43,8 @@ class Unfinished:
 
     @classmethod
     def beside(
-        cls, save: Path | None, command: str, files: Sequence[Path | None], logs: Sequence[Log]
-    ) -> Unfinished:
+        cls, save: Path | None, command: str, files: Sequence[Path | None] = (), logs: Sequence[Log] = ()
+    ) -> Self:
         """Return what belongs to a command.
 
         Args:
@@ -59,6 +59,32 @@ class Unfinished:
         for log in logs:
             digest.update(log.sha256.encode())
         return cls(save and save.with_name(save.name + SUFFIX), digest.hexdigest())
+
+    @contextmanager
+    def told(self, goes_on: bool) -> Iterator[None]:
+        """Say that the block goes on from the file, and where the file is if the block is interrupted again.
+
+        Args:
+            goes_on: Whether an interrupted run left something.
+        """
+        if goes_on:
+            warn(f"going on from {self.path}, which an interrupted run left")
+        try:
+            yield
+        except KeyboardInterrupt:
+            if self.path is not None and self.path.is_file():
+                warn(f"what was found so far is in {self.path}; the same command goes on from there")
+            raise
+
+    def forget(self) -> None:
+        """Remove the file, because the result is written."""
+        if self.path is not None:
+            with contextlib.suppress(OSError):
+                self.path.unlink(missing_ok=True)
+
+
+class UnfinishedSearch(Unfinished):
+    """The last model of a search that has not ended."""
 
     def _read(self, robot: RobotModel) -> Dynamics | None:
         import json
@@ -86,23 +112,11 @@ class Unfinished:
 
     @contextmanager
     def resumed(self, robot: RobotModel) -> Iterator[Resumed]:
-        """Give what an interrupted run left to the block, and say where its last model is if it is interrupted again.
+        """Give what an interrupted run left to the block.
 
         Args:
             robot: Whose model it is.
         """
         start = self._read(robot)
-        if start is not None:
-            warn(f"going on from {self.path}, which an interrupted run left")
-        try:
+        with self.told(start is not None):
             yield {"start": start, "keep": self.keep}
-        except KeyboardInterrupt:
-            if self.path is not None and self.path.is_file():
-                warn(f"what was found so far is in {self.path}; the same command goes on from there")
-            raise
-
-    def forget(self) -> None:
-        """Remove the file, because the result is written."""
-        if self.path is not None:
-            with contextlib.suppress(OSError):
-                self.path.unlink(missing_ok=True)

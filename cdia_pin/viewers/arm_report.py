@@ -18,6 +18,7 @@ from cdia_pin.whole_files import write_whole
 
 if TYPE_CHECKING:
     from cdia_pin.campaigns.arm_study import ArmCase
+    from cdia_pin.campaigns.closed_loop import LoopSettings
 
 TITLE = "Accommodation on several arms"
 
@@ -46,13 +47,18 @@ HEADINGS = ("arm", "fault", "healthy", "faulty", "accommodated", "worst joint", 
 
 
 def write_arm_report(
-    path: str | Path, cases: Sequence[ArmCase], pictures: Sequence[Picture], command: str = ""
+    path: str | Path,
+    rows: Sequence[Sequence[str]],
+    settings: LoopSettings,
+    pictures: Sequence[Picture],
+    command: str = "",
 ) -> Path:
     """Write what the study measured as one HTML page that needs no network.
 
     Args:
         path: Where to write; folders are made, an existing file is replaced.
-        cases: Of `arm_study`.
+        rows: Of `arm_rows`.
+        settings: Of the closed loops.
         pictures: Of `arm_pictures`.
         command: What made the report, to be shown.
 
@@ -64,14 +70,13 @@ def write_arm_report(
         "<tr>"
         + "".join(f"<td{' class=n' if 2 <= k < 6 else ''}>{html.escape(c)}</td>" for k, c in enumerate(row))
         + "</tr>"
-        for row in arm_rows(cases)
+        for row in rows
     )
-    first = cases[0].compared.loop.settings
     parts = [
         "<p class='lead'>Computed torque follows an exciting motion; faults begin on all joints at once. The "
-        f"model's inertias are wrong by up to {percent(first.model_error)}, positions are rounded, velocities and "
-        f"torques noisy. The monitor has learned from {first.healthy_runs} healthy runs of "
-        f"{first.healthy_duration:g} s on other motions.</p>",
+        f"model's inertias are wrong by up to {percent(settings.model_error)}, positions are rounded, velocities and "
+        f"torques noisy. The monitor has learned from {settings.healthy_runs} healthy runs of "
+        f"{settings.healthy_duration:g} s on other motions.</p>",
         f"<pre><code>{html.escape(command)}</code></pre>" if command else "",
         "<h2>Tracking</h2>",
         f"<p class='soft'>RMS of q − q_d over all joints [mrad], from {SETTLED:g} s after the last fault began. "

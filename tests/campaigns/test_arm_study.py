@@ -41,7 +41,7 @@ def test_faults_are_in_proportion_to_the_torques_of_their_joints():
 
 
 def test_the_document_is_plain_json(found):
-    document = to_dict(found)
+    document = to_dict([case.to_dict() for case in found])
     assert document["schema"] == "cdia-study-arms/1"
     assert json.loads(json.dumps(document, allow_nan=False)) == document
     assert document["cases"][0]["named"] == 2
@@ -53,9 +53,9 @@ def test_the_report_shows_every_case(found, tmp_path, monkeypatch):
     pictures = list(arm_pictures(found))
     assert [p.name for p in pictures] == ["double_pendulum_30_torque_loss"]
     assert pictures[0].png.startswith(b"\x89PNG")
-    page = write_arm_report(tmp_path / "new" / "arms.html", found, pictures, "cdia study arms").read_text(
-        "utf-8"
-    )
+    settings = found[0].compared.loop.settings
+    report = tmp_path / "new" / "arms.html"
+    page = write_arm_report(report, arm_rows(found), settings, pictures, "cdia study arms").read_text("utf-8")
     assert page.count("data:image/png") == 1
     assert arm_rows(found)[0][-1] == "2 of 2"
     assert "2 of 2" in page

@@ -1,10 +1,13 @@
 """An interrupted search is not lost: the same command goes on from what it had found."""
 
 import json
+from functools import partial
 
 import pytest
 
 from cdia_pin import Dynamics, load_model, load_robot, write_log
+from cdia_pin.campaigns import arm_study
+from cdia_pin.campaigns.closed_loop import LoopSettings
 from cdia_pin.discovery import discover
 from cdia_pin.selection import search as searching
 from tests.cli.conftest import HIDDEN, pendulum_log
@@ -105,3 +108,58 @@ def test_an_interrupted_identification_is_not_lost_either(cdia, two, tmp_path, m
     assert [t.theta for t in begun[0].terms] == [t.theta for t in kept.terms]
     assert effects(save) == effects(whole)
     assert not unfinished.exists()
+
+
+def interrupted_study(monkeypatch, finished: int) -> list[str]:
+    """Let the study have two short cases, and press Ctrl-C in the case after some; return what is run."""
+    compare, begun = arm_study.compare_loops, []
+
+    def counting(loop, monitor, faults, *rest, **more):
+        begun.append(faults[0].label)
+        if len(begun) > finished:
+            raise KeyboardInterrupt
+        return compare(loop, monitor, faults, *rest, **more)
+
+    monkeypatch.setattr(arm_study, "compare_loops", counting)
+    return begun
+
+
+@pytest.fixture
+def short_study(monkeypatch):
+    pytest.importorskip("matplotlib")
+    monkeypatch.setattr("cdia_pin.viewers.study_figures.DPI", 30)
+    settings = LoopSettings(rate=250.0, healthy_runs=1, healthy_duration=8.0)
+    cases = ["30 % torque loss", "Coulomb friction"]
+    small = partial(arm_study.arm_study, ["double_pendulum"], settings=settings, duration=6.0, cases=cases)
+    monkeypatch.setattr(arm_study, "arm_study", small)
+
+
+def test_an_interrupted_study_runs_only_what_was_not_finished(cdia, short_study, tmp_path, monkeypatch):
+    whole, out = tmp_path / "whole", tmp_path / "out"
+    done = cdia("study", "arms", "--out", whole, "--json", tmp_path / "whole.json")
+    assert done.code == 0 and "going on" not in done.err
+    command = ("study", "arms", "--out", out, "--json", tmp_path / "out.json")
+    unfinished = out / "arm_study.html.unfinished"
+    with monkeypatch.context() as patch:
+        interrupted_study(patch, 1)
+        first = cdia(*command)
+    assert first.code == 130 and str(unfinished) in first.err
+    assert [p.name for p in out.iterdir()] == [unfinished.name]
+    begun = interrupted_study(monkeypatch, 1)
+    again = cdia(*command)
+    assert again.code == 0 and "going on from" in again.err
+    assert begun == ["coulomb_friction@joint1"]
+    assert again.out.replace(str(out), str(whole)) == done.out
+    assert (tmp_path / "out.json").read_text() == (tmp_path / "whole.json").read_text()
+    assert {p.name: p.read_bytes() for p in out.glob("*.png")} == {
+        p.name: p.read_bytes() for p in whole.glob("*.png")
+    }
+    assert sorted(p.name for p in out.iterdir()) == sorted(p.name for p in whole.iterdir())
+
+
+@pytest.mark.parametrize("left", ["{", '{"study": "of another command", "cases": []}', "[1]"])
+def test_a_study_begins_anew_where_what_was_left_is_of_no_use(cdia, short_study, tmp_path, monkeypatch, left):
+    (tmp_path / "arm_study.html.unfinished").write_text(left)
+    begun = interrupted_study(monkeypatch, 0)
+    again = cdia("study", "arms", "--out", tmp_path)
+    assert again.code == 130 and "going on" not in again.err and len(begun) == 1
