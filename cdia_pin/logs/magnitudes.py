@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
+
+Array = NDArray[np.float64]
 
 LARGEST = 1e9  # [rad, m, N·m or N], a million times what arms have in any unit that is in use
 LONGEST = 1e9  # [s], thirty years
@@ -23,7 +26,7 @@ def require_magnitudes(log: Log) -> None:
     for signal, values in (("position", log.position), ("effort", log.effort), ("velocity", log.velocity)):
         if values is None:
             continue
-        largest = np.abs(values).max(axis=0)
+        largest = largest_of(values)
         if largest.max() > LARGEST:
             joint = int(largest.argmax())
             raise LogError(
@@ -33,3 +36,15 @@ def require_magnitudes(log: Log) -> None:
         raise LogError(
             f"{log.source}: its times span {log.duration:.3g} s; give their unit (--convert time=ns)"
         )
+
+
+def largest_of(values: Array) -> Array:
+    """Return the largest magnitude of each column, without a copy of a long log.
+
+    Args:
+        values: Values of any unit, shape (N, n).
+
+    Returns:
+        Largest absolute values, shape (n,).
+    """
+    return np.asarray(np.maximum(values.max(axis=0), -values.min(axis=0)))

@@ -19,6 +19,7 @@ from cdia_pin.logs.checks.conventions import (
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.motion import SmoothedMotion
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.magnitudes import largest_of
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
@@ -65,7 +66,7 @@ def _angle_out_of_reach(log: Log, robot: RobotModel) -> float | None:
     limits = robot.limits
     revolute = ~robot.is_prismatic
     limited = np.isfinite(limits.lower) & np.isfinite(limits.upper)
-    most = np.abs(log.position).max(axis=0)
+    most = largest_of(log.position)
     turns = np.maximum(2 * np.pi, np.where(limited, limits.upper, 0.0))
     beyond = revolute & (most > 1.2 * turns)
     for k in np.flatnonzero(beyond & ~limited).tolist():

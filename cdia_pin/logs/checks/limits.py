@@ -11,6 +11,7 @@ from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.joint_units import units_of
 from cdia_pin.logs.checks.motion import SmoothedMotion
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.magnitudes import largest_of
 from cdia_pin.logs.resolution import quantum
 
 if TYPE_CHECKING:
@@ -33,8 +34,8 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
     limits = robot.limits
     units = [units_of(robot, k) for k in range(robot.n)]
     low, high = log.position.min(axis=0), log.position.max(axis=0)
-    speed = np.zeros(robot.n) if log.velocity is None else np.abs(log.velocity).max(axis=0)
-    effort = np.abs(log.effort).max(axis=0)
+    speed = np.zeros(robot.n) if log.velocity is None else largest_of(log.velocity)
+    effort = largest_of(log.effort)
     outside = (low < limits.lower - TOLERANCE) | (high > limits.upper + TOLERANCE)
     beyond = {
         "positions": (
@@ -85,14 +86,14 @@ def check_saturation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
         A finding per joint with clipped efforts, or one that none is.
     """
     found = False
-    speed = np.abs(np.gradient(log.position, log.time, axis=0))
     for k, joint in enumerate(log.joints):
         effort = log.effort[:, k]
         ratio = np.abs(effort) / robot.limits.effort[k]
         at_limit = float(np.mean(ratio > 0.98)) if ratio.max() < SLACK else 0.0
         clipped, level = 0.0, 0.0
         if motion is not None and motion.moves[k]:
-            moving = speed[:, k] > 0.02 * speed[:, k].max()
+            speed = np.abs(np.gradient(log.position[:, k], log.time))
+            moving = speed > 0.02 * speed.max()
             clipped, level = max(_plateau(effort[moving]), _plateau(-effort[moving]))
         if at_limit > 1e-3 or clipped > 5e-3:
             found = True

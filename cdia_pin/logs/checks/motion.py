@@ -51,9 +51,13 @@ class SmoothedMotion:
         Returns:
             Every k-th sample.
         """
-        step = max(1, len(self.time) // samples)
-        s = np.s_[::step]
+        s = np.s_[:: _step(len(self.time), samples)]
         return replace(self, time=self.time[s], q=self.q[s], v=self.v[s], a=self.a[s], effort=self.effort[s])
+
+
+def _step(count: int, samples: int) -> int:
+    """Return the step by which about so many of a number of samples are kept."""
+    return max(1, count // samples)
 
 
 def motion_of(log: Log, is_prismatic: Mask, cutoff: float = CUTOFF) -> SmoothedMotion | None:
@@ -76,21 +80,18 @@ def motion_of(log: Log, is_prismatic: Mask, cutoff: float = CUTOFF) -> SmoothedM
     edge = int(rate / cutoff) + 1  # here the padding, not the arm, determines the acceleration
     if even.duration < SHORTEST or len(even.time) < 2 * edge + 30:
         return None
-    q = zero_phase(even.position, cutoff, rate)
-    v = differentiate(q, rate)
-    a = differentiate(v, rate)
-    effort = zero_phase(even.effort, cutoff, rate)
-    inside = np.s_[edge:-edge]
+    kept = np.s_[edge : -edge : _step(len(even.time) - 2 * edge, SAMPLES)]
     still = np.where(is_prismatic, STANDSTILL_PRISMATIC, STANDSTILL)
-    motion = SmoothedMotion(
-        time=even.time[inside],
-        q=q[inside],
-        v=v[inside],
-        a=a[inside],
-        effort=effort[inside],
-        moves=np.ptp(q[inside], axis=0) > still,
-    )
-    return motion.thin(SAMPLES)
+    thin: list[Array] = []  # joint by joint, and copied: a view would hold the signals of a long log
+    for k in range(len(still)):
+        joint = np.s_[:, k : k + 1]
+        q = zero_phase(even.position[joint], cutoff, rate)
+        v = differentiate(q, rate)
+        a, effort = differentiate(v, rate), zero_phase(even.effort[joint], cutoff, rate)
+        span = np.full_like(q[kept], np.ptp(q[edge:-edge]))
+        thin.append(np.stack([x[kept] for x in (q, v, a, effort)] + [span]))
+    q, v, a, effort, span = np.concatenate(thin, axis=2)
+    return SmoothedMotion(even.time[kept].copy(), q, v, a, effort, moves=span[0] > still)
 
 
 def longest_stretch(log: Log) -> Log:

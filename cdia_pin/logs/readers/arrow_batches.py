@@ -44,7 +44,8 @@ def table_from_batches(
     rest = []
     for batch in batches:
         for name in floating:
-            parts[name].append(batch[name].cast(pa.float64()).to_numpy(zero_copy_only=False))
+            # A copy, so that the memory of the batch serves the next one.
+            parts[name].append(batch[name].cast(pa.float64()).to_numpy(zero_copy_only=False).copy())
         rest.append(batch.select(others))
     left = pa.Table.from_batches(rest, schema=pa.schema([schema.field(name) for name in others]))
     table = table_from_arrow(left, source, notes)
@@ -54,4 +55,5 @@ def table_from_batches(
             numbers[name] = np.concatenate([np.zeros(0), *parts.pop(name)])
         elif name in table.columns:
             numbers[name] = table.columns[name]
+    pa.default_memory_pool().release_unused()  # it keeps what it has held, more than the numbers of a long log
     return replace(table, columns=numbers)

@@ -10,6 +10,10 @@ from cdia_pin.logs.readers.arrow_batches import ROWS, table_from_batches
 from cdia_pin.logs.readers.bounds import parquet_contents, require_bounded
 from cdia_pin.logs.readers.table import Table
 
+BUFFER = (
+    2**20
+)  # [B] of each column that are read at once; Arrow would hold a whole row group beside its numbers
+
 
 def read_parquet(path: Path) -> Table:
     """Read a Parquet file, a batch of rows at a time.
@@ -28,7 +32,7 @@ def read_parquet(path: Path) -> Table:
     source = path.name
     with (
         decoding(lambda said: LogError(f"{source}: not readable as Parquet ({said})")),
-        parquet.ParquetFile(path) as file,
+        parquet.ParquetFile(path, pre_buffer=False, buffer_size=BUFFER) as file,
     ):
         contents = parquet_contents(file.metadata, file.schema_arrow.names)
         require_bounded(contents, path.stat().st_size, source)
