@@ -13,7 +13,7 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, require_unseen, show_inputs
-from cdia_pin.cli.next_command import compare_saved, show_next
+from cdia_pin.cli.next_command import compare_saved, show_next, ways_of
 from cdia_pin.cli.options import (
     Check,
     Columns,
@@ -92,7 +92,17 @@ def add(
             conditioning=Conditioning(cutoff=cutoff),
             per_log=parse_per_log(per_log, logs, conditions, known.robot),
         )
-        reading = Reading(gains, joint_map, convert, topic, format, columns, episode, conditions=conditions)
+        reading = Reading(
+            gains,
+            joint_map,
+            convert,
+            topic,
+            format,
+            columns,
+            episode,
+            conditions=conditions,
+            ways=ways_of(ctx),
+        )
         given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
         found = discovery.add_effect(

@@ -10,7 +10,7 @@ import typer
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.next_command import again, follow, free, show_next
+from cdia_pin.cli.next_command import again, follow, free, show_next, ways_of
 from cdia_pin.cli.options import (
     Columns,
     Convert,
@@ -76,7 +76,10 @@ def calibrate(
         from cdia_pin.logs.conditioning import Conditioning
         from cdia_pin.logs.gains import read_gains
 
-        arm, reading = known.robot, Reading(gains, joint_map, convert, topic, format, columns, episode)
+        arm, reading = (
+            known.robot,
+            Reading(gains, joint_map, convert, topic, format, columns, episode, ways=ways_of(ctx)),
+        )
         (with_it, *without), _ = read_logs([loaded, *unloaded], arm, reading, check=False, tell=tell)
         tell("fitting the scales", 0.5)
         found = calibrate_gains(arm, [with_it], without, known_payload, Conditioning(cutoff=cutoff))

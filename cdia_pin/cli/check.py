@@ -6,7 +6,7 @@ import typer
 
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.next_command import follow_checks, show_next
+from cdia_pin.cli.next_command import follow_checks, show_next, ways_of
 from cdia_pin.cli.options import (
     Columns,
     Convert,
@@ -48,7 +48,17 @@ def check(
     with progress() as tell:
         from cdia_pin.logs import check_log
 
-        reading = Reading(gains, joint_map, convert, topic, format, columns, episode, torque_side=torque_side)
+        reading = Reading(
+            gains,
+            joint_map,
+            convert,
+            topic,
+            format,
+            columns,
+            episode,
+            torque_side=torque_side,
+            ways=ways_of(ctx),
+        )
         logs, _ = read_logs([log], model.robot, reading, check=False, tell=tell)
         tell(f"checking {log.name}", 0.3)
         found = check_log(logs[0], model.robot)

@@ -18,7 +18,7 @@ from cdia_pin.cli.circumstances import (
 from cdia_pin.cli.conditions import Conditions, parse_conditions
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
-from cdia_pin.cli.next_command import follow_checks, free, show_next
+from cdia_pin.cli.next_command import follow_checks, free, show_next, ways_of
 from cdia_pin.cli.options import (
     Check,
     Columns,
@@ -90,7 +90,18 @@ def compare(
         from cdia_pin.logs.conditioning import Conditioning
         from cdia_pin.selection import DiscoverySettings
 
-        reading = Reading(gains, joint_map, convert, topic, format, columns, episode, conditions, torque_side)
+        reading = Reading(
+            gains,
+            joint_map,
+            convert,
+            topic,
+            format,
+            columns,
+            episode,
+            conditions,
+            torque_side,
+            ways=ways_of(ctx),
+        )
         given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
         tell("comparing", 0.1)
         settings = DiscoverySettings(

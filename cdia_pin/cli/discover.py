@@ -21,7 +21,7 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.discovery_files import DiscoveryFiles
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, doubts, load_inputs, read_logs, require_unseen, show_inputs
-from cdia_pin.cli.next_command import again, follow, free, show_next
+from cdia_pin.cli.next_command import again, follow, free, mended, show_next, ways_of
 from cdia_pin.cli.options import (
     OUTPUT,
     Check,
@@ -139,7 +139,18 @@ def discover(
             per_log=parse_per_log(per_log, logs, conditions, known.robot),
             expected=expected_effects(environment, contact, mounted),
         )
-        reading = Reading(gains, joint_map, convert, topic, format, columns, episode, conditions, torque_side)
+        reading = Reading(
+            gains,
+            joint_map,
+            convert,
+            topic,
+            format,
+            columns,
+            episode,
+            conditions,
+            torque_side,
+            ways=ways_of(ctx),
+        )
         read = partial(
             read_logs, robot=known.robot, reading=reading, check=check, tell=tell, refuse=not anyway
         )
@@ -168,9 +179,9 @@ def discover(
     unfinished.forget()
     if found.steps and not everything:
         console.print("--all shows the numbers.", style="dim")
-    show_next(console, _following(ctx, found, logs, save))
     for doubt in doubts([*checks, *later]):
         console.print(f"This result is doubtful. {doubt}.", style="yellow", markup=False)
+    show_next(console, mended(ctx, [*checks, *later]) or _following(ctx, found, logs, save))
 
 
 def _following(ctx: typer.Context, found: Discovery, logs: list[Path], save: Path | None) -> str:

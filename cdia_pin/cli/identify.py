@@ -10,7 +10,7 @@ import typer
 from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.export import Export
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, require_unseen, show_inputs
-from cdia_pin.cli.next_command import compare_saved, show_next
+from cdia_pin.cli.next_command import compare_saved, show_next, ways_of
 from cdia_pin.cli.options import (
     OUTPUT,
     Check,
@@ -97,7 +97,7 @@ def identify(
         settings = identification.IdentificationSettings(
             conditioning=Conditioning(cutoff=cutoff), refine=refine
         )
-        reading = Reading(gains, joint_map, convert, topic, format, columns, episode)
+        reading = Reading(gains, joint_map, convert, topic, format, columns, episode, ways=ways_of(ctx))
         given, _ = read_logs(logs, known.robot, reading, check=check, tell=tell)
         held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
         unfinished = UnfinishedSearch.beside(

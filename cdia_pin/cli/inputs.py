@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
     from cdia_pin.dynamics import Dynamics
     from cdia_pin.logs import Log, LogCheck
+    from cdia_pin.logs.formats.guess import ColumnGuess
     from cdia_pin.robot import RobotModel
 
 MOST_TERMS = 5  # terms of a model that are listed before they are counted
@@ -35,6 +37,8 @@ class Reading:
         episode: Episode of a LeRobot dataset.
         conditions: Under which condition logs were recorded, by path.
         torque_side: Side of the gear on which the torque was measured, ``motor`` or ``link``.
+        ways: How logs were read beyond these fields, as `ways_of` states it. Reading adds to it, and what was answered
+            for one log is tried on the next ones before it is asked again.
     """
 
     gains: Path | None = None
@@ -46,6 +50,7 @@ class Reading:
     episode: int | None = None
     conditions: Mapping[Path, str] = field(default_factory=dict)
     torque_side: str | None = None
+    ways: list[dict[str, str]] = field(default_factory=list)
 
     def read(self, path: Path, robot: RobotModel) -> Log:
         """Read one log.
@@ -54,16 +59,32 @@ class Reading:
             path: The file.
             robot: Whose log it is.
         """
-        from cdia_pin.cli.column_dialogue import asked_columns, can_ask
+        from cdia_pin.cli.column_dialogue import can_ask
         from cdia_pin.logs.missing_columns import MissingColumnsError
 
+        way: dict[str, str] = {}
         try:
             log = self._read(path, robot)
         except MissingColumnsError as error:
             if not (error.guesses and can_ask()):
                 raise
-            log = self._with(asked_columns(path.name, error.guesses, robot))._read(path, robot)
+            log, way = self._asked(path, robot, error.guesses)
+        if way not in self.ways:
+            self.ways.append(way)
         return replace(log, condition=self.conditions.get(path, ""))
+
+    def _asked(
+        self, path: Path, robot: RobotModel, guesses: Sequence[ColumnGuess]
+    ) -> tuple[Log, dict[str, str]]:
+        """Return a log as an earlier one was read, else as a dialogue says, and the answers."""
+        from cdia_pin.cli.column_dialogue import asked_columns
+        from cdia_pin.errors import LogError
+
+        for way in filter(None, self.ways):
+            with contextlib.suppress(LogError):
+                return self._with(way)._read(path, robot), way
+        way = asked_columns(path.name, guesses, robot)
+        return self._with(way)._read(path, robot), way
 
     def _with(self, more: Mapping[str, str]) -> Reading:
         """Return how to read with more columns, conversions and names of joints."""

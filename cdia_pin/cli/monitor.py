@@ -11,7 +11,7 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.monitor_options import DEFAULT_ENGINE, MONITOR, Bank, Engine, Healthy, Threshold, thresholds
-from cdia_pin.cli.next_command import again, follow, free, show_next
+from cdia_pin.cli.next_command import again, follow, free, show_next, ways_of
 from cdia_pin.cli.options import (
     Check,
     Columns,
@@ -116,7 +116,7 @@ def monitor(
         from cdia_pin.diagnosis.healthy_part import alike, parted
 
         stored = Monitor.load(state, known.robot) if state is not None and goes_on else None
-        reading = Reading(gains, joint_map, convert, topic, format, columns, episode)
+        reading = Reading(gains, joint_map, convert, topic, format, columns, episode, ways=ways_of(ctx))
         (watched, *runs), _ = read_logs(given, known.robot, reading, check=check, tell=tell)
         announced = []
         if stored is None and not runs and bounds is None:

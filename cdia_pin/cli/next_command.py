@@ -6,6 +6,7 @@ import re
 import shlex
 from collections.abc import Iterator, Sequence
 from enum import Enum
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -54,7 +55,10 @@ def follow(ctx: typer.Context, command: str, *arguments: str | Path, **options: 
         **options: Its options by parameter name; they replace what the user gave, and None leaves an option out.
     """
     nxt = ctx.find_root().command.commands[command]  # type: ignore[attr-defined]
-    given = {p.name: ctx.params[p.name] for p in ctx.command.params if _carries(ctx, p)} | options
+    given = {p.name: ctx.params[p.name] for p in ctx.command.params if _carries(ctx, p)}
+    for name, value in _answered(ctx).items():
+        given[name] = [*(given.get(name) or ()), value]
+    given |= options
     words = list(map(str, arguments))
     for parameter in nxt.params:
         words += _words(parameter, given.get(parameter.name))
@@ -74,16 +78,34 @@ def follow_checks(
         **options: As of `follow`.
 
     Returns:
-        The command; empty if no option mends the logs, or not all of them alike.
+        The command; empty if nothing mends the logs, or not all of them alike.
     """
-    if not any(check.obstacles for check in checks):
-        return follow(ctx, command, *logs, **options)
+    if any(check.obstacles or check.about("robot") for check in checks):
+        return mended(ctx, checks)
+    return follow(ctx, command, *logs, **options)
+
+
+def mended(ctx: typer.Context, checks: Sequence[LogCheck]) -> str:
+    """Return the command that the user typed, with the arm that fits its logs or with the options that mend them.
+
+    Args:
+        ctx: Of the present command.
+        checks: Checks of the logs.
+
+    Returns:
+        The command; empty if nothing mends the logs, or not all of them alike.
+    """
+    arms = {tuple(str(f.value["best"]) for f in check.about("robot")) for check in checks}
+    if any(arms):
+        return again(ctx, robot=arms.pop()[0]) if len(arms) == 1 else ""
     mends = {
         tuple(dict.fromkeys(option for f in check.obstacles for option in MENDING.findall(f.advice)))
         for check in checks
     }
+    if len(mends) != 1:
+        return ""
     words = [word for option in mends.pop() if option not in (ctx.obj or "") for word in option.split()]
-    return with_words(ctx, *words) if words and not mends else ""
+    return with_words(ctx, *words) if words else ""
 
 
 def again(ctx: typer.Context, **options: Any) -> str:
@@ -91,11 +113,11 @@ def again(ctx: typer.Context, **options: Any) -> str:
 
     Args:
         ctx: Of the present command.
-        **options: Options by parameter name.
+        **options: Options of one value by parameter name; a value replaces the one that was typed.
     """
-    return with_words(
-        ctx, *(word for p in ctx.command.params for word in _words(p, options.get(p.name or "")))
-    )
+    chosen = [p for p in ctx.command.params if options.get(p.name) is not None]
+    words = (word for p in chosen for word in _words(p, options[p.name]))
+    return with_words(ctx, *words, instead_of=[name for p in chosen for name in p.opts])
 
 
 def compare_saved(ctx: typer.Context, logs: Sequence[Path], save: Path | None) -> str:
@@ -109,15 +131,30 @@ def compare_saved(ctx: typer.Context, logs: Sequence[Path], save: Path | None) -
     return follow(ctx, "compare", *logs, model=save) if save else again(ctx, save=free("model.json"))
 
 
-def with_words(ctx: typer.Context, *words: str) -> str:
+def with_words(ctx: typer.Context, *words: str, instead_of: Sequence[str] = ()) -> str:
     """Return the command that the user typed, with more words before its arguments.
 
     Args:
         ctx: Of the present command.
         *words: Such as ``--convert``, ``angle=deg``.
+        instead_of: Options that are left out with their values, such as ``--robot``.
     """
-    typed = shlex.split(ctx.obj or f"cdia {ctx.info_name}")
-    return shlex.join([*typed[:2], *words, *typed[2:]])
+    program, command, *typed = shlex.split(ctx.obj or f"cdia {ctx.info_name}")
+    answered = (word for p in ctx.command.params for word in _words(p, _answered(ctx).get(p.name)))
+    return shlex.join([program, command, *words, *answered, *_without(ctx, typed, instead_of)])
+
+
+def ways_of(ctx: typer.Context) -> list[dict[str, str]]:
+    """Return how the logs of a command were read beyond what was typed; a reading adds to it.
+
+    Args:
+        ctx: Of the present command.
+
+    Returns:
+        The options that a dialogue answered, once for logs that were read alike; {} for logs that needed none.
+    """
+    ways: list[dict[str, str]] = ctx.meta.setdefault("ways to read logs", [])
+    return ways
 
 
 def free(name: str) -> Path:
@@ -131,6 +168,24 @@ def free(name: str) -> Path:
         count += 1
         path = Path(name).with_stem(f"{Path(name).stem}{count}")
     return path
+
+
+def _without(ctx: typer.Context, typed: Sequence[str], options: Sequence[str]) -> Iterator[str]:
+    """Yield what was typed but for options and their values, such as ``-r ur5`` or ``--robot=ur5``."""
+    rest = iter(typed)
+    valued = {name for p in ctx.command.params for name in p.opts if not getattr(p, "is_flag", True)}
+    for word in rest:
+        if word in valued:  # what follows is its value, whatever it looks like
+            value = [*islice(rest, 1)]
+            yield from () if word in options else (word, *value)
+        elif not any(word.startswith(f"{o}=" if o.startswith("--") else o) for o in options):
+            yield word
+
+
+def _answered(ctx: typer.Context) -> dict[str, str]:
+    """Return the options that a dialogue answered; none where logs differ in them, which no command can say."""
+    ways = ways_of(ctx)
+    return ways[0] if len(ways) == 1 else {}
 
 
 def _carries(ctx: typer.Context, parameter: Any) -> bool:

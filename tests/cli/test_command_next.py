@@ -20,6 +20,7 @@ from cdia_pin.effects import parse_term
 from cdia_pin.logs import LogCheck
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.resources import logs_dir
+from tests.made_logs import make
 
 ROBOT = ["--robot", "double_pendulum"]
 COMMANDS = typer.main.get_command(app)
@@ -176,6 +177,32 @@ def test_a_log_that_contradicts_its_robot_is_mended_before_it_is_used(advice, mo
     checks = [LogCheck("log", "ur5", (finding,) if finding.advice else ()) for finding in error]
     ctx = context(["compare", "LOG", "--robot", "ur5", *more])
     assert follow_checks(ctx, checks, "discover", Path("LOG")) == then
+
+
+FITS = Finding(Topic.ROBOT, Severity.WARNING, "of another arm", value={"best": "ur3"})
+
+
+@pytest.mark.parametrize(
+    ("typed", "findings", "then"),
+    [
+        (["--robot", "ur5"], [FITS], "cdia compare --robot ur3 LOG"),
+        (["--robot=ur5"], [FITS, FITS], "cdia compare --robot ur3 LOG"),
+        (["-rur5", "--report", "-r"], [FITS], "cdia compare --robot ur3 LOG --report -r"),
+        (["-r", "ur5"], [FITS, None], ""),  # one of two logs is of the arm
+        (["-r", "ur5"], [replace(FITS, value={"best": "ur10"}), FITS], ""),
+    ],
+)
+def test_logs_of_another_arm_are_read_with_that_arm_before_they_are_used(typed, findings, then):
+    checks = [LogCheck("log", "ur5", (finding,) if finding else ()) for finding in findings]
+    ctx = context(["compare", "LOG", *typed])
+    assert follow_checks(ctx, checks, "discover", Path("LOG")) == then
+
+
+def test_a_search_on_a_log_of_another_arm_ends_with_the_arm_that_fits(cdia, tmp_path):
+    write_log(make(load_robot("ur10"), duration=8.0, noise=0.02).log, tmp_path / "large.csv")
+    done = cdia("discover", tmp_path / "large.csv", "--robot", "ur5", "--effects", "payload", "--anyway")
+    assert "This result is doubtful" in done.out
+    assert context(next_line(done.out)[1:]).params["robot"] == "ur10"
 
 
 def test_after_a_check_that_finds_degrees_the_next_command_reads_degrees(cdia, tmp_path):

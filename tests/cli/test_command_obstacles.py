@@ -49,12 +49,12 @@ def test_a_log_that_contradicts_its_robot_is_refused_with_its_mend(cdia, logs, m
     assert cdia("check", log, "--robot", "ur5", *MENDS[mistake].split(), "--json", "-").json["ok"]
 
 
-def test_it_goes_on_when_told_to_and_says_so_last(cdia, logs):
+def test_it_goes_on_when_told_to_and_says_so_last_before_the_command_that_mends_it(cdia, logs):
     done = cdia("discover", logs / "flipped.csv", *SEARCH, "--anyway")
     assert done.code == 0, done.err
-    last = " ".join(done.out[done.out.rindex("This result is doubtful") :].split())
-    assert f"--convert flip_effort={ELBOW}." in last
-    assert last.endswith(".")
+    last, _, following = done.out[done.out.rindex("This result is doubtful") :].partition("\nnext: ")
+    assert " ".join(last.split()).endswith(f"--convert flip_effort={ELBOW}.")
+    assert following.startswith(f"cdia discover --convert flip_effort={ELBOW} ")
 
 
 def test_a_right_log_is_searched_without_a_word(cdia, logs):
