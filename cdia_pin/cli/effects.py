@@ -11,7 +11,7 @@ import typer
 
 from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
-from cdia_pin.cli.next_command import show_next
+from cdia_pin.cli.next_command import command_line, show_next
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_json
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from cdia_pin.effects import Effect
 
 EXAMPLE_ROBOT = "scara"  # ships; has turning and sliding joints, whose units differ
+OWN = "sin(3*q)*dq"  # an expression, which is written in the place of a name
 
 
 class ParameterEntry(TypedDict):
@@ -69,7 +70,10 @@ def effects(
         _show_all(console, entries)
     if json:
         write_json({"schema": schemas.EFFECTS, "effects": entries}, json)
-    show_next(console, f"cdia add {name} LOG --robot R" if name else f"cdia effects {next(iter(EFFECTS))}")
+    following = (
+        ("add", entries[0]["write"], "LOG", "--robot", "R") if name else ("effects", entries[0]["effect"])
+    )
+    show_next(console, command_line(*following))
 
 
 def describe(kind: type[Effect]) -> EffectEntry:
@@ -78,6 +82,7 @@ def describe(kind: type[Effect]) -> EffectEntry:
     Args:
         kind: Class of the effect.
     """
+    from cdia_pin.effects import Expression
     from cdia_pin.robot import load_robot
 
     robot = load_robot(EXAMPLE_ROBOT)
@@ -91,7 +96,8 @@ def describe(kind: type[Effect]) -> EffectEntry:
         "effect": kind.name,
         "equation": kind.equation,
         "scope": list(kind.scope_fields),
-        "write": kind.name + ("@" + "+".join(["JOINT"] * size) if size else ""),
+        "write": (OWN if kind is Expression else kind.name)
+        + ("@" + "+".join(["JOINT"] * size) if size else ""),
         "parameters": [
             {
                 "name": p.name,
@@ -114,8 +120,8 @@ def _first_paragraphs(kind: type[Effect]) -> str:
     from cdia_pin.effects.expression import FUNCTIONS
 
     text = re.split(r"\n\n(?:Attributes|Args):", inspect.cleandoc(kind.__doc__ or ""))[0]
-    text = text.replace("of `FUNCTIONS`", ", ".join(FUNCTIONS)).replace("`", "")
-    return "\n".join(" ".join(paragraph.split()) for paragraph in text.split("\n\n"))
+    text = "\n".join(" ".join(paragraph.split()) for paragraph in text.split("\n\n"))
+    return text.replace("of `FUNCTIONS`", ", ".join(FUNCTIONS)).replace("`", "")
 
 
 def _show_all(console: Console, entries: list[EffectEntry]) -> None:
@@ -132,7 +138,7 @@ def _show_all(console: Console, entries: list[EffectEntry]) -> None:
     console.print(Text("M q̈ + nle = τ + f;  f of each effect:"))
     console.print(table)
     console.print(
-        Text("On a sliding joint read N for N·m and m for rad. Your own: cdia discover --extra 'sin(3*q)*dq'")
+        Text(f"On a sliding joint read N for N·m and m for rad. Your own: cdia discover --extra '{OWN}'")
     )
 
 

@@ -1,8 +1,11 @@
 """``cdia robots`` and ``cdia effects``."""
 
+import re
+
 import pytest
 
 from cdia_pin.effects import EFFECTS
+from cdia_pin.effects.expression import FUNCTIONS
 from cdia_pin.robot import catalogue
 
 
@@ -48,6 +51,21 @@ def test_each_effect_explains_itself(cdia, name):
     outcome = cdia("effects", name)
     assert outcome.code == 0
     assert EFFECTS[name].equation in outcome.out
+
+
+# Names of the source, such as `FUNCTIONS`, tell a reader in a terminal nothing.
+INTERNAL = re.compile(r"`|\b(?!(?:JOINT|LOG|URDF)\b)[A-Z]+(?:_[A-Z]+|[A-Z]{3})\w*")
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_what_is_said_of_an_effect_names_nothing_of_the_source(cdia, name):
+    said = cdia("effects", name).out
+    assert not INTERNAL.findall(said), said
+
+
+def test_the_functions_of_an_expression_are_listed(cdia):
+    said = " ".join(cdia("effects", "expression").out.split())
+    assert f"the functions {', '.join(FUNCTIONS)}." in said
 
 
 def test_units_follow_the_joint(cdia):

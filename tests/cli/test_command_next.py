@@ -16,7 +16,7 @@ from cdia_pin import Dynamics, load_robot, read_log, save_model, write_log
 from cdia_pin.cli.discover import _following
 from cdia_pin.cli.next_command import again, follow, follow_checks, free
 from cdia_pin.cli.program import app
-from cdia_pin.effects import parse_term
+from cdia_pin.effects import EFFECTS, parse_effect, parse_term
 from cdia_pin.logs import LogCheck
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.resources import logs_dir
@@ -146,6 +146,16 @@ def test_a_command_ends_with_the_next_one(cdia, log, tmp_path, typed, then):
     assert program == "cdia"
     assert line[0] == then
     context(line)
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_the_command_after_an_effect_adds_it(cdia, name):
+    _, *line = next_line(cdia("effects", name).out)
+    for joint in ("joint1", "joint2"):
+        line = [word.replace("JOINT", joint, 1) for word in line]
+    assert context(line).command.name == "add"
+    effect = parse_effect(line[1], load_robot("double_pendulum"))
+    assert effect.name == name
 
 
 @pytest.mark.parametrize(
