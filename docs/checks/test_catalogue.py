@@ -10,6 +10,8 @@ from cdia_pin.effects import EFFECTS, parse_term
 
 PAGES = sorted((Path(__file__).resolve().parents[1] / "effects").glob("*.md"))
 ENTRY = re.compile(r"^```\{effect\} (.+)\n((?:(?!```).*\n)*)```$", re.MULTILINE)
+README = (PAGES[0].parents[2] / "README.md").read_text(encoding="utf-8")
+WORDS = {"eight": 8, "nine": 9, "ten": 10, "eleven": 11, "twelve": 12}
 ENTRIES = [found for page in PAGES for found in ENTRY.findall(page.read_text(encoding="utf-8"))]
 
 
@@ -21,3 +23,10 @@ def test_every_effect_has_one_entry():
 @pytest.mark.parametrize("text, physics", ENTRIES, ids=[text.partition(":")[0] for text, _ in ENTRIES])
 def test_an_entry_says_what_happens(text, physics):
     assert physics.strip().endswith(".")
+
+
+def test_the_readme_counts_the_effects_that_a_search_tries():
+    searched = [kind.name for kind in EFFECTS.values() if kind.plausibility.searched]
+    (effects, frictions) = re.search(r"a search knows (\d+) \((\w+) kinds of friction", README).groups()
+    assert int(effects) == len(searched)
+    assert WORDS[frictions] == sum(name.endswith("_friction") for name in searched)
