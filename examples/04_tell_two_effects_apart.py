@@ -38,10 +38,12 @@ log = simulate(plant, small, sensors=sensors, rng=np.random.default_rng(2))
 rivals = explained(log)
 
 motion = excite(model, between=(spring.effect, rivals[0]), after=log)
-print(
-    f"{motion.gain.before:.1f} standard deviations apart before, {motion.gain.after:.0f} on the motion designed"
-)
 for signal, peak in motion.peaks().items():
     print(f"  {signal:12s}", np.round(peak, 2), "of", np.round(getattr(motion.limits, signal), 2))
+left = explained(simulate(plant, motion.trajectory, sensors=sensors, rng=np.random.default_rng(3)))
 
-explained(simulate(plant, motion.trajectory, sensors=sensors, rng=np.random.default_rng(3)))
+for name, others, apart in (
+    ("small motion", rivals, motion.gain.before),
+    ("designed motion", left, motion.gain.after),
+):
+    print(f"{name:16s} {1 + len(others)} possible, spring and link {apart:.1f} standard deviations apart")

@@ -23,6 +23,19 @@ def test_a_program_for_a_robot_is_short(path):
     assert len(path.read_text(encoding="utf-8").splitlines()) < LONGEST_OF_A_ROBOT
 
 
+@pytest.mark.parametrize("path", NUMBERED, ids=lambda path: path.stem)
+def test_an_example_ends_with_a_number_that_it_prints(path):
+    *_, last = ast.parse(path.read_text(encoding="utf-8")).body
+    printed = [n for n in ast.walk(last) if isinstance(n, ast.Call) and ast.unparse(n.func) == "print"]
+    assert any(
+        part.format_spec
+        for n in ast.walk(printed[-1])
+        if isinstance(n, ast.JoinedStr)
+        for part in n.values
+        if isinstance(part, ast.FormattedValue)
+    )
+
+
 def test_examples_are_numbered_from_one():
     assert [path.name[:3] for path in NUMBERED] == [f"{k:02d}_" for k in range(1, len(NUMBERED) + 1)]
 
