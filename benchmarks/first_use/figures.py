@@ -9,10 +9,11 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from runpy import run_path
 
 from benchmarks.outcomes import CHECKOUT, environment_of
 from benchmarks.reading_bags import WANTED, rates
-from cdia_pin.effects import EFFECTS
+from cdia_pin.effects import EFFECTS, parse_term
 from cdia_pin.robot import catalogue
 
 Figure = tuple[str, str, str, str, bool]  # area, what was asked, target, measured, met
@@ -23,6 +24,8 @@ DEMO = 60.0  # [s]
 READING = 250  # words that a person reads in a minute
 NOTEBOOKS = 3
 TUTORIALS = 4  # a UR, a ROS 2 bag, a Franka, a monitor in one's own loop
+SIZES = DOCS / "_extensions" / "measured_sizes.py"
+ENTRY = re.compile(r"^```\{effect\} (.+)\n(:size:)?", re.MULTILINE)  # of the catalogue of effects
 RUNS = re.compile(r"^```\{(console|code-cell)\}", re.MULTILINE)
 CODE = re.compile(r"^```.*?^```|^    .*?$|!\[.*?\]\(.*?\)", re.MULTILINE | re.DOTALL)
 
@@ -59,8 +62,14 @@ def _of_docs() -> Iterator[Figure]:
     )
     yield _count("Docs", "notebooks, run by `make docs`", NOTEBOOKS, notebooks)
     yield _count("Docs", "tutorials, run by `make docs`", TUTORIALS, tutorials)
-    entries = sum(p.read_text(encoding="utf-8").count("```{effect}") for p in (DOCS / "effects").glob("*.md"))
-    yield _count("Docs", "effects with physics, picture, sizes and rivals", len(EFFECTS), entries)
+    pages = [p.read_text(encoding="utf-8") for p in (DOCS / "effects").glob("*.md")]
+    entries = {parse_term(term).effect.name: told for text in pages for term, told in ENTRY.findall(text)}
+    yield _count("Docs", "effects with physics, picture and rivals", len(EFFECTS), len(entries))
+    measured = [name for name in entries if run_path(str(SIZES))["sentence"](name)]
+    sized = {*measured, *(name for name, told in entries.items() if told)}
+    claim = "effects with a typical size: measured on arms, or in words what sets it"
+    shown = f"{len(sized)}, of which {len(measured)} measured"
+    yield "Docs", claim, str(len(EFFECTS)), shown, len(sized) >= len(EFFECTS)
 
 
 def _newcomers() -> tuple[str, bool]:

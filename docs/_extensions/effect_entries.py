@@ -1,6 +1,7 @@
 """The directive `effect`: an entry of the catalogue. Its argument is a term as people type it, its content the physics.
 
-Equation, picture, parameters, measured sizes and what the effect is mistaken for come from the program.
+Equation, picture, parameters, measured sizes and what the effect is mistaken for come from the program. The option
+`size` tells what sets the size; an effect that was found on no measured arm needs it.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from docutils import nodes
+from docutils.parsers.rst import directives
 from docutils.statemachine import StringList
 from imitation import imitations
 from measured_sizes import sentence
@@ -42,18 +44,21 @@ class EffectEntry(SphinxDirective):
     required_arguments = 1
     final_argument_whitespace = True
     has_content = True
+    option_spec = {"size": directives.unchanged_required}  # noqa: RUF012
 
     def run(self) -> list[nodes.Node]:
         """Return the section."""
         term = parse_term(self.arguments[0], robot())
-        name = term.effect.name
+        name, size = term.effect.name, self.options.get("size", "")
+        if not (size or sentence(name)):
+            LOGGER.warning("effect %s was found on no measured arm: say with :size: what sets its size", name)
         self.env.metadata[self.env.docname].setdefault(ENTRIES, []).append(name)
         section = nodes.section(ids=[name.replace("_", "-")], names=[name])
         section.document = self.state.document
         section += nodes.title("", "", nodes.literal("", name))
         self.state.nested_parse(self.content, self.content_offset, section)
         section += self._picture(term)
-        self.state.nested_parse(StringList([*facts(term), "", *resemblances(term)], name), 0, section)
+        self.state.nested_parse(StringList([*facts(term, size), "", *resemblances(term)], name), 0, section)
         return [section]
 
     def _picture(self, term: Term) -> nodes.figure:
@@ -62,8 +67,8 @@ class EffectEntry(SphinxDirective):
         return nodes.figure("", drawn, caption)
 
 
-def facts(term: Term) -> Iterator[str]:
-    """Yield equation, parameters and measured sizes as Markdown."""
+def facts(term: Term, size: str) -> Iterator[str]:
+    """Yield equation, parameters and sizes as Markdown."""
     effect = term.effect
     yield from ("| | |", "|---|---|", f"| f | {effect.equation.replace('|', '&#124;')} |")
     yield f"| parameters | {listed(effect.parameters)} |"
@@ -71,6 +76,8 @@ def facts(term: Term) -> Iterator[str]:
         yield f"| shape | {listed(effect.shape)} |"
     if found := sentence(effect.name):
         yield f"| on measured arms | {found} [(source)]({SOURCE}) |"
+    if size:
+        yield f"| size | {size} |"
 
 
 def listed(parameters: tuple[Parameter, ...]) -> str:
