@@ -59,3 +59,11 @@ def mark(page: Any, name: str) -> Any:
 def error(page: Any) -> float:
     """The error that the page states [1]."""
     return float(mark(page, "error").get_attribute("data-value"))
+
+
+def reachable(page: Any, name: str) -> bool:
+    """Whether a mouse gets to an element without scrolling: it is in the window, and nothing lies over it."""
+    return mark(page, name).evaluate(
+        """(e) => { const { left, top, width, height } = e.getBoundingClientRect();
+           return e.contains(document.elementFromPoint(left + 0.5 * width, top + 0.5 * height)); }"""
+    )

@@ -12,7 +12,7 @@ import pytest
 
 from cdia_pin import Dynamics, exciting_trajectory, load_robot
 from cdia_pin.effects import parse_term
-from tests.browser.served_app import PATIENCE, Served, error, mark, quiet
+from tests.browser.served_app import PATIENCE, Served, error, mark, quiet, reachable
 
 BODY = """<link name="{0}"><inertial><origin xyz="0.2 0 0"/><mass value="2"/>
   <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.05" iyz="0" izz="0.05"/></inertial>
@@ -162,13 +162,34 @@ def test_columns_of_any_names_are_chosen_at_the_error(page, app, files, foreign,
     quiet(page, app)
 
 
-def test_a_phone_needs_no_scrolling_sideways_and_has_export_in_reach(page, app):
+EXPORTS = ("export-model", "export-urdf", "export-report", "export-python")
+
+
+def test_a_phone_needs_no_scrolling_sideways_and_has_export_in_reach(page, app, screenshots):
     page.set_viewport_size({"width": 420, "height": 800})
     page.set_default_timeout(PATIENCE)
     page.goto(app.entry)
     mark(page, "demo").click()
     mark(page, "loaded").wait_for()
     assert page.evaluate("document.documentElement.scrollWidth") <= 420
+    mark(page, "verdict").wait_for()
+    for share in (0.0, 0.5, 1.0):  # of the page
+        page.evaluate("(share) => scrollTo(0, share * document.documentElement.scrollHeight)", share)
+        page.wait_for_timeout(200)
+        page.screenshot(path=screenshots / f"app-phone-{share:g}.png")
+        assert all(reachable(page, export) for export in EXPORTS), share
+    # nothing is left behind the bar at the end of the page
+    step, bar = (mark(page, name).bounding_box() for name in ("step-missing", "step-export"))
+    assert step["y"] + step["height"] <= bar["y"] + 1
+    # what the keyboard goes to is not behind it either
+    mark(page, "change").focus()
+    below = """() => { const bar = document.querySelector('[data-mark=step-export]'), e = document.activeElement;
+      return bar.contains(e) ? null : e.getBoundingClientRect().bottom - bar.getBoundingClientRect().top; }"""
+    passed = []  # [px], lower ends below the upper edge of the bar
+    while (lower := page.evaluate(below)) is not None:
+        passed.append(lower)
+        page.keyboard.press("Tab")
+    assert len(passed) > 8 and max(passed) <= 0
     mark(page, "change").click()
     mark(page, "mapping").locator("summary").click()
     assert page.evaluate("document.documentElement.scrollWidth") <= 420
