@@ -42,10 +42,10 @@ def tiles(session: Session, chosen: str, choose: Callable[[str], Any]) -> None:
             data_after=f"{last:.6f}",
         ).on("click", partial(choose, joint), args=[])
         with tile:
-            with node("span", classes="name"):
-                node("span", short[joint])
+            with node("span", classes="head"):
+                node("span", short[joint], "name")
                 if is_worst:
-                    node("span", " worst", "worst")
+                    node("span", "worst", "worst")
             with node("span", classes="numbers"):
                 node("span", percent(first), "b" if after is None else "b was")
                 if after is not None:

@@ -70,6 +70,22 @@ def picture(page: Any, path: Path) -> None:
     page.set_viewport_size(size)
 
 
+def recorded(folder: Path, duration: float, *hidden: str) -> Path:
+    """Write a log [s] of a UR5 with effects that its model lacks."""
+    robot, rng = load_robot("ur5"), np.random.default_rng(4)
+    time_, truth = np.arange(0, duration, 0.004), Dynamics(robot, tuple(parse_term(h) for h in hidden))
+    q, v, a = exciting_trajectory(robot, rng, duration=duration)(time_)
+    tau = truth.inverse_dynamics(q, v, a)
+    tau += 0.01 * tau.std(axis=0) * rng.standard_normal(tau.shape)
+    return write_log(Log(robot.joints, time_, 2e-5 * np.round(q / 2e-5), tau), folder / "run.csv")
+
+
+def load_path(page: Any, log: Path) -> None:
+    page.get_by_role("textbox", name="Robot").fill("ur5")
+    page.get_by_role("textbox", name="Log", exact=True).fill(str(log))
+    mark(page, "load").click()
+
+
 # ------------------------------------------------------------------ the whole loop
 
 
@@ -174,6 +190,31 @@ def test_a_click_on_a_link_chooses_its_joint(tab):
     assert arm(tab)["selected"] == "shoulder_lift_joint"
 
 
+WORST = "shoulder_pan_joint"
+
+
+def test_the_worst_joint_is_marked_at_every_width_whichever_is_selected(tab, tmp_path):
+    load_path(tab, recorded(tmp_path, 15.0, f"coulomb_friction@{WORST}: level=9"))
+    mark(tab, "loaded").wait_for()
+    other = mark(tab, "tile-elbow_joint")
+    other.click()
+    tab.locator('[data-mark="tile-elbow_joint"][aria-pressed="true"]').wait_for()
+    tile, marks = mark(tab, f"tile-{WORST}"), tab.locator(".tile .worst")
+    assert tile.get_attribute("aria-pressed") == "false"
+    assert tile.get_attribute("aria-label").endswith("the largest")
+    for width in (1440, 1280, 1024, 420):
+        tab.set_viewport_size({"width": width, "height": 860})
+        tab.wait_for_timeout(200)
+        assert marks.count() == 1
+        box, seen = tile.bounding_box(), tile.locator(".worst").bounding_box()
+        assert box["x"] < seen["x"] and seen["x"] + seen["width"] < box["x"] + box["width"], width
+        assert box["y"] < seen["y"] and seen["y"] + seen["height"] < box["y"] + box["height"], width
+        assert tile.locator(".name").evaluate("(e) => e.scrollWidth <= e.clientWidth"), width
+    assert arm(tab)["selected"] == "elbow_joint"
+    said = tab.locator(".arm3d-head").inner_text()
+    assert "worst over the log: shoulder_pan" in said
+
+
 def test_the_keyboard_is_enough(tab):
     tab.keyboard.press("Tab")
     for _ in range(30):
@@ -256,9 +297,7 @@ def test_wrong_units_are_found_and_put_right(tab, tmp_path):
             row[k] = f"{np.degrees(float(row[k])):.6f}"
     path = tmp_path / "degrees.csv"
     path.write_text("\n".join([lines[0], *(",".join(r) for r in rows)]))
-    tab.get_by_role("textbox", name="Robot").fill("ur5")
-    tab.get_by_role("textbox", name="Log", exact=True).fill(str(path))
-    mark(tab, "load").click()
+    load_path(tab, path)
     mark(tab, "apply-angle=deg").first.click()
     mark(tab, "check-ok").wait_for()
     assert error(tab) < 1.0
@@ -285,14 +324,7 @@ def test_two_tabs_do_not_disturb_each_other(tab, chromium, app):
 @pytest.fixture(scope="module")
 def minute(tmp_path_factory) -> Path:
     """A minute of a UR5 with friction that its model lacks."""
-    robot, rng = load_robot("ur5"), np.random.default_rng(4)
-    time_, truth = np.arange(0, 60, 0.004), Dynamics(robot, (parse_term(f"{COULOMB}: level=5"),))
-    q, v, a = exciting_trajectory(robot, rng, duration=60.0)(time_)
-    tau = truth.inverse_dynamics(q, v, a)
-    tau += 0.01 * tau.std(axis=0) * rng.standard_normal(tau.shape)
-    return write_log(
-        Log(robot.joints, time_, 2e-5 * np.round(q / 2e-5), tau), tmp_path_factory.mktemp("log") / "run.csv"
-    )
+    return recorded(tmp_path_factory.mktemp("log"), 60.0, f"{COULOMB}: level=5")
 
 
 def test_what_is_missing_is_added_to_a_minute(page, minute):
