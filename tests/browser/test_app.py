@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -145,6 +146,13 @@ def test_the_colour_of_a_link_is_read_back_from_the_scene(tab):
     load_demo(tab)
     shown = arm(tab)["joints"]
     assert shown["wrist_1_joint"]["stage"] == "model error"
+    legend = tab.locator(".arm3d-legend")
+    assert re.fullmatch(
+        r"model error: 0\s*\d+ % of the joint's torque", legend.inner_text().replace("\xa0", " ")
+    )
+    scale = legend.locator(".arm3d-scale")
+    assert scale.bounding_box()["width"] > 40
+    assert "rgb(213, 94, 0)" in scale.evaluate("(e) => getComputedStyle(e).backgroundImage")
     vermilion = rgb("#d55e00")
     far = lambda joints, j: np.abs(rgb(joints[j]["colour"]) - vermilion).sum()  # noqa: E731
     # at some time of the motion the worst joint is coloured, and hardly any more with the effects that it lacks
@@ -337,6 +345,31 @@ def test_what_is_missing_is_added_to_a_minute(page, minute):
         mark(page, f"add-{COULOMB}").click()
         page.locator('[data-mark="version-1"][aria-pressed="true"]').wait_for()
         assert error(page) < 0.05
+    finally:
+        served.interrupt()
+
+
+def test_the_tail_of_a_long_result_is_folded(page, tmp_path, screenshots):
+    joints = load_robot("ur5").joints
+    levels, offsets = (8, 6, 5, 2, 1.5, 1), (5, 4, 3, 1, 1, 0.5)  # [N·m]
+    hidden = [f"coulomb_friction@{j}: level={x}" for j, x in zip(joints, levels, strict=True)]
+    hidden += [f"torque_offset@{j}: offset={x}" for j, x in zip(joints, offsets, strict=True)]
+    served = Served(str(recorded(tmp_path, 40.0, *hidden)), "--robot", "ur5")
+    try:
+        page.set_default_timeout(PATIENCE)
+        page.goto(served.entry)
+        mark(page, "verdict").wait_for()
+        cards = page.locator("[data-effect]")
+        assert cards.count() >= 10
+        assert sum(card.is_visible() for card in page.locator(".suggestion").all()) <= 5
+        assert page.evaluate("document.documentElement.scrollHeight") <= 3000  # [px]
+        picture(page, screenshots / "app-long.png")
+        tail = mark(page, "others")
+        folded = tail.locator("[data-effect]")
+        assert folded.count() >= 2 and not folded.first.is_visible()
+        tail.locator("summary").first.click()
+        assert all(card.is_visible() for card in folded.all())
+        quiet(page, served)
     finally:
         served.interrupt()
 

@@ -62,6 +62,14 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def cursor_at(page: Any, moment: float) -> float:
+    """Let the player go to a moment [s]; return where the torque chart has its cursor, as a share of its width."""
+    page.evaluate("(t) => document.querySelector('[data-mark=arm]').player.seek(t)", moment)
+    return page.evaluate("""() => { const over = document.querySelector('[data-mark=charts] .u-over');
+      const { transform } = over.querySelector('.u-cursor-x').style;
+      return Number(transform.match(/translate\\((-?[0-9.]+)px/)[1]) / over.clientWidth; }""")
+
+
 def drop(page: Any, *paths: Path) -> None:
     """Drop files on the page."""
     page.evaluate("() => { globalThis.dropped = new DataTransfer(); }")
@@ -113,6 +121,14 @@ def test_from_dropped_files_to_an_added_effect_that_a_reload_keeps(page, app, fi
     assert error(page) < 0.2 * begun
     # player and charts have the log's clock
     assert page.locator(".arm3d-time").inner_text().startswith("100.")
+    assert cursor_at(page, 105.0) == pytest.approx(0.25, abs=0.02)
+    assert cursor_at(page, 115.0) == pytest.approx(0.75, abs=0.02)
+    over = page.locator('[data-mark="charts"] .u-over').first
+    over.scroll_into_view_if_needed()
+    box = over.bounding_box()
+    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    page.wait_for_function("Math.abs(document.querySelector('[data-mark=arm]').player.time - 110) < 0.4")
+    page.mouse.move(1, 1)
     # loading the page again changes nothing
     left = error(page)
     page.reload()
@@ -124,6 +140,25 @@ def test_from_dropped_files_to_an_added_effect_that_a_reload_keeps(page, app, fi
     stranger = chromium.new_context().new_page()
     assert stranger.goto(page.url).status == 403
     stranger.context.close()
+    quiet(page, app)
+
+
+def test_gains_that_are_typed_load_a_log_of_currents(page, app, files):
+    page.set_default_timeout(PATIENCE)
+    page.goto(app.entry)
+    mark(page, "load").wait_for()
+    drop(page, files / "arm.urdf", files / "run.csv")
+    mark(page, "mapping-fault").wait_for()
+    mark(page, "gain-shoulder").fill("12")
+    mark(page, "gain-elbow").fill("8 ± 0.4")
+    mark(page, "load").click()
+    mark(page, "verdict").wait_for()
+    begun = error(page)
+    lines = mark(page, "python-lines").text_content()
+    assert "'shoulder': 12.0" in lines and "'tolerance': 0.4" in lines
+    mark(page, f"add-{COULOMB}").click()
+    mark(page, "version-1").wait_for()
+    assert error(page) < 0.2 * begun
     quiet(page, app)
 
 
