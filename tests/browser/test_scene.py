@@ -236,25 +236,59 @@ def near(colour, other):
     return float(np.linalg.norm(values[0] - values[1]))
 
 
-def test_the_whole_arm_is_in_the_picture_in_every_pose(player):
-    farthest = """() => {
-      const { THREE } = MeshCat, { camera, scene } = arm.viewer;
-      let most = 0;
-      for (let t = player.begin; t <= player.end; t += 0.25) {
-        player.seek(t);
-        scene.updateMatrixWorld(true);
-        for (const { joint, mesh } of arm._links) {
-          const at = mesh.geometry.attributes.position;
-          for (let k = 0; joint !== null && k < at.count; k += 20) {
-            const p = new THREE.Vector3().fromBufferAttribute(at, k).applyMatrix4(mesh.matrixWorld).project(camera);
-            most = Math.max(most, Math.abs(p.x), Math.abs(p.y));
-          }
-        }
+FARTHEST = """(base) => { // how far from the middle of the picture a point of the arm comes, the edge at 1
+  const { THREE } = MeshCat, { camera, scene } = arm.viewer;
+  let most = 0;
+  for (let t = player.begin; t <= player.end; t += 0.25) {
+    player.seek(t);
+    scene.updateMatrixWorld(true);
+    for (const { joint, mesh } of arm._links) {
+      const at = mesh.geometry.attributes.position;
+      for (let k = 0; (base || joint !== null) && k < at.count; k += 20) {
+        const p = new THREE.Vector3().fromBufferAttribute(at, k).applyMatrix4(mesh.matrixWorld).project(camera);
+        most = Math.max(most, Math.abs(p.x), Math.abs(p.y));
       }
-      return most;
-    }"""
+    }
+  }
+  return most;
+}"""
+LINK = """<link name="{0}"><inertial><mass value="2"/>
+  <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>"""
+TURNS = """<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{2}"/><origin xyz="{3}"/>
+  <axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="4" effort="90"/></joint>"""
+BARE = f"""{LINK.format("upper")}{LINK.format("lower")}{TURNS.format("shoulder", "base", "upper", "0 0 0.5")}
+  {TURNS.format("elbow", "upper", "lower", "0.4 0 0")}"""  # no shapes
+BOX = """<link name="base"><visual><origin xyz="0 0 {2}"/>
+  <geometry><box size="{0} {0} {1}"/></geometry></visual></link>"""
+
+
+def test_the_whole_arm_is_in_the_picture_in_every_pose(player):
     settled(player, "() => arm.frames", lambda frames: frames > 0)
-    assert 0.5 < player.evaluate(farthest) < 0.95
+    assert 0.5 < player.evaluate(FARTHEST, True) < 0.95
+
+
+@pytest.mark.parametrize(
+    ("base", "whole"),
+    [
+        (
+            '<link name="base"/>',
+            True,
+        ),  # a pedestal of which nothing is known is drawn as a capsule, longer than the arm
+        (BOX.format(0.4, 0.5, 0.25), True),
+        (BOX.format(4.0, 0.05, 0.4), False),  # a table top
+    ],
+)
+def test_what_an_arm_stands_on_is_in_the_picture_unless_the_arm_would_be_small(page, tmp_path, base, whole):
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{base}{BARE}</robot>')
+    robot = load_robot(tmp_path / "arm.urdf")
+    time = np.linspace(0.0, 4.0, 41)
+    position = np.stack([0.3 * np.sin(time), 0.4 * np.cos(time)], axis=1)
+    nothing = np.zeros(position.shape)
+    track = Track("", nothing.astype(int), nothing, nothing)
+    opened(page, tmp_path, ArmPage(Scene.of(robot), Timeline(time, position, monitor_stages(), (track,))))
+    settled(page, "() => arm.frames", lambda frames: frames > 0)
+    assert 0.3 < page.evaluate(FARTHEST, False) < 0.95
+    assert (page.evaluate(FARTHEST, True) < 0.95) == whole
 
 
 # ------------------------------------------------------------------ what acts on the whole arm

@@ -3,6 +3,7 @@
 const UNKNOWN_STAGE = { name: "", colour: "#888888", words: "", least: 0, most: 0 };
 const VIEW = [1, -1.15, 0.62]; // from where the arm is seen, z up
 const FILLED = { wide: 0.92, tall: 0.78 }; // shares of the picture that the arm fills at most, beside head and legend
+const LEAST_ARM = 0.5; // share of what is framed that the arm has at least, by the diagonals of their boxes
 const PAPER = [1000, 440]; // [px], of a still picture
 const ACCENT = "#2f8fdd"; // of what is selected
 
@@ -243,11 +244,20 @@ class Arm3D {
     return box.isEmpty() ? 0 : box.min.z;
   }
 
-  // What of the base belongs into the picture: all of a pedestal, nothing of a humanoid.
+  // What of the base belongs into the picture: part by part, those near the arm first, while the arm still fills its share.
+  // A pedestal does, and what of a humanoid is near the arm; a table or a hall does not: nobody would see how the arm moves.
   _foot(arm) {
-    const base = this._links.filter((l) => l.joint === null).flatMap((l) => corners(l.mesh));
-    const size = (points) => new THREE.Box3().setFromPoints(points).getSize(new THREE.Vector3()).length();
-    return base.length && size(base) < 0.8 * size(arm) ? base : [];
+    const box = new THREE.Box3().setFromPoints(arm), size = (b) => b.getSize(new THREE.Vector3()).length();
+    const most = size(box) / LEAST_ARM, kept = [];
+    const grown = (points) => new THREE.Box3().setFromPoints(points).union(box);
+    const parts = this._links.filter((l) => l.joint === null).map((l) => corners(l.mesh)).sort((a, b) => size(grown(a)) - size(grown(b)));
+    for (const part of parts) {
+      const larger = grown(part);
+      if (size(larger) > most) continue;
+      box.copy(larger);
+      kept.push(...part);
+    }
+    return kept;
   }
 
   _mainLink(joint) {
