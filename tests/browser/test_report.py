@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time as clock
 from dataclasses import dataclass
 from pathlib import Path
@@ -290,12 +291,13 @@ def test_it_follows_the_colours_of_the_system(page: Any, written: Written, schem
     assert page.seen.errors == []
 
 
-def test_a_narrow_window_needs_no_scrolling_sideways(page: Any, written: Written):
-    page.set_viewport_size({"width": 390, "height": 800})
+@pytest.mark.parametrize("width", [390, 420])
+def test_a_narrow_window_needs_no_scrolling_sideways(page: Any, written: Written, width: int):
+    page.set_viewport_size({"width": width, "height": 800})
     opened(page, written)
-    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
     widths = page.evaluate("Array.from(document.querySelectorAll('#motion .u-over'), (o) => o.clientWidth)")
-    assert all(200 < w < 390 for w in widths)
+    assert all(200 < w < width for w in widths)
 
 
 def test_paper_has_a_still_picture_of_the_arm(page: Any, discovered: Written):
@@ -309,3 +311,54 @@ def test_paper_has_a_still_picture_of_the_arm(page: Any, discovered: Written):
     assert page.evaluate(drawn) > 2000  # pixels of the arm
     assert not page.locator(".arm3d-bar").is_visible()
     assert page.locator("details.group:not(.tail)").evaluate_all("groups => groups.every((g) => g.open)")
+
+
+HEADED = """() => {
+  const seen = (e) => e.checkVisibility();
+  const next = (e) => { // what follows an element, down to what begins it
+    while (e && !(e.nextElementSibling && seen(e.nextElementSibling))) e = e.nextElementSibling || e.parentElement;
+    let leaf = e && e.nextElementSibling;
+    while (leaf && !leaf.matches('.chart, .legend, .strips, .picker, .arm, table') && [...leaf.children].some(seen))
+      leaf = [...leaf.children].find(seen);
+    return leaf;
+  };
+  // The file of a printed page says where each element is to which a link leads.
+  const place = (e) => {
+    e.id = e.id || 'place' + document.querySelectorAll('[id^=place]').length;
+    document.body.append(Object.assign(document.createElement('a'), { href: '#' + e.id, hidden: true }));
+    return e.id;
+  };
+  const heads = [...document.querySelectorAll('h2, h3, .lead, .legend, details[open] > summary')].filter(seen);
+  return heads.map((e) => [e, next(e)]).filter(([, to]) => to && !to.closest('footer'))
+    .map(([e, to]) => [place(e), place(to), e.textContent]);
+}"""
+
+
+@pytest.mark.parametrize(
+    "paper", [{"format": "A4"}, {"format": "Letter"}, {"format": "A4", "landscape": True}]
+)
+def test_on_paper_no_heading_is_left_at_the_end_of_a_page(page: Any, written: Written, paper: dict[str, Any]):
+    opened(page, written)
+    page.emulate_media(media="print")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    heads = page.evaluate(HEADED)
+    assert len(heads) > 20
+    page.emulate_media(media="null")  # of the window, where printing begins
+    on = pages_of(page.pdf(**paper))
+    assert len(set(on.values())) > 2
+    stranded = [words for head, headed, words in heads if on[head] != on[headed]]
+    assert stranded == []
+
+
+def pages_of(pdf: bytes) -> dict[str, int]:
+    """Return on which page of a PDF each element stands to which a link leads; pages have numbers of their objects."""
+    places = re.findall(rb"/([\w-]+) \[(\d+) 0 R /XYZ ", pdf)
+    return {name.decode(): int(at) for name, at in places}
+
+
+def test_paper_has_no_hints_for_a_mouse(page: Any, written: Written):
+    opened(page, written)
+    hints = [page.get_by_text(words) for words in ("Drag across a chart", "Hover a chart")]
+    assert all(hint.first.is_visible() for hint in hints)
+    page.emulate_media(media="print")
+    assert not any(hint.first.is_visible() for hint in hints)

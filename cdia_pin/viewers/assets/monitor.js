@@ -95,7 +95,7 @@ function signals(j) {
       h("h3", {}, j.name + ": " + (torques ? "residual" : "velocity error of the observer") + " and its threshold"), boxes[0],
       h("h3", {}, j.name + (torques ? ": measured and modelled torque" : ": torque")), boxes[1],
       j.error ? [h("h3", {}, j.name + ": tracking error q − q_d"), boxes[2]] : null,
-      h("div", { class: "soft small" }, "Drag across a chart to zoom, double-click to go back.")),
+      h("div", { class: "soft small" }, hint(ZOOM))),
     draw() {
       JointCharts.residual(boxes[0], j, shown);
       JointCharts.torque(boxes[1], j, shown);
@@ -169,7 +169,7 @@ function record() {
 }
 
 const LEAD = "Replays the run. A link takes the colour of its joint's stage, the stronger the farther its residual"
-  + (DATA.joints[0].error ? "; the faint arm is where it should be" : "") + ". Hover a chart to move the arm, click a link to choose its joint.";
+  + (DATA.joints[0].error ? "; the faint arm is where it should be" : "") + ".";
 
 show([head(), motion(LEAD, buttons(), (j) => [signals(j)]), stages(), events(), believed(), tracking(), joints(), record(),
   h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")]);

@@ -44,7 +44,7 @@ function opening({ stages, time, level }) {
 function motion(lead, buttons, beside) {
   const box = h("div", { class: "card arm" }), place = h("div");
   return {
-    node: h("section", { id: "motion" }, h("h2", {}, "The arm in motion"), h("p", { class: "lead" }, lead), place, buttons,
+    node: h("section", { id: "motion" }, h("h2", {}, "The arm in motion"), h("p", { class: "lead" }, lead, hint(" Hover a chart to move the arm, click a link to choose its joint.")), place, buttons,
       h("div", { class: "beside" }, box, ofJoint(beside))),
     draw() {
       const arm = new Arm3D(box, SCENE.arm, { stages: SCENE.timeline.stages });

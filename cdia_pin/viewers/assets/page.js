@@ -7,6 +7,10 @@ const DATA = JSON.parse(document.getElementById("data").textContent);
 const REPORT = document.getElementById("report");
 const clock = new Charts.Clock(); // the moment that charts and the picture of the arm show
 
+// What a mouse can do; paper does not say it.
+const hint = (words) => h("span", { class: "screen-only" }, words);
+const ZOOM = "Drag across a chart to zoom, double-click to go back.";
+
 // Show a list of parts, nodes or {node, draw}: drawn once they stand in the page and have a width.
 function show(parts) {
   const made = parts.flat().filter(Boolean);

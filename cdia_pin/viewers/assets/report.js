@@ -202,8 +202,6 @@ function falling() {
 
 // ---------------------------------------------------------------- one joint
 
-const ZOOM = "Drag across a chart to zoom, double-click to go back.";
-
 function overTime(j) {
   const [torque, residual] = [h("div", { class: "chart" }), h("div", { class: "chart" })];
   return {
@@ -212,7 +210,7 @@ function overTime(j) {
       h("h3", {}, j.name + ": measured and model torque"), torque,
       legend(j.time.rest.length && ["band", "band", "near rest, where friction is whatever holds the joint: not counted"],
         j.time.logs.length && ["soft", "thin", "vertical line: the next log begins"]),
-      h("div", { class: "soft small" }, ZOOM)),
+      h("div", { class: "soft small" }, hint(ZOOM))),
     draw() {
       JointCharts.logResidual(residual, j, { clock });
       JointCharts.logTorque(torque, j, { clock });
@@ -291,7 +289,7 @@ function records() {
 
 const LEAD = "Replays the log. A link takes the colour of its joint's error beside its torque"
   + (FOUND && FOUND.trace.length > 1 ? "; add effect after effect and see it clear" : "")
-  + ". Hover a chart to move the arm, click a link to choose its joint.";
+  + ".";
 
 show([head(), verdict(), motion(LEAD, buttons(), (j) => [overTime(j)]), effects(), capability(), errors(), falling(), joints(), regions(), records(),
   h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")]);
