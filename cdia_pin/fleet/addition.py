@@ -11,10 +11,10 @@ from cdia_pin import schemas
 from cdia_pin.cluster import run_each
 from cdia_pin.errors import LogError
 from cdia_pin.fleet.fleet_map import FleetMap
+from cdia_pin.fleet.log_index import LogIndex
 from cdia_pin.fleet.log_rows import FleetLog, failure_rows, rows_of
 from cdia_pin.fleet.robot_setup import load_setup
 from cdia_pin.fleet.store import FleetStore
-from cdia_pin.logs.readers.checksum import sha256_of
 from cdia_pin.progress import Progress, silent
 
 
@@ -74,15 +74,16 @@ def add_logs(
     tell = progress or silent
     wanted, known = [], []
     paths = list(dict.fromkeys(map(Path, logs or fleet.logs)))
-    names = _told_apart(paths)
+    names, index = _told_apart(paths), LogIndex(store.folder)
     for path in paths:
         tell(f"looking at {path.name}", 0.0)
-        log = _fleet_log(path, fleet)
+        log = _fleet_log(path, fleet, index)
         file = store.file_of(log.robot.name, log.sha256, load_setup(log.robot).hash)
         if file.exists() and not (retry and _failed(file)):
             known.append(names[path])
         else:
             wanted.append(log)
+    index.write()
     added, failed = [], {}
     for one in run_each(rows_of, wanted, workers=workers, scheduler=scheduler, progress=tell):
         name = names[one.item.path]
@@ -101,14 +102,13 @@ def _told_apart(paths: Sequence[Path]) -> dict[Path, str]:
     return {path: path.name if times[path.name] == 1 else str(path) for path in paths}
 
 
-def _fleet_log(path: Path, fleet: FleetMap) -> FleetLog:
+def _fleet_log(path: Path, fleet: FleetMap, index: LogIndex) -> FleetLog:
     """Return a log with its robot and hash."""
     if not path.exists():
         raise LogError(f"there is no log {path}")
     robot = fleet.robot_of(path)
-    files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
     try:
-        return FleetLog(path, robot, sha256_of(files))
+        return FleetLog(path, robot, index.sha256_of(path))
     except OSError as error:
         raise LogError(f"cannot read {path}: {error.strerror}") from None
 

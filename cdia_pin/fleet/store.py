@@ -2,6 +2,7 @@
 
     DIR/cdia-fleet.json              schema, version, and what the columns mean
     DIR/rows/ROBOT/*.parquet         the rows of one log each
+    DIR/hashes.json                  hashes of logs that need not be read again: see `log_index`
 
 A file is written whole or not at all, so an interrupted run loses the log at hand only. Its name holds the hashes of
 the log and of the robot's setup, and the version, so a log that was added before is known without being read. Another
