@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 from nicegui import ui
 
+from cdia_pin.app.advice import CONVERSION, ROBOT, advice_words, conversion_words
 from cdia_pin.app.history import Version
 from cdia_pin.app.parts import button, folded, node
 from cdia_pin.app.python_lines import python_lines
@@ -17,9 +17,8 @@ from cdia_pin.app.workbench import Workbench
 from cdia_pin.logs import LogCheck
 from cdia_pin.logs.checks.finding import Finding
 from cdia_pin.viewers.short_answer import noticed
-from cdia_pin.viewers.words import listed, percent, region_words, short_names
+from cdia_pin.viewers.words import listed, percent, region_words, sentence_case, short_names
 
-OPTION = re.compile(r"--convert ([\w]+=[\w,.:]+)")
 REGIONS = 3  # that are shown
 FEW = 3  # effects that are named in a line; more are counted
 MARKS = {"ok": "✓", "info": "·", "warning": "!", "error": "✕"}
@@ -48,13 +47,17 @@ def _finding(finding: Finding, bench: Workbench) -> None:
         node("span", MARKS[finding.severity], "mark", aria_label=finding.severity)
         with node("div"):
             where = f"{finding.joint}: " if finding.joint else ""
-            node("p", f"{where}{finding.message}")
+            node("p", f"{where}{advice_words(finding.message)}")
             if finding.advice:
-                node("p", finding.advice, "soft")
-            for option in OPTION.findall(finding.advice) if finding.severity in {"warning", "error"} else ():
-                button(
-                    f"Apply {option}", partial(bench.convert, option), mark=f"apply-{option}", classes="quiet"
-                )
+                node("p", advice_words(finding.advice), "soft")
+            if finding.severity not in {"warning", "error"}:
+                return
+            for option in CONVERSION.findall(finding.advice):
+                said = sentence_case(conversion_words(option))
+                button(said, partial(bench.convert, option), mark=f"apply-{option}", classes="quiet")
+            for robot in ROBOT.findall(finding.advice):
+                said = f"Read the log as one of {robot}"
+                button(said, partial(bench.take_robot, robot), mark=f"robot-{robot}", classes="quiet")
 
 
 def compare_step(session: Session, bench: Workbench) -> None:

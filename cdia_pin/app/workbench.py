@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from cdia_pin.app import exports, picture
+from cdia_pin.app.advice import advice_words
 from cdia_pin.app.bench_page import BenchPage
 from cdia_pin.app.drops import Drops
 from cdia_pin.app.form import Form
@@ -93,7 +95,7 @@ class Workbench:
         self._tell(lambda page: page.draw_arm())
         self._show()
         said = f"Loaded {session.inputs.robot.name}: the error is {percent(session.present.error)} of the torque."
-        mend = session.inputs.check.mend
+        mend = advice_words(session.inputs.check.mend)
         self.runner.say(f"{said} There is no search yet. {mend}." if mend else said)
         if not mend:
             await self.search()
@@ -130,6 +132,15 @@ class Workbench:
         if self.session is not None:
             await self.load(self.session.inputs.request.converted(option))
 
+    async def take_robot(self, robot: str) -> None:
+        """Load the log again with another robot.
+
+        Args:
+            robot: Name of the catalogue.
+        """
+        if self.session is not None:
+            await self.load(replace(self.session.inputs.request, robot=robot, robot_name="", model=None))
+
     def open_form(self) -> None:
         """Show the form again."""
         self.desk.is_open = True
@@ -155,7 +166,7 @@ class Workbench:
         self.searching = self.runner.job is not None
         if done is not None and self.session is asked:
             self.session = done
-            mend = asked.inputs.check.mend
+            mend = advice_words(asked.inputs.check.mend)
             self.runner.say("The search has ended." + (f" Its result is doubtful. {mend}." if mend else ""))
         self._show("missing")
 
