@@ -8,6 +8,7 @@ BROWSER = "tests/browser/"
 APP, FILES, REPORT = BROWSER + "test_app.py", BROWSER + "test_app_files.py", BROWSER + "test_report.py"
 SCENE, VIEWERS, LOGS, CLI = BROWSER + "test_scene.py", "tests/viewers/", "tests/logs/", "tests/cli/"
 FORMATS, CONTENTS = LOGS + "test_formats.py", "tests/exports/test_contents.py"
+EXAMPLES = "docs/checks/test_examples.py"
 FILES_DROPPED = f"{FILES}::test_from_dropped_files_to_an_added_effect_that_a_reload_keeps"
 
 
@@ -30,7 +31,7 @@ class Promise:
     target: float = 0.0
 
 
-def _of(area: str, *promises: tuple[str, str] | tuple[str, str, str]) -> list[Promise]:
+def _of(area: str, *promises: tuple[str, ...]) -> list[Promise]:
     return [Promise(area, text, tuple(tests)) for text, *tests in promises]
 
 
@@ -128,7 +129,15 @@ PROMISES = [
     *_of(
         "Docs",
         ("every effect has an entry with a sentence of physics", "docs/checks/test_catalogue.py"),
-        ("examples in the pages are run", "docs/checks/test_examples.py"),
+        (
+            "Python and commands in the pages run to their end",
+            f"{EXAMPLES}::test_the_python_of_a_page_runs",
+            f"{EXAMPLES}::test_a_command_of_a_page_runs",
+        ),
+        (
+            "of commands that wait for a browser, take minutes or need one machine's folder, the options are read",
+            f"{EXAMPLES}::test_a_command_that_is_not_run_has_the_options_of_its_page",
+        ),
         ("messages of the page on troubleshooting are the program's", "docs/checks/test_troubleshooting.py"),
         ("examples are numbered, under 60 lines, of public names", "docs/checks/test_gallery.py"),
     ),
