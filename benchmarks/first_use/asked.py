@@ -51,7 +51,21 @@ PROMISES = [
             "420 px wide, with Export in reach",
             f"{FILES}::test_a_phone_needs_no_scrolling_sideways_and_has_export_in_reach",
         ),
-        ("the whole arm in the frame", f"{SCENE}::test_the_whole_arm_is_in_the_picture_in_every_pose"),
+        (
+            "the whole arm in the frame, with what it stands on",
+            f"{SCENE}::test_the_whole_arm_is_in_the_picture_in_every_pose",
+            f"{SCENE}::test_what_an_arm_stands_on_is_in_the_picture_unless_the_arm_would_be_small",
+        ),
+        ("on a long result, the tail is folded", f"{APP}::test_the_tail_of_a_long_result_is_folded"),
+        (
+            "the worst joint keeps its mark at every width, whichever is selected",
+            f"{APP}::test_the_worst_joint_is_marked_at_every_width_whichever_is_selected",
+        ),
+        ("gains are typed in", f"{FILES}::test_gains_that_are_typed_load_a_log_of_currents"),
+        (
+            "*While it moves* is found again after a reload",
+            f"{APP}::test_a_reload_finds_the_run_its_form_and_its_events",
+        ),
         ("confidence and groups as `discover` has them", f"{APP}::test_from_a_log_to_what_is_missing"),
         (
             "the selected joint is that of the link that was clicked",
@@ -62,7 +76,12 @@ PROMISES = [
         "Report",
         ("the same groups everywhere", f"{VIEWERS}test_effect_groups.py::test_every_view_shows_the_same"),
         ("paper has the arm, and groups unfolded", f"{REPORT}::test_paper_has_a_still_picture_of_the_arm"),
-        ("390 px wide", f"{REPORT}::test_a_narrow_window_needs_no_scrolling_sideways"),
+        (
+            "paper has no stranded heading, and no hint for a mouse",
+            f"{REPORT}::test_on_paper_no_heading_is_left_at_the_end_of_a_page",
+            f"{REPORT}::test_paper_has_no_hints_for_a_mouse",
+        ),
+        ("420 and 390 px wide", f"{REPORT}::test_a_narrow_window_needs_no_scrolling_sideways"),
     ),
     *_of(
         "Command line",
@@ -89,6 +108,10 @@ PROMISES = [
     ),
     *_of(
         "Exports",
+        (
+            "a corrected URDF in MuJoCo against our torque, within 1 %",
+            "tests/exports/test_mjcf.py::test_mujoco_computes_our_torque_from_the_corrected_urdf",
+        ),
         (
             "Drake and Isaac Lab as text",
             f"{CONTENTS}::test_the_lines_for_drake_set_damping_and_rotor_inertia",
