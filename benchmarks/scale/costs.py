@@ -6,6 +6,7 @@ import pickle
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime, timedelta
 from itertools import islice
 from pathlib import Path
 from statistics import median
@@ -21,18 +22,22 @@ from cdia_pin.campaigns.scenario import Batch, planned
 from cdia_pin.campaigns.scenario_run import run_batch
 from cdia_pin.campaigns.watched_run import taught
 from cdia_pin.cluster import run_each
-from cdia_pin.discovery import add_effect, compare
-from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import parse_effect
+from cdia_pin.fleet import FleetMap, FleetStore, fleet_trend
+from cdia_pin.fleet.log_rows import FleetLog, Row, rows_of
 from cdia_pin.logs import check_log, read_log
+from cdia_pin.logs.readers.checksum import sha256_of
 from cdia_pin.resources import logs_dir
 from cdia_pin.robot import load_robot
 
 ARM, LOG = "ur5", "demo_ur5.csv"
-EFFECTS = ("coulomb_friction@elbow_joint", "viscous_friction@elbow_joint")
 REPEATS = 3  # of a measurement; the median counts
 ARMS = 4  # whose runs are measured
 ITEMS = 1000  # items without work
+DAYS, BEGIN = (
+    365,
+    datetime(2025, 1, 1, tzinfo=UTC),
+)  # logs in the store whose trend is measured: a year of one robot
+VALUES = ("value", "ci95_low", "ci95_high", "ci95_statistical_low", "ci95_statistical_high")
 SPEC = CampaignSpec(
     robots=(ARM,),
     repeats=ARMS + 1,  # one to compile what the others need
@@ -44,28 +49,32 @@ SPEC = CampaignSpec(
 
 @dataclass(frozen=True)
 class LogCost:
-    """Cost of a log.
+    """Cost of a log of a fleet.
 
     Attributes:
         samples: Number of its samples.
         bytes: Size of its file [B].
         read: Time to read it [s].
         check: Time to check it [s].
-        compare: Time to compare it with a model [s].
-        fit: Time to fit two effects to it [s].
+        add: Time of all that `cdia fleet add` does with it, reading and checking included [s].
+        stored: Size of its file in the store [B].
+        trend: Time of the trend for it, in a store of many [s].
+        trend_memory: Memory of the trend for it [B].
     """
 
     samples: int
     bytes: int
     read: float
     check: float
-    compare: float
-    fit: float
+    add: float
+    stored: float
+    trend: float
+    trend_memory: float
 
     @property
     def seconds(self) -> float:
-        """Time for all of it [s]."""
-        return self.read + self.check + self.compare + self.fit
+        """Time to add it [s]."""
+        return self.add
 
 
 @dataclass(frozen=True)
@@ -112,25 +121,50 @@ class EngineCost:
 
 
 def log_cost() -> LogCost:
-    """Return what the log that ships costs."""
+    """Return what the log that ships costs as one of a fleet."""
     robot, file = load_robot(ARM), logs_dir() / LOG
-    model, log = Dynamics(robot), read_log(file, robot)
-    effects = [parse_effect(text, robot) for text in EFFECTS]
+    log = read_log(file, robot)
+    with tempfile.TemporaryDirectory() as folder:
+        plan = Path(folder) / "fleet.toml"
+        plan.write_text(f'[robots.{ARM}]\nrobot = "{ARM}"\nlogs = ["{file}"]\n')
+        one = FleetLog(file, FleetMap.read(plan).robot_of(file), sha256_of([file]))
+        store, rows = FleetStore.at(Path(folder) / "store", make=True), list[Row]()
 
-    def fit() -> object:
-        found = model
-        for effect in effects:
-            found = add_effect(found, effect, log).model
-        return found
+        def add() -> None:
+            rows[:] = rows_of(one)
+            store.write(rows)
 
+        spent = _time(add)
+        year = FleetStore.at(Path(folder) / "year", make=True)
+        files = [year.write(_later(rows, day)).stat().st_size for day in range(DAYS)]
+        fleet_trend(year)
+        trend, memory = _both(lambda: fleet_trend(year))
     return LogCost(
         samples=len(log.time),
         bytes=file.stat().st_size,
         read=_time(lambda: read_log(file, robot)),
         check=_time(lambda: check_log(log, robot)),
-        compare=_time(lambda: compare(model, log)),
-        fit=_time(fit),
+        add=spent,
+        stored=sum(files) / DAYS,
+        trend=trend / DAYS,
+        trend_memory=memory / DAYS,
     )
+
+
+def _later(rows: list[Row], day: int) -> list[Row]:
+    """Return the rows of the log of another day, with other values."""
+    rng, when = np.random.default_rng(day), BEGIN + timedelta(days=day)
+    head = {"log": f"{when:%Y-%m-%d}.csv", "sha256": f"{day:08x}".ljust(64, "0"), "recorded": when}
+    return [row | head | _other(row, rng.standard_normal()) for row in rows]
+
+
+def _other(row: Row, draw: float) -> Row:
+    """Return the value of a row and its intervals, moved by a share of them."""
+    low, high = row["ci95_low"], row["ci95_high"]
+    if not (isinstance(low, float) and isinstance(high, float)):
+        return {}
+    moved = draw * (high - low) / 4
+    return {key: value + moved for key in VALUES if isinstance(value := row[key], float)}
 
 
 def scenario_cost() -> ScenarioCost:
@@ -147,7 +181,7 @@ def scenario_cost() -> ScenarioCost:
         with store.writing():
             store.add(_many(flat))
         size = sum(f.stat().st_size for f in Path(folder).rglob("*.parquet")) / ITEMS
-        memory, seconds = _summary(store)
+        seconds, memory = _both(lambda: summarised(SPEC, store.read().values(), ITEMS))
     return ScenarioCost(
         learn=median(learned),
         run=median(ran),
@@ -224,16 +258,16 @@ def _many(rows: list[RunRow]) -> list[RunRow]:
     return [replace(r, number=k, peaks=other(r.peaks), delays=other(r.delays)) for k, r in some]
 
 
-def _summary(store: RunStore) -> tuple[int, float]:
-    """Return memory [B] and time [s] of putting a result together."""
+def _both(work: Callable[[], object]) -> tuple[float, int]:
+    """Return time [s] and memory [B] of a piece of work."""
     import tracemalloc
 
-    seconds = _spent(lambda: summarised(store.spec, store.read().values(), ITEMS))
+    seconds = _spent(work)
     tracemalloc.start()
-    summarised(store.spec, store.read().values(), ITEMS)
+    work()
     memory = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    return memory, seconds
+    return seconds, memory
 
 
 def _time(work: Callable[[], object]) -> float:
