@@ -28,6 +28,7 @@ from cdia_pin.logs import check_log, read_log
 from cdia_pin.logs.readers.checksum import sha256_of
 from cdia_pin.resources import logs_dir
 from cdia_pin.robot import load_robot
+from cdia_pin.whole_files import write_whole
 
 ARM, LOG = "ur5", "demo_ur5.csv"
 REPEATS = 3  # of a measurement; the median counts
@@ -126,7 +127,7 @@ def log_cost() -> LogCost:
     log = read_log(file, robot)
     with tempfile.TemporaryDirectory() as folder:
         plan = Path(folder) / "fleet.toml"
-        plan.write_text(f'[robots.{ARM}]\nrobot = "{ARM}"\nlogs = ["{file}"]\n')
+        write_whole(plan, f'[robots.{ARM}]\nrobot = "{ARM}"\nlogs = ["{file}"]\n')
         one = FleetLog(file, FleetMap.read(plan).robot_of(file), sha256_of([file]))
         store, rows = FleetStore.at(Path(folder) / "store", make=True), list[Row]()
 
