@@ -13,7 +13,7 @@ from cdia_pin.fleet.course import Course
 from cdia_pin.fleet.onset import find_onset
 from cdia_pin.fleet.regressors import regressor_columns
 from cdia_pin.fleet.robust_fit import robust_fit, usual_deviations
-from cdia_pin.fleet.step_search import FEWEST_BEFORE, CourseStep, find_steps
+from cdia_pin.fleet.step_search import FEWEST_BEFORE, CourseStep, deviations_to_pass, find_steps
 
 Array = NDArray[np.float64]
 
@@ -121,7 +121,7 @@ class CourseTrend:
     @property
     def noticed(self) -> float:
         """Change that is noticed when it has lasted for a week of daily logs, in the unit of the parameter."""
-        return self.limit * self.spread / float(np.sqrt(NOTICED_AFTER))
+        return deviations_to_pass(self.limit, NOTICED_AFTER) * self.spread / float(np.sqrt(NOTICED_AFTER))
 
     @property
     def scatter(self) -> float:

@@ -9,6 +9,10 @@ A value of log i is explained by regressors, such as a constant and the temperat
 Both fits share the regressors, so the temperature cannot take the step, nor the step the temperature, beyond what the
 data tell. `robust_fit` says what e is. The size of the step need not be known; a CUSUM that knows it is at most a few
 logs faster [Lorden1971].
+
+The shorter side of a step says how sure it is. A mean of few logs has longer tails than a normal value, since their
+motions differ. So the step over its standard deviation is a value of Student's distribution, whose degrees of freedom
+grow with the logs on that side [Welch1947].
 """
 
 from __future__ import annotations
@@ -26,6 +30,10 @@ Array = NDArray[np.float64]
 
 SMALLEST = 1e-300  # probability [1] that a double still holds
 FEWEST_BEFORE = 5  # logs before a change [1], so that there is something to compare with
+# Degrees of freedom [1] that each log on the shorter side of a step adds. With it false alarms are 0.6 to 1.0 of those
+# stated where values have Laplace's distribution, or Student's with three or five degrees of freedom, and 0.5 to 0.8
+# where they are normal. With four they are 0.3 to 0.8, with six up to 1.4, without it up to 3.8.
+FREEDOM_OF_A_LOG = 5
 IMITATED = 1e-6  # share of a step [1] that the regressors must leave, so that it says something
 
 AT_ONCE = 16_384  # values [1] that are fitted at once; more of them leave the processor's cache
@@ -81,6 +89,18 @@ def find_steps(
     return out
 
 
+def deviations_to_pass(limit: float, logs: int) -> float:
+    """Return how many of its standard deviations a step must have to pass a limit, in a long course [1].
+
+    Args:
+        limit: Limit of :math:`|z|` [1].
+        logs: Logs after the step [1].
+    """
+    from scipy.special import ndtr, stdtrit
+
+    return float(-stdtrit(FREEDOM_OF_A_LOG * logs, max(ndtr(-limit), SMALLEST)))
+
+
 def _steps_of(values: Array, deviations: Array, regressors: Array, counts: Counts) -> Iterator[CourseStep]:
     """Yield the most likely step among the first logs, for each of several numbers of logs that are enough.
 
@@ -104,8 +124,8 @@ def _steps_of(values: Array, deviations: Array, regressors: Array, counts: Count
     for first, size, deviation, n in zip(
         at, fit.coefficients[:, -1], fit.deviations[:, -1], counts, strict=True
     ):
-        z = _normal(float(size / deviation), int(n) - p - 1)
-        yield CourseStep(int(first), float(size), float(deviation), z)
+        freedom = min(int(n) - p - 1, FREEDOM_OF_A_LOG * int(min(first, n - first)))
+        yield CourseStep(int(first), float(size), float(deviation), _normal(float(size / deviation), freedom))
 
 
 def _likeliest(values: Array, variance: Array, regressors: Array, counts: Counts) -> Counts:

@@ -77,6 +77,28 @@ def test_the_limit_gives_the_stated_rate_of_false_alarms():
     assert run_length(limit) == pytest.approx(mean, rel=1e-3)
 
 
+def test_noise_of_long_tails_gives_no_more_false_alarms_than_stated():
+    """Of 700 courses, 7 alarms are stated; 20 came before the few logs after a step counted as few."""
+    rng, courses, share = np.random.default_rng(9), 700, 0.01
+    limit = alarm_limit(COUNT / share)
+    alarms = 0
+    for _ in range(courses):
+        steps = find_steps(rng.standard_t(3, COUNT), 1e-3 * STATED, ONE, range(COUNT + 1))
+        alarms += max(abs(step.z) for step in steps.values()) > limit
+    assert alarms <= 12  # 4 % by chance at the stated rate
+
+
+@pytest.mark.parametrize("size", [4.0, 40.0])
+def test_the_interval_of_a_growth_holds_its_size(size):
+    """Where it began and how long it took are not known: 3 of 10 intervals held large sizes before that counted."""
+    inside = 0
+    for seed in range(60):
+        growth = size * np.clip((np.arange(COUNT) - 24) / 20, 0, 1)
+        onset = find_onset(noise(seed) + growth, 1e-3 * STATED, ONE)
+        inside += abs(onset.size - size) < 1.96 * onset.deviation
+    assert inside >= 53  # of 95 % intervals
+
+
 def test_a_growth_is_told_from_a_step():
     values = 0.3 * noise(4)
     values += 3.0 * np.clip((np.arange(COUNT) - 20) / 20, 0, 1)
