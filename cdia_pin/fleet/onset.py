@@ -22,7 +22,9 @@ from cdia_pin.fleet.step_search import FEWEST_BEFORE, IMITATED
 
 Array = NDArray[np.float64]
 
-LENGTHENING = 1.05  # next duration over the one before [1]; with 1.4 the intervals of large changes hold 3 of 10 sizes
+LENGTHENING = (
+    1.05  # next duration over the one before [1]; with 1.4 the intervals of large changes hold 3 of 10 sizes
+)
 SLOWER = 10.0  # [1], fall of χ² for which a growth is believed instead of a step: 0.2 % by chance
 
 
