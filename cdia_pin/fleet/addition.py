@@ -63,7 +63,7 @@ def add_logs(
         retry: Whether logs that failed before are tried again.
         workers: Number of processes on this machine; one a core if None. One is this process itself, which needs no
             ``if __name__ == "__main__":`` in a script.
-        scheduler: Address of a running scheduler of Dask, whose workers do the work.
+        scheduler: Address of a running scheduler of Dask, whose workers do the work in place of this process.
         progress: Called with a sentence and the share done, from 0 to 1.
 
     Raises:
@@ -85,6 +85,7 @@ def add_logs(
             wanted.append(log)
     index.write()
     added, failed = [], {}
+    workers = None if scheduler and workers == 1 else workers
     for one in run_each(rows_of, wanted, workers=workers, scheduler=scheduler, progress=tell):
         name = names[one.item.path]
         rows = one.result if one.error is None else failure_rows(one.item, one.why)

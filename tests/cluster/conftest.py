@@ -6,7 +6,10 @@ from collections.abc import Iterator
 
 import pytest
 
+from tests.fleet.conftest import small_fleet
 from tests.processes import dask
+
+__all__ = ["scheduler", "small_fleet"]
 
 
 @pytest.fixture(scope="module")
