@@ -18,6 +18,8 @@ class Outcome(JsonLine):
         kind: Of the case.
         arm: Name of the arm.
         effect: Label of the effect that was put in; empty for none.
+        blind: Whether the monitor said beforehand that it is blind on the joints of the effect: its own, or for one of
+            the whole arm all of them.
         detected: Time from its beginning to the first detection after it [s]; NaN if there was none.
         early: Detections before it, or at all where nothing was put in.
         named: Labels believed in at the end.
@@ -38,6 +40,7 @@ class Outcome(JsonLine):
     kind: str
     arm: str
     effect: str = ""
+    blind: bool = False
     detected: float = nan
     early: int = 0
     named: tuple[str, ...] = ()

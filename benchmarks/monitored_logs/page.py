@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import nan
 
 import numpy as np
@@ -55,6 +56,13 @@ def _weight_error(outcomes: Sequence[Outcome]) -> Figure:
     return Figure(abs(o.mass / WEIGHED - 1.0), 1, text)
 
 
+DETECTED = Claim("detected", "≥ 95 %", of_cases(lambda o: not np.isnan(o.detected)), at_least(0.95))
+RIGHT = Claim(
+    "right: named at the end, or among those that fit alike",
+    "≥ 75 %",
+    of_cases(lambda o: o.holds),
+    at_least(0.75),
+)
 PARTS = (
     Part(
         "Healthy logs",
@@ -100,18 +108,20 @@ PARTS = (
         "Asked at the end of the log.",
         lambda o: o.kind == EFFECT,
         (
-            Claim("detected", "≥ 95 %", of_cases(lambda o: not np.isnan(o.detected)), at_least(0.95)),
+            DETECTED,
             Claim("delay of detection, median", "", _median("detected", " s")),
-            Claim(
-                "right: named at the end, or among those that fit alike",
-                "≥ 75 %",
-                of_cases(lambda o: o.holds),
-                at_least(0.75),
-            ),
+            RIGHT,
             Claim("named at the end", "", of_cases(lambda o: o.is_right)),
             Claim("named, and nothing else anywhere", "", of_cases(lambda o: o.is_alone)),
             Claim("a detection before it began", "", of_cases(lambda o: o.early > 0)),
         ),
+    ),
+    Part(
+        "Of these, where the monitor did not call itself blind",
+        "Before a log, it calls a joint blind where its threshold is above 30% of the joint's torque. An effect of "
+        "the whole arm counts here where one joint is not blind.",
+        lambda o: o.kind == EFFECT and not o.blind,
+        (replace(DETECTED, target=""), replace(RIGHT, target="")),
     ),
 )
 

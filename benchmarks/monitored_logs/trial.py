@@ -46,6 +46,7 @@ def run_case(case: Case) -> Outcome:
     out = replace(
         out,
         effect=term.label if term else "",
+        blind=term is not None and _is_blind(term, monitor),
         detected=after[0] - begin if after and term else nan,
         early=sum(t < begin for t in detections),
         named=tuple(sorted(t.label for t in monitor.faults)),
@@ -84,6 +85,11 @@ def _given(case: Case) -> tuple[Log, Term | None, float]:
     changed = Insertion(term, after).into(log)
     later = (log.time >= begin)[:, None]
     return replace(log, effort=np.where(later, changed.effort, log.effort)), term, begin
+
+
+def _is_blind(term: Term, monitor: Monitor) -> bool:
+    sight = monitor.record["sight"]
+    return all(sight[joint]["blind"] for joint in term.effect.joints or sight)
 
 
 def _with_mass(out: Outcome, monitor: Monitor, isolations: list[Event], detections: list[float]) -> Outcome:

@@ -47,7 +47,7 @@ COLUMNS: Final[Mapping[str, tuple[str, str, str]]] = {
     "error": (NUMBER, "N·m or N", "RMS torque of the joint that the fit leaves"),
     "model_error": (NUMBER, "N·m or N", "RMS torque of the joint that the model leaves"),
     "temperature": (NUMBER, "°C", "mean temperature of the joint; empty if the log has none"),
-    "load": (NUMBER, "N·m or N", "RMS torque of the joint in the model"),
+    "load": (NUMBER, "N·m or N", "RMS torque of the joint in the model, with what changes with the job"),
     "moving": (NUMBER, "1", "share of the time in which the joint moves"),
     "speed": (NUMBER, "rad/s or m/s", "RMS speed of the joint"),
     "fastest": (NUMBER, "rad/s or m/s", "largest speed of the joint"),

@@ -51,7 +51,7 @@ class Course:
         half_width: Half width of its 95 % interval, statistical and systematic together.
         deviation: Standard deviation of the value, from the scatter of its log alone.
         temperature: Temperature of the joint [°C].
-        load: RMS torque of the joint in the model [N·m or N].
+        load: RMS torque of the joint in the model, with what changes with the job [N·m or N].
         not_comparable: Why a log says nothing here; empty where it does.
     """
 

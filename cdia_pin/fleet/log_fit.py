@@ -169,6 +169,16 @@ class LogFit:
         """RMS torque of each joint that the model leaves [N·m or N], shape (n,)."""
         return rms(self.prediction.residual, self.experiment.informative)
 
+    @property
+    def load(self) -> Array:
+        """RMS torque of each joint in the model with what this job adds to it [N·m or N], shape (n,)."""
+        torque = self.prediction.torques[0].actuator[self.motion.kept]
+        for effect, role in self.effects.fitted.items():
+            if role is Role.JOB:
+                on_arm = self._columns[effect].torque(self.difference(effect)[0], self.robot.n)
+                torque = torque - on_arm  # the motor carries what acts on the arm
+        return np.asarray(np.sqrt(np.mean(torque**2, axis=0)))
+
     @cached_property
     def _columns(self) -> dict[Effect, ColumnGroup]:
         fitted = {e: ColumnGroup.of(e, self._columns_of(e), self.robot) for e in self.effects.fitted}

@@ -115,12 +115,11 @@ def _joint_cells(fit: LogFit, j: int) -> Row:
     motion, experiment = fit.motion, fit.experiment
     warmth = motion.temperature
     speed, position = np.abs(motion.v[motion.kept, j]), motion.q[motion.kept, j]
-    load = fit.prediction.torques[0].actuator[motion.kept, j]
     return {
         "error": float(fit.error[j]),
         "model_error": float(fit.given_error[j]),
         "temperature": None if warmth is None else float(np.mean(warmth[:, j])),
-        "load": float(np.sqrt(np.mean(load**2))),
+        "load": float(fit.load[j]),
         "moving": float(experiment.moving[:, j].mean()),
         "speed": float(np.sqrt(np.mean(speed**2))),
         "fastest": float(speed.max()),

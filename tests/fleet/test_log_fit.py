@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks.plant import Fault, MujocoPlant
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Payload, Term
 from cdia_pin.fleet import FleetFitSettings
 from cdia_pin.fleet.fleet_effects import Role
 from cdia_pin.fleet.log_fit import LogFit
@@ -44,6 +45,20 @@ def test_a_payload_does_not_pass_for_friction(fit):
         if joint != "elbow_joint":  # whose gain is not fitted here
             value, half = found(fit, f"coulomb_friction@{joint}")
             assert value == pytest.approx(level, abs=max(2 * half, 0.02 * level))
+
+
+def test_the_load_holds_the_payload_of_the_log(fit):
+    payload = Term(Payload(), (2.0, 0.0, 0.0, 0.1, 0.005, 0.0, 0.005, 0.0, 0.0, 0.0))
+    motion = fit.motion
+    q, v, a = motion.q[motion.kept], motion.v[motion.kept], motion.a[motion.kept]
+
+    def load(model):
+        return np.sqrt(np.mean(model.inverse_dynamics(q, v, a) ** 2, axis=0))
+
+    empty, loaded = load(Dynamics(fit.robot)), load(Dynamics(fit.robot, (payload,)))
+    lift = fit.robot.joints.index("shoulder_lift_joint")
+    assert loaded[lift] > 1.1 * empty[lift]
+    assert fit.load[lift] == pytest.approx(loaded[lift], rel=0.02)
 
 
 def test_a_gain_that_is_looked_for_scales_friction_and_payload_too(fit):
