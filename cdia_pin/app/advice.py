@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+from cdia_pin.logs.conversion import CURRENTS
+
 CONVERSION = re.compile(r"--convert (\w+=[\w,.:]+)")
 ROBOT = re.compile(r"--robot ([\w-]+)")
 ASIDE = re.compile(
@@ -31,8 +33,9 @@ def conversion_words(option: str) -> str:
         option: As an advice of `check_log` names it.
     """
     key, _, value = option.partition("=")
-    if option == "torque=A":
-        return "read torques as motor currents, with drive gains"
+    if key == "torque" and value in CURRENTS:
+        unit = "" if value == "A" else f" in {value}"
+        return f"read torques as motor currents{unit}, with drive gains"
     return SAID[key].format(value.replace(",", ", ")) if key in SAID else option
 
 

@@ -24,7 +24,7 @@ CHOICES = {
     "length": ("Lengths", {u: u for u in LENGTHS}),
     "torque": (
         "Torques",
-        {"Nm": "N·m", "Nmm": "N·mm", "A": "A"} | {u: u for u in TORQUES if u not in "NmmA"},
+        {u: u for u in TORQUES} | {"Nm": "N·m", "Nmm": "N·mm"},
     ),
     "time": ("Times", {"": AUTOMATIC, **{u: u for u in SECONDS}}),
 }

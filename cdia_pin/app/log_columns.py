@@ -83,6 +83,7 @@ def as_guessed(asked: Request, guesses: Sequence[ColumnGuess], robot: RobotModel
     columns = column_patterns(reading["columns"], one_joint=robot.n == 1) if "columns" in reading else {}
     joints = joint_map_of(reading["joint_map"]) if "joint_map" in reading else {}
     guessed = replace(asked, columns=columns | dict(asked.columns), joint_map=joints | dict(asked.joint_map))
-    if "convert" in reading and "angle" not in asked.convert:
-        guessed = guessed.converted(reading["convert"])
+    for option in filter(None, reading.get("convert", "").split(",")):
+        if option.partition("=")[0] not in asked.convert:
+            guessed = guessed.converted(option)
     return guessed

@@ -96,7 +96,7 @@ Convert = Annotated[
         "--convert",
         metavar="KEY=VALUE",
         show_default=False,
-        help="Units and signs that are not SI or not the URDF's: angle=deg, torque=Nmm, time=ms, "
+        help="Units and signs that are not SI or not the URDF's: angle=deg, torque=Nmm (or A, mA), time=ms, "
         "flip_effort=JOINT,…, gravity=compensated, reduction=JOINT:RATIO.",
         rich_help_panel=READING,
     ),

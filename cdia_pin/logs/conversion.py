@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import StrEnum
@@ -21,7 +22,14 @@ Array = NDArray[np.float64]
 
 ANGLES = {"rad": 1.0, "deg": np.pi / 180.0}  # [rad] in one of each unit
 LENGTHS = {"m": 1.0, "mm": 1e-3}  # [m] in one of each unit
-TORQUES = {"Nm": 1.0, "Nmm": 1e-3, "A": 1.0}  # [N·m] in one of each unit; drive gains turn A into N·m
+TORQUES = {
+    "Nm": 1.0,
+    "Nmm": 1e-3,
+    "A": 1.0,
+    "mA": 1e-3,
+}  # [N·m] in one of each unit; drive gains turn A into N·m
+CURRENTS = ("A", "mA")  # of them, those that need drive gains
+ANOTHER = re.compile(r",(?=\s*\w+\s*=)")  # the comma between two conversions in one text; others part joints
 
 
 class GravityInEffort(StrEnum):
@@ -39,7 +47,7 @@ class Conversion:
         time: Unit of time, ``s``, ``ms``, ``us`` or ``ns``; inferred if None.
         angle: Unit of revolute positions and velocities, ``rad`` or ``deg``; that of the format if None.
         length: Unit of prismatic positions and velocities, ``m`` or ``mm``.
-        torque: Unit of revolute efforts, ``Nm``, ``Nmm`` or ``A`` (then drive gains are needed).
+        torque: Unit of revolute efforts, ``Nm``, ``Nmm``, ``A`` or ``mA`` (currents need drive gains).
         flip_position: Joints whose axis points the other way: position and velocity change sign.
         flip_velocity: Joints of which only the velocity changes sign.
         flip_effort: Joints of which the effort changes sign.
@@ -87,7 +95,7 @@ class Conversion:
         """Make a conversion from keywords in a dict or from texts ``key=value``.
 
         Args:
-            given: Such as ``{"angle": "deg"}`` or ``["angle=deg", "flip_effort=a,b",
+            given: Such as ``{"angle": "deg"}``, ``"angle=deg,torque=mA"`` or ``["angle=deg", "flip_effort=a,b",
                 "reduction=elbow_joint:101"]``; None for SI units and the URDF's signs.
 
         Returns:
@@ -166,6 +174,8 @@ class Conversion:
             said.append(f"lengths converted from {self.length} to m, as asked")
         if self.torque == "Nmm":
             said.append("efforts converted from N·mm to N·m, as asked")
+        if self.torque == "mA":
+            said.append("currents converted from mA to A, as asked")
         for what, joints in (
             ("position and velocity", self.flip_position),
             ("velocity", self.flip_velocity),
@@ -189,7 +199,7 @@ def _parsed(texts: Sequence[str]) -> dict[str, Any]:
     if isinstance(texts, str):
         texts = [texts]
     out: dict[str, Any] = {}
-    for text in texts:
+    for text in (part for given in texts for part in ANOTHER.split(given)):
         key, equals, value = text.partition("=")
         key, value = key.strip(), value.strip()
         if not equals or not value:

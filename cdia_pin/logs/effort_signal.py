@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.conversion import Conversion, GravityInEffort
+from cdia_pin.logs.conversion import CURRENTS, Conversion, GravityInEffort
 from cdia_pin.logs.effort_origin import EffortOrigin
 from cdia_pin.logs.gains import Gains, read_gains
 from cdia_pin.logs.signal_picker import SignalPicker
@@ -58,7 +58,7 @@ def pick_effort(
     values = pick.required(signal)
     _require_measured(values, signal, pick)
     tolerance = None
-    if signal == "current" or conversion.torque == "A":
+    if signal == "current" or conversion.torque in CURRENTS:
         values, tolerance = _torques(values, gains, pick)
     elif gains is not None:
         pick.notes.append("drive gains not used: the log has efforts (--convert torque=A applies them)")

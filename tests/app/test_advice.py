@@ -26,6 +26,7 @@ from cdia_pin.logs.checks.effort_kind import KINDS
             "if they are currents, --convert torque=A --gains gains.json",
             "if they are currents, read torques as motor currents, with drive gains",
         ),
+        ("--convert torque=mA", "read torques as motor currents in mA, with drive gains"),
         (
             "--robot ur10 if it is that arm; otherwise check the unit",
             "choose the robot ur10 if it is that arm; otherwise check the unit",

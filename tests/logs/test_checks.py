@@ -121,6 +121,15 @@ def test_newton_millimetres_are_recognised(panda, panda_log):
     assert (found.topic, found.severity, found.advice) == ("effort_kind", "error", "--convert torque=Nmm")
 
 
+def test_currents_in_milliamperes_are_recognised_where_gains_were_applied(panda, panda_log):
+    tolerance = np.full(panda.n, 0.1)
+    found = problems(replace(panda_log, effort=1000 * panda_log.effort, effort_tolerance=tolerance), panda)
+    kind, *rest = [f for f in found if f.topic == "effort_kind"]
+    assert not rest
+    assert (kind.severity, kind.advice) == ("error", "--convert torque=mA")
+    assert not any("Nmm" in f.advice for f in found)
+
+
 @pytest.mark.parametrize("joint", ["shoulder_pan_joint", "shoulder_lift_joint", "wrist_3_joint"])
 def test_an_effort_of_the_wrong_sign_is_found(ur5, ur5_log, joint):
     (found,) = problems(turned(ur5_log, joint, "effort"), ur5)

@@ -77,6 +77,35 @@ def test_a_current_is_told_by_its_size_and_asks_for_gains(ur5, made, tmp_path):
         read_log(path, ur5)
 
 
+@pytest.mark.parametrize(
+    ("name", "factor", "unit"),
+    [
+        ("Axis{1} Current [mA]", 1000.0, "mA"),
+        ("i{1}_mA", 1000.0, "mA"),
+        ("A{1} torque (mN.m)", 1000.0, "Nmm"),
+    ],
+)
+def test_a_unit_in_the_name_is_converted(ur5, made, tmp_path, name, factor, unit):
+    columns = {"Time": made.time, **numbered("", np.degrees(made.position), "Axis{1} Pos [deg]")}
+    path = write(tmp_path / "x.csv", columns | numbered("", factor * made.effort, name))
+    with pytest.raises(MissingColumnsError, match=f"--convert angle=deg,torque={unit}") as caught:
+        read_log(path, ur5)
+    assert ("--gains" in str(caught.value)) == (unit == "mA")
+    gains = dict.fromkeys(ur5.joints, 1.0) if unit == "mA" else None
+    log = read_log(path, ur5, gains=gains, **reading_of(caught.value.guesses, ur5))
+    np.testing.assert_allclose(log.effort, made.effort, rtol=1e-9)
+    assert any("converted from mA to A" in note for note in log.notes) == (unit == "mA")
+
+
+@pytest.mark.parametrize("name", ["gamma_{1}", "current_{1}", "torque_Nm_{1}", "tau_{1} [A]"])
+def test_a_unit_is_no_part_of_a_word(ur5, made, tmp_path, name):
+    columns = {"zeit": made.time, **numbered("", made.position, "winkel_{1}")}
+    path = write(tmp_path / "x.csv", columns | numbered("", made.effort, name))
+    with pytest.raises(MissingColumnsError) as caught:
+        read_log(path, ur5)
+    assert "torque=" not in str(caught.value)
+
+
 def test_what_is_known_is_not_guessed_again(ur5, made, tmp_path):
     columns = {
         "time": made.time,

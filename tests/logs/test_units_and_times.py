@@ -77,6 +77,13 @@ def test_conversions_mean_the_same_in_python_and_on_the_command_line():
     assert Conversion.of({"angle": "deg"}) == Conversion.of("angle=deg")
 
 
+def test_several_conversions_fit_in_one_text():
+    together = Conversion.of("angle=deg, torque=mA,flip_effort=a,b,reduction=a:100,b:50.5")
+    assert together == Conversion(
+        angle="deg", torque="mA", flip_effort=("a", "b"), reduction={"a": 100.0, "b": 50.5}
+    )
+
+
 @pytest.mark.parametrize(
     ("given", "said"),
     [

@@ -115,6 +115,15 @@ KINDS = (
 """Kinds in the order of the gain; their ranges leave no gap."""
 
 
+MILLIAMPERES = EffortKind(
+    300.0,
+    3000.0,
+    Severity.ERROR,
+    "currents times drive gains are about 1000 times the URDF's gravity (gain {said}): the currents are in mA",
+    "--convert torque=mA",
+)
+"""What is said in place of N·mm where drive gains were applied."""
+
 UNMEASURED = {
     EffortOrigin.COMPENSATED: Finding(
         Topic.EFFORT_KIND,
@@ -267,7 +276,8 @@ def _judge(log: Log, known: dict[int, GravityGain], value: Mapping[str, object])
     inverse = ",".join(f"{log.joints[k]}:{1 / g.gain:.3g}" for k, g in known.items())
     farthest = max((g.gain for g in known.values()), key=lambda gain: abs(np.log(max(gain, 1e-9))))
     deciding = farthest if 0.5 <= min(middle, farthest) <= max(middle, farthest) < 2.0 else middle
-    kind = next(kind for kind in KINDS if kind.smallest <= deciding < kind.largest)
+    kinds = KINDS if log.effort_tolerance is None else (MILLIAMPERES, *KINDS)
+    kind = next(kind for kind in kinds if kind.smallest <= deciding < kind.largest)
     return Finding(
         Topic.EFFORT_KIND,
         kind.severity,

@@ -37,6 +37,7 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
     speed = np.zeros(robot.n) if log.velocity is None else largest_of(log.velocity)
     effort = largest_of(log.effort)
     outside = (low < limits.lower - TOLERANCE) | (high > limits.upper + TOLERANCE)
+    torque = "Nmm" if log.effort_tolerance is None else "mA"
     beyond = {
         "positions": (
             {
@@ -55,7 +56,7 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
         "efforts": (
             {k: f"{effort[k]:.4g} of {limits.effort[k]:.4g} {units[k][1]}" for k in range(robot.n)},
             effort > SLACK * limits.effort,
-            "check the unit of the effort (--convert torque=Nmm), and that this is the robot",
+            f"check the unit of the effort (--convert torque={torque}), and that this is the robot",
         ),
     }
     for what, (said, where, advice) in beyond.items():

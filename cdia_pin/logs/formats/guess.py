@@ -38,6 +38,11 @@ WORDS = {
     "velocity": r"vel|speed|spd|omega|rate|dq|qd|\bw[_#*]",
     "position": r"pos|ang|enc|deg|rad|joint|\bq[_#*]",
 }
+# Units in names of torques and currents that are not N·m and A, as `--convert torque=` has them.
+UNITS = {
+    "mA": re.compile(r"(?<![A-Za-z])mA(?![A-Za-z])|(?i:milli ?amp)"),
+    "Nmm": re.compile(r"(?<![A-Za-z])(?:N[·.* ]?mm|mN[·.* ]?m)(?![A-Za-z])"),
+}
 UNWANTED = re.compile(r"target|cmd|command|desired|ref|goal|setp|_d\b", re.IGNORECASE)
 
 
@@ -150,8 +155,10 @@ def reading_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> dict[str, s
     """
     known = [g for g in guesses if g.signal]
     out = {"columns": ",".join(f"{g.signal}={g.pattern}" for g in known)} if known else {}
-    if any(g.signal == "position" and g.said == "deg" for g in known):
-        out["convert"] = "angle=deg"
+    units = ["angle=deg"] if any(g.signal == "position" and g.said == "deg" for g in known) else []
+    units += _unit_of_torque(known)
+    if units:
+        out["convert"] = ",".join(units)
     labels = next((g.labels for g in known if g.labels and not g.labels[0].isdigit()), ())
     if labels and not set(robot.joints) <= set(labels):
         out["joint_map"] = ",".join(f"{a}={b}" for a, b in zip(labels, robot.joints, strict=True))
@@ -165,14 +172,11 @@ def options_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> str:
         guesses: The guesses.
         robot: The arm.
     """
-    said = [
-        f"--{name.replace('_', '-')} {shlex.quote(value)}"
-        for name, value in reading_of(guesses, robot).items()
-    ]
+    reading = reading_of(guesses, robot)
+    said = [f"--{name.replace('_', '-')} {shlex.quote(value)}" for name, value in reading.items()]
     signals = {g.signal for g in guesses}
-    return " ".join(
-        [*said, *(["--gains gains.json"] if "current" in signals and "effort" not in signals else [])]
-    )
+    currents = ("current" in signals and "effort" not in signals) or "torque=mA" in reading.get("convert", "")
+    return " ".join([*said, *(["--gains gains.json"] if currents else [])])
 
 
 def said_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> str:
@@ -187,6 +191,13 @@ def said_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> str:
     looks = "; ".join(map(str, guesses))
     options = options_of(guesses, robot)
     return f"the columns look like: {looks}" + (f"; if that is right, type {options}" if options else "")
+
+
+def _unit_of_torque(known: Sequence[ColumnGuess]) -> list[str]:
+    """Return the conversion of the columns that will be read as torque, where their names state a unit that needs one."""
+    signals = {g.signal: g.pattern for g in known}
+    name = signals.get("effort", signals.get("current", ""))
+    return [f"torque={unit}" for unit, said in UNITS.items() if said.search(name)]
 
 
 def _values(columns: Mapping[str, NDArray[Any]], group: JointColumns) -> Array:
