@@ -180,11 +180,19 @@ def read_logs(
 
 
 def _with_side(log: Log, check: LogCheck) -> Log:
-    """Return the log with a note where its torque clearly is that of a sensor behind the gear."""
+    """Return the log with a note where the check knows better on which side of the gear its torque was measured."""
     from cdia_pin.logs.checks import Topic
     from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide
 
-    measured = [f.value.get("measured") for f in check.about(Topic.TORQUE_SIDE)]
+    findings = check.about(Topic.TORQUE_SIDE)
+    if log.side_of_format and any(f.value.get("side") == TorqueSide.UNKNOWN for f in findings):
+        others = tuple(note for note in log.notes if not note.startswith(BEHIND_THE_GEAR))
+        known = replace(log, torque_side=TorqueSide.UNKNOWN, side_of_format=False, notes=others)
+        return known.noted(
+            "the torque shows more friction than a sensor behind the gear usually sees, so friction and rotors are "
+            "looked for (--torque-side link keeps them out)"
+        )
+    measured = [f.value.get("measured") for f in findings]
     if log.torque_side is not TorqueSide.UNKNOWN or measured != [TorqueSide.LINK]:
         return log
     note = f"{BEHIND_THE_GEAR}, because it shows none of a gear (if that is wrong, --torque-side motor)"

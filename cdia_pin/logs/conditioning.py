@@ -142,6 +142,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         # drives report it in whole degrees
         temperature=_joined(warmth) if warmth else None,
         torque_side=log.torque_side,
+        side_of_format=log.side_of_format,
         effort_tolerance=log.effort_tolerance,
         stretches=lengths,
     )

@@ -24,6 +24,7 @@ class PickedEffort:
     Attributes:
         values: Efforts in the unit of the log, or N·m from currents, shape (N, n).
         side: Side of the gear on which they were measured.
+        side_of_format: Whether the format alone says that they were measured behind the gear.
         origin: Whether they were measured.
         without_gravity: Whether the URDF's gravity has to be added.
         tolerance: Tolerance of drive gains [1], shape (n,); None without gains.
@@ -34,6 +35,7 @@ class PickedEffort:
     origin: EffortOrigin
     without_gravity: bool
     tolerance: Array | None = None
+    side_of_format: bool = False
 
 
 def pick_effort(
@@ -70,9 +72,15 @@ def pick_effort(
     implied = facts.side if tolerance is None else TorqueSide.MOTOR
     asked, side = side, side if side is not TorqueSide.UNKNOWN else implied
     if side is TorqueSide.LINK:
-        said = "as asked" if asked is TorqueSide.LINK else f"as format '{pick.choice.format.name}' records it"
+        said = (
+            "as asked"
+            if asked is TorqueSide.LINK
+            else f"as format '{pick.choice.format.name}' records it, unless the torque shows much of it "
+            "(--torque-side motor or link decides)"
+        )
         pick.notes.append(f"{BEHIND_THE_GEAR}, {said}")
-    return PickedEffort(values, side, known.origin, known.without_gravity, tolerance)
+    by_format = side is TorqueSide.LINK and asked is not TorqueSide.LINK
+    return PickedEffort(values, side, known.origin, known.without_gravity, tolerance, by_format)
 
 
 def _signal(pick: SignalPicker, gains: Gains | None) -> str:

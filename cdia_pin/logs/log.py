@@ -32,6 +32,7 @@ class Log:
         condition: Condition that this log shares with others, such as ``warm``; empty if it shares none.
         temperature: Temperature of each joint [°C], shape (N, n); None if it was not recorded.
         torque_side: Side of the gear on which the torque was measured, as far as it is known.
+        side_of_format: Whether the format alone says so: a torque that shows much friction decides otherwise.
         effort_origin: Whether the efforts were measured, were without gravity, or were commanded.
         effort_tolerance: Tolerance of the scale of each joint's torque, 95 % [1], shape (n,); None if nobody states it.
         recorded: When the log began [s since 1970]; None where its clock does not say it.
@@ -48,6 +49,7 @@ class Log:
     condition: str = ""
     temperature: Array | None = None
     torque_side: TorqueSide = TorqueSide.UNKNOWN
+    side_of_format: bool = False
     effort_origin: EffortOrigin = EffortOrigin.MEASURED
     effort_tolerance: Array | None = None
     recorded: float | None = None

@@ -116,6 +116,7 @@ def read_log(
         notes=(*pick.notes, *conversion.notes(), *time_notes, *repeat_notes),
         temperature=None if temperature is None else temperature[keep],
         torque_side=effort.side,
+        side_of_format=effort.side_of_format,
         effort_origin=effort.origin,
         effort_tolerance=effort.tolerance,
         recorded=recorded_at(stamps, unit, path.name),

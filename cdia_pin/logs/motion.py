@@ -73,6 +73,7 @@ class Motion:
         record: Record of the conditioning, for files and reports.
         temperature: Temperatures of the joints [°C], shape (N, n); None if they were not recorded.
         torque_side: Side of the gear on which the torque was measured, as far as it is known.
+        side_of_format: Whether the format alone says so: a torque that shows much friction decides otherwise.
         effort_tolerance: Tolerance of the scale of each joint's torque, 95 % [1], shape (n,); None if nobody states it.
         stretches: Samples of each stretch of a long log that is looked at; empty if it is looked at whole.
     """
@@ -92,6 +93,7 @@ class Motion:
     record: MotionRecord
     temperature: Array | None = None
     torque_side: TorqueSide = TorqueSide.UNKNOWN
+    side_of_format: bool = False
     effort_tolerance: Array | None = None
     stretches: tuple[int, ...] = ()
 

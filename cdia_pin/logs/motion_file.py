@@ -31,6 +31,7 @@ class MotionDocument(TypedDict):
         cutoff: Cut-off of the filter [Hz].
         decimation: Samples per compared torque [1].
         torque_side: Side of the gear on which the torque was measured.
+        side_of_format: True where the format alone says so.
         stretches: Time of the first sample [s] and number of samples of each stretch of a long log.
         arrays: Signals in SI units, 32-bit floats: a compressed npz file in base64.
     """
@@ -42,6 +43,7 @@ class MotionDocument(TypedDict):
     cutoff: float
     decimation: int
     torque_side: str
+    side_of_format: NotRequired[bool]
     stretches: NotRequired[list[tuple[float, int]]]
     arrays: str
 
@@ -69,6 +71,8 @@ def motion_document(motion: Motion) -> MotionDocument:
         "torque_side": str(motion.torque_side),
         "arrays": base64.b64encode(file.getvalue()).decode("ascii"),
     }
+    if motion.side_of_format:
+        document["side_of_format"] = True
     if motion.stretches:
         firsts = motion.time[np.cumsum([0, *motion.stretches[:-1]])].tolist()
         document["stretches"] = list(zip(firsts, _within(motion.stretches, MOST_SAMPLES), strict=False))
@@ -121,6 +125,7 @@ def motion_from(document: Any) -> Motion:
             decimation=int(document["decimation"]),
             record=document["record"],
             torque_side=TorqueSide(document.get("torque_side", TorqueSide.UNKNOWN)),
+            side_of_format=document.get("side_of_format", False) is True,
             stretches=tuple(k for _, k in given),
             **arrays,
         )

@@ -109,9 +109,18 @@ class SideEvidence:
     scale: float = 1.0
 
     @property
+    def _judged(self) -> list[JointFriction]:
+        return [f for f in self.joints.values() if np.isfinite(f.limit)]
+
+    @property
+    def is_too_large_for_a_link(self) -> bool:
+        """True if a joint surely shows more dry friction than a sensor behind the gear usually sees."""
+        return self.scale >= LEAST_SCALE and any(f.is_too_large_for_a_link for f in self._judged)
+
+    @property
     def side(self) -> TorqueSide:
         """The side on which most joints agree; unknown if they do not, or if too few can be judged."""
-        judged = [f for f in self.joints.values() if np.isfinite(f.limit)]
+        judged = self._judged
         if len(judged) < FEWEST_JOINTS:
             return TorqueSide.UNKNOWN
         if np.mean([f.is_of_a_gear for f in judged]) >= MOST:

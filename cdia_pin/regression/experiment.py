@@ -132,7 +132,12 @@ class Experiment:
 
     @cached_property
     def torque_side(self) -> TorqueSide:
-        """Side of the gear on which the torque was measured: as the logs say, else as far as they clearly show it."""
+        """Side of the gear on which the torque was measured: as the logs say, else as far as they clearly show it.
+
+        It is unknown where a format says that it is behind the gear, and a log shows too much friction for that.
+        """
+        if any(s.belies_its_format for s in self.segments):
+            return TorqueSide.UNKNOWN
         sides = {s.motion.torque_side for s in self.segments}
         if sides == {TorqueSide.UNKNOWN}:
             sides = {s.measured_side for s in self.segments}

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.effects import State
 from cdia_pin.logs.motion import Motion
-from cdia_pin.logs.side_evidence import side_evidence
+from cdia_pin.logs.side_evidence import SideEvidence, side_evidence
 from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import clipped
 
@@ -38,6 +38,15 @@ class Segment:
     @property
     def measured_side(self) -> TorqueSide:
         """Side of the gear on which the torque was measured, as far as the log itself shows it."""
+        return self._side_evidence.side
+
+    @property
+    def belies_its_format(self) -> bool:
+        """True if a format says that the torque was measured behind the gear, and it shows too much friction."""
+        return self.motion.side_of_format and self._side_evidence.is_too_large_for_a_link
+
+    @property
+    def _side_evidence(self) -> SideEvidence:
         m = self.motion
         thin = np.s_[:: max(1, len(m.time) // JUDGED)]
-        return side_evidence(self.state.robot, m.q[thin], m.v[thin], m.a[thin], m.effort[thin]).side
+        return side_evidence(self.state.robot, m.q[thin], m.v[thin], m.a[thin], m.effort[thin])

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.recordings import libfranka, write
 from cdia_pin import Dynamics, load_robot, read_log
 from cdia_pin.errors import LogError
 from cdia_pin.logs import check_log, write_log
@@ -67,6 +68,20 @@ def test_what_the_user_says_counts_more_than_what_the_log_shows(panda, tmp_path)
     assert finding.severity == "warning" and "looks like the motor side" in finding.message
     with pytest.raises(LogError, match="side of the torque sensor"):
         read_log(file, panda, torque_side="left")
+
+
+@pytest.mark.parametrize(("share", "looked_for"), [(0.02, True), (0.004, False), (0.0, False)])
+def test_a_format_counts_less_than_friction_that_the_log_shows(panda, tmp_path, share, looked_for):
+    made = logged(panda, share)
+    moving = replace(made, velocity=np.gradient(made.position, made.time, axis=0))
+    file = write(tmp_path / "franka.csv", libfranka(moving))
+    log = read_log(file, panda)
+    assert log.torque_side is TorqueSide.LINK
+    assert ("coulomb_friction" in offered(panda, log)) == looked_for
+    assert ("coulomb_friction" in offered(panda, read_log(file, panda, torque_side="link"))) is False
+    (finding,) = check_log(log, panda).about("torque_side")
+    assert (finding.value["side"] == "unknown") == looked_for
+    assert ("--torque-side link" in finding.advice) == looked_for
 
 
 @pytest.mark.parametrize(

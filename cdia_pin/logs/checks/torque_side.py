@@ -42,7 +42,17 @@ def check_torque_side(log: Log, robot: RobotModel, motion: SmoothedMotion) -> It
         **{joint: asdict(friction) for joint, friction in evidence.joints.items()},
     }
     said = _said(evidence)
-    if log.torque_side is not TorqueSide.UNKNOWN:
+    if log.side_of_format and evidence.is_too_large_for_a_link:
+        value["side"] = str(TorqueSide.UNKNOWN)
+        yield Finding(
+            Topic.TORQUE_SIDE,
+            Severity.INFO,
+            f"the format says that the torque is measured behind the gear, but {said}, more than such a sensor "
+            "usually sees: friction and rotors are looked for",
+            advice="--torque-side link keeps them out",
+            value=value,
+        )
+    elif log.torque_side is not TorqueSide.UNKNOWN:
         value["side"] = str(log.torque_side)
         odd = evidence.side is OTHER[log.torque_side]
         source = "the log holds currents, its format states it, or it was said so"
