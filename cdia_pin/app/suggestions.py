@@ -18,7 +18,7 @@ from cdia_pin.viewers.parameter_rows import (
     shape_parameters,
     step_parameters,
 )
-from cdia_pin.viewers.verdict import mean_share
+from cdia_pin.viewers.verdict import unseen_share
 from cdia_pin.viewers.words import confusion_words, effect_name, where_words
 
 TELLING = 3  # parameters that are shown of an effect
@@ -115,8 +115,8 @@ def _suggestion(
         numbers=tuple(f"{r['name']} {r['text']}" for r in shown),
         parts="; ".join(f"{r['name']} {parts_words(r)}" for r in telling[:TELLING] if r["parts"]),
         more=max(len(rows) + len(term.effect.shape) - len(shown), 0),
-        before=mean_share(before, found),
-        after=mean_share(after, found),
+        before=unseen_share(before, found),
+        after=unseen_share(after, found),
         confidence=confidence,
         plausible=plausible,
         confusions=tuple((confusion_words(c), c.motion) for c in rivals(term.effect, confusions)),

@@ -88,6 +88,7 @@ def conclusion(
     experiment, settings = logs.experiment, logs.settings
     misfit = logs.lack_of_fit(final)
     torque = rms(experiment.measured, experiment.informative)
+    unseen = logs.held_out
     error = steps[-1].heldout_rms
     able = capability_of(experiment, error, torque, settings.changes)
     report("done", 1.0)
@@ -105,6 +106,7 @@ def conclusion(
         noise_floor=misfit.floor,
         structure_left=left,
         torque_rms=torque,
+        heldout_torque_rms=torque if unseen is None else rms(unseen.measured, unseen.informative),
         capability=able,
         held=tuple(j for j, h in zip(final.robot.joints, experiment.held, strict=True) if h),
         ranking=ranking,

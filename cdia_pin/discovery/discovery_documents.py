@@ -109,6 +109,7 @@ class DiscoveryJson(TypedDict):
     trace: list[TraceStepJson]
     noise_floor: ByJoint
     torque_rms: ByJoint
+    heldout_torque_rms: ByJoint
     structure_left: list[str]
     ranking: list[RankedJson]
     capability: Mapping[str, Any]

@@ -83,6 +83,7 @@ class Discovery:
         noise_floor: RMS residual that no smooth function of the motion explains [N·m or N], shape (n,).
         structure_left: Names of the joints whose residual is not noise.
         torque_rms: RMS of the measured torque [N·m or N], shape (n,).
+        heldout_torque_rms: That of the data that was not fitted: of the held-out logs if there are any, shape (n,).
         ranking: What the best candidates would explain alone, the best first.
         record: Logs, hashes, settings and version, enough to run the discovery again.
         capability: What the improved model lets a user notice.
@@ -96,6 +97,7 @@ class Discovery:
     noise_floor: Array
     structure_left: tuple[str, ...]
     torque_rms: Array
+    heldout_torque_rms: Array
     ranking: tuple[Ranked, ...]
     record: DiscoveryRecord
     capability: Capability
@@ -104,7 +106,9 @@ class Discovery:
 
     def __repr__(self) -> str:
         added = some([clipped(s.term.label, 45) for s in self.steps if s.term], 2)
-        errors = (100 * mean_share(s.heldout_rms, self.torque_rms) for s in (self.trace[0], self.trace[-1]))
+        errors = (
+            100 * mean_share(s.heldout_rms, self.heldout_torque_rms) for s in (self.trace[0], self.trace[-1])
+        )
         error = " → ".join(f"{e:.3g} %" for e in errors)
         return f"Discovery({self.verdict}{': ' if added else ''}{added}; held-out error {error})"
 
@@ -141,6 +145,7 @@ class Discovery:
             ],
             "noise_floor": robot.by_joint(self.noise_floor),
             "torque_rms": robot.by_joint(self.torque_rms),
+            "heldout_torque_rms": robot.by_joint(self.heldout_torque_rms),
             "structure_left": list(self.structure_left),
             "ranking": [
                 {

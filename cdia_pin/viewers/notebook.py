@@ -22,7 +22,7 @@ from cdia_pin.viewers.short_answer import short_answer
 from cdia_pin.viewers.sparks import BEFORE
 from cdia_pin.viewers.stage_colours import STAGE_COLOURS
 from cdia_pin.viewers.text_monitor import run_summary, stage_words
-from cdia_pin.viewers.verdict import comparison_sentence, mean_share, verdict_sentences
+from cdia_pin.viewers.verdict import comparison_sentence, mean_share, unseen_share, verdict_sentences
 from cdia_pin.viewers.whole_arm_row import WHOLE_ARM, of_joint, whole_arm_row
 from cdia_pin.viewers.words import (
     confusion_words,
@@ -179,14 +179,15 @@ def _errors(result: Discovery) -> Markup:
         "held out": result.trace[-1].heldout_rms,
         "noise floor": result.noise_floor,
     }
-    shares = [rms / np.maximum(result.torque_rms, 1e-12) for rms in columns.values()]
+    torques = {"held out": result.heldout_torque_rms}
+    shares = [rms / np.maximum(torques.get(name, result.torque_rms), 1e-12) for name, rms in columns.items()]
     rows = [(joint, *(percent(s[j]) for s in shares)) for j, joint in enumerate(result.model.robot.joints)]
     return _table(("joint", *columns), rows, numbers=range(1, 1 + len(columns)))
 
 
 def _falling(result: Discovery) -> Markup:
-    fitted, heldout = ([mean_share(v, result) for v in values] for values in
-                       ([s.rms for s in result.trace], [s.heldout_rms for s in result.trace]))  # fmt: skip
+    fitted = [mean_share(s.rms, result) for s in result.trace]
+    heldout = [unseen_share(s.heldout_rms, result) for s in result.trace]
     words = f"mean error, effect by effect: {', '.join(map(percent, fitted))}"
     key = "blue: fitted; orange: held out; dotted: noise floor"
     picture = sparks.fall(fitted, heldout, mean_share(result.noise_floor, result), words)

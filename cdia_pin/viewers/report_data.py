@@ -49,6 +49,7 @@ class JointReport(TypedDict):
     torque_rms: float | None
     before: ErrorsDocument
     after: ErrorsDocument | None
+    heldout_torque_rms: float | None
     heldout: float | None
     floor: float | None
     structure_left: bool
@@ -219,6 +220,7 @@ def joint_data(
         "torque_rms": compact_one(before.torque_rms[j]),
         "before": _errors(before, j),
         "after": None if after is None else _errors(after, j),
+        "heldout_torque_rms": None if found is None else compact_one(found.heldout_torque_rms[j]),
         "heldout": None if found is None else compact_one(found.trace[-1].heldout_rms[j]),
         "floor": None if found is None else compact_one(found.noise_floor[j]),
         "structure_left": found is not None and joint in found.structure_left,

@@ -16,7 +16,7 @@ from cdia_pin.viewers.parameter_rows import (
 )
 from cdia_pin.viewers.report_series import Numbers, compact, compact_one
 from cdia_pin.viewers.short_answer import noticed, short_answer
-from cdia_pin.viewers.verdict import mean_share, verdict_sentences
+from cdia_pin.viewers.verdict import mean_share, unseen_share, verdict_sentences
 from cdia_pin.viewers.words import (
     advice_words,
     confusion_words,
@@ -122,7 +122,7 @@ def discovery_data(found: Discovery) -> DiscoveryDocument:
     Args:
         found: The outcome of ``discover``.
     """
-    torque = np.maximum(found.torque_rms, 1e-12)
+    torque, unseen = (np.maximum(x, 1e-12) for x in (found.torque_rms, found.heldout_torque_rms))
     return {
         "verdict": found.verdict,
         "answer": [{"head": head, "text": text} for head, text in short_answer(found)],
@@ -135,9 +135,9 @@ def discovery_data(found: Discovery) -> DiscoveryDocument:
             {
                 "added": effect_words(s.term.effect) if s.term else "model as given",
                 "share": compact(s.rms / torque),
-                "heldout": compact(s.heldout_rms / torque),
+                "heldout": compact(s.heldout_rms / unseen),
                 "mean": compact_one(mean_share(s.rms, found)),
-                "heldout_mean": compact_one(mean_share(s.heldout_rms, found)),
+                "heldout_mean": compact_one(unseen_share(s.heldout_rms, found)),
             }
             for s in found.trace
         ],

@@ -10,7 +10,7 @@ import numpy as np
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.phenomenon import PhenomenonKind
 from cdia_pin.viewers.effect_groups import MOST_JOINTS, effect_groups, on_joints
-from cdia_pin.viewers.verdict import error_left, mean_share
+from cdia_pin.viewers.verdict import error_left, unseen_share
 from cdia_pin.viewers.words import joint_units, listed, number, percent, short_names, with_unit
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def short_answer(found: Discovery) -> list[tuple[str, str]]:
         found: The outcome of ``discover``.
     """
     first, last = found.trace[0], found.trace[-1]
-    before, after = (percent(mean_share(s.heldout_rms, found)) for s in (first, last))
+    before, after = (percent(unseen_share(s.heldout_rms, found)) for s in (first, last))
     fell = f"error {before} of the torque" + ("" if first is last else f", now {after}")
     lines = [(VERDICTS[found.verdict], fell), ("where it fails", _where(found))]
     groups, joints = effect_groups(found), found.model.robot.joints

@@ -11,11 +11,12 @@ from rich.table import Table
 from rich.text import Text
 
 from cdia_pin.changes.confidence import Confidence
+from cdia_pin.regression import shares
 from cdia_pin.viewers.cells import clean, new_table
 from cdia_pin.viewers.effect_groups import effect_groups, rivals, term_of
 from cdia_pin.viewers.parameter_rows import shape_parameters, step_parameters
 from cdia_pin.viewers.short_answer import short_answer
-from cdia_pin.viewers.verdict import addition_sentences, mean_share, verdict_sentences
+from cdia_pin.viewers.verdict import addition_sentences, mean_share, unseen_share, verdict_sentences
 from cdia_pin.viewers.words import (
     advice_words,
     confusion_words,
@@ -86,12 +87,14 @@ def _errors(found: Discovery) -> Table:
     """Return the error by joint: before, after, on data that was not fitted, and that of noise alone."""
     table = _error_table(found, "mean")
     last = found.trace[-1]
-    rows = [("model as given", found.trace[0].rms)]
+    torque = found.torque_rms
+    rows = [("model as given", found.trace[0].rms, torque)]
     if found.steps:
-        rows += [("with what was found", last.rms), ("on data not fitted", last.heldout_rms)]
-    for name, error in (*rows, ("noise floor", found.noise_floor)):
-        shares = error / np.maximum(found.torque_rms, 1e-12)
-        table.add_row(clean(name), *map(_figure, shares), _figure(mean_share(error, found)))
+        rows.append(("with what was found", last.rms, torque))
+        rows.append(("on data not fitted", last.heldout_rms, found.heldout_torque_rms))
+    for name, error, over in (*rows, ("noise floor", found.noise_floor, torque)):
+        by_joint = error / np.maximum(over, 1e-12)
+        table.add_row(clean(name), *map(_figure, by_joint), _figure(shares.mean_share(error, over)))
     return table
 
 
@@ -114,7 +117,7 @@ def _steps(found: Discovery) -> Table:
             clean(_added(step, names)),
             *(Text(_figure(s), "bold green" if f else "") for s, f in zip(share, fell, strict=True)),
             Text(_figure(mean_share(step.rms, found)), "bold"),
-            Text(_figure(mean_share(step.heldout_rms, found))),
+            Text(_figure(unseen_share(step.heldout_rms, found))),
         )
     floor = [_figure(s) for s in found.noise_floor / torque]
     table.add_row(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from cdia_pin.viewers.cells import clean, new_table
-from cdia_pin.viewers.verdict import mean_share
+from cdia_pin.viewers.verdict import unseen_share
 from cdia_pin.viewers.words import confusion_words, effect_words, few, number, percent, with_unit
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def ranking_table(found: Discovery, everything: bool = False) -> Table:
     """
     table = new_table("by itself", "held-out error", "parameters", "could also be", left=(0, 2, 3))
     for r in found.ranking[: None if everything else SHOWN]:
-        before, after = (percent(mean_share(e, found)) for e in (r.heldout_before, r.heldout_after))
+        before, after = (percent(unseen_share(e, found)) for e in (r.heldout_before, r.heldout_after))
         said = clean(effect_words(r.term.effect))
         cells = (
             "\n".join(_parameters(r, found)),

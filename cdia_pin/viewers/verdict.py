@@ -82,7 +82,7 @@ def addition_sentences(found: Discovery) -> list[str]:
         found: The outcome of ``add_effect``.
     """
     (step,) = found.steps
-    before, after = (mean_share(s.heldout_rms, found) for s in found.trace)
+    before, after = (unseen_share(s.heldout_rms, found) for s in found.trace)
     name = sentence_case(effect_words(term_of(step).effect))
     if not error_falls(found):
         return [
@@ -119,6 +119,16 @@ def mean_share(errors: Sequence[float] | np.ndarray, found: Discovery) -> float:
     return shares.mean_share(errors, found.torque_rms)
 
 
+def unseen_share(errors: Sequence[float] | np.ndarray, found: Discovery) -> float:
+    """Return error over torque RMS on data that was not fitted, mean over the joints [1].
+
+    Args:
+        errors: Held-out RMS of each joint [N·m or N], shape (n,).
+        found: The outcome of ``discover``.
+    """
+    return shares.mean_share(errors, found.heldout_torque_rms)
+
+
 def error_falls(found: Discovery) -> bool:
     """Tell whether what was added lowers the error on data that was not fitted.
 
@@ -126,7 +136,7 @@ def error_falls(found: Discovery) -> bool:
         found: The outcome of ``discover`` or ``add_effect``.
     """
     first, last = found.trace[0], found.trace[-1]
-    return mean_share(last.heldout_rms, found) < NOTICEABLE * mean_share(first.heldout_rms, found)
+    return unseen_share(last.heldout_rms, found) < NOTICEABLE * unseen_share(first.heldout_rms, found)
 
 
 def error_left(found: Discovery) -> dict[str, float]:
@@ -135,7 +145,8 @@ def error_left(found: Discovery) -> dict[str, float]:
     Args:
         found: The outcome of ``discover``.
     """
-    robot, share = found.model.robot, found.trace[-1].heldout_rms / np.maximum(found.torque_rms, 1e-12)
+    robot = found.model.robot
+    share = found.trace[-1].heldout_rms / np.maximum(found.heldout_torque_rms, 1e-12)
     return {j: float(share[robot.joint_index(j)]) for j in found.structure_left}
 
 
@@ -191,7 +202,7 @@ def _error_sentence(found: Discovery) -> str:
     before = percent(mean_share(first.rms, found))
     if len(found.trace) == 1:
         return f"The error is {before} of the measured torque (mean over the joints), {floor}."
-    after, unseen = percent(mean_share(last.rms, found)), percent(mean_share(last.heldout_rms, found))
+    after, unseen = percent(mean_share(last.rms, found)), percent(unseen_share(last.heldout_rms, found))
     if not error_falls(found):
         return (
             f"The error stays at {after} of the measured torque (mean over the joints); "

@@ -17,7 +17,17 @@ from tests.made_logs import make
 
 KEYS = {
     "capability",
-    *("schema", "robot", "joints", "verdict", "effects", "trace", "noise_floor", "torque_rms"),
+    *(
+        "schema",
+        "robot",
+        "joints",
+        "verdict",
+        "effects",
+        "trace",
+        "noise_floor",
+        "torque_rms",
+        "heldout_torque_rms",
+    ),
     *("structure_left", "ranking", "findings", "record"),
 }
 

@@ -130,6 +130,7 @@ def test_an_arm_of_one_joint_has_an_answer(results, tmp_path):
         model=Dynamics(load_robot(tmp_path / "lever.urdf")),
         trace=cut,
         torque_rms=found.torque_rms[:1],
+        heldout_torque_rms=found.heldout_torque_rms[:1],
         noise_floor=found.noise_floor[:1],
         structure_left=(),
         capability=able,

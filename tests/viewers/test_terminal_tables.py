@@ -7,10 +7,14 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from cdia_pin.discovery import compare
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.robot import load_robot
 from cdia_pin.viewers import check_table, comparison_table, discovery_table, where_it_fails
-from cdia_pin.viewers.short_answer import short_answer
+from cdia_pin.viewers.short_answer import VERDICTS, short_answer
+from cdia_pin.viewers.verdict import unseen_share
+from cdia_pin.viewers.words import percent
+from tests.viewers.conftest import measured
 
 WIDTHS = (80, 100)
 
@@ -75,6 +79,7 @@ def test_seven_joints_fit_in_the_width(results, width):
         trace=(replace(first, rms=np.array(pad(first.rms)), heldout_rms=np.array(pad(first.rms))),),
         noise_floor=np.array(pad(results.discovery.noise_floor)),
         torque_rms=np.array(pad(results.discovery.torque_rms)),
+        heldout_torque_rms=np.array(pad(results.discovery.heldout_torque_rms)),
         structure_left=panda.joints,
         capability=able,
         verdict="unexplained",
@@ -99,3 +104,15 @@ def test_names_are_never_markup(hostile):
     assert joint.startswith("[red]")
     assert "[red]j2" in printed(comparison_table(hostile.given), 160)
     assert "[red]j2" in printed(discovery_table(hostile.discovery), 160)
+
+
+def test_the_error_on_a_held_out_log_is_a_share_of_its_own_torque(results):
+    """As `compare` of that log says it, though the log that was fitted has another torque."""
+    found = results.discovery
+    unseen = measured(results.robot, 3, "held out")
+    given, improved = (compare(m, unseen).mean_error for m in (Dynamics(results.robot), found.model))
+    assert not np.allclose(found.torque_rms, found.heldout_torque_rms, rtol=0.02)
+    assert dict(short_answer(found))[VERDICTS[found.verdict]] == (
+        f"error {percent(given)} of the torque, now {percent(improved)}"
+    )
+    assert unseen_share(found.trace[-1].heldout_rms, found) == pytest.approx(improved, rel=0.02)

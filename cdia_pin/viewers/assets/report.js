@@ -154,13 +154,13 @@ function errors() {
   const largest = Math.max(...DATA.joints.map((j) => Math.max(share(j, j.before.rms), j.after ? share(j, j.after.rms) : 0)));
   const at = (s) => "left:" + (100 * s) / largest + "%";
   const bar = (s, style) => h("i", { class: style, style: "width:" + (100 * s) / largest + "%" });
-  const both = (j, rms, style) => [right("td", withUnit(rms, j.units.load), style), right("td", rms === null ? "–" : percent(share(j, rms)), style)];
+  const both = (j, rms, style, torque = j.torque_rms) => [right("td", withUnit(rms, j.units.load), style), right("td", rms === null ? "–" : percent(rms / Math.max(torque, 1e-12)), style)];
   const rows = DATA.joints.map((j) => [
     h("td", {}, j.name, j.structure_left ? h("div", { class: "soft" }, "structure is left") : null),
     right("td", withUnit(j.torque_rms, j.units.load)),
     ...both(j, j.before.rms, "b"),
     ...(j.after ? both(j, j.after.rms, "a") : []),
-    ...(FOUND ? [...both(j, j.heldout, ""), ...both(j, j.floor, "soft")] : []),
+    ...(FOUND ? [...both(j, j.heldout, "", j.heldout_torque_rms), ...both(j, j.floor, "soft")] : []),
     h("td", { class: "wide-only" }, h("div", { class: "bar", role: "img", "aria-label": j.name + ": " + percent(share(j, j.before.rms)) },
       bar(share(j, j.before.rms), "one"), j.after ? bar(share(j, j.after.rms), "two") : null,
       FOUND ? h("i", { class: "mark", style: at(share(j, j.floor)) }) : null)),
