@@ -549,3 +549,17 @@ def test_a_velocity_later_than_any_that_is_tried_is_said_to_be_so(ur5, ur5_log):
     late = np.column_stack([np.interp(ur5_log.time - 0.18, ur5_log.time, v) for v in ur5_log.velocity.T])
     messages = [f.message for f in check_log(replace(ur5_log, velocity=late), ur5).about("velocity")]
     assert any("100 ms or more late" in m for m in messages), messages
+
+
+def test_several_axes_that_may_be_reversed_have_a_plural(ur5):
+    from types import SimpleNamespace
+
+    from cdia_pin.logs.checks.conventions import ConventionChange
+    from cdia_pin.logs.checks.sign_and_order import _signs
+
+    def said(*axes):
+        rest = [SimpleNamespace(joints=(k,), kind=ConventionChange.BOTH_SIGNS, gain=0.0) for k in axes]
+        return _signs(SimpleNamespace(joints=ur5.joints), SimpleNamespace(rest=rest)).message
+
+    assert "elbow_joint is reversed" in said(2)
+    assert "elbow_joint, wrist_3_joint are each reversed" in said(2, 5)

@@ -108,7 +108,10 @@ def _signs(log: Log, search: ConventionSearch) -> Finding:
     if unsure:
         parts.append(f"cannot determine the sign of the effort on {', '.join(unsure)}")
     if mirrored:
-        parts.append(f"cannot exclude that {', '.join(mirrored)} is reversed in position and effort together")
+        each = "is" if len(mirrored) == 1 else "are each"
+        parts.append(
+            f"cannot exclude that {', '.join(mirrored)} {each} reversed in position and effort together"
+        )
     if not flips:
         parts.append("cannot determine signs: no joint moves")
     return Finding(
