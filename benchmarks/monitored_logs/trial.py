@@ -89,7 +89,7 @@ def _given(case: Case) -> tuple[Log, Term | None, float]:
 
 def _is_blind(term: Term, monitor: Monitor) -> bool:
     sight = monitor.record["sight"]
-    return all(sight[joint]["blind"] for joint in term.effect.joints or sight)
+    return all(sight[joint]["blind"] for joint in term.effect.scope or sight)
 
 
 def _with_mass(out: Outcome, monitor: Monitor, isolations: list[Event], detections: list[float]) -> Outcome:
