@@ -194,7 +194,7 @@ def said_of(guesses: Sequence[ColumnGuess], robot: RobotModel) -> str:
 
 
 def _unit_of_torque(known: Sequence[ColumnGuess]) -> list[str]:
-    """Return the conversion of the columns that will be read as torque, where their names state a unit that needs one."""
+    """Return the conversion of the columns that will be read as torque, if their names state a unit that needs one."""
     signals = {g.signal: g.pattern for g in known}
     name = signals.get("effort", signals.get("current", ""))
     return [f"torque={unit}" for unit, said in UNITS.items() if said.search(name)]
