@@ -26,6 +26,7 @@ from cdia_pin.effects import ExternalWrench, JointEffect, Term
 from cdia_pin.errors import LogError, ModelError, unknown_name
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.resampling import resampled, thinned
+from cdia_pin.logs.wild_samples import without_wild_samples
 from cdia_pin.plain_json import plain
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.version import __version__
@@ -67,7 +68,7 @@ class Monitor:
     Raises:
         ModelError: If neither or both of runs and thresholds are given, the engine is unknown, the settings
             belong to another engine, or the event log cannot be written.
-        LogError: If the runs are too short.
+        LogError: If the runs are too short, or more than 1 % of their samples are such as no motion makes.
         EffectError: If the bank holds something other than effects of one joint.
     """
 
@@ -93,11 +94,12 @@ class Monitor:
         history = EventHistory.to(event_log, model.robot)
         bank = bank if isinstance(bank, Bank) else Bank.of(model.robot, bank)
         self.rate = rate or (float(np.median([run.rate for run in healthy])) if healthy else None)
-        runs = [self.at_rate(run, healthy=True) for run in healthy]
+        kept = [without_wild_samples(run, velocities=True) for run in healthy]
+        runs = [self.at_rate(run, healthy=True) for run in kept]
         said = [
-            f"{run.source}: {run.notes[-1]}"
+            f"{run.source}: {note}"
             for run, given in zip(runs, healthy, strict=True)
-            if run is not given
+            for note in run.notes[len(given.notes) :]
         ]
         known = Knowledge(tuple(runs), threshold, self.rate, position_only)
         made, used = ENGINES[engine](model, bank, settings, known)

@@ -22,10 +22,11 @@ from cdia_pin.phrases import counted
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-FASTEST = 1000.0  # [rad/s² or m/s²], fifty times what arms do; the joints of measured logs show up to 190 by rounding
+# [rad/s² or m/s²], fifty times what arms do; the joints of measured logs show up to 190 by rounding
+FASTEST = 1000.0
 COARSEST = 0.02  # [rad or m], a smaller excursion may be a step of the encoder, and is lost in the filter
 POSITION_NOISE = 30.0  # [1], excursion over the first quartile of the second differences: 10 σ of white noise
-EFFORT_NOISE = 20.0  # [1], the same over their 90th percentile; measured efforts show up to 11
+OTHER_NOISE = 20.0  # [1], the same over their 90th percentile; measured efforts show up to 11
 EFFORT_SPANS = (
     3.0  # [1], excursion over the range of the other efforts; an impact stays below 0.6 in measured logs
 )
@@ -42,11 +43,11 @@ class WildSample:
     """A value that no motion makes.
 
     Attributes:
-        signal: ``position`` or ``effort``.
+        signal: ``position``, ``effort`` or ``velocity``.
         joint: Name of the joint.
         row: Index of the sample.
         time: Its time [s].
-        value: The value [rad, m, N·m or N].
+        value: The value [rad, m, N·m, N, rad/s or m/s].
     """
 
     signal: str
@@ -59,23 +60,25 @@ class WildSample:
         return f"{self.signal} of {self.joint} is {self.value:.4g} at t = {self.time:.6g} s"
 
 
-def wild_samples(log: Log) -> tuple[WildSample, ...]:
-    """Find the values of positions and efforts that no motion makes.
+def wild_samples(log: Log, velocities: bool = False) -> tuple[WildSample, ...]:
+    """Find the values of positions and efforts, and where asked velocities, that no motion makes.
 
-    Runs of up to four samples are found. Velocities are not looked at, because they are derived from positions.
+    Runs of up to four positions or velocities are found, and single efforts.
 
     Args:
         log: The log.
+        velocities: Whether recorded velocities are used. What derives them from positions does not ask.
 
     Returns:
         The values, by signal, joint and time; empty for nearly every log.
     """
     out = []
-    for signal, values in (("position", log.position), ("effort", log.effort)):
+    for signal in ("position", "effort", *(("velocity",) if velocities and log.velocity is not None else ())):
+        values = getattr(log, signal)
         for k, joint in enumerate(log.joints):
             x = values[:, k]
             with np.errstate(over="ignore", invalid="ignore"):
-                rows = _wild_positions(x, log.time) if signal == "position" else _wild_efforts(x)
+                rows = _WILD[signal](x, log.time)
             out += [WildSample(signal, joint, int(r), float(log.time[r]), float(x[r])) for r in rows]
     return tuple(out)
 
@@ -98,7 +101,7 @@ def repaired(log: Log, found: Sequence[WildSample]) -> Log:
         found: Its wild samples.
     """
     changed: dict[str, Any] = {}
-    for signal, between in (("position", akima), ("effort", linear)):
+    for signal, between in (("position", akima), ("effort", linear), ("velocity", linear)):
         values = getattr(log, signal)
         for k, joint in enumerate(log.joints):
             rows = [s.row for s in found if (s.signal, s.joint) == (signal, joint)]
@@ -112,11 +115,12 @@ def repaired(log: Log, found: Sequence[WildSample]) -> Log:
     return replace(log, **changed) if changed else log
 
 
-def without_wild_samples(log: Log) -> Log:
+def without_wild_samples(log: Log, velocities: bool = False) -> Log:
     """Return a log without its wild values, with a note that says how many there were.
 
     Args:
         log: The log.
+        velocities: Whether recorded velocities are used.
 
     Returns:
         The log itself if it has none.
@@ -124,7 +128,7 @@ def without_wild_samples(log: Log) -> Log:
     Raises:
         LogError: If they are more than 1 % of the samples.
     """
-    found = wild_samples(log)
+    found = wild_samples(log, velocities)
     if not found:
         return log
     if share_of(found, log) > LARGEST_SHARE:
@@ -159,10 +163,21 @@ def _wild_positions(x: Array, time: Array) -> list[int]:
     return _farthest_first(x, far)
 
 
-def _wild_efforts(x: Array) -> list[int]:
+def _wild_velocities(x: Array, time: Array) -> list[int]:
+    """Return the rows of velocities that leave and come back faster than any acceleration: a T within ± T."""
+    step = np.diff(x)
+    far = [
+        (first, last)
+        for first, last, distance in _excursions(x, step, OTHER_NOISE * _curvature(x, 90))
+        if distance > FASTEST * (time[min(last, len(x) - 1)] - time[max(first - 1, 0)]) / 2
+    ]
+    return _farthest_first(x, far)
+
+
+def _wild_efforts(x: Array, _: Array) -> list[int]:
     thin = x[:: max(1, len(x) // JUDGED)]
     span = float(np.subtract(*np.percentile(thin, [99.5, 0.5])))
-    noise = EFFORT_NOISE * _curvature(x, 90)
+    noise = OTHER_NOISE * _curvature(x, 90)
     large = max(noise, 0.05 * span)  # a value lost as 0 may be near the others
     beyond = max(noise, EFFORT_SPANS * span)
     far = [
@@ -171,6 +186,9 @@ def _wild_efforts(x: Array) -> list[int]:
         if last - first == 1 and (distance > beyond or x[first] == 0)
     ]
     return _farthest_first(x, far)
+
+
+_WILD = {"position": _wild_positions, "effort": _wild_efforts, "velocity": _wild_velocities}
 
 
 def _farthest_first(x: Array, runs: list[tuple[int, int]]) -> list[int]:

@@ -50,6 +50,10 @@ def feed(monitor, log, start, stop, shift=0.0):
     return statuses[-1]
 
 
+def thresholds(monitor):
+    return [joint["threshold"] for joint in monitor.record["sight"].values()]
+
+
 def corrects(monitor):
     nominal = np.array([1.0, 0.5])
     return not np.array_equal(monitor.correct(nominal, np.array([0.5, 0.5])), nominal)
@@ -309,6 +313,20 @@ def test_a_faster_healthy_run_keeps_its_noise(loop):
     monitor = Monitor(loop.model, healthy=healthy, rate=log.rate, bank=BANK)
     assert monitor.replay(log) == ()
     assert any("thinned from 500 Hz to 250 Hz" in note for note in monitor.record["notes"])
+
+
+@pytest.mark.parametrize(
+    ("signal", "value"), [("position", 100.0), ("effort", 1e5), ("velocity", 1000.0), ("position", 1e308)]
+)
+def test_a_value_that_no_motion_makes_teaches_nothing(loop, signal, value):
+    model, healthy = loop.model, loop.run(loop.motion(5, 10.0), noise=5).log
+    clean = Monitor(model, healthy=[healthy], bank=BANK)
+    for row in (0, len(healthy.time) // 2, len(healthy.time) - 1):
+        values = getattr(healthy, signal).copy()
+        values[row, 1] = value
+        monitor = Monitor(model, healthy=[replace(healthy, **{signal: values})], bank=BANK)
+        np.testing.assert_allclose(thresholds(monitor), thresholds(clean), rtol=0.05)
+        assert f"1 sample that no motion makes: {signal} of" in " ".join(monitor.record["notes"])
 
 
 def test_a_log_of_other_joints_is_an_error(live):

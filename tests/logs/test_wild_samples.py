@@ -62,6 +62,21 @@ def test_an_effort_of_zero_or_beyond_all_others_is_wild(ur5_log):
         assert (found.signal, found.row) == ("effort", row)
 
 
+def test_a_velocity_that_comes_and_goes_faster_than_any_is_wild_where_velocities_are_used(ur5, ur5_log):
+    velocity = np.gradient(ur5_log.position, ur5_log.time, axis=0)
+    recorded = replace(ur5_log, velocity=velocity)
+    assert wild_samples(recorded, velocities=True) == ()
+    for row in (0, 2500, 4999):
+        bad = with_value(recorded, "velocity", row, 1, -300.0)
+        (found,) = wild_samples(bad, velocities=True)
+        assert (found.signal, found.row, found.value) == ("velocity", row, -300.0)
+        assert wild_samples(bad) == ()
+        mended = without_wild_samples(bad, velocities=True)
+        np.testing.assert_allclose(mended.velocity, velocity, atol=0.05)
+        (said,) = check_log(bad, ur5).about("wild")
+        assert said.severity is Severity.WARNING and "the velocity has 1 value" in said.message
+
+
 def test_a_log_with_too_many_is_refused_with_their_share(ur5, ur5_log):
     position = ur5_log.position.copy()
     position[np.random.default_rng(0).choice(5000, 600, replace=False), 1] = 50.0
@@ -113,4 +128,4 @@ def test_measured_logs_hold_none(measured):
     pendulum = measured / "double_pendulum" / "double_pendulum.urdf"
     for folder, robot in (("ur10", "ur10"), ("panda", "panda"), ("double_pendulum", pendulum)):
         for file in sorted((measured / folder).glob("*.csv")):
-            assert wild_samples(read_log(file, load_robot(robot))) == (), file.name
+            assert wild_samples(read_log(file, load_robot(robot)), velocities=True) == (), file.name

@@ -60,7 +60,7 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     yield from (Finding(Topic.READING, Severity.INFO, note) for note in log.notes)
     yield from check_rate(log)
     yield from check_gaps(log)
-    wild = wild_samples(log)
+    wild = wild_samples(log, velocities=True)
     yield from check_wild(log, wild)
     log = repaired(log, wild)
     require_magnitudes(log)

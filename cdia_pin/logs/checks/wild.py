@@ -23,8 +23,11 @@ def check_wild(log: Log, found: Sequence[WildSample]) -> Iterator[Finding]:
     by_signal: dict[tuple[str, str], list[WildSample]] = {}
     for sample in found:
         by_signal.setdefault((sample.signal, sample.joint), []).append(sample)
-    too_many = share_of(found, log) > LARGEST_SHARE
+    # A bad velocity spoils no comparison, which derives it from the position.
+    spoiling = share_of([s for s in found if s.signal != "velocity"], log) > LARGEST_SHARE
     for (signal, joint), samples in by_signal.items():
+        too_many = spoiling and signal != "velocity"
+        spoiled = signal == "velocity" and len(samples) > LARGEST_SHARE * len(log.time)
         named = ", ".join(f"{s.value:.4g} at t = {s.time:.6g} s" for s in samples[:NAMED])
         more = f", … ({len(samples)} in all)" if len(samples) > NAMED else ""
         yield Finding(
@@ -35,6 +38,8 @@ def check_wild(log: Log, found: Sequence[WildSample]) -> Iterator[Finding]:
             joint=joint,
             advice="find out what went wrong when the log was recorded"
             if too_many
+            else "ignore the recorded velocities: --convert use_velocity=false"
+            if spoiled
             else "nothing needs to be done: they are left out of all that is computed",
             value={
                 "signal": signal,
