@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from cdia_pin.app.inputs import Request
 from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import ColumnNames
+from cdia_pin.logs.conversion import conversions_in
 from cdia_pin.logs.formats import column_patterns
 from cdia_pin.logs.formats.guess import ColumnGuess, reading_of
 from cdia_pin.logs.joint_names import joint_map_of, match_joints
@@ -83,7 +84,7 @@ def as_guessed(asked: Request, guesses: Sequence[ColumnGuess], robot: RobotModel
     columns = column_patterns(reading["columns"], one_joint=robot.n == 1) if "columns" in reading else {}
     joints = joint_map_of(reading["joint_map"]) if "joint_map" in reading else {}
     guessed = replace(asked, columns=columns | dict(asked.columns), joint_map=joints | dict(asked.joint_map))
-    for option in filter(None, reading.get("convert", "").split(",")):
+    for option in conversions_in(reading["convert"]) if "convert" in reading else ():
         if option.partition("=")[0] not in asked.convert:
             guessed = guessed.converted(option)
     return guessed

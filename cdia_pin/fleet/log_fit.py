@@ -169,7 +169,7 @@ class LogFit:
         """RMS torque of each joint that the model leaves [N·m or N], shape (n,)."""
         return rms(self.prediction.residual, self.experiment.informative)
 
-    @property
+    @cached_property
     def load(self) -> Array:
         """RMS torque of each joint in the model with what this job adds to it [N·m or N], shape (n,)."""
         torque = self.prediction.torques[0].actuator[self.motion.kept]

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,8 +114,11 @@ class _Shapes:
     @property
     def likeliest(self) -> tuple[int, int]:
         """The first log and the number of logs of the shape that explains most."""
-        k = int(np.argmax(self.worth))
-        return int(self.first[k]), int(self.logs[k])
+        return int(self.first[self._best]), int(self.logs[self._best])
+
+    @cached_property
+    def _best(self) -> int:
+        return int(np.argmax(self.worth))
 
     def deviation(self, alone: float) -> float:
         """Return the standard deviation of the size, in the unit of the parameter.
@@ -123,7 +127,7 @@ class _Shapes:
             alone: That of the likeliest shape, if no other one were possible; values that follow their neighbours widen
                 it, and so they do here.
         """
-        k = int(np.argmax(self.worth))
+        k = self._best
         wider = alone**2 / self.variance[k]
         likelihood = np.exp((self.worth - self.worth[k]) / (2 * wider))
         share = likelihood / likelihood.sum()

@@ -195,11 +195,20 @@ def _signs(joints: Sequence[str], flipped: Sequence[str]) -> Array:
     return np.array([-1.0 if j in flipped else 1.0 for j in joints])
 
 
+def conversions_in(text: str) -> list[str]:
+    """Return the conversions of one text, such as ``angle=deg,torque=mA``, as one text ``key=value`` each.
+
+    Args:
+        text: One conversion or several.
+    """
+    return ANOTHER.split(text)
+
+
 def _parsed(texts: Sequence[str]) -> dict[str, Any]:
     if isinstance(texts, str):
         texts = [texts]
     out: dict[str, Any] = {}
-    for text in (part for given in texts for part in ANOTHER.split(given)):
+    for text in (option for given in texts for option in conversions_in(given)):
         key, equals, value = text.partition("=")
         key, value = key.strip(), value.strip()
         if not equals or not value:

@@ -22,8 +22,7 @@ from cdia_pin.phrases import counted
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-# [rad/s² or m/s²], fifty times what arms do; the joints of measured logs show up to 190 by rounding
-FASTEST = 1000.0
+FASTEST = 1000.0  # [rad/s² or m/s²], fifty times what arms do; the joints of measured logs show up to 190 by rounding
 COARSEST = 0.02  # [rad or m], a smaller excursion may be a step of the encoder, and is lost in the filter
 POSITION_NOISE = 30.0  # [1], excursion over the first quartile of the second differences: 10 σ of white noise
 OTHER_NOISE = 20.0  # [1], the same over their 90th percentile; measured efforts show up to 11
