@@ -110,7 +110,11 @@ def page(
             _false_rows(trend, without, plans),
         ),
     ]
+    most = RATES[-1]
+    counted, expected = false_alarms(trend, plans, most)[0], most * healthy_years(plans)
     parts += [
+        f"At a stated {most:g} a year, where chance says most, {counted} come instead of {number(expected, 2)}: the "
+        f"stated rate holds to a factor of {number(counted / expected, 2)}.",
         "### Noise of long tails",
         f"Courses of {LOGS} logs that we drew ourselves, with one regressor (`python -m benchmarks.fleet.tails`): "
         f"false alarms of {COURSES} courses without a change, and how often the 95 % interval of a change holds its "

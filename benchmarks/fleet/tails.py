@@ -1,20 +1,26 @@
 """Courses of known noise: how often chance gives an alarm, and how often an interval holds the size of a change.
 
+Usage:
+    python -m benchmarks.fleet.tails              # a minute
+    python -m benchmarks.fleet.tails --freedom 4  # with another number of degrees of freedom of a log
+
 The values of logs have longer tails than normal ones, because their motions differ. These draws need no plant, so they
-are many. `cdia_pin.fleet.step_search.FREEDOM_OF_A_LOG` was chosen on other draws of them.
+are many. `FREEDOM_OF_A_LOG` was chosen on other draws of them.
 """
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.markdown import table
+from cdia_pin.fleet import step_search
 from cdia_pin.fleet.alarm_limit import alarm_limit
+from cdia_pin.fleet.course_trend import INTERVAL
 from cdia_pin.fleet.onset import find_onset
-from cdia_pin.fleet.step_search import find_steps
 
 Array = NDArray[np.float64]
 
@@ -25,7 +31,6 @@ CHANGED = 200  # courses with a change of each kind [1]
 EXPECTED = (0.1, 0.01)  # false alarms of a course, as stated [1]
 LARGE = (4.0, 40.0)  # sizes of a change, in standard deviations of a log [1]
 GROWTHS = (1, 20)  # logs in which a change grows [1]
-INTERVAL = 1.96  # half width of a 95 % interval over the standard deviation [1]
 Draw = Callable[[np.random.Generator], Array]
 NOISE: dict[str, Draw] = {
     "normal": lambda rng: rng.standard_normal(LOGS),
@@ -66,7 +71,7 @@ def _columns(rng: np.random.Generator) -> Array:
 
 
 def _surest(values: Array, columns: Array) -> float:
-    steps = find_steps(values, np.full(LOGS, 1e-3), columns, range(LOGS + 1))
+    steps = step_search.find_steps(values, np.full(LOGS, 1e-3), columns, range(LOGS + 1))
     return max(abs(step.z) for step in steps.values())
 
 
@@ -77,5 +82,18 @@ def _holds(noise: Array, columns: Array, size: float, logs: int, rng: np.random.
     return abs(onset.size - size) < INTERVAL * onset.deviation
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """Print the table."""
+    given = argparse.ArgumentParser(
+        prog="python -m benchmarks.fleet.tails", description="Draw courses of known noise."
+    )
+    usual = step_search.FREEDOM_OF_A_LOG
+    given.add_argument(
+        "--freedom", type=int, default=usual, help="degrees of freedom that a log of a step adds"
+    )
+    step_search.FREEDOM_OF_A_LOG = given.parse_args().freedom
     print(tails())
+
+
+if __name__ == "__main__":
+    main()
