@@ -30,8 +30,8 @@ Array = NDArray[np.float64]
 
 SMALLEST = 1e-300  # probability [1] that a double still holds
 FEWEST_BEFORE = 5  # logs before a change [1], so that there is something to compare with
-# Of 20 false alarms that are stated, 9 to 17 come in noise of four kinds, long tails among them; with 4 they are 5 to 14,
-# with 6 they are 10 to 24, and without it 13 to 47 (`python -m benchmarks.fleet.tails --freedom 4`).
+# Of 20 false alarms that are stated, 9 to 17 come in noise of four kinds, long tails among them; with 4 it is 5 to 14,
+# with 6 it is 10 to 24, and without it 13 to 47 (`python -m benchmarks.fleet.tails --freedom 4`).
 FREEDOM_OF_A_LOG = 5  # degrees of freedom [1] that each log on the shorter side of a step adds
 IMITATED = 1e-6  # share of a step [1] that the regressors must leave, so that it says something
 
