@@ -126,25 +126,31 @@ def labels(path) -> list[str]:
     return [t.label for t in load_model(path, load_robot("double_pendulum")).terms]
 
 
-def test_add_makes_the_error_fall(cdia, log, out):
+@pytest.fixture(scope="module")
+def added(cdia, logs, out):
     saved = out / "added.json"
     outcome = cdia(
-        "add", "coulomb_friction@joint2", log, *ROBOT, "--save", saved, "--json", out / "added_result.json"
-    )
+        "add", "coulomb_friction@joint2", logs / "run.csv", *ROBOT, "--save", saved,
+        "--json", out / "added_result.json",
+    )  # fmt: skip
     assert outcome.code == 0, outcome.err
+    return saved
+
+
+def test_add_makes_the_error_fall(added, out):
     before, after = json.loads((out / "added_result.json").read_text())["trace"]
     assert (before["added"], after["added"]) == (None, "coulomb_friction@joint2")
     assert after["heldout_rms"]["joint2"] < 0.2 * before["heldout_rms"]["joint2"]
-    assert labels(saved) == ["coulomb_friction@joint2"]
+    assert labels(added) == ["coulomb_friction@joint2"]
 
 
 def test_add_says_where_an_effect_explains_nothing(cdia, log):
     assert "does not lower the error" in cdia("add", "torque_offset@joint1", log, *ROBOT).out
 
 
-def test_an_effect_that_is_there_already_is_replaced(cdia, log, out):
-    model, again = out / "added.json", out / "again.json"
-    outcome = cdia("add", "coulomb_friction@joint2", log, *ROBOT, "--model", model, "--save", again)
+def test_an_effect_that_is_there_already_is_replaced(cdia, added, log, out):
+    again = out / "again.json"
+    outcome = cdia("add", "coulomb_friction@joint2", log, *ROBOT, "--model", added, "--save", again)
     assert outcome.code == 0
     assert "has coulomb_friction@joint2 already: it is left out, and fitted again" in " ".join(
         outcome.out.split()
