@@ -13,7 +13,9 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-MOST_SHIFTED = 3  # motions at other positions [1] that are kept
+# Motions at other positions [1] that are kept: a fit with two encoder zeros needs five, one where the arm is and two
+# for each derivative.
+MOST_SHIFTED = 8
 MOST_SAMPLES = (
     60_000  # samples of such motions [1] that are kept in all, about 10 kB each; one motion in any case
 )

@@ -47,7 +47,7 @@ class EncoderOffset(NonlinearEffect):
             x: Motion and torques, N samples.
             theta: δ [rad or m], shape (1,).
         """
-        return x.rigid_torque - x.robot.inverse_dynamics(x.q + self.shift(x, theta), x.v, x.a)
+        return x.rigid_torque - x.rigid.at(x.q + self.shift(x, theta)).torque
 
     def shift(self, x: State, theta: Array) -> Array:
         """Return δ at the joint and zero elsewhere [rad or m], alike at all samples, shape (N, n).

@@ -52,17 +52,17 @@ class JointwiseEquations(NormalEquations):
         self.robot = robot
         self.effects = effects
         self.samples = samples
-        self._joints = tuple(joints)
+        self.joints = tuple(joints)
 
     def __repr__(self) -> str:
         size = f"{len(self.effects)} effects, {self.parameters.total} parameters"
-        return f"JointwiseEquations({size}, {len(self._joints)} joints, {self.samples} samples)"
+        return f"JointwiseEquations({size}, {len(self.joints)} joints, {self.samples} samples)"
 
     @cached_property
     def total(self) -> Array:
         """Sum of the blocks, shape (P + 1, P + 1)."""
         out = np.zeros((self.parameters.total + 1,) * 2)
-        for joint in self._joints:
+        for joint in self.joints:
             out[np.ix_(joint.at, joint.at)] += joint.blocks.sum(axis=0)
         return out
 
@@ -70,7 +70,7 @@ class JointwiseEquations(NormalEquations):
     def blocks(self) -> Array:  # type: ignore[override]
         """[X y]ᵀ[X y] of each block of time, shape (B, P + 1, P + 1)."""
         size = self.parameters.total + 1
-        out = np.zeros((len(self._joints[0].blocks), size, size))
-        for joint in self._joints:
+        out = np.zeros((len(self.joints[0].blocks), size, size))
+        for joint in self.joints:
             out[:, joint.at[:, None], joint.at] += joint.blocks
         return out

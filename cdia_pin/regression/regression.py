@@ -2,7 +2,7 @@ r"""The regression of measured torques on effects, :math:`y = X \theta + e`."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,7 +14,6 @@ from cdia_pin.effects import Effect
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction
 from cdia_pin.regression.jointwise_equations import JointGram, JointwiseEquations
-from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.whitening import Whitening
 
@@ -43,7 +42,14 @@ class Regression:
         """The conditioned logs."""
         return self.design.experiment
 
-    def normal_equations(self, model: Dynamics | Prediction, effects: Sequence[Effect]) -> NormalEquations:
+    def normal_equations(
+        self,
+        model: Dynamics | Prediction,
+        effects: Sequence[Effect],
+        *,
+        like: JointwiseEquations | None = None,
+        but: Collection[int] = (),
+    ) -> JointwiseEquations:
         """Form the normal equations of effects around a model.
 
         The response is the torque that the URDF lacks: the model's residual plus what the model's own terms explain, to
@@ -52,15 +58,21 @@ class Regression:
         Args:
             model: The present model, or its prediction.
             effects: The effects; the model's own may be among them.
+            like: Normal equations around a model that differs only in effects of some joints, of effects that differ
+                only there and in their shape. A torque changes no other joint's torque, so that the rest is reused.
+            but: Indices of those joints.
         """
         prediction = self.experiment.predict(model) if isinstance(model, Dynamics) else model
         robot = self.experiment.robot
         present = {t.effect: np.array(t.theta) for t in prediction.model.terms}
         parameters = ParameterBlocks.of(effects)
+        anew = range(robot.n) if like is None else sorted(but)
         reused: list[list[_Reused]] = [[] for _ in range(robot.n)]
         others: list[list[tuple[slice, Array]]] = [[] for _ in range(robot.n)]
         response = prediction.residual.copy()
         for effect, own in zip(effects, parameters, strict=True):
+            if like is not None and not set(effect.acts_on(robot)) & set(but):
+                continue
             theta = present.get(effect)
             x = self.design.columns(effect, prediction, theta)
             for i, j in enumerate(effect.acts_on(robot)):
@@ -71,9 +83,8 @@ class Regression:
                 if theta is not None:
                     response[:, j] += x.values[:, i, :] @ theta
         last = slice(parameters.total, parameters.total + 1)
-        joints = [
-            self._of_joint(j, reused[j], [*others[j], (last, response[:, j, None])]) for j in range(robot.n)
-        ]
+        grams = {j: self._of_joint(j, reused[j], [*others[j], (last, response[:, j, None])]) for j in anew}
+        joints = [grams[j] if like is None or j in grams else like.joints[j] for j in range(robot.n)]
         return JointwiseEquations(robot, list(effects), joints, self.whitening.samples)
 
     def _of_joint(self, j: int, reused: list[_Reused], others: list[tuple[slice, Array]]) -> JointGram:

@@ -57,7 +57,8 @@ class Evidence:
     Attributes:
         equations: Normal equations of all candidates.
         criterion: What an effect must explain to be named.
-        searched: Number of shapes in which each candidate was looked for, by label; counted if omitted.
+        searched: Number of shapes in which each effect was looked for, by label, of all effects that compete; counted
+            if omitted.
         needed: Sum of squares of each joint that an effect must explain to be named, in variances of the noise [1],
             shape (n,); the criterion's share of all samples if omitted.
     """
@@ -110,7 +111,7 @@ class Evidence:
     @cached_property
     def penalty(self) -> Array:
         """Penalty that each candidate adds to the cost of a set [1], shape (number of candidates,); see `criterion`."""
-        names = max(len(set(self.labels)), 1)
+        names = max(len(set(self.labels) if self.searched is None else self.searched), 1)
         nominal = np.array([e.size for e in self.effects])
         shapes = Counter(self.labels) if self.searched is None else self.searched
         looked_for = np.array([2 * np.log(shapes[label]) for label in self.labels])

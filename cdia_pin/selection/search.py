@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import islice
 
 import numpy as np
@@ -122,34 +123,38 @@ def search(
 
 @dataclass(frozen=True, repr=False)
 class Found:
-    """A fitted model with the evidence for it and for all candidates.
+    """A fitted model with the evidence for it.
 
     Attributes:
         model: The model.
-        evidence: Evidence for its effects and all candidates.
-        fit: Fit of its effects in that evidence.
+        fit: Fit of its effects, which come first in its evidence.
         errors: RMS residual of each joint [N·m or N], shape (n,).
+        problem: Logs, candidates and noise.
     """
 
     model: Dynamics
-    evidence: Evidence
     fit: SetFit
     errors: Array
+    problem: WhitenedProblem
+
+    @cached_property
+    def evidence(self) -> Evidence:
+        """Evidence for its effects and all candidates. Most trials are rejected without it."""
+        return self.problem.evidence(self.model)
 
     def __repr__(self) -> str:
         return f"Found({self.model!r}, cost {self.fit.cost:.4g})"
 
 
 def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:
-    """Return a model with the evidence for its effects and all candidates.
+    """Return a model with the fit of its effects, and with the evidence for all candidates if that is asked for.
 
     Args:
         problem: Logs, candidates and noise.
         model: A model at its optimum.
     """
-    evidence = problem.evidence(model)
-    fit = evidence.fit(_indices(evidence, model), bodies=True)
-    return Found(model, evidence, fit, problem.problem.rms(model))
+    fit = problem.evidence(model, candidates=False).fit(range(len(model.terms)), bodies=True)
+    return Found(model, fit, problem.problem.rms(model), problem)
 
 
 def _refitted(problem: WhitenedProblem, model: Dynamics, known: Collection[str]) -> Found | None:
@@ -250,11 +255,6 @@ def _sacrifice(evidence: Evidence, now: SetFit, after: SetFit) -> float:
 def _swaps(before: Names, after: Names) -> Swaps:
     """Return the pairs of an added and a dropped effect."""
     return {(new, old) for new in after - before for old in before - after}
-
-
-def _indices(evidence: Evidence, model: Dynamics) -> list[int]:
-    present = {t.effect for t in model.terms}
-    return [i for i, e in enumerate(evidence.effects) if e in present]
 
 
 def _labels(model: Dynamics) -> list[str]:

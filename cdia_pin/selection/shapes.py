@@ -42,6 +42,7 @@ def _refined(regression: Regression, model: Dynamics, label: str, name: str) -> 
     grid = [e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))]
     start = term.effect.shape_values[name]
     bounds = next(p for p in term.effect.shape if p.name == name)
+    joints, equations = term.effect.acts_on(model.robot), None
     cell = _cell(start, grid)
     best, spread = term, (min(cell, start) if bounds.lower > 0 else cell) / 2
     for _ in range(ROUNDS):
@@ -50,7 +51,8 @@ def _refined(regression: Regression, model: Dynamics, label: str, name: str) -> 
         if room <= 0:
             break
         tries = [best.effect.with_shape(**{name: value + d}) for d in (-room, 0.0, room)]
-        equations = regression.normal_equations(model.remove(label).add(best), [*rest, *tries])
+        around = model.remove(label).add(best)
+        equations = regression.normal_equations(around, [*rest, *tries], like=equations, but=joints)
         fits = [bounded_fit(equations, [*range(len(rest)), len(rest) + i]) for i in range(len(tries))]
         step = float(np.clip(_bottom(*(f.chi2 for f in fits)), -FARTHEST, FARTHEST)) * room
         moved = float(np.clip(value + step, min(grid, default=value), max(grid, default=value)))
