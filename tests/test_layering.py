@@ -41,6 +41,7 @@ COMMON = (
     "decoding",
     "plain_json",
     "progress",
+    "threads",
     "resources",
     "whole_files",
     "input_files",

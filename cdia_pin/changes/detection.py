@@ -25,9 +25,11 @@ from cdia_pin.progress import Progress, silent
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.discovery_settings import DiscoverySettings
+from cdia_pin.threads import on_one_thread
 from cdia_pin.version import __version__
 
 
+@on_one_thread
 def what_changed(
     model: Dynamics,
     before: Log | Sequence[Log],

@@ -16,6 +16,7 @@ from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.residuals import SETTLING, least_piece, pooled, watched
 from cdia_pin.logs.log import Log
 from cdia_pin.robot.model import RobotModel
+from cdia_pin.threads import on_one_thread
 
 Array = NDArray[np.float64]
 
@@ -48,6 +49,7 @@ class Calibration:
     notes: tuple[str, ...]
 
 
+@on_one_thread
 def calibrated(
     given: Nominal, runs: Sequence[Log], dt: float, bank: Bank, settings: MonitorSettings
 ) -> Calibration:

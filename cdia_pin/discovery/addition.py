@@ -19,8 +19,10 @@ from cdia_pin.selection.candidates import per_log
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.problem import Problem
 from cdia_pin.selection.shapes import refine_shapes
+from cdia_pin.threads import on_one_thread
 
 
+@on_one_thread
 def add_effect(
     model: Dynamics,
     effect: Effect,

@@ -23,12 +23,14 @@ from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.every_link import has_every_link, with_every_link
 from cdia_pin.selection.problem import Problem, WhitenedProblem
 from cdia_pin.selection.search import Swaps, search
+from cdia_pin.threads import on_one_thread
 
 PASSES = (
     5  # searches at most [1], each with the noise that the one before left; it ends sooner if nothing changes
 )
 
 
+@on_one_thread
 def discover(
     model: Dynamics,
     logs: Log | Sequence[Log],

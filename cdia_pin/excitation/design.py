@@ -18,9 +18,11 @@ from cdia_pin.logs.log import Log
 from cdia_pin.progress import Progress, silent
 from cdia_pin.robot.collision import CollisionModel, standing_height
 from cdia_pin.robot.model import RobotModel
+from cdia_pin.threads import on_one_thread
 from cdia_pin.version import __version__
 
 
+@on_one_thread
 def excite(
     model: Dynamics | RobotModel,
     *,

@@ -23,12 +23,14 @@ from cdia_pin.logs.motion import Motion
 from cdia_pin.progress import Progress, part, silent
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.selection.discovery_settings import DiscoverySettings
+from cdia_pin.threads import on_one_thread
 from cdia_pin.version import __version__
 
 LEAST_TORQUE = 1e-9  # [1], largest torque over the largest error of the model; below it none was recorded
 FIRST_STRENGTH = 10.0  # strength of the prior [1] while the friction laws are found, before it is chosen
 
 
+@on_one_thread
 def identify(
     model: Dynamics,
     logs: Log | Sequence[Log],
