@@ -17,7 +17,7 @@ from cdia_pin.discovery.rival_names import has_another_name
 from cdia_pin.discovery.total_intervals import with_total_intervals
 from cdia_pin.discovery.trace import trace
 from cdia_pin.discovery.trust import trust_in
-from cdia_pin.discovery.verdict import verdict_on
+from cdia_pin.discovery.verdict import stands_out, verdict_on
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
@@ -92,15 +92,14 @@ def conclusion(
     error = steps[-1].heldout_rms
     able = capability_of(experiment, error, torque, settings.changes)
     report("done", 1.0)
-    left = tuple(j for j, s in zip(final.robot.joints, misfit.left, strict=True) if s)
+    floor = misfit.floor / np.maximum(torque, 1e-12)
+    residual, resolution = (x / np.maximum(torque, 1e-12) for x in (logs.rms(final), experiment.resolution))
+    structure = misfit.left | stands_out(residual, np.maximum(floor, resolution), settings.practice)
+    left = tuple(j for j, s in zip(final.robot.joints, structure, strict=True) if s)
     return Discovery(
         model=replace(final, learned_from=tuple(s.motion for s in experiment.segments)),
         verdict=verdict_on(
-            misfit.left.tolist(),
-            able.feedforward_error,
-            misfit.floor / np.maximum(torque, 1e-12),
-            len(steps) - 1,
-            settings.practice,
+            structure.tolist(), able.feedforward_error, floor, len(steps) - 1, settings.practice
         ),
         trace=steps,
         noise_floor=misfit.floor,

@@ -22,6 +22,20 @@ class DiscoveryVerdict(StrEnum):
     UNEXPLAINED = "unexplained"
 
 
+def stands_out(residual: Array, floor: Array, practice: PracticeSettings) -> NDArray[np.bool_]:
+    """Return on which joints a residual is structure by its size alone, shape (n,).
+
+    In a short log, or where little of the torque is the model's, no test may prove structure. A residual that is
+    several times what no smooth function of the motion explains is no noise all the same.
+
+    Args:
+        residual: RMS residual, over the torque [1], shape (n,).
+        floor: RMS that no smooth function of the motion explains, over the torque [1], shape (n,).
+        practice: When structure does not matter.
+    """
+    return (residual > practice.tolerable_error) & (residual > practice.tolerable_structure * floor)
+
+
 def verdict_on(
     structure_left: Sequence[bool], error: Array, floor: Array, added: int, practice: PracticeSettings
 ) -> DiscoveryVerdict:
@@ -35,7 +49,8 @@ def verdict_on(
         practice: When structure does not matter.
     """
     left = np.asarray(structure_left, bool)
-    matters = (error > practice.tolerable_error) | (error > practice.tolerable_structure * floor)
+    several = (error > practice.tolerable_structure * floor) & (error > practice.negligible_error)
+    matters = (error > practice.tolerable_error) | several
     if (left & matters).any():
         return DiscoveryVerdict.UNEXPLAINED
     if left.any():

@@ -25,6 +25,10 @@ def with_intervals(model: Dynamics, equations: NormalEquations) -> Dynamics:
     parameter, through its slope. Without it, a ripple of unknown frequency has intervals that are four times too
     narrow.
 
+    Physical limits move parameters away from what the torques say. Where the torques say little of a parameter, its
+    value is then that of the limits: a pendulum that shows an inertia which is too small may get a payload of 50 kg.
+    So an interval is wider by as much as its parameter was moved.
+
     Args:
         model: A model at its optimum.
         equations: Normal equations there: of its terms, then of what else was fitted, such as shapes.
@@ -45,6 +49,8 @@ def with_intervals(model: Dynamics, equations: NormalEquations) -> Dynamics:
         float(stdtrit(degrees, 0.975)) * np.sqrt(np.maximum(between, 0.0)),
         float(ndtri(0.975)) * np.sqrt(np.maximum(within, 0.0)),
     )
+    moved = np.abs(theta - equations.solve(np.arange(equations.parameters.total))[: len(theta)])
+    half = half[: len(theta)] + moved
     own = ParameterBlocks.of(t.effect for t in model.terms)
     terms = (t.with_intervals(half[at]) for t, at in zip(model.terms, own, strict=True))
     return Dynamics(model.robot, tuple(terms))

@@ -215,10 +215,13 @@ class PracticeSettings:
             models of industrial arms leave five to ten percent.
         tolerable_structure: Largest error of a joint over its noise floor [1]. Measured arms whose residual follows
             everything a little leave 1.3 to 2.4, a single effect that has no name leaves 2.7 and more.
+        negligible_error: Error of a joint on data that was not fitted, over its torque [1], below which structure never
+            matters: neither a drive's gain nor a torque sensor is known better.
     """
 
     tolerable_error: float = 0.1
     tolerable_structure: float = 2.5
+    negligible_error: float = 0.01
 
     __repr__ = settings_repr
 

@@ -10,7 +10,7 @@ import numpy as np
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.phenomenon import PhenomenonKind
 from cdia_pin.viewers.effect_groups import MOST_JOINTS, effect_groups, on_joints
-from cdia_pin.viewers.verdict import error_left, unseen_share
+from cdia_pin.viewers.verdict import error_left, mean_share, unseen_share
 from cdia_pin.viewers.words import joint_units, listed, number, percent, short_names, with_unit
 
 if TYPE_CHECKING:
@@ -22,6 +22,10 @@ VERDICTS = {
     "explained-in-practice": "explained in practice",
     "unexplained": "not explained yet",
 }
+
+# Noise over the torque, mean over the joints [1], above which a log shows little: a fault has to make more than a tenth
+# of the torque to be visible in a hundred independent samples of such noise.
+NOISY = 0.2
 
 
 def short_answer(found: Discovery) -> list[tuple[str, str]]:
@@ -52,7 +56,9 @@ def _where(found: Discovery) -> str:
     """Return the joints on which structure is left, the worst first, with their error, and what shape it has."""
     robot = found.model.robot
     if not found.structure_left:
-        return "nowhere: what is left is noise"
+        noise = mean_share(found.noise_floor, found)
+        little = f", {percent(noise)} of the torque: this log shows little" if noise > NOISY else ""
+        return f"nowhere: what is left is noise{little}"
     error, names = error_left(found), short_names(robot.joints)
     worst = sorted(error, key=lambda j: -error[j])
     shown = [f"{names[j]} {percent(error[j])}" for j in worst[:MOST_JOINTS]]
