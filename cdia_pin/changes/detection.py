@@ -9,6 +9,7 @@ import numpy as np
 
 from cdia_pin.changes.change_search import ChangeSearch, FoundChanges
 from cdia_pin.changes.changes_result import Bound, Change, Changes
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.changes.linearisation import sized_about_themselves
@@ -19,6 +20,7 @@ from cdia_pin.effects import Effect, Term
 from cdia_pin.errors import LogError
 from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.identifiability.distinguishing_motions import motion_between
+from cdia_pin.identifiability.rival_names import has_another_name
 from cdia_pin.logs.conditioning import Motion, condition
 from cdia_pin.logs.log import Log
 from cdia_pin.progress import Progress, silent
@@ -134,7 +136,8 @@ def sized_changes(
 ) -> tuple[tuple[Change, ...], tuple[UsualFriction, ...]]:
     """Return the changes with their sizes, in the order of what would be lost without them, and usual differences.
 
-    Sizes are fitted beside the usual differences of friction, which are no changes of the arm.
+    Sizes are fitted beside the usual differences of friction, which are no changes of the arm, and beside what differs
+    by nothing within its interval.
 
     Args:
         found: The changes.
@@ -149,19 +152,23 @@ def sized_changes(
     slight = {u.joint for u in usual}
     out: list[Change] = []
     for one, term in zip(chosen, terms, strict=True):
-        if is_friction_of_joint(term.effect) and term.effect.scope[0] in slight:
+        if term.may_be_nothing or (is_friction_of_joint(term.effect) and term.effect.scope[0] in slight):
             continue
         rest = [c for c in chosen if c != one]
         without = float(np.sum(evidence.unexplained(rest)))
         rivals = [effects[c].effect for c in search.rivals(chosen, one)]
+        confusions = tuple(_confusions(term, rivals, search.differing.experiment.robot))
+        confidence = search.confidence(rest, one)
+        if has_another_name(term, confusions, search.differing.experiment.robot):
+            confidence = Confidence.LIKELY
         out.append(
             Change(
                 term,
                 earlier.get(effects[one]),
                 search.torque(one, np.array(term.theta)),
                 (without - with_all) / 2,
-                tuple(_confusions(term, rivals, search.differing.experiment.robot)),
-                search.confidence(rest, one),
+                confusions,
+                confidence,
             )
         )
     return tuple(sorted(out, key=lambda c: -c.evidence)), tuple(usual)

@@ -17,6 +17,7 @@ from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
 from cdia_pin.effects import Effect, Term
+from cdia_pin.effects.refinements import is_plain
 from cdia_pin.phrases import some
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
@@ -25,7 +26,6 @@ from cdia_pin.selection.discovery_settings import RunToRunSettings
 Array = NDArray[np.float64]
 
 MEDIAN_OF_NORMAL = 0.6745  # median of |x| over the standard deviation of a normal x [1]
-PLAIN_FRICTION = ("coulomb_friction", "viscous_friction")  # by their sum the friction of joints is compared
 
 
 class UsualFrictionJson(TypedDict):
@@ -153,7 +153,7 @@ def _growth(search: ChangeSearch, chosen: Sequence[int], friction: Array) -> Arr
     """Return the share by which friction differs, less its variance; NaN where it is not known [1], shape (n,)."""
     x, evidence = search.differing, search.evidence
     out = np.full(friction.shape[1], np.nan)
-    plain = [c for c, e in enumerate(evidence.effects) if e.effect.name in PLAIN_FRICTION]
+    plain = [c for c, e in enumerate(evidence.effects) if is_plain(e.effect)]
     if not plain:
         return out
     asked = [*(c for c in chosen if not is_friction_of_joint(evidence.effects[c].effect)), *plain]

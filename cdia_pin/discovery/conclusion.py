@@ -13,12 +13,12 @@ from cdia_pin.discovery.discovery_documents import DiscoveryRecord
 from cdia_pin.discovery.discovery_result import Discovery, Ranked, Step
 from cdia_pin.discovery.ranking import taken_first
 from cdia_pin.discovery.recognition import recognised
-from cdia_pin.discovery.rival_names import has_another_name
 from cdia_pin.discovery.total_intervals import with_total_intervals
 from cdia_pin.discovery.trace import trace
 from cdia_pin.discovery.trust import trust_in
 from cdia_pin.discovery.verdict import stands_out, verdict_on
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.identifiability.rival_names import has_another_name
 from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
 from cdia_pin.selection.problem import Problem, WhitenedProblem

@@ -12,34 +12,14 @@ from dataclasses import replace
 from itertools import chain
 
 from cdia_pin.discovery.asymmetry import is_asymmetric
-from cdia_pin.discovery.plain_friction import PLAIN as PLAIN_FRICTION
 from cdia_pin.discovery.plain_friction import held_out_growth
 from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import (
-    AsymmetricFriction,
-    Effect,
-    JointSpring,
-    LoadFriction,
-    LoadStribeckFriction,
-    PreslidingFriction,
-    StribeckFriction,
-    Term,
-    TorqueOffset,
-)
+from cdia_pin.effects import AsymmetricFriction, Effect, Term
 from cdia_pin.effects.drift import Drift
-from cdia_pin.effects.joint_effect import JointEffect
+from cdia_pin.effects.refinements import REFINED
 from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection.problem import WhitenedProblem
-
-PLAIN: dict[type[Effect], tuple[type[JointEffect], ...]] = {
-    # a level of its own each way is one level and an offset
-    AsymmetricFriction: (*PLAIN_FRICTION, TorqueOffset),
-    StribeckFriction: PLAIN_FRICTION,
-    PreslidingFriction: PLAIN_FRICTION,
-    LoadStribeckFriction: (LoadFriction, *PLAIN_FRICTION),
-    JointSpring: (TorqueOffset,),
-}
 
 
 def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
@@ -80,7 +60,7 @@ def plain_forms(effect: Effect) -> tuple[Effect, ...]:
     """
     if isinstance(effect, Drift):
         return (effect.effect,)
-    return tuple(kind(*effect.scope) for kind in PLAIN.get(type(effect), ()))
+    return tuple(kind(*effect.scope) for kind in REFINED.get(type(effect), ()))
 
 
 def _joint(model: Dynamics, term: Term) -> int:

@@ -23,8 +23,8 @@ from cdia_pin.effects import (
     Effect,
     LoadFriction,
     Term,
-    ViscousFriction,
 )
+from cdia_pin.effects.refinements import PLAIN_FRICTION
 from cdia_pin.effects.traits import Signal
 from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.gauss_newton import fitted_together
@@ -32,7 +32,6 @@ from cdia_pin.selection.problem import WhitenedProblem
 
 Array = NDArray[np.float64]
 
-PLAIN = (CoulombFriction, ViscousFriction)
 LEAST_ERROR = 1e-12  # [N·m or N], below every measured torque: a joint without error must not divide by zero
 
 
@@ -48,7 +47,7 @@ def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynami
         given: The model before the discovery; its terms stay as they are.
     """
     asked = problem.problem.settings.effects
-    if asked is not None and not {kind.name for kind in PLAIN} <= set(asked):
+    if asked is not None and not {kind.name for kind in PLAIN_FRICTION} <= set(asked):
         return model
     known = {t.label for t in given.terms}
     for term in [t for t in model.terms if t.label not in known and _is_under_load_alone(t, model)]:
@@ -134,5 +133,5 @@ def _of_each_joint(terms: Sequence[Term], present: Sequence[Effect]) -> list[Eff
     joints = dict.fromkeys(j for t in terms for j in t.effect.scope)
     own = {(e.name, e.scope) for e in present}  # also where it differs between logs, or drifts
     both = {e.scope[0] for e in present if e.name == AsymmetricFriction.name}
-    effects: list[Effect] = [kind(j) for j in joints if j not in both for kind in PLAIN]
+    effects: list[Effect] = [kind(j) for j in joints if j not in both for kind in PLAIN_FRICTION]
     return [e for e in effects if (e.name, e.scope) not in own]

@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 
 from cdia_pin.changes.common_structure import common_effects
 from cdia_pin.changes.confidence import Confidence
-from cdia_pin.changes.run_to_run import PLAIN_FRICTION, is_friction_of_joint
+from cdia_pin.changes.run_to_run import is_friction_of_joint
 from cdia_pin.changes.sizes import effort_tolerance
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, RotorInertia, Term, TorqueOffset
 from cdia_pin.effects.body import Body
-from cdia_pin.effects.varying import Varying
+from cdia_pin.effects.refinements import is_plain
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.motion import Motion
@@ -103,15 +103,6 @@ def is_everyday(effect: Effect) -> bool:
     """
     plain = isinstance(effect, Body | RotorInertia | TorqueOffset)
     return plain or is_friction_of_joint(effect)
-
-
-def is_plain(effect: Effect) -> bool:
-    """Tell whether every joint of every arm has an effect: Coulomb and viscous friction that stays as it is.
-
-    Args:
-        effect: The effect.
-    """
-    return effect.name in PLAIN_FRICTION and not isinstance(effect, Varying)
 
 
 def _confidence(

@@ -12,16 +12,15 @@ from numpy.typing import NDArray
 
 from cdia_pin.changes.run_to_run import is_friction_of_joint
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import EFFECTS, CoulombFriction, Effect, Term, TorqueOffset, ViscousFriction
+from cdia_pin.effects import EFFECTS, Effect, Term, TorqueOffset
 from cdia_pin.effects.body import Body
+from cdia_pin.effects.refinements import PLAIN_FRICTION
 from cdia_pin.fleet.fleet_settings import FleetFitSettings
 from cdia_pin.regression.experiment import Experiment, Prediction
 from cdia_pin.selection.candidates import enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 
 Array = NDArray[np.float64]
-
-PLAIN = (CoulombFriction, ViscousFriction)  # friction of a joint whose friction the model lacks
 
 
 class Role(StrEnum):
@@ -60,7 +59,7 @@ class FleetEffects:
         robot = model.robot
         wearing = [t.effect for t in model.terms if t.effect.scope and not isinstance(t.effect, Body)]
         rubbing = {e.scope[0] for e in wearing if is_friction_of_joint(e)}
-        plain = [kind(j) for kind in PLAIN for j in robot.joints if j not in rubbing]
+        plain = [kind(j) for kind in PLAIN_FRICTION for j in robot.joints if j not in rubbing]
         job = [EFFECTS[name].from_scope(s, {}) for name in settings.job for s in EFFECTS[name].scopes(robot)]
         usual: list[Effect] = [*plain, *(TorqueOffset(j) for j in robot.joints)]
         of_model = {t.label: t for t in model.terms}

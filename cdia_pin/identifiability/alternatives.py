@@ -82,11 +82,15 @@ class Alternatives:
         return tuple(Confusion((e,), motion_between(mine, e, robot)) for e in named[:MOST])
 
     def _possible(self, one: int, same: bool, named: Sequence[Effect]) -> Iterator[Effect]:
-        """Yield the effects of the same joint, or all others, that explain as much, each in one shape."""
+        """Yield the effects of the same joint, or others that share one, that explain as much, each in one shape."""
         evidence = self.evidence
         found = evidence.fit(self.chosen, bodies=True)
         known = [evidence.effects[one], *named]
-        candidates = [c for c in self._candidates(one, found) if self._is_same_joint(one, c.index) is same]
+        candidates = [
+            c
+            for c in self._candidates(one, found)
+            if self._is_same_joint(one, c.index) is same and self._share_a_joint(one, c.index)
+        ]
         refits = 0
         for candidate in sorted(candidates, key=lambda c: self._rank(one, c)):
             effect = evidence.effects[candidate.index]
@@ -124,6 +128,14 @@ class Alternatives:
         """Return True if two effects name the same joints, or act on the same."""
         robot, mine, effect = self.evidence.robot, self.evidence.effects[one], self.evidence.effects[other]
         return effect.scope == mine.scope or effect.acts_on(robot) == mine.acts_on(robot)
+
+    def _share_a_joint(self, one: int, other: int) -> bool:
+        """Return True if two effects act on a common joint; else they have no torque in common.
+
+        What an effect of another joint explains there, where the model fits badly, says nothing of this one.
+        """
+        robot, effects = self.evidence.robot, self.evidence.effects
+        return not set(effects[one].acts_on(robot)).isdisjoint(effects[other].acts_on(robot))
 
     def _rank(self, one: int, candidate: _Candidate) -> tuple[bool, float]:
         """Return the sort key: first simple alternatives, then close ones."""

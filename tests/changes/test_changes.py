@@ -6,6 +6,8 @@ import pytest
 from benchmarks.plant import Fault, Fourier
 from benchmarks.plant.sizes import Sizer
 from cdia_pin import Dynamics, what_changed
+from cdia_pin.changes import detection
+from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.changes_result import Change
 from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.effects import Term, parse_effect
@@ -168,3 +170,28 @@ def test_parameters_far_beyond_their_prior_are_held_back():
     parts, y = regression(np.random.default_rng(3), scale=1e-3)
     _, used = SharedRegression.of(parts, y, lambda j, x: x).residual()
     assert used.sum() < 2.1
+
+
+GAIN = (*WRONG, Fault("actuator_gain", joint="elbow_joint", gain=-0.25))
+
+
+def test_what_may_be_nothing_is_no_change(monkeypatch):
+    sized = detection.sized
+
+    def unsure(found):
+        return [t.with_intervals(1.1 * np.abs(t.theta)) for t in sized(found)]
+
+    monkeypatch.setattr(detection, "sized", unsure)
+    assert changed(WRONG, GAIN).changes == ()
+
+
+def test_a_change_with_a_rival_of_another_kind_is_likely_at_most(monkeypatch):
+    assert the_only(changed(WRONG, GAIN)).confidence == "established"
+
+    def every_offset(search, chosen, one):
+        effects = search.evidence.effects
+        return [c for c, e in enumerate(effects) if e.effect.label == "torque_offset@elbow_joint"]
+
+    monkeypatch.setattr(ChangeSearch, "rivals", every_offset)
+    change = the_only(changed(WRONG, GAIN))
+    assert (change.term.label, change.confidence) == ("actuator_gain@elbow_joint", "likely")

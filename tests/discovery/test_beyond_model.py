@@ -1,10 +1,16 @@
 """A later log against a model: what is new, what changed in the model, and what stayed; plants are MuJoCo's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from benchmarks.plant import Fault
 from cdia_pin import Dynamics, discover, load_model, save_model
+from cdia_pin.changes.detection import searched
+from cdia_pin.effects import parse_term
+from cdia_pin.logs.conditioning import condition
+from cdia_pin.selection import DiscoverySettings
 from tests.hidden_plants import plant_of
 
 SECONDS = 24.0
@@ -65,3 +71,14 @@ def test_the_log_of_the_model_itself_is_searched_as_before(base):
     found = discover(base, run(KNOWN, 3))
     assert found.steps == ()
     assert np.allclose(found.model.terms[0].theta, base.terms[0].theta, rtol=0.05)
+
+
+def test_an_unusual_effect_that_only_describes_its_log_is_no_candidate_for_a_change(base):
+    robot, settings = base.robot, DiscoverySettings()
+    model = base.add(parse_term("tool_wrench: force_z=-2"))
+    later = condition(run(KNOWN, 1003), robot, settings.searched)
+    for expected in ((), ("tool_wrench",)):
+        found = searched(model, model.learned_from, [later], replace(settings, expected=expected))
+        names = {e.effect.name for e in found.search.evidence.effects}
+        assert "payload" in names
+        assert ("tool_wrench" in names) is bool(expected)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, load_robot
-from cdia_pin.discovery.trust import Repeat, is_plain, trust_in
+from cdia_pin.discovery.trust import Repeat, trust_in
 from cdia_pin.effects import CoulombFriction, Drift, LoadFriction, ViscousFriction, parse_term
+from cdia_pin.effects.refinements import is_plain
 from cdia_pin.logs import Log
 from cdia_pin.regression.block_evidence import BlockFits
 from cdia_pin.selection import DiscoverySettings

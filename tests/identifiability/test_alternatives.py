@@ -5,9 +5,12 @@ import pytest
 
 from benchmarks.plant import Fault
 from benchmarks.plant.motion import Fourier
-from cdia_pin import Dynamics, compare
+from cdia_pin import Dynamics, compare, load_robot
 from cdia_pin.discovery import Discovery, add_effect, discover
 from cdia_pin.effects import parse_effect
+from cdia_pin.identifiability.alternatives import Alternatives
+from cdia_pin.regression.normal_equations import NormalEquations
+from cdia_pin.selection.evidence import Evidence
 from tests.hidden_plants import label, labels, plant_of
 
 ELBOW, PAN = "elbow_joint", "shoulder_pan_joint"
@@ -123,3 +126,16 @@ def test_what_the_motion_separates_is_no_confusion():
     assert labels(result) == {f"actuator_gain@{ELBOW}"}
     assert f"link_inertia@{ELBOW}" not in confusable(result)
     assert "payload" not in confusable(result)
+
+
+def test_a_rival_acts_on_a_joint_of_the_effect():
+    """Where another joint is fitted badly, much lowers its error, but takes the place of nothing here."""
+    robot, rng = load_robot("double_pendulum"), np.random.default_rng(0)
+    effects = [parse_effect(f"{kind}_friction@joint{j}") for kind in ("coulomb", "viscous") for j in (1, 2)]
+    x = rng.normal(size=(4000, 4))
+    x[:2000, [1, 3]] = x[2000:, [0, 2]] = 0.0  # the first half of the rows is joint 1, the second joint 2
+    y = x @ [0.2, 0.0, 0.0, 1.0] + rng.normal(size=4000)
+    whole = np.column_stack([x, y])
+    evidence = Evidence(NormalEquations(robot, effects, (whole.T @ whole)[None], 4000))
+    assert evidence.gains([])[3] > evidence.gains([])[0]
+    assert Alternatives(evidence, [0]).of(0) == ()

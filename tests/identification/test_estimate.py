@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, load_robot
+from cdia_pin.effects import ActuatorGain, Term
 from cdia_pin.effects.body import Body
 from cdia_pin.identification.block_validation import STRENGTHS, choose_strength, held_out_rms
 from cdia_pin.identification.estimate import Fitter, unconstrained
@@ -122,3 +123,15 @@ def test_held_out_blocks_are_not_fitted(robot):
 def test_a_log_that_agrees_with_the_urdf_is_held_to_it_firmly(robot):
     fitter, estimate = fitted(robot, make(robot, noise=0.05))
     assert choose_strength(fitter, estimate) == max(STRENGTHS)
+
+
+def test_links_that_are_twice_as_heavy_are_no_gain_of_the_drives(robot):
+    """Links, friction and gain leave the same torque when all of them grow; a drive's gain is known beforehand."""
+    made = make(robot, lambda q, v, a: -robot.inverse_dynamics(q, v, a) - 0.3 * np.tanh(v / 1e-3), noise=0.05)
+    experiment = Experiment.of(robot, [conditioned(robot, made)])
+    gains = [Term(ActuatorGain(j), (0.0,)) for j in robot.joints]
+    whole = full_model(Dynamics(robot), experiment).add(*gains)
+    model = Fitter(experiment, IdentificationSettings()).fit(whole, STRENGTHS[0]).model
+    for joint in robot.joints:
+        assert abs(model.find(f"actuator_gain@{joint}").theta[0]) < 0.3
+        assert model.find(f"coulomb_friction@{joint}").theta[0] == pytest.approx(0.3, rel=0.3)

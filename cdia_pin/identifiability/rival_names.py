@@ -8,15 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from cdia_pin.discovery.plain_forms import PLAIN
-from cdia_pin.discovery.trust import is_plain
 from cdia_pin.effects import Effect, QuadraticFriction, Term, ViscousFriction, WrappedEffect
+from cdia_pin.effects.refinements import REFINED, is_plain
 from cdia_pin.effects.rigid_body import RigidBody
 from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.robot.model import RobotModel
 
 # kinds of effects, with the kinds that they draw more finely
-FINER: dict[type[Effect], tuple[type[Effect], ...]] = {**PLAIN, QuadraticFriction: (ViscousFriction,)}
+FINER: dict[type[Effect], tuple[type[Effect], ...]] = {**REFINED, QuadraticFriction: (ViscousFriction,)}
 
 
 def has_another_name(term: Term, confusions: Iterable[Confusion], robot: RobotModel) -> bool:

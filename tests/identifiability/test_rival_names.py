@@ -2,9 +2,9 @@
 
 import pytest
 
-from cdia_pin.discovery.rival_names import has_another_name
 from cdia_pin.effects import Term, parse_effect
 from cdia_pin.identifiability.confusion import Confusion
+from cdia_pin.identifiability.rival_names import has_another_name
 
 
 @pytest.mark.parametrize(

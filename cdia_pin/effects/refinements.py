@@ -1,0 +1,38 @@
+"""What every joint has, and which effects draw the same more finely."""
+
+from __future__ import annotations
+
+from cdia_pin.effects.actuation import JointSpring, TorqueOffset
+from cdia_pin.effects.effect import Effect
+from cdia_pin.effects.friction import (
+    AsymmetricFriction,
+    CoulombFriction,
+    LoadFriction,
+    StribeckFriction,
+    ViscousFriction,
+)
+from cdia_pin.effects.joint_effect import JointEffect
+from cdia_pin.effects.load_stribeck import LoadStribeckFriction
+from cdia_pin.effects.presliding import PreslidingFriction
+from cdia_pin.effects.varying import Varying
+
+PLAIN_FRICTION = (CoulombFriction, ViscousFriction)
+# Effects, with the plain ones that they refine.
+REFINED: dict[type[Effect], tuple[type[JointEffect], ...]] = {
+    # a level of its own each way is one level and an offset
+    AsymmetricFriction: (*PLAIN_FRICTION, TorqueOffset),
+    StribeckFriction: PLAIN_FRICTION,
+    PreslidingFriction: PLAIN_FRICTION,
+    LoadStribeckFriction: (LoadFriction, *PLAIN_FRICTION),
+    JointSpring: (TorqueOffset,),
+}
+
+
+def is_plain(effect: Effect) -> bool:
+    """Tell whether every joint of every arm has an effect: Coulomb and viscous friction that stays as it is.
+
+    Args:
+        effect: The effect.
+    """
+    plain = {kind.name for kind in PLAIN_FRICTION}
+    return effect.name in plain and not isinstance(effect, Varying)
