@@ -26,6 +26,7 @@ from cdia_pin.robot.checks import description_warnings
 from cdia_pin.robot.fetched import fetched_urdf, known_urdf
 from cdia_pin.robot.locked_joints import LockRequest, LockRule, locked_joints, require_chain
 from cdia_pin.robot.model import RobotModel
+from cdia_pin.robot.parser_input import parser_input
 from cdia_pin.robot.urdf import MOVABLE, Urdf, read_urdf
 from cdia_pin.robot.urdf_values import welded
 
@@ -246,7 +247,7 @@ def _build(urdf: Urdf, held: dict[str, float]) -> pin.Model:
             f"{urdf.path}: joint '{wide[0]}' is {urdf.joints[wide[0]].kind}: make it fixed in the file"
         )
     try:
-        return pin.buildModelFromXML(welded(urdf.tree, held))
+        return pin.buildModelFromXML(welded(parser_input(urdf.tree), held))
     except (ValueError, RuntimeError) as error:
         raise RobotError(f"{urdf.path}: Pinocchio cannot read this file ({error})") from None
 
