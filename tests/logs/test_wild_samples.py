@@ -173,31 +173,13 @@ def test_a_log_whose_positions_are_held_wrong_for_a_tenth_of_it_is_refused(ur5, 
     assert found.severity is Severity.ERROR
 
 
-def measured_logs(measured):
-    from cdia_pin.logs import read_log
-    from cdia_pin.robot import load_robot
-
-    for folder, robot in (
-        ("ur10", "ur10"),
-        ("panda", "panda"),
-        ("double_pendulum", measured / "double_pendulum" / "double_pendulum.urdf"),
-        ("ur5", "ur5"),
-        ("ur10e", measured / "ur10e" / "ur10e.urdf"),
-        ("kuka_lwr4", measured / "kuka_lwr4" / "kuka_lwr4.urdf"),
-    ):
-        gains = measured / folder / "drive_gains.json"
-        for file in sorted((measured / folder).glob("*.csv")):
-            if "wrench" not in file.name:
-                yield read_log(file, load_robot(robot), gains=gains if gains.is_file() else None)
-
-
-def test_measured_logs_hold_none(measured):
-    for log in measured_logs(measured):
+def test_measured_logs_hold_none(measured_logs):
+    for log, _ in measured_logs:
         assert wild_samples(log, velocities=True) == (), log.source
 
 
-def test_measured_logs_that_are_updated_slowly_hold_none(measured):
-    for log in measured_logs(measured):
+def test_measured_logs_that_are_updated_slowly_hold_none(measured_logs):
+    for log, _ in measured_logs:
         for hold in (5, 20):
             position = log.position[np.arange(len(log.time)) // hold * hold]
             assert wild_samples(replace(log, position=position)) == (), log.source
