@@ -86,7 +86,7 @@ def calibrate(
         nominal = read_gains(gains, arm.joints).value if gains else None
     from cdia_pin.viewers import calibration_table
 
-    show_inputs(console, known, [with_it, *without], notes=False)
+    show_inputs(console, known, [with_it, *without], notes=gains is not None)  # how they were used
     console.print(calibration_table(found, nominal))
     write_all(
         console,

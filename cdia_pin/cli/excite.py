@@ -133,6 +133,8 @@ def excite(
     """
     if between and effects:
         raise CommandError("--between and --effects are two purposes: give one of them")
+    if gains and not after:
+        raise CommandError("--gains says how a log is read: add one with --after, or leave it out")
     require_writable(out, ros, json, inputs=after or [])
     console = stdout(json)
     known = load_inputs(robot, model)
@@ -171,7 +173,7 @@ def excite(
 
     for sentence in motion.warnings:
         warn(sentence)
-    show_inputs(console, known, logs, notes=False)
+    show_inputs(console, known, logs, notes=gains is not None)  # how they were used
     console.print(limits_table(motion))
     console.print(gain_words(motion), markup=False)
     console.print()

@@ -142,7 +142,7 @@ def monitor(
             progress=lambda share: tell("monitoring", 0.2 + 0.8 * share),
             go_on=stored is not None,
         )
-    show_inputs(console, watcher.model, [watched], notes=False)
+    show_inputs(console, watcher.model, [watched], notes=gains is not None)  # how they were used
     for sentence in (*announced, *found.record["notes"]):
         console.print(sentence, style="dim", markup=False)
     show_run(console, found)

@@ -107,6 +107,8 @@ def view(
         raise CommandError(
             "--healthy and --monitor need a LOG: --simulate has a monitor that learns by itself"
         )
+    if simulate and (gains or joint_map or convert or format or columns or episode is not None):
+        raise CommandError("options of reading need a LOG: leave them out with --simulate")
     if log is not None and bank and not (healthy or monitored):
         raise CommandError("--bank needs a monitor: add --healthy or --monitor")
     if not (duration > 0 and speed >= 0 and seed >= 0):
