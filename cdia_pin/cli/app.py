@@ -9,6 +9,7 @@ import typer
 
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.options import Columns, Convert, Episode, Format, Gains, JointMap, Model
+from cdia_pin.cli.ranges import PORT
 from cdia_pin.extras import require
 
 
@@ -34,7 +35,11 @@ def app(
     port: Annotated[
         int | None,
         typer.Option(
-            "--port", metavar="N", show_default=False, help="Port on 127.0.0.1; a free one if left out."
+            "--port",
+            metavar="N",
+            show_default=False,
+            help="Port on 127.0.0.1; a free one if left out.",
+            callback=PORT,
         ),
     ] = None,
     open_: Annotated[bool, typer.Option("--open/--no-open", help="Open a browser.")] = True,

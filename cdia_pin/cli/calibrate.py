@@ -24,6 +24,7 @@ from cdia_pin.cli.options import (
     Topic,
 )
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.ranges import MASS
 
 
 def calibrate(
@@ -43,6 +44,7 @@ def calibrate(
             metavar="KG",
             show_default=False,
             help="Mass of the payload; its centre of mass is fitted.",
+            callback=MASS,
         ),
     ],
     save: Annotated[

@@ -29,6 +29,7 @@ from cdia_pin.cli.options import (
     Topic,
 )
 from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
+from cdia_pin.cli.ranges import DURATION
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -50,6 +51,7 @@ def monitor(
             metavar="S",
             show_default=False,
             help="Length of the first part of LOG that is healthy \\[s]; 30 %, 5 to 20 s, if left out.",
+            callback=DURATION,
             rich_help_panel=MONITOR,
         ),
     ] = None,

@@ -93,6 +93,11 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             f"{log.source}: a cut-off of {cutoff:g} Hz is too high for a log of {rate:.4g} Hz; "
             f"it must be above 0 and below {HIGHEST_SHARE_GIVEN:g} of the rate"
         )
+    if cutoff * even.duration < 1.0:
+        raise LogError(
+            f"{log.source}: a cut-off of {cutoff:g} Hz is too low for a log of {even.duration:.4g} s, which must hold "
+            "a period of it"
+        )
     every = max(1, int(rate / (MOTION_OVERSAMPLING * cutoff)))
     again = max(1, int(rate / every / (TORQUE_OVERSAMPLING * cutoff)))
     most = None if settings.most is None else settings.most * every * again
