@@ -25,6 +25,7 @@ from cdia_pin.cli.options import (
 )
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 from cdia_pin.cli.ranges import MASS
+from cdia_pin.input_files import resolved
 
 
 def calibrate(
@@ -69,7 +70,7 @@ def calibrate(
     loads get a scale of their own, all others the common one. The motions may differ, but should reach like postures.
     """
     require_writable(save, json, inputs=[loaded, *unloaded, *([gains] if gains else [])])
-    if loaded.resolve() in {p.resolve() for p in unloaded}:
+    if resolved(loaded) in {resolved(p) for p in unloaded}:
         raise CommandError(f"{loaded} is given with and without the payload")
     console = stdout(json)
     known = load_inputs(robot, None)
