@@ -14,6 +14,7 @@ from cdia_pin.logs.log import Log
 Array = NDArray[np.float64]
 
 MOVING = 0.1  # [1], speed over the joint's largest one above which it cannot stop between two samples
+BLOCK = 2**16  # [rows], of which hashes are computed at once
 FEWEST_ROWS = 20  # rows that come again; noise and rounding do not repeat so many in a row
 
 
@@ -58,7 +59,9 @@ def check_copied(log: Log) -> Iterator[Finding]:
         return
     hashes = _hashes(log)[changes]
     order = np.argsort(hashes, kind="stable")
-    again = np.flatnonzero(np.diff(hashes[order]) == 0)
+    hashes = hashes[order]
+    again = np.flatnonzero(hashes[1:] == hashes[:-1])
+    del hashes
     shift = np.zeros(len(changes), dtype=np.intp)
     shift[order[again + 1]] = order[again + 1] - order[again]
     runs = (np.diff(shift) == 0) & (shift[1:] > 0)
@@ -104,8 +107,10 @@ def _hashes(log: Log) -> NDArray[np.uint64]:
     columns = _columns(log)
     odd = np.random.default_rng(0).integers(1, 2**63, len(columns), dtype=np.uint64) | np.uint64(1)
     out = np.zeros(len(log.time), dtype=np.uint64)
-    for column, factor in zip(columns, odd, strict=True):
-        bits = (column + 0.0).view(np.uint64)  # + 0.0: of two zeros, one sign
-        mixed = (bits ^ (bits >> np.uint64(29))) * factor
-        out += mixed ^ (mixed >> np.uint64(32))
+    for first in range(0, len(out), BLOCK):
+        block = np.s_[first : first + BLOCK]
+        for column, factor in zip(columns, odd, strict=True):
+            bits = (column[block] + 0.0).view(np.uint64)  # + 0.0: of two zeros, one sign
+            mixed = (bits ^ (bits >> np.uint64(29))) * factor
+            out[block] += mixed ^ (mixed >> np.uint64(32))
     return out
