@@ -12,6 +12,7 @@ robot's description lacks; positions are rounded to the steps of an encoder, and
 from __future__ import annotations
 
 import argparse
+import multiprocessing
 import os
 import subprocess
 import sys
@@ -68,13 +69,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     with tempfile.TemporaryDirectory(prefix="long-") as folder:
         file = given.log or Path(folder) / f"long.{given.suffix}"
         if not file.exists():
-            write_log(long_log(given.rows), file)
+            # in a process of its own: a command begins with the memory of the process that starts it
+            making = multiprocessing.get_context("spawn").Process(target=make, args=(given.rows, file))
+            making.start()
+            making.join()
         print(
             f"{given.rows} rows of {ARM}, {file.stat().st_size / 1e6:.0f} MB of {file.suffix[1:]}", flush=True
         )
         for command in given.commands:
             for checkout in (CHECKOUT, *given.also):
-                spent = spend([command, str(file), "--robot", ARM], checkout)
+                spent = spend([command, str(file.resolve()), "--robot", ARM], checkout)
                 print(f"{command:10s} {spent}; load {os.getloadavg()[0]:.1f}; {checkout.name}", flush=True)
 
 
@@ -88,12 +92,23 @@ def spend(line: Sequence[str], checkout: Path) -> Spent:
     with subprocess.Popen(
         [sys.executable, "-m", "cdia_pin", *line],
         env=environment_of(checkout),
+        cwd=checkout,  # Python looks for the package there first
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     ) as process:
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
     return Spent(usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1e6, process.returncode)
+
+
+def make(rows: int, file: Path) -> None:
+    """Write a log of the arm.
+
+    Args:
+        rows: Number of samples [1].
+        file: The file.
+    """
+    write_log(long_log(rows), file)
 
 
 def long_log(rows: int) -> Log:

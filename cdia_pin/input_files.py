@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 import errno
+import os
 from pathlib import Path
 
 LARGEST = 256 * 2**20  # [B], of a text; a model that remembers ten logs has 40 MB
+
+
+def resolved(path: Path) -> Path:
+    """Return where a path leads, through links; one of a loop of links, which `Path.resolve` raises at, leads nowhere.
+
+    Args:
+        path: The path.
+    """
+    return Path(os.path.realpath(path))
 
 
 def require_small_file(path: str | Path) -> None:

@@ -19,7 +19,8 @@ from cdia_pin.diagnosis import DEFAULT_BANK, Bank, Monitor, MonitorRun, MonitorS
 from cdia_pin.diagnosis.thesis import ThesisSettings
 from cdia_pin.dynamics.controllers import ComputedTorque
 from cdia_pin.dynamics.dynamics import Dynamics
-from cdia_pin.dynamics.simulate import Run, run_plant, steps
+from cdia_pin.dynamics.sensors import MOST_NOISE
+from cdia_pin.dynamics.simulate import HIGHEST_RATE, Run, run_plant, steps
 from cdia_pin.dynamics.smoothing import Stiffness
 from cdia_pin.dynamics.trajectories import Trajectory, exciting_trajectory
 from cdia_pin.effects import JointEffect, Term
@@ -58,9 +59,11 @@ class LoopSettings:
     speed: float = 0.6
 
     def __post_init__(self) -> None:
-        if not (self.rate > 0 and self.noise >= 0 and self.healthy_runs > 0 and self.healthy_duration > 0):
+        sane = 0 < self.rate <= HIGHEST_RATE and 0 <= self.noise <= MOST_NOISE
+        if not (sane and self.healthy_runs > 0 and self.healthy_duration > 0):
             raise ModelError(
-                "a closed loop needs rate > 0 Hz, noise ≥ 0, and healthy runs longer than 0 s, given "
+                f"a closed loop needs rate > 0 Hz and up to {HIGHEST_RATE:g} Hz, noise ≥ 0 and up to {MOST_NOISE:g}, "
+                "and healthy runs longer than 0 s, given "
                 f"{self.rate}, {self.noise}, {self.healthy_runs} × {self.healthy_duration}"
             )
         if self.seed < 0:

@@ -87,7 +87,9 @@ class RunStore:
             schema, version, given = document["schema"], document["version"], document["spec"]
             made_for = document["purpose"]
             spec = _spec_from_json(given) if schema == schemas.CAMPAIGN_PLAN else None
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except OSError as error:
+            raise CampaignError(f"{folder} holds no campaign: {PLAN}: {error.strerror}") from None
+        except (ValueError, KeyError, TypeError) as error:
             raise CampaignError(f"{folder} holds no campaign: {error}") from None
         if spec is None:
             raise CampaignError(f"{folder / PLAN} has the schema {schema}, expected {schemas.CAMPAIGN_PLAN}")

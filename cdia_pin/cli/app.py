@@ -9,7 +9,9 @@ import typer
 
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.options import Columns, Convert, Episode, Format, Gains, JointMap, Model
+from cdia_pin.cli.ranges import PORT
 from cdia_pin.extras import require
+from cdia_pin.input_files import resolved
 
 
 def app(
@@ -34,7 +36,11 @@ def app(
     port: Annotated[
         int | None,
         typer.Option(
-            "--port", metavar="N", show_default=False, help="Port on 127.0.0.1; a free one if left out."
+            "--port",
+            metavar="N",
+            show_default=False,
+            help="Port on 127.0.0.1; a free one if left out.",
+            callback=PORT,
         ),
     ] = None,
     open_: Annotated[bool, typer.Option("--open/--no-open", help="Open a browser.")] = True,
@@ -64,7 +70,7 @@ def app(
         if not log.exists():
             raise CommandError(f"there is no log {log}")
         load_inputs(robot, model)  # what is wrong with either is said here, not in the browser
-        start = Request.as_typed(robot, log.resolve(), model=model and model.resolve(), **reading)
+        start = Request.as_typed(robot, resolved(log), model=model and resolved(model), **reading)
     elif any(given is not None for given in (model, *reading.values())):
         raise CommandError("these options say how a log is read: cdia app LOG --robot R")
     serve(start, port=port, show=open_)

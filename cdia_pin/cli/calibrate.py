@@ -24,6 +24,8 @@ from cdia_pin.cli.options import (
     Topic,
 )
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.ranges import MASS
+from cdia_pin.input_files import resolved
 
 
 def calibrate(
@@ -43,6 +45,7 @@ def calibrate(
             metavar="KG",
             show_default=False,
             help="Mass of the payload; its centre of mass is fitted.",
+            callback=MASS,
         ),
     ],
     save: Annotated[
@@ -67,7 +70,7 @@ def calibrate(
     loads get a scale of their own, all others the common one. The motions may differ, but should reach like postures.
     """
     require_writable(save, json, inputs=[loaded, *unloaded, *([gains] if gains else [])])
-    if loaded.resolve() in {p.resolve() for p in unloaded}:
+    if resolved(loaded) in {resolved(p) for p in unloaded}:
         raise CommandError(f"{loaded} is given with and without the payload")
     console = stdout(json)
     known = load_inputs(robot, None)
@@ -86,7 +89,7 @@ def calibrate(
         nominal = read_gains(gains, arm.joints).value if gains else None
     from cdia_pin.viewers import calibration_table
 
-    show_inputs(console, known, [with_it, *without], notes=False)
+    show_inputs(console, known, [with_it, *without], notes=gains is not None)  # how they were used
     console.print(calibration_table(found, nominal))
     write_all(
         console,

@@ -15,6 +15,7 @@ from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.next_command import command_line, show_next
 from cdia_pin.cli.options import Json, Report
 from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
+from cdia_pin.cli.ranges import COUNT
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -51,7 +52,11 @@ def campaign(
     replay: Annotated[
         int | None,
         typer.Option(
-            "--replay", metavar="N", show_default=False, help="Make one run of DIR again and show all of it."
+            "--replay",
+            metavar="N",
+            show_default=False,
+            help="Make one run of DIR again and show all of it.",
+            callback=COUNT,
         ),
     ] = None,
     report: Report = None,

@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from cdia_pin.cli.ranges import WORKERS
+
 WORK = "Workers"
 
 
@@ -16,6 +18,7 @@ Workers = Annotated[
         metavar="N",
         show_default=False,
         help="Processes on this machine, one thread each; one a core if left out.",
+        callback=WORKERS,
         rich_help_panel=WORK,
     ),
 ]

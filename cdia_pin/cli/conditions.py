@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cdia_pin.cli.failures import CommandError
+from cdia_pin.input_files import resolved
 
 if TYPE_CHECKING:
     from cdia_pin.robot import RobotModel
@@ -86,7 +87,7 @@ def parse_conditions(texts: Sequence[str] | None, logs: Sequence[Path]) -> dict[
         if not (name and equals and named):
             raise CommandError(f"--condition {text}: write it as NAME=LOG,LOG")
         for file in named:
-            path = next((p for p in logs if p.resolve() == file.resolve()), None)
+            path = next((p for p in logs if resolved(p) == resolved(file)), None)
             if path is None:
                 raise CommandError(
                     f"--condition {text}: {file} is not among the logs {', '.join(map(str, logs))}"

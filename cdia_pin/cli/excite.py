@@ -13,12 +13,15 @@ from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.next_command import command_line, show_next
 from cdia_pin.cli.options import OUTPUT, Columns, Episode, Format, Gains, Json, Model, Robot
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.ranges import DURATION, LENGTH, LIMIT_SHARE, RATE, SEED
 
 if TYPE_CHECKING:
     from cdia_pin.effects import Effect
     from cdia_pin.robot import RobotModel
 
 LIMITS = "Limits"
+MOST_ACCELERATION = 1e6  # [rad/s² or m/s²], ten thousand times what arms do
+FURTHEST = 10.0  # [m], of a floor from the base; no arm reaches so far
 RECORDED = "run.csv"  # name of the log in the advice
 QUESTION = "Purpose"
 
@@ -67,12 +70,22 @@ def excite(
     format: Format = None,
     columns: Columns = None,
     episode: Episode = None,
-    duration: Annotated[float, typer.Option("--duration", metavar="S", help="Length \\[s].")] = 30.0,
-    rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Samples per second \\[Hz].")] = 250.0,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the search.")] = 0,
+    duration: Annotated[
+        float, typer.Option("--duration", metavar="S", help="Length \\[s].", callback=DURATION)
+    ] = 30.0,
+    rate: Annotated[
+        float, typer.Option("--rate", metavar="HZ", help="Samples per second \\[Hz].", callback=RATE)
+    ] = 250.0,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the search.", callback=SEED)] = 0,
     speed: Annotated[
         float,
-        typer.Option("--speed", metavar="SHARE", help="Of the velocity limits.", rich_help_panel=LIMITS),
+        typer.Option(
+            "--speed",
+            metavar="SHARE",
+            help="Of the velocity limits.",
+            rich_help_panel=LIMITS,
+            callback=LIMIT_SHARE,
+        ),
     ] = 0.8,
     acceleration: Annotated[
         list[str] | None,
@@ -87,12 +100,22 @@ def excite(
     ] = None,
     effort: Annotated[
         float,
-        typer.Option("--effort", metavar="SHARE", help="Of the effort limits.", rich_help_panel=LIMITS),
+        typer.Option(
+            "--effort",
+            metavar="SHARE",
+            help="Of the effort limits.",
+            rich_help_panel=LIMITS,
+            callback=LIMIT_SHARE,
+        ),
     ] = 0.8,
     clearance: Annotated[
         float,
         typer.Option(
-            "--clearance", metavar="M", help="Between links, and to the floor \\[m].", rich_help_panel=LIMITS
+            "--clearance",
+            metavar="M",
+            help="Between links, and to the floor \\[m].",
+            rich_help_panel=LIMITS,
+            callback=LENGTH,
         ),
     ] = 0.01,
     floor: Annotated[
@@ -133,6 +156,8 @@ def excite(
     """
     if between and effects:
         raise CommandError("--between and --effects are two purposes: give one of them")
+    if (gains or format or columns or episode is not None) and not after:
+        raise CommandError("options of reading need a log: add one with --after, or leave them out")
     require_writable(out, ros, json, inputs=after or [])
     console = stdout(json)
     known = load_inputs(robot, model)
@@ -171,7 +196,7 @@ def excite(
 
     for sentence in motion.warnings:
         warn(sentence)
-    show_inputs(console, known, logs, notes=False)
+    show_inputs(console, known, logs, notes=gains is not None)  # how they were used
     console.print(limits_table(motion))
     console.print(gain_words(motion), markup=False)
     console.print()
@@ -218,6 +243,8 @@ def accelerations(texts: list[str], robot: RobotModel) -> float | dict[str, floa
             value = float(number)
         except ValueError:
             raise CommandError(f"--acceleration takes A or JOINT=A with a number A, given '{text}'") from None
+        if not 0 < value <= MOST_ACCELERATION:
+            raise CommandError(f"--acceleration is above 0 and up to {MOST_ACCELERATION:g}, given '{text}'")
         if equals:
             robot.joint_index(joint.strip())
             by_joint[joint.strip()] = value
@@ -243,6 +270,9 @@ def floor_height(text: str) -> float | Literal["base"] | None:
     if word == "none":
         return None
     try:
-        return float(word)
+        height = float(word)
     except ValueError:
         raise CommandError(f"--floor takes a height in m, base or none, given '{text}'") from None
+    if not abs(height) <= FURTHEST:
+        raise CommandError(f"--floor is within {FURTHEST:g} m of the base, given '{text}'")
+    return height

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from cdia_pin.cli.console import Tell, warn
 from cdia_pin.cli.failures import CommandError
+from cdia_pin.input_files import resolved
 from cdia_pin.phrases import counted, some
 
 if TYPE_CHECKING:
@@ -209,9 +210,9 @@ def require_unseen(held_out: Sequence[Path], logs: Sequence[Path]) -> None:
     Raises:
         CommandError: If there is one.
     """
-    fitted = {p.resolve() for p in logs}
+    fitted = {resolved(p) for p in logs}
     for path in held_out:
-        if path.resolve() in fitted:
+        if resolved(path) in fitted:
             raise CommandError(f"{path} is fitted, it cannot be held out too: give another log to --holdout")
 
 

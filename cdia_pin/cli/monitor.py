@@ -29,6 +29,7 @@ from cdia_pin.cli.options import (
     Topic,
 )
 from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
+from cdia_pin.cli.ranges import DURATION
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -50,6 +51,7 @@ def monitor(
             metavar="S",
             show_default=False,
             help="Length of the first part of LOG that is healthy \\[s]; 30 %, 5 to 20 s, if left out.",
+            callback=DURATION,
             rich_help_panel=MONITOR,
         ),
     ] = None,
@@ -142,7 +144,7 @@ def monitor(
             progress=lambda share: tell("monitoring", 0.2 + 0.8 * share),
             go_on=stored is not None,
         )
-    show_inputs(console, watcher.model, [watched], notes=False)
+    show_inputs(console, watcher.model, [watched], notes=gains is not None)  # how they were used
     for sentence in (*announced, *found.record["notes"]):
         console.print(sentence, style="dim", markup=False)
     show_run(console, found)

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from cdia_pin.cli.ranges import COUNT, CUTOFF
+
 READING = "Reading logs"
 OUTPUT = "Output"
 
@@ -61,6 +63,7 @@ Cutoff = Annotated[
         metavar="HZ",
         show_default=False,
         help="Cut-off of the filter \\[Hz]; chosen from the log if left out.",
+        callback=CUTOFF,
     ),
 ]
 Save = Annotated[
@@ -138,6 +141,7 @@ Episode = Annotated[
         metavar="N",
         show_default=False,
         help="Episode of a LeRobot dataset that has several.",
+        callback=COUNT,
         rich_help_panel=READING,
     ),
 ]

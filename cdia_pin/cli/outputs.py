@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from cdia_pin.cli.console import close_stdout, warn
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.extras import require
+from cdia_pin.input_files import resolved
 from cdia_pin.phrases import one_line
 from cdia_pin.plain_json import plain
 from cdia_pin.whole_files import require_place, write_whole
@@ -34,7 +35,7 @@ def require_writable(*files: str | Path | None, inputs: Iterable[str | Path] = (
     Raises:
         CommandError: If a file cannot be written, is an input, or is named twice.
     """
-    read = {Path(p).resolve() for p in inputs}
+    read = {resolved(Path(p)) for p in inputs}
     seen: set[Path] = set()
     for file in files:
         if file is None or str(file) == STDOUT:
@@ -42,11 +43,11 @@ def require_writable(*files: str | Path | None, inputs: Iterable[str | Path] = (
         path = Path(file)
         if path.exists() and not (path.is_file() or path.is_dir()):
             continue  # a pipe or a device takes what comes
-        if path.resolve() in read:
+        if resolved(path) in read:
             raise CommandError(f"{path} would be overwritten, but it is read from: give another name")
-        if path.resolve() in seen:
+        if resolved(path) in seen:
             raise CommandError(f"{path} is named for two outputs: give each its own name")
-        seen.add(path.resolve())
+        seen.add(resolved(path))
         _probe(path)
 
 

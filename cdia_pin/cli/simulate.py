@@ -15,6 +15,8 @@ from cdia_pin.cli.monitor_options import DEFAULT_ENGINE, MONITOR, Bank, Engine
 from cdia_pin.cli.next_command import command_line, show_next
 from cdia_pin.cli.options import Json, Report, Robot
 from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
+from cdia_pin.cli.ranges import MODEL_ERROR, SHARE
+from cdia_pin.cli.ranges import RATE as RATES
 from cdia_pin.cli.simulation_options import SIMULATION, Duration, Fault, Seed
 from cdia_pin.version import __version__
 
@@ -48,6 +50,7 @@ def simulate(
             show_default=False,
             help=f"Samples of the log per second \\[Hz]; {RATE:g}, or {CONTROL_RATE:g}, that of the control, "
             "with a monitor.",
+            callback=RATES,
             rich_help_panel=SIMULATION,
         ),
     ] = None,
@@ -57,6 +60,7 @@ def simulate(
             "--noise",
             metavar="SHARE",
             help=f"Noise of the torques over their RMS, with encoder steps of {QUANTUM:g} rad; 0: no flaw.",
+            callback=SHARE,
             rich_help_panel=SIMULATION,
         ),
     ] = 0.01,
@@ -79,6 +83,7 @@ def simulate(
             metavar="SHARE",
             help="Largest relative error of the inertias that the control knows, where a monitor runs; without "
             "any error, thresholds would be those of noise alone.",
+            callback=MODEL_ERROR,
             rich_help_panel=MONITOR,
         ),
     ] = 0.03,
@@ -96,6 +101,7 @@ def simulate(
     from cdia_pin.dynamics import Dynamics
     from cdia_pin.dynamics.physical import require_physical
     from cdia_pin.dynamics.sensors import Sensors
+    from cdia_pin.dynamics.simulate import require_steps
     from cdia_pin.dynamics.simulate import simulate as run
     from cdia_pin.dynamics.trajectories import exciting_trajectory
     from cdia_pin.effects import parse_term
@@ -104,11 +110,12 @@ def simulate(
 
     if out.suffix.lower() not in WRITABLE:
         raise CommandError(f"cannot write {out}: the suffix must be one of {', '.join(WRITABLE)}")
-    if seed < 0:
-        raise CommandError(f"a seed is 0 or more, given {seed}")
     require_report(report)
     require_writable(out, json, report)
     console = stdout(json)
+    require_steps(
+        duration, 1.0 / max(rate or 0.0, CONTROL_RATE)
+    )  # before a motion is made, which takes long too
     arm = load_inputs(robot, None).robot
     plant = Dynamics(arm, tuple(parse_term(text) for text in fault or []))
     require_physical(plant.terms, arm)

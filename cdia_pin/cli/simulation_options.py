@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from cdia_pin.cli.ranges import DURATION, SEED
+
 SIMULATION = "Simulation"
 
 Fault = Annotated[
@@ -19,9 +21,18 @@ Fault = Annotated[
     ),
 ]
 Duration = Annotated[
-    float, typer.Option("--duration", metavar="S", help="Length \\[s].", rich_help_panel=SIMULATION)
+    float,
+    typer.Option(
+        "--duration", metavar="S", help="Length \\[s].", rich_help_panel=SIMULATION, callback=DURATION
+    ),
 ]
 Seed = Annotated[
     int,
-    typer.Option("--seed", metavar="N", help="Of the motion and the noise.", rich_help_panel=SIMULATION),
+    typer.Option(
+        "--seed",
+        metavar="N",
+        help="Of the motion and the noise.",
+        rich_help_panel=SIMULATION,
+        callback=SEED,
+    ),
 ]

@@ -11,6 +11,7 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.next_command import again, command_line, free, show_next
 from cdia_pin.cli.options import OUTPUT, Json, Report
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.ranges import FALSE_ALARMS
 
 
 def trend(
@@ -22,7 +23,10 @@ def trend(
     false_alarms: Annotated[
         float,
         typer.Option(
-            "--false-alarms", metavar="RATE", help="False alarms that you accept for each robot \\[1/year]."
+            "--false-alarms",
+            metavar="RATE",
+            help="False alarms that you accept for each robot \\[1/year].",
+            callback=FALSE_ALARMS,
         ),
     ] = 0.1,
     regressors: Annotated[

@@ -13,6 +13,7 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.next_command import command_line, show_next
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
+from cdia_pin.cli.ranges import FALSE_ALARMS
 from cdia_pin.whole_files import write_whole
 
 CONFIRM = "confirm.toml"  # plan that tries the chosen settings on other arms
@@ -41,6 +42,7 @@ def tune(
             metavar="RATE",
             show_default=False,
             help="Largest rate of false alarms of an arm \\[1/h].",
+            callback=FALSE_ALARMS,
         ),
     ],
     out: Annotated[

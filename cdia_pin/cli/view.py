@@ -22,6 +22,7 @@ from cdia_pin.cli.options import (
     Robot,
     Topic,
 )
+from cdia_pin.cli.ranges import PACE, PORT, RATE
 from cdia_pin.cli.simulation_options import SIMULATION, Duration, Fault, Seed
 from cdia_pin.extras import require
 
@@ -63,7 +64,11 @@ def view(
     rate: Annotated[
         float,
         typer.Option(
-            "--rate", metavar="HZ", help="Ticks of the control per second \\[Hz].", rich_help_panel=SIMULATION
+            "--rate",
+            metavar="HZ",
+            help="Ticks of the control per second \\[Hz].",
+            rich_help_panel=SIMULATION,
+            callback=RATE,
         ),
     ] = 1000.0,
     seed: Seed = 0,
@@ -73,13 +78,18 @@ def view(
             "--speed",
             metavar="FACTOR",
             help="Simulated seconds in a second; 0: as fast as they are computed.",
+            callback=PACE,
             rich_help_panel=SIMULATION,
         ),
     ] = 1.0,
     port: Annotated[
         int,
         typer.Option(
-            "--port", metavar="N", help="Port on this machine; 0: a free one.", rich_help_panel=PAGE
+            "--port",
+            metavar="N",
+            help="Port on this machine; 0: a free one.",
+            rich_help_panel=PAGE,
+            callback=PORT,
         ),
     ] = 0,
     browser: Annotated[
@@ -107,12 +117,10 @@ def view(
         raise CommandError(
             "--healthy and --monitor need a LOG: --simulate has a monitor that learns by itself"
         )
+    if simulate and (gains or joint_map or convert or format or columns or episode is not None):
+        raise CommandError("options of reading need a LOG: leave them out with --simulate")
     if log is not None and bank and not (healthy or monitored):
         raise CommandError("--bank needs a monitor: add --healthy or --monitor")
-    if not (duration > 0 and speed >= 0 and seed >= 0):
-        raise CommandError(
-            f"a view needs duration > 0 s, speed ≥ 0 and seed ≥ 0, given {duration:g}, {speed:g} and {seed}"
-        )
     require("view", "live views")
     from cdia_pin.cli import view_sources
     from cdia_pin.cli.view_page import Page

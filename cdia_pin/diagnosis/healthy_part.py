@@ -31,7 +31,7 @@ def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:
     begin = int((log.time < log.time[0] + length).sum())
     if not 1 < begin < len(log.time) - 1:
         raise LogError(
-            f"{log.source}: {log.duration:.3g} s cannot be split at {length:.3g} s into a healthy part and a part to "
+            f"{log.source}: {log.duration:.6g} s cannot be split at {length:.6g} s into a healthy part and a part to "
             "monitor; give runs of the healthy arm with --healthy"
         )
     return log.slice(0, begin), log.slice(begin, len(log.time))

@@ -25,6 +25,7 @@ from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import ExternalWrench, JointEffect, Term
 from cdia_pin.errors import LogError, ModelError, unknown_name
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.magnitudes import require_magnitudes
 from cdia_pin.logs.resampling import resampled, thinned
 from cdia_pin.logs.wild_samples import without_wild_samples
 from cdia_pin.plain_json import plain
@@ -95,6 +96,8 @@ class Monitor:
         bank = bank if isinstance(bank, Bank) else Bank.of(model.robot, bank)
         self.rate = rate or (float(np.median([run.rate for run in healthy])) if healthy else None)
         kept = [without_wild_samples(run, velocities=True) for run in healthy]
+        for run in kept:
+            require_magnitudes(run)
         runs = [self.at_rate(run, healthy=True) for run in kept]
         said = [
             f"{run.source}: {note}"

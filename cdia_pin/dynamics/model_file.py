@@ -13,10 +13,13 @@ from cdia_pin.effects import Term
 from cdia_pin.errors import CdiaError, ModelError
 from cdia_pin.input_files import read_text
 from cdia_pin.logs.motion_file import MotionDocument, motion_document, motion_from
+from cdia_pin.phrases import shortened
 from cdia_pin.robot import catalogue
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.version import __version__
 from cdia_pin.whole_files import write_whole
+
+BY_HAND = str.maketrans({"*": "·", "⋅": "·", "²": "2", "³": "3", " ": None})  # other ways to write a unit
 
 
 class ModelDocument(TypedDict):
@@ -126,7 +129,10 @@ def model_from_document(document: Mapping[str, Any], path: Path, robot: RobotMod
     _require_same_robot(document, path, robot)
     try:
         terms = tuple(Term.from_dict(t) for t in document["terms"])
-        return Dynamics(robot, terms, tuple(motion_from(m) for m in document.get("learned_from", [])))
+        model = Dynamics(robot, terms, tuple(motion_from(m) for m in document.get("learned_from", [])))
+        for term, record in zip(terms, document["terms"], strict=True):
+            _require_units(term, record.get("parameters", {}), robot)
+        return model
     except CdiaError as error:
         raise ModelError(f"{path}: {error}") from None
     except (KeyError, TypeError, AttributeError, ValueError, IndexError, OverflowError) as error:
@@ -141,6 +147,18 @@ def _why(error: Exception) -> str:
         if missing
         else "a number, a list or an object is not where it should be"
     )
+
+
+def _require_units(term: Term, written: Mapping[str, Any], robot: RobotModel) -> None:
+    """Refuse a parameter in another unit than the effect's: nothing converts it. No unit means the effect's."""
+    for parameter, unit in zip(term.effect.parameters, term.effect.units(robot), strict=True):
+        record = written[parameter.name]
+        given = record.get("unit", unit) if isinstance(record, Mapping) else unit
+        if str(given).translate(BY_HAND).replace("^", "") != unit.translate(BY_HAND):
+            raise ModelError(
+                f"{term.label}: {parameter.name} is in {unit}, given in {shortened(str(given))}; "
+                f"write the number in {unit}"
+            )
 
 
 def _require_same_robot(document: Mapping[str, Any], path: Path, robot: RobotModel) -> None:

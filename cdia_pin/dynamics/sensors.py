@@ -11,6 +11,8 @@ from cdia_pin.errors import ModelError
 
 Array = NDArray[np.float64]
 
+MOST_NOISE = 10.0  # [1], of a torque over its RMS: nothing is left of it
+
 
 @dataclass(frozen=True)
 class Sensors:
@@ -38,6 +40,8 @@ class Sensors:
         for f in fields(self):
             if not 0.0 <= getattr(self, f.name) < np.inf:
                 raise ModelError(f"sensors: {f.name} must be 0 or more, given {getattr(self, f.name)}")
+        if self.effort_share > MOST_NOISE:
+            raise ModelError(f"sensors: effort_share must be up to {MOST_NOISE:g}, given {self.effort_share}")
 
     @property
     def noisy(self) -> bool:

@@ -33,6 +33,7 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 
 FASTEST = 1e3  # [rad/s or m/s], a simulation with a larger speed has diverged: no arm is nearly as fast
+MOST_STEPS = 30_000_000  # of an integration, eight hours at 1 ms; seven joints take 7 GB and hours
 HIGHEST_RATE = 1e5  # [Hz], of a log; no drive records at a higher rate
 WATCHED = 50  # [steps], between two checks of the speed
 AHEAD = 1000  # [steps] of the desired motion that are computed at once, for speed
@@ -136,6 +137,23 @@ def simulate(
     return record(plant, run, every, sensors, rng).noted(*_notes(plant, run, stiffness))
 
 
+def require_steps(duration: float, step: float) -> None:
+    """Refuse a simulation that memory does not hold.
+
+    Args:
+        duration: Its length [s].
+        step: Its step [s].
+
+    Raises:
+        ModelError: If it has too many steps.
+    """
+    if duration / step > MOST_STEPS:
+        raise ModelError(
+            f"a simulation of {duration:g} s takes {duration / step:.3g} steps of {step:g} s, at most {MOST_STEPS:.3g} "
+            "are possible: make it shorter"
+        )
+
+
 def run_plant(
     plant: Dynamics,
     trajectory: Trajectory,
@@ -167,6 +185,7 @@ def run_plant(
     count = int(np.floor(duration / step + 1e-9)) + 1 if duration > 0 else 0
     if count < 2:
         raise ModelError(f"a simulation needs a duration above its step of {step:g} s, given {duration} s")
+    require_steps(duration, step)
     width = (stiffness or Stiffness.of(plant, trajectory)).sign_width(step)
     empty = [np.empty((count, plant.robot.n)) for _ in range(4)]
     out = Run(np.empty(count), empty[0], empty[1], empty[2], empty[3], width)

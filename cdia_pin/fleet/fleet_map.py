@@ -17,7 +17,7 @@ from typing import Any, Self
 from cdia_pin.effects import EFFECTS
 from cdia_pin.errors import CdiaError, unknown_name
 from cdia_pin.fleet.fleet_settings import FleetFitSettings
-from cdia_pin.input_files import read_text
+from cdia_pin.input_files import read_text, resolved
 from cdia_pin.phrases import one_line, shortened, some
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}")  # of a robot, which is also that of a folder
@@ -71,8 +71,8 @@ class FleetRobot:
         Args:
             log: Path of one of them.
         """
-        shared = Path(os.path.commonpath([_fixed_folder(pattern).resolve() for pattern in self.logs]))
-        folder = log.resolve().parent
+        shared = Path(os.path.commonpath([resolved(_fixed_folder(pattern)) for pattern in self.logs]))
+        folder = resolved(log).parent
         return folder.relative_to(shared).parts if folder.is_relative_to(shared) else ()
 
 
@@ -121,7 +121,7 @@ class FleetMap:
         Raises:
             FleetError: If it is of no robot, or of several.
         """
-        owners = self._owners.get(log.resolve(), [])
+        owners = self._owners.get(resolved(log), [])
         if not owners:
             patterns = some([shortened(p, 60) for r in self.robots for p in r.logs], 3)
             raise FleetError(f"{log} is of no robot of {self.path}: its patterns of logs are {patterns}")
@@ -141,7 +141,7 @@ class FleetMap:
         """The robots of each log that is on the disk."""
         out: dict[Path, list[FleetRobot]] = {}
         for robot in self.robots:
-            found = {p.resolve() for pattern in robot.logs for p in _found(pattern)}
+            found = {resolved(p) for pattern in robot.logs for p in _found(pattern)}
             for log in found:
                 out.setdefault(log, []).append(robot)
         return out
@@ -172,7 +172,7 @@ def _robot(path: Path, name: str, given: Any) -> FleetRobot:
     for key in given:
         if key not in KEYS:
             raise FleetError(f"{where}: {unknown_name('key', key, KEYS)}")
-    folder = path.resolve().parent
+    folder = resolved(path).parent
     logs = _texts(given, "logs", where)
     if not logs:
         raise FleetError(f'{where}: states no logs; write logs = ["{name}/*.csv"]')

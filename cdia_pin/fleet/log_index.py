@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from cdia_pin.input_files import read_text
+from cdia_pin.input_files import read_text, resolved
 from cdia_pin.logs.readers.checksum import sha256_of
 from cdia_pin.whole_files import write_whole
 
@@ -49,7 +49,7 @@ class LogIndex:
             OSError: If it cannot be read.
         """
         files = sorted(p for p in log.rglob("*") if p.is_file()) if log.is_dir() else [log]
-        path, state, now = str(log.resolve()), _state(files), time.time()
+        path, state, now = str(resolved(log)), _state(files), time.time()
         if path in self._known and self._known[path][0] == state:
             return self._known[path][1]
         found = sha256_of(files)

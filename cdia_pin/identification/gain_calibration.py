@@ -38,6 +38,7 @@ BLOCKS = 16  # parts of the logs [1] whose residuals count as independent: they 
 # and of friction what another does not. Weights put into logs of a UR10e by calculation show 0.05 to 0.15.
 COHERENT = 0.07
 ITERATIONS = 20  # of Gauss-Newton [1]; the scale and the centre of mass multiply each other
+HEAVIEST = 1e4  # [kg], more than any arm carries
 FARTHEST = 0.3  # [m], prior standard deviation of the centre of mass from the tool frame
 WIDEST = 0.05  # [m²], prior standard deviation of the inertia over the mass
 REPEATED = 1e-6  # ridge of the common columns in units of their RMS [1]: some repeat each other
@@ -137,10 +138,10 @@ def calibrate_gains(
         conditioning: How logs are filtered.
 
     Raises:
-        LogError: If the mass is not above 0, a log is missing or too short, or the logs do not show the payload.
+        LogError: If no arm carries the mass, a log is missing or too short, or the logs do not show the payload.
     """
-    if not (np.isfinite(mass) and mass > 0):
-        raise LogError(f"a known payload has a mass above 0 kg, given {mass:g}")
+    if not 0 < mass <= HEAVIEST:
+        raise LogError(f"a known payload has a mass above 0 and up to {HEAVIEST:g} kg, given {mass:g}")
     if not loaded or not unloaded:
         raise LogError("a calibration needs a log with the payload and one without it")
     given = [*unloaded, *loaded]

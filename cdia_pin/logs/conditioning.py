@@ -93,6 +93,11 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             f"{log.source}: a cut-off of {cutoff:g} Hz is too high for a log of {rate:.4g} Hz; "
             f"it must be above 0 and below {HIGHEST_SHARE_GIVEN:g} of the rate"
         )
+    if cutoff * even.duration < 1.0:
+        raise LogError(
+            f"{log.source}: a cut-off of {cutoff:g} Hz is too low for a log of {even.duration:.4g} s, which must hold "
+            "a period of it"
+        )
     every = max(1, int(rate / (MOTION_OVERSAMPLING * cutoff)))
     again = max(1, int(rate / every / (TORQUE_OVERSAMPLING * cutoff)))
     most = None if settings.most is None else settings.most * every * again
@@ -108,18 +113,21 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
     by = Filter(cutoff, rate, every, min(STEPLESS, cutoff), steps)
     filtered = [FilteredPart.of(even, block, by) for part in parts for block in blocks(part, by.block, every)]
     speed_noise, acceleration_noise = _noise(filtered, cutoff, rate)
-    a = _joined(p.a for p in filtered)
+    busiest = np.max([p.busiest for p in filtered], axis=0)
+    parted = {name: [getattr(p, name) for p in filtered] for name in ("q", "v", "a", "effort", "temperature")}
+    del filtered  # a signal's parts are freed as soon as they are joined
+    a = _joined(parted.pop("a"))
     # else inertias would be fitted to the noise in the acceleration of a joint that hardly accelerates
-    drowned = np.max([p.busiest for p in filtered], axis=0) < DROWNED * acceleration_noise**2
+    drowned = busiest < DROWNED * acceleration_noise**2
     a[:, drowned] = 0.0
-    warmth = [p.temperature for p in filtered if p.temperature is not None]
+    warmth = [part for part in parted.pop("temperature") if part is not None]
     return Motion(
         joints=log.joints,
         time=_joined(even.time[part][::every] for part in parts),
-        q=_joined(p.q for p in filtered),
-        v=_joined(p.v for p in filtered),
+        q=_joined(parted.pop("q")),
+        v=_joined(parted.pop("v")),
         a=a,
-        effort=_joined(p.effort for p in filtered),
+        effort=_joined(parted.pop("effort")),
         rate=rate / every,
         cutoff=cutoff,
         decimation=again,

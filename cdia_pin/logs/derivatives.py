@@ -48,8 +48,7 @@ def uniform(log: Log) -> Log:
             "of the log is gaps; make a log of each recording"
         )
     mean_period = log.duration / (len(log.time) - 1)
-    even = log.time[0] + mean_period * np.arange(len(log.time))
-    if np.abs(log.time - even).max() <= UNIFORM_TOLERANCE * mean_period:
+    if _furthest_from_grid(log.time, mean_period) <= UNIFORM_TOLERANCE * mean_period:
         return log
     # the last time of the grid passes the last sample by a rounding error, where nothing can be interpolated
     time = np.minimum(log.time[0] + period * np.arange(count), log.time[-1])
@@ -62,6 +61,16 @@ def uniform(log: Log) -> Log:
             "make two logs of it, split there"
         )
     return sampled_at(log, time).noted(*notes)
+
+
+def _furthest_from_grid(time: Array, period: float) -> float:
+    """Return the largest distance of a time from the even grid that begins with them [s], block by block."""
+    return max(
+        float(
+            np.abs(time[k : k + BLOCK] - (time[0] + period * np.arange(k, min(k + BLOCK, len(time))))).max()
+        )
+        for k in range(0, len(time), BLOCK)
+    )
 
 
 def sampled_at(log: Log, time: Array) -> Log:
@@ -159,6 +168,34 @@ def differentiate(signal: ArrayLike, rate: float) -> Array:
     if len(x) < 3:
         raise LogError(f"a derivative needs at least 3 samples, found {len(x)}")
     return np.asarray(np.gradient(x, 1.0 / rate, axis=0, edge_order=2))
+
+
+def speed_of(position: Array, time: Array) -> Array:
+    """Compute the speed of one joint, as `numpy.gradient` does, in a fifth of its memory.
+
+    Args:
+        position: Positions [rad or m], shape (N,).
+        time: Their times [s], shape (N,).
+
+    Returns:
+        Absolute speeds [rad/s or m/s], shape (N,).
+    """
+    step = np.diff(time)
+    if (step == step[0]).all():
+        speed = np.gradient(position, step[0])
+        return np.abs(speed, out=speed)
+    out = np.empty(len(position))
+    out[0], out[-1] = (position[1] - position[0]) / step[0], (position[-1] - position[-2]) / step[-1]
+    for k in range(1, len(position) - 1, BLOCK):
+        last = min(k + BLOCK, len(position) - 1)
+        x, before, after = position[k - 1 : last + 1], step[k - 1 : last - 1], step[k:last]
+        both = before + after
+        out[k:last] = (
+            -after / (before * both) * x[:-2]
+            + (after - before) / (before * after) * x[1:-1]
+            + before / (after * both) * x[2:]
+        )
+    return np.abs(out, out=out)
 
 
 def linear(time: Array, given: Array, signal: Array) -> Array:

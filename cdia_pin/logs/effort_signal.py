@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conversion import CURRENTS, Conversion, GravityInEffort
 from cdia_pin.logs.effort_origin import EffortOrigin
-from cdia_pin.logs.gains import Gains, read_gains
+from cdia_pin.logs.gains import DriveGains
 from cdia_pin.logs.signal_picker import SignalPicker
 from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide
 
@@ -39,7 +39,7 @@ class PickedEffort:
 
 
 def pick_effort(
-    pick: SignalPicker, gains: Gains | None, conversion: Conversion, side: TorqueSide
+    pick: SignalPicker, gains: DriveGains | None, conversion: Conversion, side: TorqueSide
 ) -> PickedEffort:
     """Pick the efforts of a log.
 
@@ -83,7 +83,7 @@ def pick_effort(
     return PickedEffort(values, side, known.origin, known.without_gravity, tolerance, by_format)
 
 
-def _signal(pick: SignalPicker, gains: Gains | None) -> str:
+def _signal(pick: SignalPicker, gains: DriveGains | None) -> str:
     """Return ``effort`` or ``current``."""
     if not pick.columns.labels("current"):
         return "effort"
@@ -106,7 +106,7 @@ def _require_measured(values: Array, signal: str, pick: SignalPicker) -> None:
         raise LogError(f"{pick.source}: {signal} is zero throughout, so nothing was measured{advice}")
 
 
-def _torques(current: Array, gains: Gains | None, pick: SignalPicker) -> tuple[Array, Array]:
+def _torques(current: Array, gains: DriveGains | None, pick: SignalPicker) -> tuple[Array, Array]:
     """Return currents times drive gains [N·m], shape (N, n), and the tolerance of the gains [1], shape (n,)."""
     if gains is None:
         example = ", ".join(f'"{j}": 10.0' for j in pick.joints[:2])
@@ -114,10 +114,9 @@ def _torques(current: Array, gains: Gains | None, pick: SignalPicker) -> tuple[A
             f"{pick.source}: the log has motor currents [A]; give drive gains [N·m/A] per joint with "
             f"--gains gains.json (in Python gains=), holding {{{example}, …}}"
         )
-    read = read_gains(gains, pick.joints)
-    rows = zip(pick.joints, read.value, read.relative_tolerance, strict=True)
+    rows = zip(pick.joints, gains.value, gains.relative_tolerance, strict=True)
     said = ", ".join(f"{j} {k:g} ± {share:.2g} %" for j, k, share in ((j, k, 100 * r) for j, k, r in rows))
     pick.notes.append(
         f"effort is current times drive gain [N·m/A] and no more accurate than these gains: {said}"
     )
-    return current * read.value, read.relative_tolerance
+    return current * gains.value, gains.relative_tolerance

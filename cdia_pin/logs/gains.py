@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.input_files import read_text
+from cdia_pin.phrases import shortened, some
 
 Array = NDArray[np.float64]
 Gains = Mapping[str, Any] | str | Path
@@ -20,6 +21,7 @@ Gains = Mapping[str, Any] | str | Path
 # Relative tolerance of a gain from a data sheet, 95 % [1]. Magnets and gears of one type differ by 5 % and more, and
 # known weights on a measured arm came out 3 to 10 % heavy by nominal gains.
 NOMINAL_TOLERANCE = 0.1
+NAMED = 8  # names of a file that are shown: one of another kind may have any number
 LARGEST = 1e12  # [N·m/A], above it a product with a current overflows
 
 
@@ -59,9 +61,8 @@ def read_gains(gains: Gains, joints: Sequence[str]) -> DriveGains:
     where, gains = "gains" if isinstance(gains, Mapping) else str(gains), gains_by_joint(gains)
     missing = [j for j in joints if j not in gains]
     if missing:
-        raise LogError(
-            f"{where}: no gain for {', '.join(missing)}; it has {', '.join(map(str, gains)) or 'none'}"
-        )
+        has = some([shortened(str(name)) for name in gains], NAMED) if gains else "none"
+        raise LogError(f"{where}: no gain for {', '.join(missing)}; it has {has}")
     both = np.array([_value_and_tolerance(gains[j], j, where) for j in joints])
     return DriveGains(both[:, 0], both[:, 1])
 
@@ -79,7 +80,9 @@ def gains_by_joint(gains: Gains) -> Mapping[str, Any]:
         return gains
     try:
         found = json.loads(read_text(gains))
-    except (OSError, ValueError, RecursionError) as error:
+    except OSError as error:
+        raise LogError(f"cannot read the drive gains {gains}: {error.strerror or error}") from None
+    except (ValueError, RecursionError) as error:
         raise LogError(f"{gains}: not readable as JSON {{joint: N·m/A}} ({error})") from None
     if not isinstance(found, Mapping):
         raise LogError(f"{gains}: expected {{joint: N·m/A}}, found {type(found).__name__}")

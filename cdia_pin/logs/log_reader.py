@@ -13,7 +13,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs.conversion import Conversion
 from cdia_pin.logs.effort_signal import pick_effort
 from cdia_pin.logs.formats import ColumnChoice, choose_columns, column_patterns, format_of, recognised
-from cdia_pin.logs.gains import Gains
+from cdia_pin.logs.gains import Gains, read_gains
 from cdia_pin.logs.joint_names import check_joint_map, joint_map_of
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.missing_columns import require_columns
@@ -75,6 +75,8 @@ def read_log(
     conversion.check_joints(robot.joints)
     renames = joint_map_of(joint_map)
     own = column_patterns(columns, one_joint=robot.n == 1)
+    # a mistyped file is refused also where the log has torques and nobody needs it
+    known_gains = None if gains is None else read_gains(gains, robot.joints)
     if format is not None:
         format_of(format)
     table, sha256 = read_table(path, robot.joints, Wanted(format, renames, topic, episode))
@@ -92,7 +94,7 @@ def read_log(
     velocity = pick.optional("velocity") if conversion.use_velocity else None
     if velocity is not None:
         velocity = _scaled(velocity, conversion.velocity_scale(robot))
-    effort = pick_effort(pick, gains, conversion, torque_side_of(torque_side))
+    effort = pick_effort(pick, known_gains, conversion, torque_side_of(torque_side))
     torque = _scaled(effort.values, conversion.effort_scale(robot))
     temperature = _temperature(pick)
     if effort.without_gravity:

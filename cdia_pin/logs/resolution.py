@@ -21,19 +21,25 @@ def quantum(signal: Array) -> float:
         The step [unit of the signal]; 0 if the values are practically continuous.
     """
     levels = np.unique(signal)
-    step = np.diff(levels)
-    step = step[step > 1e-9 * max(float(np.abs(levels).max()), 1e-12)]
+    count, step = len(levels), np.diff(levels)
+    largest = max(-float(levels[0]), float(levels[-1])) if count else 0.0
+    del levels  # as large as the signal where it is long and noisy, as is all below
+    step = step[step > 1e-9 * max(largest, 1e-12)]
     if not len(step):
         return 0.0
-    if len(levels) < FEW * len(signal):
+    if count < FEW * len(signal):
         return float(step.min())
     if len(step) < 5:
         return 0.0
     smallest = float(np.percentile(step, 1))
-    ratio = step / smallest
-    near = ratio[ratio < 20]
-    multiples = np.mean(np.abs(near - np.round(near)) < 0.1) > 0.95 and ratio.min() > 0.9
-    if len(levels) > MOST * len(signal):  # a joint at constant speed has equal steps and may be unrounded
+    even = smallest > 0.5 * np.median(step) and count < 0.3 * len(signal)
+    step /= smallest
+    apart = step.min() > 0.9
+    near = step[step < 20]
+    del step
+    off = np.round(near)
+    off -= near
+    multiples = np.mean(np.abs(off, out=off) < 0.1) > 0.95 and apart
+    if count > MOST * len(signal):  # a joint at constant speed has equal steps and may be unrounded
         multiples = multiples and np.mean(near > 1.5) > FEW
-    even = smallest > 0.5 * np.median(step) and len(levels) < 0.3 * len(signal)
     return smallest if len(near) >= 5 and (multiples or even) else 0.0

@@ -2,7 +2,7 @@
 
 A value is wild if both neighbours of its run lie on the same side of it, far away. A moving joint leaves and comes back
 only at a reversal, where its acceleration bounds the distance: a T² / 2 within ± T. Noise and the steps of an encoder
-leave and come back too, so they bound the distance as well.
+leave and come back too, so they bound the distance as well. `held_values` finds longer runs, of one wrong position.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.derivatives import akima, linear
+from cdia_pin.logs.held_values import held_runs
 from cdia_pin.logs.log import Log
 from cdia_pin.phrases import counted
 
@@ -33,6 +34,7 @@ LONGEST = 4  # [samples] of a run; what lasts longer is no single sample
 END = 10.0  # [1], first or last step over the largest usual one: at an end there is one neighbour only
 USUAL = 99.5  # [%], of the steps are usual: a signal that is held for 0.1 s at 1 kHz changes in 1 %
 LARGEST_SHARE = 0.01  # [1], of the samples; above it something is wrong that leaving out does not mend
+LARGEST_HELD = 0.1  # [1], of the samples in runs of one value: each of them is one event, as a gap is
 JUDGED = 100_000  # [samples], by which noise and range are judged
 NAMED = 3  # samples that a note names before it counts them
 
@@ -47,6 +49,7 @@ class WildSample:
         row: Index of the sample.
         time: Its time [s].
         value: The value [rad, m, N·m, N, rad/s or m/s].
+        held: Whether it belongs to a long run of this one value.
     """
 
     signal: str
@@ -54,15 +57,21 @@ class WildSample:
     row: int
     time: float
     value: float
+    held: bool = False
 
     def __str__(self) -> str:
-        return f"{self.signal} of {self.joint} is {self.value:.4g} at t = {self.time:.6g} s"
+        return f"{self.signal} of {self.joint} {'stands at' if self.held else 'is'} {self.seen}"
+
+    @property
+    def seen(self) -> str:
+        """The value, and when it came."""
+        return f"{self.value:.4g} {'from' if self.held else 'at'} t = {self.time:.6g} s{' on' if self.held else ''}"
 
 
 def wild_samples(log: Log, velocities: bool = False) -> tuple[WildSample, ...]:
     """Find the values of positions and efforts, and where asked velocities, that no motion makes.
 
-    Runs of up to four positions or velocities are found, and single efforts.
+    Runs of up to four positions or velocities are found, single efforts, and up to 0.5 s of one wrong position.
 
     Args:
         log: The log.
@@ -77,8 +86,11 @@ def wild_samples(log: Log, velocities: bool = False) -> tuple[WildSample, ...]:
         for k, joint in enumerate(log.joints):
             x = values[:, k]
             with np.errstate(over="ignore", invalid="ignore"):
-                rows = _WILD[signal](x, log.time)
-            out += [WildSample(signal, joint, int(r), float(log.time[r]), float(x[r])) for r in rows]
+                rows, held = _WILD[signal](x, log.time)
+            out += [
+                WildSample(signal, joint, int(r), float(log.time[r]), float(x[r]), r in held)
+                for r in sorted({*rows, *held})
+            ]
     return tuple(out)
 
 
@@ -90,6 +102,33 @@ def share_of(found: Sequence[WildSample], log: Log) -> float:
         log: The log.
     """
     return len({s.row for s in found}) / len(log.time)
+
+
+def too_many(found: Sequence[WildSample], log: Log) -> bool:
+    """Return whether there are so many wild samples that leaving them out does not mend a log.
+
+    Args:
+        found: Its wild samples.
+        log: The log.
+    """
+    single = [s for s in found if not s.held]
+    return share_of(single, log) > LARGEST_SHARE or share_of(found, log) > LARGEST_HELD
+
+
+def beginnings(found: Sequence[WildSample]) -> list[WildSample]:
+    """Return wild samples, and of each run of one value the first.
+
+    Args:
+        found: Wild samples, by signal, joint and time.
+    """
+    before = [None, *found[:-1]]
+    return [s for s, b in zip(found, before, strict=True) if not (b and _goes_on(b, s))]
+
+
+def _goes_on(before: WildSample, sample: WildSample) -> bool:
+    """Return whether a sample belongs to the run of the one before."""
+    same = (before.signal, before.joint, before.value) == (sample.signal, sample.joint, sample.value)
+    return same and before.held and sample.held and sample.row == before.row + 1
 
 
 def repaired(log: Log, found: Sequence[WildSample]) -> Log:
@@ -125,12 +164,12 @@ def without_wild_samples(log: Log, velocities: bool = False) -> Log:
         The log itself if it has none.
 
     Raises:
-        LogError: If they are more than 1 % of the samples.
+        LogError: If they are more than 1 % of the samples, or 10 % with runs of one value.
     """
     found = wild_samples(log, velocities)
     if not found:
         return log
-    if share_of(found, log) > LARGEST_SHARE:
+    if too_many(found, log):
         raise LogError(f"{log.source}: {said_of(found, log)}; find out what went wrong when it was recorded")
     return repaired(log, found).noted(f"{said_of(found, log)}; left out of all that is computed")
 
@@ -145,24 +184,27 @@ def said_of(found: Sequence[WildSample], log: Log) -> str:
     rows = len({s.row for s in found})
     share = f" ({100 * share_of(found, log):.2g} % of the samples)" if rows > 1 else ""
     said = f"{counted(rows, 'sample')} that no motion makes{share}"
-    more = ", …" if len(found) > NAMED else ""
-    return f"{said}: {', '.join(map(str, found[:NAMED]))}{more}"
+    first = beginnings(found)
+    more = ", …" if len(first) > NAMED else ""
+    return f"{said}: {', '.join(map(str, first[:NAMED]))}{more}"
 
 
-def _wild_positions(x: Array, time: Array) -> list[int]:
+def _wild_positions(x: Array, time: Array) -> tuple[list[int], set[int]]:
     step = np.diff(x)
     if not float(np.max(np.abs(step))) > COARSEST:  # nearly always
-        return []
+        return [], set()
     large = max(COARSEST, POSITION_NOISE * _curvature(x, 25))
     far = []
     for first, last, distance in _excursions(x, step, large):
         half = (time[min(last, len(x) - 1)] - time[max(first - 1, 0)]) / 2
         if distance > FASTEST * half**2 / 2:
             far.append((first, last))
-    return _farthest_first(x, far)
+    short = _farthest_first(x, far)
+    runs = held_runs(x, time, large, FASTEST, short)
+    return short, {row for run in runs for row in range(*run)}
 
 
-def _wild_velocities(x: Array, time: Array) -> list[int]:
+def _wild_velocities(x: Array, time: Array) -> tuple[list[int], set[int]]:
     """Return the rows of velocities that leave and come back faster than any acceleration: a T within ± T."""
     step = np.diff(x)
     far = [
@@ -170,10 +212,10 @@ def _wild_velocities(x: Array, time: Array) -> list[int]:
         for first, last, distance in _excursions(x, step, OTHER_NOISE * _curvature(x, 90))
         if distance > FASTEST * (time[min(last, len(x) - 1)] - time[max(first - 1, 0)]) / 2
     ]
-    return _farthest_first(x, far)
+    return _farthest_first(x, far), set()
 
 
-def _wild_efforts(x: Array, _: Array) -> list[int]:
+def _wild_efforts(x: Array, _: Array) -> tuple[list[int], set[int]]:
     thin = x[:: max(1, len(x) // JUDGED)]
     span = float(np.subtract(*np.percentile(thin, [99.5, 0.5])))
     noise = OTHER_NOISE * _curvature(x, 90)
@@ -184,7 +226,7 @@ def _wild_efforts(x: Array, _: Array) -> list[int]:
         for first, last, distance in _excursions(x, np.diff(x), large)
         if last - first == 1 and (distance > beyond or x[first] == 0)
     ]
-    return _farthest_first(x, far)
+    return _farthest_first(x, far), set()
 
 
 _WILD = {"position": _wild_positions, "effort": _wild_efforts, "velocity": _wild_velocities}

@@ -20,12 +20,14 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from cdia_pin.errors import RobotError, unknown_name
+from cdia_pin.input_files import resolved
 from cdia_pin.phrases import shortened
 from cdia_pin.resources import robots_dir
 from cdia_pin.robot.checks import description_warnings
 from cdia_pin.robot.fetched import fetched_urdf, known_urdf
 from cdia_pin.robot.locked_joints import LockRequest, LockRule, locked_joints, require_chain
 from cdia_pin.robot.model import RobotModel
+from cdia_pin.robot.parser_input import parser_input
 from cdia_pin.robot.urdf import MOVABLE, Urdf, read_urdf
 from cdia_pin.robot.urdf_values import welded
 
@@ -173,7 +175,7 @@ def load_robot(
     return RobotModel(
         model,
         name=name,
-        urdf=path.resolve(),
+        urdf=resolved(path),
         tool_frame=tool_frame or (entry.tool_frame if entry else None),
         locked=held,
         package_dirs=[*map(Path, package_dirs), *_package_dirs(path)],
@@ -246,7 +248,7 @@ def _build(urdf: Urdf, held: dict[str, float]) -> pin.Model:
             f"{urdf.path}: joint '{wide[0]}' is {urdf.joints[wide[0]].kind}: make it fixed in the file"
         )
     try:
-        return pin.buildModelFromXML(welded(urdf.tree, held))
+        return pin.buildModelFromXML(welded(parser_input(urdf.tree), held))
     except (ValueError, RuntimeError) as error:
         raise RobotError(f"{urdf.path}: Pinocchio cannot read this file ({error})") from None
 
@@ -277,7 +279,7 @@ def _package_dirs(path: Path) -> list[Path]:
     """List the folders that ``package://`` may mean: those above the file, of ROS, of example-robot-data."""
     ros = [Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if p]
     ament = [Path(p) / "share" for p in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
-    found = [*list(path.resolve().parents)[:4], *ros, *ament]
+    found = [*list(resolved(path).parents)[:4], *ros, *ament]
     with contextlib.suppress(RobotError):  # a file of the user does not need that package
         found.append(example_robots_dir().parents[1])  # share/, for package://example-robot-data/robots/...
     return list(dict.fromkeys(found))

@@ -14,13 +14,15 @@ from pathlib import Path
 import coal
 import numpy as np
 import pinocchio as pin
+from lxml import etree
 from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.errors import RobotError
 from cdia_pin.phrases import shortened
 from cdia_pin.robot.model import RobotModel
+from cdia_pin.robot.parser_input import parser_input
 from cdia_pin.robot.urdf import read_urdf
-from cdia_pin.robot.urdf_values import welded
+from cdia_pin.robot.urdf_values import pose_of, size_of, welded
 
 Array = NDArray[np.float64]
 
@@ -201,9 +203,24 @@ def _up(robot: RobotModel) -> Array:
     return -g / np.linalg.norm(g) if g.any() else np.array([0.0, 0.0, 1.0])
 
 
+def _require_readable(link: etree._Element, where: str) -> None:
+    """Refuse a shape that the parser would leave out in silence: the arm could move into it."""
+    for collision in link.findall("collision"):
+        shape = collision.find("geometry/*")
+        if shape is None:
+            raise RobotError(f"{where} needs a <geometry> with a shape in it")
+        pose_of(collision.find("origin"), where)
+        size_of(shape, where)
+        if shape.tag == "mesh" and not shape.get("filename"):
+            raise RobotError(f"{where}: a mesh needs a filename")
+
+
 def _shapes(robot: RobotModel) -> pin.GeometryModel:
     held = {name: joint.position for name, joint in robot.locked.items()}
-    text = welded(read_urdf(robot.urdf).tree, held)
+    urdf = read_urdf(robot.urdf)
+    for link, element in urdf.links.items():
+        _require_readable(element, f"{robot.urdf.name}: link '{link}': its collision shape")
+    text = welded(parser_input(urdf.tree, shapes=True), held)
     folders = [str(p) for p in robot.package_dirs]
     try:
         with warnings.catch_warnings():

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from cdia_pin.errors import RobotError
 from cdia_pin.extras import require
-from cdia_pin.input_files import read_text
+from cdia_pin.input_files import read_text, resolved
 from cdia_pin.phrases import one_line
 from cdia_pin.resources import cache_dir
 from cdia_pin.whole_files import whole_file
@@ -112,4 +112,4 @@ def _remember(name: str, path: Path) -> None:
     with contextlib.suppress(OSError):
         cache_dir().mkdir(parents=True, exist_ok=True)
         with whole_file(cache_dir() / INDEX) as file:
-            file.write(json.dumps({**_index(), name: str(path.resolve())}, indent=1).encode())
+            file.write(json.dumps({**_index(), name: str(resolved(path))}, indent=1).encode())

@@ -7,7 +7,7 @@ joints. The checks here name each error.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
@@ -194,8 +194,8 @@ def urdf_of(tree: etree._ElementTree, path: Path) -> Urdf:
         RobotError: If it is not one tree of links.
     """
     root = tree.getroot()
-    links = {_need(e, "name", path): e for e in root.findall("link")}
-    joints = {j.name: j for j in (_joint(e, path) for e in root.findall("joint"))}
+    links = _by_name(root.findall("link"), path)
+    joints = {name: _joint(e, path) for name, e in _by_name(root.findall("joint"), path).items()}
     if not links:
         raise RobotError(f"{path}: no <link> in this file")
     for j in joints.values():
@@ -272,10 +272,23 @@ def _joint(element: etree._Element, path: Path) -> UrdfJoint:
     if kind in MOVABLE:
         axis_of(element, where)
     pose_of(element.find("origin"), where)
+    if kind in MOVABLE:
+        _require_limits(element, where)
     lower, upper = -math.inf, math.inf
-    if limit is not None and kind is not JointKind.CONTINUOUS:
-        lower, upper = (number(limit.get(k, "0"), where, k) for k in ("lower", "upper"))
+    if limit is not None and kind in {JointKind.REVOLUTE, JointKind.PRISMATIC}:
+        lower, upper = (number(limit.get(k, "0"), where, f"the {k} limit") for k in ("lower", "upper"))
     return UrdfJoint(name, kind, parent, child, lower, upper, _mimic(element, where), element)
+
+
+def _require_limits(joint: etree._Element, where: str) -> None:
+    """Refuse an effort, a speed or a friction that is no number of 0 or more; 0 is a limit that is not known."""
+    limit, dynamics = joint.find("limit"), joint.find("dynamics")
+    if limit is not None:
+        for key in ("effort", "velocity"):
+            number(limit.get(key), where, f"the {key} limit", least=0.0)
+    if dynamics is not None:
+        for key in ("damping", "friction"):
+            number(dynamics.get(key, "0"), where, f"the {key}", least=0.0)
 
 
 def _mimic(element: etree._Element, where: str) -> Mimic | None:
@@ -285,6 +298,16 @@ def _mimic(element: etree._Element, where: str) -> Mimic | None:
         return None
     multiplier = number(mimic.get("multiplier", "1"), where, "multiplier")
     return Mimic(str(mimic.get("joint", "")), multiplier, number(mimic.get("offset", "0"), where, "offset"))
+
+
+def _by_name(elements: Iterable[etree._Element], path: Path) -> dict[str, etree._Element]:
+    found: dict[str, etree._Element] = {}
+    for element in elements:
+        name = _need(element, "name", path)
+        if name in found:
+            raise RobotError(f"{path}: two {element.tag}s are named '{name}', a name is given once")
+        found[name] = element
+    return found
 
 
 def _need(element: etree._Element, key: str, path: Path) -> str:

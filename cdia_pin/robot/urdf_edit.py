@@ -9,6 +9,7 @@ import numpy as np
 from lxml import etree
 from numpy.typing import NDArray
 
+from cdia_pin.input_files import resolved
 from cdia_pin.robot.inertia import at_centre_of_mass
 
 Array = NDArray[np.float64]
@@ -103,7 +104,7 @@ def rebase_meshes(tree: etree._ElementTree, old: Path, new: Path) -> None:
         old: Folder from which the paths hold now.
         new: Folder from which they shall hold.
     """
-    here, there = old.resolve(), new.resolve()
+    here, there = resolved(old), resolved(new)
     for mesh in tree.iter("mesh", "texture"):
         name = str(mesh.get("filename", ""))
         if name and "://" not in name and not Path(name).is_absolute() and here != there:

@@ -16,6 +16,7 @@ from lxml import etree
 from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.errors import RobotError
+from cdia_pin.input_files import resolved
 from cdia_pin.robot.inertia import (
     is_physical,
     parameters_of,
@@ -85,7 +86,7 @@ def write_corrected_urdf(
         RobotError: If a joint is unknown, a value is not possible, or the file would overwrite the original.
     """
     path = Path(path).expanduser()
-    if path.resolve() == robot.urdf.resolve():
+    if resolved(path) == resolved(robot.urdf):
         raise RobotError(f"{path} is the robot's own file: give another name")
     text = corrected_urdf(
         robot,

@@ -12,10 +12,19 @@ from lxml import etree
 from numpy.typing import NDArray
 
 from cdia_pin.errors import RobotError
-from cdia_pin.phrases import shortened
+from cdia_pin.phrases import counted, shortened
 from cdia_pin.robot.inertia import parameters_of
 
 Array = NDArray[np.float64]
+
+# What states the size of a shape, how many numbers it has, and the least: a mesh may be mirrored.
+SIZES = {
+    "mesh": (("scale",), 3, -math.inf),
+    "box": (("size",), 3, 0.0),
+    "cylinder": (("radius", "length"), 2, 0.0),
+    "sphere": (("radius",), 1, 0.0),
+    "capsule": (("radius", "length"), 2, 0.0),
+}
 
 LARGEST = 1e12  # [unit of the file], larger numbers are no lengths or masses, and overflow in a product
 
@@ -112,6 +121,32 @@ def axis_of(joint: etree._Element, where: str) -> Array:
     return np.asarray(axis / np.linalg.norm(axis))
 
 
+def size_of(shape: etree._Element, where: str) -> tuple[float, ...]:
+    """Read the size of a shape.
+
+    Args:
+        shape: Its element, the child of ``<geometry>``.
+        where: Name of its link, for messages.
+
+    Returns:
+        Edges of a box, radius and length of a cylinder or capsule, radius of a sphere [m]; scale of a mesh [1].
+
+    Raises:
+        RobotError: If the kind of shape is unknown, or its size cannot be read.
+    """
+    kind = str(shape.tag)
+    if kind not in SIZES:
+        raise RobotError(f"{where}: unknown shape '{kind}'; known: {', '.join(SIZES)}")
+    keys, count, least = SIZES[kind]
+    given = " ".join(str(shape.get(key, "1 1 1" if key == "scale" else "")) for key in keys)
+    size = tuple(number(t, where, f"the {' or '.join(keys)} of a {kind}", least) for t in given.split())
+    if len(size) != count:
+        raise RobotError(
+            f"{where}: a {kind} needs {counted(count, 'number')} for {' and '.join(keys)}, given '{given.strip()}'"
+        )
+    return size
+
+
 def rotation(rpy: Array) -> Array:
     """Compute the rotation matrix of URDF's roll, pitch and yaw about fixed axes.
 
@@ -124,28 +159,34 @@ def rotation(rpy: Array) -> Array:
     return np.asarray(pin.rpy.rpyToMatrix(rpy))
 
 
-def number(text: str | None, where: str, what: str) -> float:
+def number(text: str | None, where: str, what: str, least: float = -math.inf) -> float:
     """Read a number.
 
     Args:
         text: Text of an attribute; None if it is missing.
         where: Name of the element, for messages.
-        what: Name of the attribute; ``lower`` and ``upper`` may be infinite.
+        what: Name of the attribute.
+        least: Smallest value that makes sense [unit of the file].
 
     Returns:
         The number, in the unit of the file.
 
     Raises:
-        RobotError: If it is missing, not a number, or infinite.
+        RobotError: If it is missing, not a number, infinite, or too small or large.
     """
+    if text is None:
+        raise RobotError(f"{where}: {what} is missing, it must be a number")
+    given = f"given '{shortened(text)[1:-1]}'"
     try:
-        value = float(text or "")
+        value = float(text if "_" not in text else "")  # Python reads 1_0 as ten, and nothing else does
     except ValueError:
-        raise RobotError(f"{where}: {what} must be a number, given '{text}'") from None
-    if math.isfinite(value) and abs(value) > LARGEST:
-        raise RobotError(f"{where}: {what} must be below {LARGEST:g}, given '{shortened(text or '')[1:-1]}'")
-    if not math.isfinite(value) and what not in {"lower", "upper"}:
-        raise RobotError(f"{where}: {what} must be finite, given '{text}'")
+        raise RobotError(f"{where}: {what} must be a number, {given}") from None
+    if not math.isfinite(value):
+        raise RobotError(f"{where}: {what} must be finite, {given}")
+    if abs(value) > LARGEST:
+        raise RobotError(f"{where}: {what} must be below {LARGEST:g}, {given}")
+    if value < least:
+        raise RobotError(f"{where}: {what} must be {least:g} or more, {given}")
     return value
 
 

@@ -1,5 +1,6 @@
 """A closed loop: the plant is not the model, a number makes it repeatable, and held torques are held."""
 
+import math
 from itertools import islice
 
 import numpy as np
@@ -151,3 +152,9 @@ def test_a_motion_may_be_repeated_without_end(robot):
         np.testing.assert_allclose(whole, np.repeat(part[None], 3, axis=0), atol=1e-9)
     assert again.duration == motion.duration
     assert again(0.7).q.shape == (robot.n,)
+
+
+@pytest.mark.parametrize("wrong", [{"noise": 1e300}, {"noise": math.nan}, {"rate": math.inf}, {"rate": 1e12}])
+def test_settings_that_no_loop_has_are_refused(wrong):
+    with pytest.raises(ModelError, match="a closed loop needs"):
+        LoopSettings(**wrong)

@@ -57,8 +57,11 @@ def test_what_cannot_be_is_said_in_one_line(cdia, ran):
     assert "go with a plan" in cdia("campaign", runs, "--workers", 2).error
     assert "--replay takes the folder" in cdia("campaign", plan, "--replay", 1).error
     assert "this campaign has runs 0 to 2, given 9" in cdia("campaign", runs, "--replay", 9).error
-    assert "at least one worker" in cdia("campaign", plan, "--out", ran[1] / "new", "--workers", 0).error
-    assert "must be above 0" in cdia("tune", plan, "--false-alarms", 0).error
+    assert (
+        "'--workers': must be 1 to 4096"
+        in cdia("campaign", plan, "--out", ran[1] / "new", "--workers", 0).error
+    )
+    assert "'--false-alarms': must be 1e-09" in cdia("tune", plan, "--false-alarms", 0).error
 
 
 def test_tuning_keeps_its_rate_and_says_how_to_confirm_it(cdia, tmp_path):

@@ -75,7 +75,7 @@ def test_gains_that_lack_a_joint(cdia, broken):
         (["--robot", "missing.urdf"], "missing.urdf"),
         ([*ROBOT, "--joint-map", "joint1=elbow"], "unknown joint 'elbow'"),
         ([*ROBOT, "--convert", "angle=degrees"], "did you mean deg"),
-        ([*ROBOT, "--cutoff", "-1"], "cut-off"),
+        ([*ROBOT, "--cutoff", "-1"], "'--cutoff': must be 0.001 to 100000 Hz, given -1"),
         ([*ROBOT, "--cutoff", "fast"], "--cutoff"),
         ([*ROBOT, "--modle", "m.json"], "--model"),
         ([*ROBOT, "--model", "missing.json"], "missing.json"),

@@ -125,7 +125,7 @@ def test_the_engine_of_the_thesis_runs_too(cdia, folder):
         (["--threshold", "joint1=0.1"], "no value for joint joint2"),
         (["--threshold", "jiont1=0.1"], "did you mean joint1"),
         (["--healthy-until", "100"], "cannot be split at 100 s"),
-        (["--healthy-until", "0"], "cannot be split at 0 s"),
+        (["--healthy-until", "0"], "'--healthy-until': must be 0.01 to 100000 s"),
         (["--healthy-until", "1"], "too short to learn from"),
         (["--healthy-until", "5", "--threshold", "joint1=1,joint2=1"], "leave out --healthy"),
         (["--healthy", "nowhere.csv"], "nowhere.csv"),

@@ -74,6 +74,31 @@ def test_a_file_can_be_written_by_hand(arm, tmp_path):
     assert term == parse_term("coulomb_friction@elbow_joint: level=4.1")
 
 
+def test_a_parameter_in_another_unit_is_refused(arm, document, tmp_path):
+    document["terms"][0]["parameters"]["level"].update(value=4100.0, unit="N·mm")
+    message = refused(written(document, tmp_path), arm)
+    assert "coulomb_friction@elbow_joint: level is in N·m, given in 'N·mm'" in message
+    document["terms"][0]["parameters"]["level"]["unit"] = None
+    assert "given in 'None'" in refused(written(document, tmp_path), arm)
+
+
+def test_a_unit_depends_on_the_joint(tmp_path):
+    scara = load_robot("scara")
+    slides = scara.joints[int(scara.is_prismatic.argmax())]
+    path = save_model(
+        Dynamics(scara, (parse_term(f"coulomb_friction@{slides}: level=4"),)), tmp_path / "m.json"
+    )
+    document = json.loads(path.read_text(encoding="utf-8"))
+    assert load_model(path, scara).terms[0].theta == (4.0,)
+    document["terms"][0]["parameters"]["level"]["unit"] = "N·m"
+    assert "level is in N, given in 'N·m'" in refused(written(document, tmp_path), scara)
+
+
+def test_units_may_be_typed(arm, document, tmp_path):
+    document["terms"][0]["parameters"]["level"]["unit"] = "N * m"
+    assert load_model(written(document, tmp_path), arm).terms[0].theta == (4.1,)
+
+
 def test_another_robot_is_refused(model, tmp_path):
     path = save_model(model, tmp_path / "model.json")
     assert "joint1" in refused(path, load_robot("scara"))

@@ -335,6 +335,7 @@ def test_a_step_too_large_for_the_friction_is_refused(arm):
         ({"duration": 0.0}, "duration"),
         ({"duration": -1.0}, "duration"),
         ({"step": 0.0}, "step"),
+        ({"duration": 1e9}, "at most 3e\\+07 are possible"),
         ({"step": -1.0}, "step"),
         ({"sensors": Sensors(effort_noise=1.0)}, "rng"),
     ],
@@ -347,6 +348,8 @@ def test_settings_out_of_range_are_refused(arm, wrong, message):
 def test_sensors_cannot_have_negative_noise():
     with pytest.raises(ModelError, match="effort_share"):
         Sensors(effort_share=-0.1)
+    with pytest.raises(ModelError, match="effort_share must be up to 10"):
+        Sensors(effort_share=1e300)
     with pytest.raises(ModelError, match="stiffness"):
         ComputedTorque(Dynamics(load_robot("ur5")), stiffness=-1.0)
 

@@ -9,10 +9,18 @@ import numpy as np
 import pytest
 
 from benchmarks.measured_logs.folder import folder
-from cdia_pin.logs import Log
+from cdia_pin.logs import Log, read_log
 from cdia_pin.robot import RobotModel, load_robot
 
 MEASURED = folder()
+ARMS = (
+    ("ur10", "ur10", None),
+    ("panda", "panda", None),
+    ("double_pendulum", "double_pendulum/double_pendulum.urdf", None),
+    ("kuka_lwr4", "kuka_lwr4/kuka_lwr4.urdf", None),
+    ("ur10e", "ur10e/ur10e.urdf", "ur10e/drive_gains.json"),
+    ("ur5", "ur5", "ur5/drive_gains.json"),
+)
 
 
 @pytest.fixture(scope="session")
@@ -30,6 +38,18 @@ def measured() -> Path:
     if not MEASURED.is_dir():
         pytest.skip("measured logs are not at ../shared/data; they have other licences and do not ship")
     return MEASURED
+
+
+@pytest.fixture(scope="session")
+def measured_logs(measured: Path) -> list[tuple[Log, RobotModel]]:
+    """Every measured log, with its arm."""
+    out = []
+    for name, robot, gains in ARMS:
+        arm = load_robot(measured / robot if robot.endswith(".urdf") else robot)
+        for file in sorted((measured / name).glob("*.csv")):
+            if "wrench" not in file.name:
+                out.append((read_log(file, arm, gains=measured / gains if gains else None), arm))
+    return out
 
 
 @pytest.fixture(scope="session")

@@ -15,21 +15,12 @@ from cdia_pin.logs import Log, check_log, read_log, write_log
 from cdia_pin.logs.checks.conventions import ConventionChange, Conventions, Trial, commonest
 from cdia_pin.logs.checks.effort_kind import GravityGain
 from cdia_pin.logs.checks.sampling import quantum
-from cdia_pin.logs.checks.stretches import check_stuck
+from cdia_pin.logs.checks.stuck import check_stuck
 from cdia_pin.logs.derivatives import differentiate
 from tests.one_joint import write_urdf
 
+
 # folder, robot, gains, below the measured logs
-ARMS = (
-    ("ur10", "ur10", None),
-    ("panda", "panda", None),
-    ("double_pendulum", "double_pendulum/double_pendulum.urdf", None),
-    ("kuka_lwr4", "kuka_lwr4/kuka_lwr4.urdf", None),
-    ("ur10e", "ur10e/ur10e.urdf", "ur10e/drive_gains.json"),
-    ("ur5", "ur5", "ur5/drive_gains.json"),
-)
-
-
 def problems(log, robot):
     return [f for f in check_log(log, robot).problems if f.topic != "limits"]
 
@@ -351,14 +342,56 @@ def test_joints_that_rest_and_coarse_encoders_are_not_called_stuck(ur5, seed, re
     assert not list(check_stuck(log, ur5))
 
 
-def test_measured_logs_have_no_encoder_that_stands_still(measured):
-    for folder, robot, gains in ARMS:
-        arm = load_robot(measured / robot if robot.endswith(".urdf") else robot)
-        for file in sorted((measured / folder).glob("*.csv")):
-            if "wrench" in file.name:
-                continue
-            log = read_log(file, arm, gains=measured / gains if gains else None)
-            assert not list(check_stuck(log, arm)), file.name
+def test_measured_logs_have_no_encoder_that_stands_still(measured_logs):
+    for log, arm in measured_logs:
+        for step in (0.0, 1e-4, 1e-3, 0.01):
+            position = np.round(log.position / step) * step if step else log.position
+            assert not list(check_stuck(replace(log, position=position), arm)), (log.source, step)
+
+
+def held_until_it_is_back(log: Log, joint: int) -> tuple[Log, float, float]:
+    """Hold a position until the joint comes by there again, both times fast; return since when and how long [s] too."""
+    q, speed = log.position[:, joint], np.abs(np.gradient(log.position[:, joint], log.time))
+    best = (0.0, 0, 0)
+    for start in range(100, len(q) - 200, 10):
+        ahead = np.s_[start : np.searchsorted(log.time, log.time[start] + 3.0)]
+        passed = np.diff(np.sign(q[ahead] - q[start] + 1e-12)) != 0
+        for later in np.flatnonzero(passed & (log.time[ahead][:-1] - log.time[start] > 0.3))[:1]:
+            stop = start + int(later) + 1
+            best = max(best, (min(speed[start], speed[min(stop, len(q) - 200)]), start, stop))
+    _, start, stop = best
+    return stuck(log, joint, start, stop), float(log.time[start]), float(log.time[stop - 1] - log.time[start])
+
+
+@pytest.mark.parametrize("with_velocity", [True, False])
+@pytest.mark.parametrize("joint", range(6))
+def test_an_encoder_that_stands_still_and_is_back_where_it_was_is_named(ur5, ur5_log, joint, with_velocity):
+    log, since, seconds = held_until_it_is_back(ur5_log, joint)
+    log = log if with_velocity else replace(log, velocity=None)
+    (found,) = [f for f in check_log(log, ur5).about("frozen") if "speed_before" in f.value]
+    assert found.joint == ur5.joints[joint] and found.severity == "warning"
+    assert (found.value["from_s"], found.value["seconds"]) == pytest.approx((since, seconds))
+    assert "without slowing down" in found.message and "\n" not in found.message
+
+
+def test_an_encoder_that_is_back_where_it_was_is_named_in_measured_logs(measured_logs):
+    named = []
+    for log, arm in measured_logs[:2]:
+        for joint in range(arm.n):
+            broken, since, _ = held_until_it_is_back(log, joint)
+            found = [f for f in check_stuck(broken, arm) if f.joint == log.joints[joint]]
+            named.append([f.value["from_s"] for f in found] == [pytest.approx(since, abs=0.01)])
+    assert all(named), named
+
+
+def test_joints_that_stop_abruptly_again_and_again_do_so(ur5):
+    # a table of positions: ramps, and rests between them
+    ramp, rest = np.linspace(0, 1, 500), np.ones(100)
+    one = np.concatenate([ramp, rest, 1 - ramp, 0 * rest] * 3)
+    time = np.arange(len(one)) / 250.0
+    position = np.sin(np.outer(time, np.arange(1, 7) / 3))
+    position[:, 2] = one
+    assert not list(check_stuck(Log(ur5.joints, time, position, np.cos(position)), ur5))
 
 
 @pytest.mark.parametrize("rate", [125.0, 250.0, 500.0, 1000.0])

@@ -64,3 +64,10 @@ def test_an_effort_that_never_changes_is_known_to_its_own_size_only(log):
     motion = condition(replace(run, effort=effort), arm, Conditioning(cutoff=20.0))
     assert motion.effort_step[3] == 2.0
     assert motion.effort_step[0] == 0.0
+
+
+@pytest.mark.parametrize("cutoff", [1e-300, 1e-3, 0.04])
+def test_a_cut_off_whose_period_is_longer_than_the_log_is_refused(log, cutoff):
+    arm, run = log
+    with pytest.raises(LogError, match="too low for a log of 20 s"):
+        condition(run, arm, Conditioning(cutoff=cutoff))

@@ -114,7 +114,7 @@ def test_a_conversion_of_an_unknown_joint_is_refused_with_the_nearest_ones(ur5):
         ({"a": 1.0, "b": float("nan")}, "above 0"),
         ({"a": 1.0, "b": {"tolerance": 1.0}}, "above 0"),
         ({"a": 1.0, "b": {"value": 1.0, "tolerance": -1.0}}, "tolerance of b"),
-        ("missing.json", "not readable as JSON"),
+        ("missing.json", "cannot read the drive gains missing.json: No such file"),
     ],
 )
 def test_invalid_gains_are_refused_with_the_reason(gains, said):

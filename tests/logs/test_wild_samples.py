@@ -121,11 +121,65 @@ def test_nothing_that_a_joint_did_is_wild(seed, hold, step):
     assert wild_samples(replace(log, position=position)) == ()
 
 
-def test_measured_logs_hold_none(measured):
-    from cdia_pin.logs import read_log
-    from cdia_pin.robot import load_robot
+@pytest.mark.parametrize("value", [0.0, 100.0, -7.0, 1e300])
+@pytest.mark.parametrize("seconds", [0.02, 0.1, 0.3, 0.5])
+def test_a_wrong_position_that_is_held_is_found_and_left_out(ur5, ur5_log, value, seconds):
+    joint = int(np.argmax(np.abs(ur5_log.position[2500])))
+    rows = slice(2500, 2500 + round(seconds * ur5_log.rate))
+    broken = with_value(ur5_log, "position", rows, joint, value)
+    found = wild_samples(broken)
+    assert [s.row for s in found] == list(range(rows.start, rows.stop))
+    left_out = condition(broken, ur5)
+    missing = ~np.isin(np.arange(len(ur5_log.time)), range(rows.start, rows.stop))
+    gap = replace(
+        ur5_log, **{s: getattr(ur5_log, s)[missing] for s in ("time", "position", "velocity", "effort")}
+    )
+    np.testing.assert_allclose(left_out.q[:, joint], condition(gap, ur5).q[:, joint], atol=1e-6)
+    assert f"{ur5_log.joints[joint]} " in left_out.record["notes"][-1]
 
-    pendulum = measured / "double_pendulum" / "double_pendulum.urdf"
-    for folder, robot in (("ur10", "ur10"), ("panda", "panda"), ("double_pendulum", pendulum)):
-        for file in sorted((measured / folder).glob("*.csv")):
-            assert wild_samples(read_log(file, load_robot(robot)), velocities=True) == (), file.name
+
+def test_the_check_says_from_when_on_a_wrong_position_was_held(ur5, ur5_log):
+    (said,) = check_log(with_value(ur5_log, "position", slice(2500, 2600), 2, 0.0), ur5).about("wild")
+    assert said.severity is Severity.WARNING
+    assert "has 100 values that no motion makes: 0 from t = 10 s on; the other" in said.message
+
+
+def test_a_position_that_is_wrong_for_longer_or_comes_back_slowly_is_not_called_wild(ur5_log):
+    assert wild_samples(with_value(ur5_log, "position", slice(2500, 2650), 2, 100.0)) == ()
+    slowly = ur5_log.position.copy()
+    slowly[2500:2600, 2] = 2.0 + slowly[2500, 2]
+    slowly[2600:2700, 2] += np.linspace(2.0, 0.0, 100)
+    assert wild_samples(replace(ur5_log, position=slowly)) == ()
+
+
+def test_a_wrong_position_is_found_while_the_joint_rests_and_rest_is_not_wild():
+    log = moving(250.0, 0, 0.0)
+    position = log.position[np.clip(np.arange(len(log.time)), 0, 300)]
+    assert wild_samples(replace(log, position=position)) == ()
+    position[700:750, 0] += 0.3
+    assert {s.row for s in wild_samples(replace(log, position=position))} == set(range(700, 750))
+
+
+def test_a_log_whose_positions_are_held_wrong_for_a_tenth_of_it_is_refused(ur5, ur5_log):
+    position = ur5_log.position.copy()
+    position[:, 2] += np.where(np.arange(5000) // 100 % 8 == 7, 2.0, 0.0)  # six of 0.4 s, a value each
+    for start in range(700, 5000, 800):
+        position[start : start + 100, 2] = position[start, 2]
+    bad = replace(ur5_log, position=position)
+    assert len(wild_samples(bad)) == 600
+    with pytest.raises(LogError, match="12 % of the samples"):
+        condition(bad, ur5)
+    (found,) = check_log(bad, ur5).about("wild")
+    assert found.severity is Severity.ERROR
+
+
+def test_measured_logs_hold_none(measured_logs):
+    for log, _ in measured_logs:
+        assert wild_samples(log, velocities=True) == (), log.source
+
+
+def test_measured_logs_that_are_updated_slowly_hold_none(measured_logs):
+    for log, _ in measured_logs:
+        for hold in (5, 20):
+            position = log.position[np.arange(len(log.time)) // hold * hold]
+            assert wild_samples(replace(log, position=position)) == (), log.source

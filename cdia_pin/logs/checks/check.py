@@ -16,7 +16,8 @@ from cdia_pin.logs.checks.limits import check_limits, check_saturation
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import check_gaps, check_rate, check_repeats, check_resolution
 from cdia_pin.logs.checks.sign_and_order import check_conventions
-from cdia_pin.logs.checks.stretches import check_copied, check_held, check_stuck
+from cdia_pin.logs.checks.stretches import check_copied, check_held
+from cdia_pin.logs.checks.stuck import check_stuck
 from cdia_pin.logs.checks.torque_side import check_torque_side
 from cdia_pin.logs.checks.velocity import check_velocity
 from cdia_pin.logs.checks.wild import check_wild

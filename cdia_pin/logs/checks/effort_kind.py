@@ -44,6 +44,7 @@ class EffortKind:
     advice: str
 
 
+UNSCALED = 1e-5  # [1], share of gravity below which efforts are those of no gear and no unit
 _NEAR_ONE = (
     "joint torque: gravity appears with gain {said}; the log cannot separate drive gain, masses and payload"
 )
@@ -53,7 +54,7 @@ KINDS = (
         0.04,
         Severity.WARNING,
         "efforts are {middle:.2g} of the URDF's gravity (gain {said}): motor torque before a gear of about "
-        "{inverse:.0f}, motor currents in A, or another unit; the log cannot prove it",
+        "{inverse}, motor currents in A, or another unit; the log cannot prove it",
         "if it is motor torque, --convert reduction={inverse} with the gear ratios of the data sheet; if they are "
         "currents, --convert torque=A --gains gains.json",
     ),
@@ -281,7 +282,9 @@ def _judge(log: Log, known: dict[int, GravityGain], value: Mapping[str, object])
     return Finding(
         Topic.EFFORT_KIND,
         kind.severity,
-        kind.message.format(said=said, middle=middle, inverse=1 / middle),
+        kind.message.format(
+            said=said, middle=middle, inverse=f"{1 / middle:.0f}" if middle > UNSCALED else "any ratio"
+        ),
         advice=kind.advice.format(inverse=inverse),
         value=value,
     )

@@ -10,6 +10,7 @@ import numpy as np
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.joint_units import units_of
 from cdia_pin.logs.checks.motion import SmoothedMotion
+from cdia_pin.logs.derivatives import speed_of
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.magnitudes import largest_of
 from cdia_pin.logs.resolution import quantum
@@ -89,13 +90,16 @@ def check_saturation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
     found = False
     for k, joint in enumerate(log.joints):
         effort = log.effort[:, k]
-        ratio = np.abs(effort) / robot.limits.effort[k]
+        ratio = np.abs(effort)
+        ratio /= robot.limits.effort[k]
         at_limit = float(np.mean(ratio > 0.98)) if ratio.max() < SLACK else 0.0
+        del ratio  # as large as the signal
         clipped, level = 0.0, 0.0
         if motion is not None and motion.moves[k]:
-            speed = np.abs(np.gradient(log.position[:, k], log.time))
+            speed = speed_of(log.position[:, k], log.time)
             moving = speed > 0.02 * speed.max()
-            clipped, level = max(_plateau(effort[moving]), _plateau(-effort[moving]))
+            del speed
+            clipped, level = _plateau(effort[moving])
         if at_limit > 1e-3 or clipped > 5e-3:
             found = True
             _, unit = units_of(robot, k)
@@ -117,11 +121,20 @@ def check_saturation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
 
 
 def _plateau(effort: np.ndarray) -> tuple[float, float]:
-    """Return the share of samples at the maximum, if more samples lie there than just below it, and the level."""
+    """Return the share of samples at an extreme, if more lie there than just within it, and the level.
+
+    The effort is negated in place, so give a copy of it.
+    """
     if len(effort) < 100 or len(np.unique(effort)) < 20:  # every peak is flat if the rounding is so coarse
         return 0.0, 0.0
+    rounding = 3.5 * quantum(effort)  # levels of rounding are no plateau
+    above = _plateau_above(effort, rounding)
+    return max(above, _plateau_above(np.negative(effort, out=effort), rounding))
+
+
+def _plateau_above(effort: np.ndarray, rounding: float) -> tuple[float, float]:
     top = float(effort.max())
-    band = max(0.03 * (top - float(effort.min())), 3.5 * quantum(effort))  # levels of rounding are no plateau
+    band = max(0.03 * (top - float(effort.min())), rounding)
     at_top = int(np.sum(effort >= top - 1e-6 * max(abs(top), band)))
     below = int(np.sum(effort > top - band)) - at_top
     clipped = at_top >= 5 and at_top > below and band > 0

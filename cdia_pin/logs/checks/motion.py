@@ -85,11 +85,14 @@ def motion_of(log: Log, is_prismatic: Mask, cutoff: float = CUTOFF) -> SmoothedM
     thin: list[Array] = []  # joint by joint, and copied: a view would hold the signals of a long log
     for k in range(len(still)):
         joint = np.s_[:, k : k + 1]
-        q = zero_phase(even.position[joint], cutoff, rate)
-        v = differentiate(q, rate)
-        a, effort = differentiate(v, rate), zero_phase(even.effort[joint], cutoff, rate)
-        span = np.full_like(q[kept], np.ptp(q[edge:-edge]))
-        thin.append(np.stack([x[kept] for x in (q, v, a, effort)] + [span]))
+        whole = zero_phase(even.position[joint], cutoff, rate)
+        span = np.full_like(whole[kept], np.ptp(whole[edge:-edge]))
+        parts = [whole[kept].copy()]
+        for _ in ("velocity", "acceleration"):
+            whole = differentiate(whole, rate)
+            parts.append(whole[kept].copy())
+        whole = zero_phase(even.effort[joint], cutoff, rate)
+        thin.append(np.stack([*parts, whole[kept], span]))
     q, v, a, effort, span = np.concatenate(thin, axis=2)
     return SmoothedMotion(even.time[kept].copy(), q, v, a, effort, moves=span[0] > still)
 

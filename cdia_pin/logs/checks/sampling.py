@@ -16,7 +16,7 @@ from cdia_pin.logs.checks.motion import (
     SmoothedMotion,
     longest_stretch,
 )
-from cdia_pin.logs.derivatives import LONGEST_GAP
+from cdia_pin.logs.derivatives import LONGEST_GAP, speed_of
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.resolution import quantum
 from cdia_pin.phrases import counted
@@ -170,7 +170,6 @@ def _frozen(log: Log, k: int, position_unit: str, effort_unit: str) -> Iterator[
             value={"signal": "effort"},
         )
         return
-    speed = np.abs(np.gradient(log.position[:, k], log.time))
     start, stop = longest_run(np.diff(log.effort[:, k]) == 0)
     seconds = float(log.time[stop] - log.time[start])
     travelled = float(np.ptp(log.position[start : stop + 1, k]))
@@ -193,7 +192,7 @@ def _frozen(log: Log, k: int, position_unit: str, effort_unit: str) -> Iterator[
     start, stop = longest_run(np.diff(log.position[:, k]) == 0)
     seconds = float(log.time[stop] - log.time[start])
     fastest = float(np.abs(log.velocity[start : stop + 1, k]).min())
-    if seconds > FROZEN and fastest > 0.1 * max(float(speed.max()), 1e-9):
+    if seconds > FROZEN and fastest > 0.1 * max(float(speed_of(log.position[:, k], log.time).max()), 1e-9):
         yield Finding(
             Topic.FROZEN,
             Severity.WARNING,

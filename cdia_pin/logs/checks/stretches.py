@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
-from cdia_pin.logs.checks.joint_units import units_of
-from cdia_pin.logs.checks.sampling import FROZEN, longest_run, runs
+from cdia_pin.logs.checks.sampling import FROZEN, longest_run
 from cdia_pin.logs.log import Log
-
-if TYPE_CHECKING:
-    from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
 MOVING = 0.1  # [1], speed over the joint's largest one above which it cannot stop between two samples
-# [1], speed of a jump over the joint's largest one elsewhere: a joint that rests starts slower than it moves
-JUMP = 5.0
+BLOCK = 2**16  # [rows], of which hashes are computed at once
 FEWEST_ROWS = 20  # rows that come again; noise and rounding do not repeat so many in a row
 
 
@@ -33,7 +27,7 @@ def check_held(log: Log) -> Iterator[Finding]:
     Yields:
         One finding, or none.
     """
-    start, stop = longest_run(~_changes(log))
+    start, stop = longest_run(~changes_of(log))
     seconds = float(log.time[stop] - log.time[start])
     if start == 0 or seconds <= FROZEN:
         return
@@ -51,44 +45,6 @@ def check_held(log: Log) -> Iterator[Finding]:
         )
 
 
-def check_stuck(log: Log, robot: RobotModel) -> Iterator[Finding]:
-    """Report the longest stretch in which a position alone stands still, and then jumps as no joint does.
-
-    A joint that rests starts with small steps, and a coarse encoder has no larger step than others of its own.
-
-    Args:
-        log: The log.
-        robot: Its robot.
-
-    Yields:
-        One finding per joint, or none.
-    """
-    changes = np.concatenate([[0], np.cumsum(_changes(log))])
-    for k, q in enumerate(log.position.T):
-        speed = np.abs(np.diff(q)) / np.diff(log.time)
-        starts, stops = runs(speed == 0.0)
-        long = (log.time[stops] - log.time[starts] > FROZEN) & (stops < len(speed))
-        # where nothing at all changes, `check_held` reports it
-        long &= changes[stops] > changes[starts]
-        starts, stops = starts[long], stops[long]
-        usual = float(np.delete(speed, stops).max(initial=0.0))
-        stuck = np.flatnonzero(speed[stops] > JUMP * usual) if usual else ()
-        if not len(stuck):
-            continue
-        longest = max(stuck, key=lambda run: log.time[stops[run]] - log.time[starts[run]])
-        start, stop = int(starts[longest]), int(stops[longest])
-        seconds, jump = float(log.time[stop] - log.time[start]), float(q[stop + 1] - q[stop])
-        yield Finding(
-            Topic.FROZEN,
-            Severity.WARNING,
-            f"the position stands still for {seconds:.3g} s from t = {log.time[start]:.4g} s and then jumps by "
-            f"{jump:.3g} {units_of(robot, k)[0]}, faster than the joint ever moves: nothing was measured there",
-            joint=log.joints[k],
-            advice="leave that part out of the file, or find out why the position was not updated",
-            value={"signal": "position", "from_s": float(log.time[start]), "seconds": seconds, "jump": jump},
-        )
-
-
 def check_copied(log: Log) -> Iterator[Finding]:
     """Report the longest stretch whose rows equal those of an earlier stretch.
 
@@ -98,12 +54,14 @@ def check_copied(log: Log) -> Iterator[Finding]:
     Yields:
         One finding, or none.
     """
-    changes = np.flatnonzero(_changes(log)) + 1  # an arm at rest repeats its rows
+    changes = np.flatnonzero(changes_of(log)) + 1  # an arm at rest repeats its rows
     if len(changes) <= FEWEST_ROWS:
         return
     hashes = _hashes(log)[changes]
     order = np.argsort(hashes, kind="stable")
-    again = np.flatnonzero(np.diff(hashes[order]) == 0)
+    hashes = hashes[order]
+    again = np.flatnonzero(hashes[1:] == hashes[:-1])
+    del hashes
     shift = np.zeros(len(changes), dtype=np.intp)
     shift[order[again + 1]] = order[again + 1] - order[again]
     runs = (np.diff(shift) == 0) & (shift[1:] > 0)
@@ -129,8 +87,15 @@ def _columns(log: Log) -> list[Array]:
     return [*log.position.T, *log.effort.T]
 
 
-def _changes(log: Log) -> NDArray[np.bool_]:
-    """Tell for each sample but the first whether any signal differs from the sample before, shape (N − 1,)."""
+def changes_of(log: Log) -> NDArray[np.bool_]:
+    """Tell for each sample but the first whether any signal differs from the sample before.
+
+    Args:
+        log: The log, N samples.
+
+    Returns:
+        Flags, shape (N − 1,).
+    """
     changes = np.zeros(len(log.time) - 1, dtype=bool)
     for column in _columns(log):
         changes |= column[1:] != column[:-1]
@@ -142,8 +107,10 @@ def _hashes(log: Log) -> NDArray[np.uint64]:
     columns = _columns(log)
     odd = np.random.default_rng(0).integers(1, 2**63, len(columns), dtype=np.uint64) | np.uint64(1)
     out = np.zeros(len(log.time), dtype=np.uint64)
-    for column, factor in zip(columns, odd, strict=True):
-        bits = (column + 0.0).view(np.uint64)  # + 0.0: of two zeros, one sign
-        mixed = (bits ^ (bits >> np.uint64(29))) * factor
-        out += mixed ^ (mixed >> np.uint64(32))
+    for first in range(0, len(out), BLOCK):
+        block = np.s_[first : first + BLOCK]
+        for column, factor in zip(columns, odd, strict=True):
+            bits = (column[block] + 0.0).view(np.uint64)  # + 0.0: of two zeros, one sign
+            mixed = (bits ^ (bits >> np.uint64(29))) * factor
+            out[block] += mixed ^ (mixed >> np.uint64(32))
     return out

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.decoding import decoding
 from cdia_pin.errors import LogError
-from cdia_pin.input_files import read_text
+from cdia_pin.input_files import read_text, resolved
 from cdia_pin.logs.readers.bounds import parquet_contents, require_bounded
 from cdia_pin.logs.readers.checksum import sha256_of
 from cdia_pin.logs.readers.table import Table
@@ -37,7 +37,7 @@ def dataset_of(path: Path) -> Path | None:
     Returns:
         The folder of the dataset; None if there is none.
     """
-    folders = [path] if path.is_dir() else path.resolve().parents[:DEPTH]
+    folders = [path] if path.is_dir() else resolved(path).parents[:DEPTH]
     return next((folder for folder in folders if (folder / INFO).is_file()), None)
 
 

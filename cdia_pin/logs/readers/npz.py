@@ -14,6 +14,7 @@ from cdia_pin.logs.columns import signal_of_all
 from cdia_pin.logs.readers.bounds import require_bounded
 from cdia_pin.logs.readers.table import Table
 
+ZIP, ARRAY = b"PK", b"\x93NUMPY"  # with which files of these kinds begin
 _JOINT_KEYS = ("joints", "joint_names", "names", "name")
 
 
@@ -74,6 +75,8 @@ def _names(array: NDArray[Any], key: str, source: str) -> list[str]:
 
 
 def _arrays(data: bytes, source: str) -> dict[str, NDArray[Any]]:
+    if not data.startswith((ZIP, ARRAY)):  # NumPy would take it for pickled objects, and advise to load them
+        raise LogError(f"{source}: not readable as .npz (it is no zip archive)")
     with decoding(lambda said: LogError(f"{source}: not readable as .npz ({said})")):
         loaded = np.load(io.BytesIO(data), allow_pickle=False)
         if not isinstance(loaded, np.lib.npyio.NpzFile):

@@ -36,4 +36,6 @@ def read_parquet(path: Path) -> Table:
     ):
         contents = parquet_contents(file.metadata, file.schema_arrow.names)
         require_bounded(contents, path.stat().st_size, source)
-        return table_from_batches(file.iter_batches(ROWS), file.schema_arrow, source)
+        return table_from_batches(
+            file.iter_batches(ROWS), file.schema_arrow, source, rows=file.metadata.num_rows
+        )

@@ -36,6 +36,16 @@ class Table:
             f"Table({len(self.columns)} columns: {some([shortened(name, 20) for name in self.columns], 3)})"
         )
 
+    def _side_by_side(self, names: list[str]) -> NDArray[np.float64] | None:
+        """Return the array of which these columns are all the columns, in this order; None if there is none."""
+        whole = self.columns[names[0]].base
+        if not isinstance(whole, np.ndarray) or whole.dtype != np.float64 or whole.ndim != 2:
+            return None
+        at = [self.columns[name].__array_interface__["data"][0] for name in names]
+        mine = all(self.columns[name].base is whole for name in names)
+        beginnings = [whole[:, k].__array_interface__["data"][0] for k in range(whole.shape[1])]
+        return whole if mine and at == beginnings else None
+
     def stack(self, names: list[str], source: str) -> NDArray[np.float64]:
         """Return columns side by side; the table's columns become views of them, so that a long log is held once.
 
@@ -52,6 +62,9 @@ class Table:
         for name in names:
             if name in self.not_numbers:
                 raise LogError(f"{source}: column '{name}' must hold numbers, found {self.not_numbers[name]}")
+        whole = self._side_by_side(names)
+        if whole is not None:
+            return whole
         out = np.column_stack([np.asarray(self.columns[name], dtype=np.float64) for name in names])
         for k, name in enumerate(names):
             if self.columns[name].dtype == out.dtype:

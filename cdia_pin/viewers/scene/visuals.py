@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,9 +10,10 @@ import numpy as np
 from lxml import etree
 from numpy.typing import NDArray
 
+from cdia_pin.errors import RobotError
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.robot.urdf import read_urdf
-from cdia_pin.robot.urdf_values import homogeneous, number
+from cdia_pin.robot.urdf_values import homogeneous, number, size_of
 
 Array = NDArray[np.float64]
 Colour = tuple[float, float, float]
@@ -41,11 +43,10 @@ class Visual:
 def visuals_of(robot: RobotModel) -> list[Visual]:
     """Return every visual shape of the robot's file, in its order.
 
+    A shape that cannot be read is left out: a picture with a link less serves better than none.
+
     Args:
         robot: The arm.
-
-    Raises:
-        RobotError: If a number in the file cannot be read.
     """
     urdf = read_urdf(robot.urdf)
     named = {m.get("name"): m for m in urdf.tree.getroot().iter("material") if m.find("color") is not None}
@@ -56,13 +57,13 @@ def visuals_of(robot: RobotModel) -> list[Visual]:
             shape = visual.find("geometry/*")
             if shape is None:
                 continue
-            placement = homogeneous(visual.find("origin"), where)
             material = visual.find("material")
             if material is not None and material.find("color") is None:
                 material = named.get(material.get("name"))
-            size = _size(shape, where)
-            file = str(shape.get("filename", ""))
-            out.append(Visual(link, placement, str(shape.tag), size, file, _colour(material, where)))
+            with contextlib.suppress(RobotError):
+                placement, size = homogeneous(visual.find("origin"), where), size_of(shape, where)
+                file = str(shape.get("filename", ""))
+                out.append(Visual(link, placement, str(shape.tag), size, file, _colour(material)))
     return out
 
 
@@ -85,19 +86,13 @@ def mesh_path(robot: RobotModel, address: str) -> Path | None:
     return next((path for path in candidates if path.is_file()), None)
 
 
-def _size(shape: etree._Element, where: str) -> tuple[float, ...]:
-    if shape.tag == "mesh":
-        text = str(shape.get("scale", "1 1 1"))
-    elif shape.tag == "box":
-        text = str(shape.get("size", ""))
-    else:
-        text = f"{shape.get('radius', '')} {shape.get('length', '')}"
-    return tuple(number(t, where, "size of a shape") for t in text.split())
-
-
-def _colour(material: etree._Element | None, where: str) -> Colour | None:
+def _colour(material: etree._Element | None) -> Colour | None:
+    """Return a colour; none where it cannot be read."""
     colour = None if material is None else material.find("color")
     if colour is None:
         return None
-    red, green, blue = (number(t, where, "colour") for t in str(colour.get("rgba", "1 1 1 1")).split()[:3])
-    return red, green, blue
+    with contextlib.suppress(RobotError, ValueError):
+        parts = str(colour.get("rgba", "1 1 1 1")).split()[:3]
+        red, green, blue = (number(t, "a material", "its colour") for t in parts)
+        return red, green, blue
+    return None
