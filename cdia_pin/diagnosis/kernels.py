@@ -186,13 +186,13 @@ def advance(
             if joint[COLLECTING, j] == 0.0:
                 joint[COLLECTING, j] = 1.0
         elif joint[COLLECTING, j] > 0.0 and joint[MOVING, j] > MOVING_SHARE:
-            accumulate(gram[j], columns[FILTERED, j], r, forget)
+            accumulate(gram[j], columns[FILTERED, j], r, forget, 1.0)
             joint[WEIGHT, j] = forget * joint[WEIGHT, j] + 1.0
     return asks
 
 
 @njit(cache=True)
-def accumulate(gram, y, r, forget):
+def accumulate(gram, y, r, forget, worth):
     """Add a sample to the upper triangle of the Gram matrix of [y; r], and discount the old ones.
 
     Args:
@@ -200,13 +200,15 @@ def accumulate(gram, y, r, forget):
         y: Filtered columns, shape (P,).
         r: Residual [N·m or N].
         forget: Weight that old samples keep [1].
+        worth: Weight of this one [1], or the time that it stands for [s].
     """
     P = len(y)
     for i in range(P):
+        own = worth * y[i]
         for k in range(i, P):
-            gram[i, k] = forget * gram[i, k] + y[i] * y[k]
-        gram[i, P] = forget * gram[i, P] + y[i] * r
-    gram[P, P] = forget * gram[P, P] + r * r
+            gram[i, k] = forget * gram[i, k] + own * y[k]
+        gram[i, P] = forget * gram[i, P] + own * r
+    gram[P, P] = forget * gram[P, P] + worth * r * r
 
 
 @njit(cache=True)
@@ -246,7 +248,7 @@ def learn(joint, neurons, gram, forget):
     """
     for j in range(joint.shape[1]):
         if joint[LEARNING, j] > 0.0 and joint[COLLECTING, j] >= 0.0:
-            accumulate(gram[j], neurons[ACTIVATED, j], joint[RESIDUAL, j], forget)
+            accumulate(gram[j], neurons[ACTIVATED, j], joint[RESIDUAL, j], forget, 1.0)
 
 
 @njit(cache=True)

@@ -24,7 +24,7 @@ from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
 from cdia_pin.diagnosis.tick_flags import ABSENT, ALARM, BAD
 from cdia_pin.diagnosis.whole_arm.arm_monitor import ArmMonitor
 from cdia_pin.diagnosis.whole_arm.belief import added_torque
-from cdia_pin.diagnosis.whole_arm.contact import RESTING, TOGETHER
+from cdia_pin.diagnosis.whole_arm.contact_kernel import RESTING, TOGETHER
 from cdia_pin.diagnosis.whole_arm.learning import PERIOD, Learned, assumed, learn
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import State, Term
