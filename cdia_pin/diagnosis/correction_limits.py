@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +26,7 @@ class CorrectionLimits(Stateful):
         effort: Largest effort of each joint [N·m or N], shape (n,); ``inf`` where it is not known.
         speed: Largest speed of each joint [rad/s or m/s], shape (n,).
         period: Usual time between ticks [s].
+        nothing: Zero, which an engine hands over where it corrects nothing, shape (n,); any zero does, but slower.
 
     Attributes:
         share: Share of a correction that is let through now, from 0 to 1 [1].
@@ -33,12 +36,12 @@ class CorrectionLimits(Stateful):
 
     STATE = ("is_wanted", "share", "asked", "_before", "_now", "_velocity", "_elapsed", "_active")
 
-    def __init__(self, effort: Array, speed: Array, period: float) -> None:
+    def __init__(self, effort: Array, speed: Array, period: float, nothing: Array | None = None) -> None:
         from cdia_pin.diagnosis import correction_kernel  # needs numba
 
         self._bounded, self._effort, self._period = correction_kernel.bounded, effort, period
         self._power = POWER_SHARE * effort * speed
-        self._nothing = np.zeros(len(effort))
+        self._nothing = np.zeros(len(effort)) if nothing is None else nothing
         self.is_wanted = True
         self.reset()
         if not self._bounded.signatures:
@@ -63,7 +66,7 @@ class CorrectionLimits(Stateful):
             is_trusted: Whether the sample was good.
             velocity: Velocities of the last good sample [rad/s or m/s], shape (n,); None where not known.
         """
-        self._elapsed = elapsed if 0 < elapsed < np.inf else self._period
+        self._elapsed = elapsed if 0 < elapsed < inf else self._period
         self._before, self._velocity = self._now, self._nothing if velocity is None else velocity
         if is_trusted and self.is_wanted:
             if self.share < 1.0:
@@ -77,12 +80,13 @@ class CorrectionLimits(Stateful):
         Args:
             asked: The torque that an engine wants to add [N·m or N], shape (n,).
         """
-        if not self._active and not asked.any():
+        if not self._active and (asked is self._nothing or not asked.any()):
             self.asked = self._nothing
             return self._nothing
         self.asked = asked
         rise = self._elapsed / RISE_TIME
-        self._now, self._active = self._bounded(
-            asked, self._before, self._velocity, self._effort, self._power, self.share, rise
+        self._now = np.empty(len(asked))
+        self._active = self._bounded(
+            asked, self._before, self._velocity, self._effort, self._power, self.share, rise, self._now
         )
         return self._now

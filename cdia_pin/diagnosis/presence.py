@@ -39,6 +39,7 @@ class Presence(Stateful):
             i: on_joint(p, joint) for i, p in enumerate(bank.profiles) if p.kind != "always"
         }
         self._learners: dict[int, RegionLearner] = {}
+        self._effects = tuple(bank.effect(i, joint) for i in range(len(bank)))
 
     def new_part(self, name: str) -> RegionLearner:
         """Make a learner, of which there is one for each effect that was seen."""
@@ -98,7 +99,7 @@ class Presence(Stateful):
         """
         terms, at = [], 0
         for i in self.bank.members(mask):
-            effect = self.bank.effect(i, self.joint)
+            effect = self._effects[i]
             own = None if ci95 is None else ci95[at : at + effect.size]
             interval = None if own is None else tuple((float(a), float(b)) for a, b in own)
             at += effect.size

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.correction_limits import CorrectionLimits
 from cdia_pin.diagnosis.engine_interface import Engine
 from cdia_pin.diagnosis.event_history import EventHistory
+from cdia_pin.diagnosis.kernel_cache import first_call
 from cdia_pin.diagnosis.sample_bounds import ANY_SIGNAL, LARGEST_GAP, SampleBounds
 from cdia_pin.diagnosis.sample_check import Outcome, SampleCheck
 from cdia_pin.diagnosis.sensor_fault import SensorFault
@@ -52,14 +53,24 @@ class SafeEngine(Stateful):
         has_velocity: bool,
         history: EventHistory,
     ) -> None:
+        from cdia_pin.diagnosis import correction_kernel  # needs numba
+
+        self._is_usual, self._command = correction_kernel.is_usual, correction_kernel.command
         self.engine, self.history, self._bounds, self._n = engine, history, bounds, robot.n
         self._check = SampleCheck(robot.joints, bounds, has_velocity)
         self._limit = robot.limits.effort
         self._told, self._given = (
-            CorrectionLimits(bounds.effort, bounds.speed, bounds.period) for _ in range(2)
+            CorrectionLimits(bounds.effort, bounds.speed, bounds.period, engine.nothing) for _ in range(2)
         )
-        self._nothing = np.zeros(robot.n)
+        self._nothing = engine.nothing
         self._forget()
+        if not self._command.signatures:
+            first_call("the bounds of commands", (correction_kernel,), self._tried_once)
+
+    def _tried_once(self) -> None:
+        """Bound a command in the types of a control loop."""
+        self._is_usual(self._nothing, ANY_SIGNAL)
+        self._command(self._nothing, self._nothing, self._limit, np.empty(self._n))
 
     def _forget(self) -> None:
         self._last = Status(0.0, (Stage.HEALTHY,) * self._n, self._nothing, self._nothing, self._nothing)
@@ -188,13 +199,14 @@ class SafeEngine(Stateful):
 
     def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
         """Return the torque to command in place of a nominal one; see `Monitor.correct`."""
-        if not np.maximum.reduce(np.abs(tau)) < ANY_SIGNAL:  # also where it is not a number
+        if not self._is_usual(tau, ANY_SIGNAL):  # also where it is not a number
             tau = np.clip(np.where(np.isfinite(tau), tau, self._nominal), -ANY_SIGNAL, ANY_SIGNAL)
-        if v_desired is not None and not np.maximum.reduce(np.abs(v_desired)) < ANY_SIGNAL:
+        if v_desired is not None and not self._is_usual(v_desired, ANY_SIGNAL):
             v_desired = None
         self._nominal = tau
         asked = self.engine.correct(tau, v_desired)
         added = self._given(self._nothing if asked is tau else asked - tau)
-        command = np.minimum(np.maximum(tau + added, -self._limit), self._limit)
-        self._check.commands.append(command.copy())
+        command = np.empty(self._n)
+        self._command(tau, added, self._limit, command)
+        self._check.commands.append(command.copy())  # a driver may change the torque that it gets
         return command

@@ -242,7 +242,7 @@ class RigidBodyTerms:
         for axis, weigh in enumerate(self._along_axes):
             K[:, axis] = weigh(c)
         Y = pin.computeJointTorqueRegressor(self._model, self._data, c, v, a)
-        return np.reshape(Y, (self.n, 10 * self.n)), K  # Pinocchio drops the axis of a single joint
+        return Y if self.n > 1 else np.reshape(Y, (1, 10)), K  # Pinocchio drops the axis of a single joint
 
     def gravity_stiffness(self, q: ArrayLike) -> Array:
         """Compute ∂G/∂q, by which the gravity torque changes with the posture.

@@ -102,7 +102,7 @@ class ArmMonitor(Stateful):
         self._since: float = np.inf  # [s], when the present evidence began
         for hypothesis in HYPOTHESES:
             region_95(hypothesis.shown)  # imports SciPy's part before the first tick
-        if not isolation_kernel.of_arm.signatures:
+        if not isolation_kernel.decided.signatures:
             modules = (evidence_kernel, isolation_kernel, ridge_kernel, kernels)
             first_call("the fits of the whole arm", modules, self._tried_once)
         self.reset()

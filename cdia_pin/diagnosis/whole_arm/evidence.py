@@ -36,11 +36,12 @@ class ArmEvidence(Stateful):
         gram: Gram matrices, upper triangles, shape (n, P + A + 1, P + A + 1).
         weight: Duration of the samples in them, old ones discounted [s], shape (n,).
         ends: First of the A columns of each hypothesis among those of [y z], and the last one's end.
-        priors: Prior standard deviations of each hypothesis' parameters.
+        prior: Prior standard deviations of the A parameters, ``inf`` where nothing is known, shape (A,).
+        unusual: Which hypotheses arms in use hardly ever have.
     """
 
     STATE = ("gram", "weight", "_rows", "_since", "_previous")
-    DERIVED = ("_robot", "_on_regressors")
+    DERIVED = ("_robot", "_on_regressors", "_used")
 
     def __init__(
         self, observer: MomentumObserver, width: int, hypotheses: Sequence[Hypothesis], healthy: HealthyArm
@@ -52,7 +53,8 @@ class ArmEvidence(Stateful):
         size = int(self.ends[-1]) + 1
         self.gram = np.zeros((observer.nominal.robot.n, size, size))
         self.weight = np.zeros(observer.nominal.robot.n)
-        self.priors = tuple(h.prior_scale(observer.nominal.robot) for h in hypotheses)
+        self.prior = np.concatenate([h.prior_scale(observer.nominal.robot) for h in hypotheses])
+        self.unusual = np.array([h.effect.plausibility.unusual for h in hypotheses])
         self._robot: RobotModel | None = None  # of the columns' matrix
         self._rows = np.zeros((observer.nominal.robot.n, size))
         self.stop()
@@ -115,10 +117,11 @@ class ArmEvidence(Stateful):
         if robot is not self._robot:
             self._robot = robot
             self._on_regressors = np.hstack([h.on_regressors(robot) for h in self.hypotheses])
+            self._used = np.flatnonzero(self._on_regressors.any(axis=1))
         a = np.zeros_like(v) if before is None else (v - before[1]) / (t - before[0])
         bodies, gravity = robot.regressors(q, v, a)
-        split = bodies.shape[1]
-        return np.asarray(bodies @ self._on_regressors[:split] + gravity @ self._on_regressors[split:])
+        found: Array = evidence_kernel.columns(bodies, gravity, self._on_regressors, self._used)
+        return found
 
     def forget(self, j: int) -> None:
         """Forget the samples of a joint.

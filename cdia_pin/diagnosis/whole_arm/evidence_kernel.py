@@ -42,3 +42,24 @@ def add(gram, weight, row, phi, last_phi, filtered, remainder, moving, bandwidth
         if moving[j] > MOVING_SHARE and age > SETTLED / bandwidth[j]:
             accumulate(gram[j], row[j, : size - 1], remainder[j], keep, dt)
             weight[j] = keep * weight[j] + dt
+
+
+@njit(cache=True)
+def columns(bodies, gravity, on_regressors, used):
+    """Return [Y K] A, the torque per unit of each parameter of the whole arm's effects, shape (n, A).
+
+    Args:
+        bodies: Y, shape (n, 10 n).
+        gravity: K, shape (n, 3).
+        on_regressors: A, shape (10 n + 3, A).
+        used: Rows of A that are not zero.
+    """
+    n, split = bodies.shape
+    A = on_regressors.shape[1]
+    out = np.zeros((n, A))
+    for i in used:
+        for j in range(n):
+            entry = bodies[j, i] if i < split else gravity[j, i - split]
+            for k in range(A):
+                out[j, k] += entry * on_regressors[i, k]
+    return out

@@ -13,7 +13,7 @@ its threshold, and pay for each further joint: that it fails within the same sec
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -28,7 +28,6 @@ from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
 
 Array = NDArray[np.float64]
 
-UNUSUAL = 5.0  # [1], log-odds against an effect that arms in use hardly ever have
 LEAST_NOISE = (
     0.25  # [1], least variance of what is left over that of a healthy residual: few samples say little
 )
@@ -114,30 +113,18 @@ def decide(
         alarmed: Joints that have left their thresholds.
         settings: Penalty of a parameter.
     """
-    gram, weight = evidence.gram, evidence.weight
-    unit = isolation_kernel.units(gram, weight, evidence.level, evidence.independent)
-    if not unit.any():
-        return UNDECIDED
-    has_alarmed = np.zeros(len(unit), bool)
+    has_alarmed = np.zeros(len(evidence.weight), bool)
     has_alarmed[list(alarmed)] = True
-    joints, share = isolation_kernel.of_joints(gram, unit, has_alarmed, bank.ends, settings.price)
-    found = [_of_arm(evidence, i, unit, settings) for i in range(len(evidence.hypotheses))]
-    first, second = sorted(found, key=lambda d: d.lead, reverse=True)[:2]
-    seen = bool(alarmed) and float(weight[has_alarmed].min()) >= LONG_ENOUGH
-    return replace(
-        first,
-        lead=first.lead - max(joints, second.lead),
-        joints_explain=seen and share >= EXPLAINED_APART,
-    )
-
-
-def _of_arm(evidence: ArmEvidence, i: int, unit: Array, settings: MonitorSettings) -> ArmDecision:
-    """Fit a hypothesis to all joints together; its lead is that over no cause at all."""
-    hypothesis, prior = evidence.hypotheses[i], evidence.priors[i]
-    theta, precision = np.empty(len(prior)), np.empty((len(prior), len(prior)))
-    first, end = int(evidence.ends[i]), int(evidence.ends[i + 1])
-    gain, explained, left = isolation_kernel.of_arm(evidence.gram, unit, first, end, prior, theta, precision)
-    penalty = settings.price * len(theta)
-    if hypothesis.effect.plausibility.unusual:
-        penalty += UNUSUAL
-    return ArmDecision(i, theta, precision / max(LEAST_NOISE, left), gain - penalty, explained)
+    size = len(evidence.prior)
+    theta, precision = np.empty(size), np.empty((size, size))
+    best, lead, explained, left, share = isolation_kernel.decided(
+        evidence.gram, evidence.weight, evidence.level, evidence.independent, has_alarmed, bank.ends,
+        evidence.ends, evidence.prior, evidence.unusual, settings.price, theta, precision,
+    )  # fmt: skip
+    if best < 0:
+        return UNDECIDED
+    first, end = (int(e) - evidence.width for e in evidence.ends[best : best + 2])
+    inverse = precision[first:end, first:end] / max(LEAST_NOISE, left)
+    seen = bool(alarmed) and float(evidence.weight[has_alarmed].min()) >= LONG_ENOUGH
+    apart = seen and share >= EXPLAINED_APART
+    return ArmDecision(best, theta[first:end].copy(), inverse, lead, explained, apart)

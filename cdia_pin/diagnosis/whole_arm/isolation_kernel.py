@@ -11,6 +11,7 @@ from cdia_pin.diagnosis.ridge_kernel import ridge_solve
 # wrong, and the joints' formulas fit as closely for a second or two
 MISSED = 0.1
 COINCIDENCE = 9.0  # [1], log-odds against a joint that fails within seconds of another one: 10⁻⁴
+UNUSUAL = 5.0  # [1], log-odds against an effect that arms in use hardly ever have
 LEAST_WEIGHT = 0.2  # [s] of motion of a joint, from which it counts
 TINY = 1e-300  # keeps a column that was never excited from dividing by zero
 
@@ -109,3 +110,46 @@ def of_arm(gram, unit, first, end, prior, theta, precision):
         gain += less / unit[j]
         energy += gram[j, -1, -1] / unit[j]
     return gain, gain / max(energy, TINY), 2.0 * (energy - gain) / max(count, 1)
+
+
+@njit(cache=True, error_model="numpy")
+def decided(
+    gram, weight, level, independent, alarmed, own_ends, ends, prior, unusual, price, theta, precision
+):
+    """Return the effect that gains most, and what there is to know of it; −1 if there is too little motion.
+
+    Args:
+        gram: Gram matrices of [y z; r], upper triangles, shape (n, P + A + 1, P + A + 1).
+        weight: Durations of the samples in them [s], shape (n,).
+        level: RMS of a healthy residual [N·m or N], shape (n,).
+        independent: Time for which it stays alike [s], shape (n,).
+        alarmed: Joints that have left their thresholds, shape (n,).
+        own_ends: First column of each effect of the bank, and P, shape (N + 1,).
+        ends: First column of each effect of the whole arm, and the last one's end, shape (K + 1,).
+        prior: Prior standard deviations of their parameters, ``inf`` where nothing is known, shape (A,).
+        unusual: Which of them arms hardly ever have, shape (K,).
+        price: Penalty of a parameter [1].
+        theta: Parameters of all effects; filled, shape (A,).
+        precision: Inverses of their covariances at the healthy noise; blocks are filled, shape (A, A).
+
+    Returns:
+        Index, lead over all other causes [1], share of the remainder that it explains [1], mean square of what it
+        leaves over that of a healthy residual [1], and least share that the joints' own effects explain [1].
+    """
+    best, first, second, explained, left = -1, -np.inf, -np.inf, 0.0, 0.0
+    unit = units(gram, weight, level, independent)
+    if not unit.any():
+        return best, first, explained, left, 0.0
+    joints, share = of_joints(gram, unit, alarmed, own_ends, price)
+    for i in range(len(ends) - 1):
+        a, b = ends[i] - ends[0], ends[i + 1] - ends[0]
+        gain, its_share, its_rest = of_arm(
+            gram, unit, ends[i], ends[i + 1], prior[a:b], theta[a:b], precision[a:b, a:b]
+        )
+        lead = gain - price * (b - a) - (UNUSUAL if unusual[i] else 0.0)
+        if lead > first:
+            best, first, second = i, lead, first
+            explained, left = its_share, its_rest
+        elif lead > second:
+            second = lead
+    return best, first - max(joints, second), explained, left, share

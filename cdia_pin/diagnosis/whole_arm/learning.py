@@ -81,7 +81,7 @@ def learn(
             rest = np.maximum(rest, np.where(share < RESTING, off, 0.0))
             resting += dt * (share < RESTING)
             moved += dt * (share >= RESTING)
-            lasting.add(dt, observer.filtered, observer.remainder, still, share > 1.0 - RESTING)
+            lasting.add(dt, observer.filtered, observer.remainder, still, observer.state.steady)
             largest = np.maximum(largest, lasting.explained())
     observer.reset()
     alignment.reset()
