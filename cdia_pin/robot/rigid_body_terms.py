@@ -114,7 +114,7 @@ class RigidBodyTerms:
         Returns:
             M [kg·m², kg·m or kg], shape (n, n), and nle [N·m or N], shape (n,).
         """
-        c = self._configuration(q)
+        c = self._configuration(q) if self._has_continuous else q
         return pin.crba(self._model, self._data, c), pin.nonLinearEffects(self._model, self._data, c, v)
 
     def torque(self, q: Array, v: Array, a: Array) -> Array:

@@ -77,7 +77,7 @@ class ContactDetector(Stateful):
     @property
     def present(self) -> bool:
         """Whether there is contact."""
-        return bool(self._scalars[rows.PRESENT])
+        return bool(self._scalars.item(rows.PRESENT))
 
     def recovers(self, t: float) -> bool:
         """Tell whether joints may still be on their way back from a contact.
@@ -85,7 +85,7 @@ class ContactDetector(Stateful):
         Args:
             t: Time [s].
         """
-        return bool(t < self._scalars[rows.ENDED] + RECOVERY)
+        return t < float(self._scalars.item(rows.ENDED)) + RECOVERY
 
     def settle(self, t: float, remainder: Array) -> None:
         """Take the present remainder as the slow part, because something has been found that explains it.
