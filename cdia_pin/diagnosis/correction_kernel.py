@@ -65,3 +65,27 @@ def command(nominal, added, effort, out):
     for j in range(len(nominal)):
         out[j] = min(max(nominal[j] + added[j], -effort[j]), effort[j])
     return out
+
+
+@njit(cache=True)
+def corrected_command(nominal, wanted, before, velocity, effort, power, share, rise, limit, added, out):
+    """Fill in what may be added to a nominal torque, and the torque to command; return whether any is added.
+
+    Args:
+        nominal: What the control law asks for [N·m or N], shape (n,).
+        wanted: What an engine wants instead, finite or not [N·m or N], shape (n,).
+        before: What was added in the last tick, and so on, see `bounded`.
+        velocity: See `bounded`.
+        effort: See `bounded`.
+        power: See `bounded`.
+        share: See `bounded`.
+        rise: See `bounded`.
+        limit: Effort limits [N·m or N], shape (n,); may be infinite.
+        added: What is added; filled [N·m or N], shape (n,).
+        out: The torque to command; filled [N·m or N], shape (n,).
+    """
+    for j in range(len(nominal)):
+        added[j] = wanted[j] - nominal[j]
+    any_added = bounded(added, before, velocity, effort, power, share, rise, added)
+    command(nominal, added, limit, out)
+    return any_added

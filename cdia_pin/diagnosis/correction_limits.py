@@ -39,17 +39,22 @@ class CorrectionLimits(Stateful):
     def __init__(self, effort: Array, speed: Array, period: float, nothing: Array | None = None) -> None:
         from cdia_pin.diagnosis import correction_kernel  # needs numba
 
-        self._bounded, self._effort, self._period = correction_kernel.bounded, effort, period
+        self._kernel = correction_kernel
+        self._effort, self._period = effort, period
         self._power = POWER_SHARE * effort * speed
         self._nothing = np.zeros(len(effort)) if nothing is None else nothing
         self.is_wanted = True
         self.reset()
-        if not self._bounded.signatures:
+        if not correction_kernel.is_usual.signatures:
             first_call("the bounds of corrections", (correction_kernel,), self._tried_once)
 
     def _tried_once(self) -> None:
         """Bound a torque in the types of a control loop."""
-        self(np.ones(len(self._effort)))
+        one = np.ones(len(self._effort))
+        self(one)
+        self.command(one, one, one)
+        self._kernel.command(one, one, one, one)
+        self._kernel.is_usual(one, 1.0)
         self.reset()
 
     def reset(self) -> None:
@@ -86,7 +91,22 @@ class CorrectionLimits(Stateful):
         self.asked = asked
         rise = self._elapsed / RISE_TIME
         self._now = np.empty(len(asked))
-        self._active = self._bounded(
+        self._active = self._kernel.bounded(
             asked, self._before, self._velocity, self._effort, self._power, self.share, rise, self._now
         )
         return self._now
+
+    def command(self, nominal: Array, wanted: Array, limit: Array) -> Array:
+        """Return the torque to command: a nominal one, and as much of the way to a wanted one as may be added.
+
+        Args:
+            nominal: What the control law asks for [N·m or N], shape (n,).
+            wanted: What an engine wants in place of it [N·m or N], shape (n,).
+            limit: Effort limits [N·m or N], shape (n,); may be infinite.
+        """
+        self._now, out = np.empty(len(nominal)), np.empty(len(nominal))
+        self._active = self._kernel.corrected_command(
+            nominal, wanted, self._before, self._velocity, self._effort, self._power,
+            self.share, self._elapsed / RISE_TIME, limit, self._now, out,
+        )  # fmt: skip
+        return out

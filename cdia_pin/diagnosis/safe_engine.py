@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.correction_limits import CorrectionLimits
 from cdia_pin.diagnosis.engine_interface import Engine
 from cdia_pin.diagnosis.event_history import EventHistory
-from cdia_pin.diagnosis.kernel_cache import first_call
 from cdia_pin.diagnosis.sample_bounds import ANY_SIGNAL, LARGEST_GAP, SampleBounds
 from cdia_pin.diagnosis.sample_check import Outcome, SampleCheck
 from cdia_pin.diagnosis.sensor_fault import SensorFault
@@ -55,7 +54,7 @@ class SafeEngine(Stateful):
     ) -> None:
         from cdia_pin.diagnosis import correction_kernel  # needs numba
 
-        self._is_usual, self._command = correction_kernel.is_usual, correction_kernel.command
+        self._is_usual = correction_kernel.is_usual
         self.engine, self.history, self._bounds, self._n = engine, history, bounds, robot.n
         self._check = SampleCheck(robot.joints, bounds, has_velocity)
         self._limit = robot.limits.effort
@@ -64,13 +63,6 @@ class SafeEngine(Stateful):
         )
         self._nothing = engine.nothing
         self._forget()
-        if not self._command.signatures:
-            first_call("the bounds of commands", (correction_kernel,), self._tried_once)
-
-    def _tried_once(self) -> None:
-        """Bound a command in the types of a control loop."""
-        self._is_usual(self._nothing, ANY_SIGNAL)
-        self._command(self._nothing, self._nothing, self._limit, np.empty(self._n))
 
     def _forget(self) -> None:
         self._last = Status(0.0, (Stage.HEALTHY,) * self._n, self._nothing, self._nothing, self._nothing)
@@ -114,10 +106,9 @@ class SafeEngine(Stateful):
         self, t: float, q: Array, v: Array | None, tau: Array, news: tuple[Event, ...] = ()
     ) -> Status:
         """Give a good sample to the engine."""
-        elapsed = t - self._last.time
-        offset = self._check.offset
-        if offset is not None:
-            q = q - offset
+        elapsed, sensors = t - self._last.time, self._check.sensors
+        if sensors.offset is not None:
+            q = q - sensors.offset
         self._time = t + self._shift
         status = self.engine.update(self._time, q, v, tau)
         self._sample = t, q, v, tau
@@ -126,7 +117,7 @@ class SafeEngine(Stateful):
         self._limit_of_tick(elapsed, True, v)
         status.torque_correction = self._told(status.torque_correction)
         self._check.corrections.append(status.torque_correction)
-        status.sensors = self._check.faults
+        status.sensors = sensors.faults
         if news:
             status.events = (*news, *status.events)
         if status.events:
@@ -204,9 +195,6 @@ class SafeEngine(Stateful):
         if v_desired is not None and not self._is_usual(v_desired, ANY_SIGNAL):
             v_desired = None
         self._nominal = tau
-        asked = self.engine.correct(tau, v_desired)
-        added = self._given(self._nothing if asked is tau else asked - tau)
-        command = np.empty(self._n)
-        self._command(tau, added, self._limit, command)
+        command = self._given.command(tau, self.engine.correct(tau, v_desired), self._limit)
         self._check.commands.append(command.copy())  # a driver may change the torque that it gets
         return command
