@@ -45,7 +45,9 @@ class BeliefState(Stateful):
         self.unknown_before = False
         observer.state.present[j] = 1.0
         self.neurons.stop()
-        self.hold(JointBelief.nothing(bank))
+        self.now = JointBelief.nothing(bank)
+        observer.state.absent[j] = 0.0
+        observer.believe(j, self.now.theta)
 
     def hold(self, belief: JointBelief) -> None:
         """Believe in the effects of a belief, and in no others.
@@ -53,10 +55,10 @@ class BeliefState(Stateful):
         Args:
             belief: The belief.
         """
-        self.now = belief
-        o = self.observer
+        before, self.now, o = self.now, belief, self.observer
         o.believe(self.j, belief.theta)
-        o.state.absent[self.j] *= np.array([belief.mask >> i & 1 for i in range(len(o.effects))])
+        if belief.mask != before.mask:
+            o.state.absent[self.j] *= np.array([belief.mask >> i & 1 for i in range(len(o.effects))])
 
     def commit(self, belief: JointBelief) -> None:
         """Believe in isolated effects; they are neither unknown nor cleared any longer.

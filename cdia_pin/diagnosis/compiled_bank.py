@@ -78,8 +78,9 @@ def activity(joint, neurons, position_centres, velocity_centres, damping_centres
 @njit(cache=True)
 def tick(state, q, v, tau, M, nle, t):
     """Advance all joints by one tick; return what needs attention."""
-    if not (np.isfinite(q).all() and np.isfinite(v).all() and np.isfinite(tau).all()):
-        return BAD
+    for j in range(len(q)):
+        if not (np.isfinite(q[j]) and np.isfinite(v[j]) and np.isfinite(tau[j])):
+            return BAD
 {views}
     dt = t - scalars[TIME]
     scalars[TIME] = t
@@ -106,13 +107,13 @@ def tick(state, q, v, tau, M, nle, t):
         learn(joint, neurons, neuron_gram, scalars[REMEMBER])
     if scalars[CORRECTS] > 0.0:
         still = np.zeros_like(q)
-        joint[ADDITION] = corrected(state, v, still, tau, scalars[CORRECTS] <= 0.0)
+        corrected(state, v, still, tau, scalars[CORRECTS] <= 0.0, joint[ADDITION])
     return asks
 
 
 @njit(cache=True)
-def corrected(state, direction, a, tau, divide):
-    """Return the torque in place of a nominal one, or what to add to it, shape (n,)."""
+def corrected(state, direction, a, tau, divide, out):
+    """Fill in the torque in place of a nominal one, or what to add to it, shape (n,)."""
 {views}
     still = np.zeros_like(tau)
     time = np.full_like(tau, scalars[TIME])
@@ -131,8 +132,9 @@ def corrected(state, direction, a, tau, divide):
             joint, neurons, position_centres, velocity_centres, damping_centres, widths, wanted,
             scalars[LEARNS] > 0.0,
         )
-    return correction(
-        joint, columns, neurons, active, phi[PHI_UNLOADED], loaded, INTERVAL, SMOOTH, tau, scalars[GAIN_FLOOR], divide
+    correction(
+        joint, columns, neurons, active, phi[PHI_UNLOADED], loaded, INTERVAL, SMOOTH, tau, scalars[GAIN_FLOOR],
+        divide, out,
     )
 '''
 
@@ -169,12 +171,16 @@ def compile_bank(effects: Sequence[JointEffect]) -> CompiledBank:
 
 def _tried_once(module: Any, effects: Sequence[JointEffect]) -> None:
     """Call a generated module with an arm of zeros, in the types of a control loop."""
+    from cdia_pin.diagnosis import kernels
+
     joints, neurons = 2, (2, 2, 2, 1)  # as few as differ from a single number
     zero, M = np.zeros(joints), np.zeros((joints, joints))
     state, parts = allocate(layout(joints, effects, neurons))
     parts["scalars"][list(rows.NEURONS)] = neurons[:-1]
     module.tick(state, zero, zero, zero, M, zero, 1.0)
-    module.corrected(state, zero, zero, zero, True)
+    module.corrected(state, zero, zero, zero, True, np.empty(joints))
+    kernels.refresh(parts["joint"], parts["columns"], parts["neurons"], 0)
+    kernels.believes_in(parts["columns"], np.zeros(parts["columns"].shape[2], bool))
 
 
 def python_columns(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +26,7 @@ class CorrectionLimits(Stateful):
         effort: Largest effort of each joint [N·m or N], shape (n,); ``inf`` where it is not known.
         speed: Largest speed of each joint [rad/s or m/s], shape (n,).
         period: Usual time between ticks [s].
+        nothing: Zero, which an engine hands over where it corrects nothing, shape (n,); any zero does, but slower.
 
     Attributes:
         share: Share of a correction that is let through now, from 0 to 1 [1].
@@ -33,20 +36,25 @@ class CorrectionLimits(Stateful):
 
     STATE = ("is_wanted", "share", "asked", "_before", "_now", "_velocity", "_elapsed", "_active")
 
-    def __init__(self, effort: Array, speed: Array, period: float) -> None:
+    def __init__(self, effort: Array, speed: Array, period: float, nothing: Array | None = None) -> None:
         from cdia_pin.diagnosis import correction_kernel  # needs numba
 
-        self._bounded, self._effort, self._period = correction_kernel.bounded, effort, period
+        self._kernel = correction_kernel
+        self._effort, self._period = effort, period
         self._power = POWER_SHARE * effort * speed
-        self._nothing = np.zeros(len(effort))
+        self._nothing = np.zeros(len(effort)) if nothing is None else nothing
         self.is_wanted = True
         self.reset()
-        if not self._bounded.signatures:
+        if not correction_kernel.is_usual.signatures:
             first_call("the bounds of corrections", (correction_kernel,), self._tried_once)
 
     def _tried_once(self) -> None:
         """Bound a torque in the types of a control loop."""
-        self(np.ones(len(self._effort)))
+        one = np.ones(len(self._effort))
+        self(one)
+        self.command(one, one, one)
+        self._kernel.command(one, one, one, one)
+        self._kernel.is_usual(one, 1.0)
         self.reset()
 
     def reset(self) -> None:
@@ -63,7 +71,7 @@ class CorrectionLimits(Stateful):
             is_trusted: Whether the sample was good.
             velocity: Velocities of the last good sample [rad/s or m/s], shape (n,); None where not known.
         """
-        self._elapsed = elapsed if 0 < elapsed < np.inf else self._period
+        self._elapsed = elapsed if 0 < elapsed < inf else self._period
         self._before, self._velocity = self._now, self._nothing if velocity is None else velocity
         if is_trusted and self.is_wanted:
             if self.share < 1.0:
@@ -77,12 +85,28 @@ class CorrectionLimits(Stateful):
         Args:
             asked: The torque that an engine wants to add [N·m or N], shape (n,).
         """
-        if not self._active and not asked.any():
+        if not self._active and (asked is self._nothing or not asked.any()):
             self.asked = self._nothing
             return self._nothing
         self.asked = asked
         rise = self._elapsed / RISE_TIME
-        self._now, self._active = self._bounded(
-            asked, self._before, self._velocity, self._effort, self._power, self.share, rise
+        self._now = np.empty(len(asked))
+        self._active = self._kernel.bounded(
+            asked, self._before, self._velocity, self._effort, self._power, self.share, rise, self._now
         )
         return self._now
+
+    def command(self, nominal: Array, wanted: Array, limit: Array) -> Array:
+        """Return the torque to command: a nominal one, and as much of the way to a wanted one as may be added.
+
+        Args:
+            nominal: What the control law asks for [N·m or N], shape (n,).
+            wanted: What an engine wants in place of it [N·m or N], shape (n,).
+            limit: Effort limits [N·m or N], shape (n,); may be infinite.
+        """
+        self._now, out = np.empty(len(nominal)), np.empty(len(nominal))
+        self._active = self._kernel.corrected_command(
+            nominal, wanted, self._before, self._velocity, self._effort, self._power,
+            self.share, self._elapsed / RISE_TIME, limit, self._now, out,
+        )  # fmt: skip
+        return out

@@ -29,6 +29,11 @@ class Engine(Protocol):
         ...
 
     @property
+    def nothing(self) -> Array:
+        """Zero, the same array each time, for a status with no correction; another zero is as good, but slower."""
+        ...
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What healthy runs taught, one sentence each."""
         ...

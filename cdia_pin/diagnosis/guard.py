@@ -40,9 +40,14 @@ class GuardedEngine(Stateful):
 
     def _forget(self) -> None:
         nothing = np.zeros(self._n)
-        self._last = Status(-np.inf, (Stage.HEALTHY,) * self._n, nothing, nothing, nothing)
+        self._last = Status(-np.inf, (Stage.HEALTHY,) * self._n, nothing, nothing, self.nothing)
         self._bad = False
         self._good_since: float | None = None
+
+    @property
+    def nothing(self) -> Array:
+        """Zero, where nothing is corrected."""
+        return self.engine.nothing
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -161,9 +161,9 @@ class Isolator:
         if not self._variances(gram, columns, variance):  # columns that are sums of each other on this motion
             part = symmetric(gram)[np.ix_(columns, columns)]
             variance = np.maximum(np.diag(ScaledGram.of(part).pseudo_inverse(RANK_CUTOFF)), 0.0)
-        half = NORMAL_95 * noise * np.sqrt(variance * independent)
-        found = theta[columns]
-        return np.array([found - half, found + half]).T
+        half = [NORMAL_95 * noise * math.sqrt(v * independent) for v in variance.tolist()]
+        found = [float(theta[k]) for k in columns]
+        return np.array([(x - h, x + h) for x, h in zip(found, half, strict=True)])
 
     def _is_distinct(self, mask: int) -> bool:
         """Return whether no effect of a combination has degenerated to a simpler one of another name."""

@@ -64,9 +64,11 @@ def first_call(what: str, modules: Iterable[ModuleType], call: Callable[[], obje
 
     Args:
         what: What is compiled, for that warning.
-        modules: The modules whose compiled functions are called.
+        modules: The modules whose compiled functions are called; each may call what stands behind it.
         call: Calls them; called once more if the cache was broken.
     """
+    modules = tuple(modules)
+    _forget_stale(modules)
     text = f"compiling {what}: this takes some seconds, at the first use only"
     waiting = Timer(SILENT, logging.getLogger("cdia_pin").warning, (text,))
     waiting.daemon = True
@@ -90,13 +92,27 @@ def forget(modules: Iterable[ModuleType]) -> int:
     """
     count = 0
     for module in modules:
-        stem = Path(module.__file__ or module.__name__).stem
-        for folder in {Path(f.stats.cache_path) for f in _compiled(module) if f.stats.cache_path}:
-            for path in folder.glob(f"{stem}.*.nb[ic]"):
-                with suppress(OSError):
-                    path.unlink()
-                    count += 1
+        for path in _kept(module):
+            with suppress(OSError):
+                path.unlink()
+                count += 1
     return count
+
+
+def _forget_stale(modules: Sequence[ModuleType]) -> None:
+    """Delete what was compiled before a module behind it was changed: numba watches a function's own file alone."""
+    changed = 0.0
+    for module in reversed(modules):
+        if any(path.stat().st_mtime < changed for path in _kept(module)):
+            forget((module,))
+        changed = max(changed, Path(module.__file__ or "").stat().st_mtime)
+
+
+def _kept(module: ModuleType) -> list[Path]:
+    """Return the files of numba's cache of a module."""
+    stem = Path(module.__file__ or module.__name__).stem
+    folders = {Path(f.stats.cache_path) for f in _compiled(module) if f.stats.cache_path}
+    return [path for folder in folders for path in folder.glob(f"{stem}.*.nb[ic]")]
 
 
 def _compiled(module: ModuleType) -> list[Any]:

@@ -31,7 +31,8 @@ REST_SPEED = 21  # speed below which a joint may rest [rad/s or m/s]
 KNOWN_AMPLITUDE = 22  # largest torque of the model's own joint terms of late [N·m or N]
 LOWEST_VELOCITY = 23  # least q̇ of the healthy runs [rad/s or m/s]
 HIGHEST_VELOCITY = 24  # largest q̇ of the healthy runs [rad/s or m/s]
-JOINT_ROWS = 25  # their number [1]
+STEADY = 25  # 1 in motion for as long as the filter remembers, at speeds that healthy runs have had, else 0
+JOINT_ROWS = 26  # their number [1]
 
 # Rows of the part `columns`, each of shape (n, P).
 PHI = 0  # φ of the last tick, torque per unit of a parameter

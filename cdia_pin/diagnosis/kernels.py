@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-import numpy as np
 from numba import njit
 
 from cdia_pin.diagnosis.kernel_rows import (
@@ -49,6 +48,7 @@ from cdia_pin.diagnosis.kernel_rows import (
     RESIDUAL,
     REST_BOUND,
     REST_SPEED,
+    STEADY,
     THRESHOLD,
     VELOCITY,
     WEIGHT,
@@ -75,6 +75,7 @@ EXPLAINED_SHARE = 0.5  # [1], remainder over an effect's torque, below which the
 MOVING_SHARE = (
     0.9  # [1], least share of the filter's memory in motion, for a sample to be used for a decision
 )
+STEADY_SHARE = 0.95  # [1], the same, for a sample to show what is small but lasts
 
 
 @njit(cache=True)
@@ -149,6 +150,7 @@ def advance(
         if beyond > 0.0:
             fastest = max(joint[HIGHEST_VELOCITY, j], -joint[LOWEST_VELOCITY, j], joint[REST_SPEED, j])
             bound = joint[REST_BOUND, j] * (1.0 + beyond / fastest)
+        joint[STEADY, j] = 1.0 if joint[MOVING, j] > STEADY_SHARE and beyond <= 0.0 else 0.0
         threshold = E[j] * joint[THRESHOLD, j] + (1.0 - E[j]) * bound
         joint[THRESHOLD, j] = threshold
         remainder = r - explained - joint[LEARNED, j]
@@ -186,13 +188,13 @@ def advance(
             if joint[COLLECTING, j] == 0.0:
                 joint[COLLECTING, j] = 1.0
         elif joint[COLLECTING, j] > 0.0 and joint[MOVING, j] > MOVING_SHARE:
-            accumulate(gram[j], columns[FILTERED, j], r, forget)
+            accumulate(gram[j], columns[FILTERED, j], r, forget, 1.0)
             joint[WEIGHT, j] = forget * joint[WEIGHT, j] + 1.0
     return asks
 
 
 @njit(cache=True)
-def accumulate(gram, y, r, forget):
+def accumulate(gram, y, r, forget, worth):
     """Add a sample to the upper triangle of the Gram matrix of [y; r], and discount the old ones.
 
     Args:
@@ -200,13 +202,49 @@ def accumulate(gram, y, r, forget):
         y: Filtered columns, shape (P,).
         r: Residual [N·m or N].
         forget: Weight that old samples keep [1].
+        worth: Weight of this one [1], or the time that it stands for [s].
     """
     P = len(y)
     for i in range(P):
+        own = worth * y[i]
         for k in range(i, P):
-            gram[i, k] = forget * gram[i, k] + y[i] * y[k]
-        gram[i, P] = forget * gram[i, P] + y[i] * r
-    gram[P, P] = forget * gram[P, P] + r * r
+            gram[i, k] = forget * gram[i, k] + own * y[k]
+        gram[i, P] = forget * gram[i, P] + own * r
+    gram[P, P] = forget * gram[P, P] + worth * r * r
+
+
+@njit(cache=True)
+def refresh(joint, columns, neurons, j):
+    """Compute the remainder of a joint again, after what is believed of it has changed.
+
+    Args:
+        joint: Part of the state, shape (rows, n).
+        columns: Part of the state, shape (rows, n, P).
+        neurons: Part of the state, shape (rows, n, H).
+        j: The joint's index.
+    """
+    learned, explained = 0.0, 0.0
+    for k in range(neurons.shape[2]):
+        learned += neurons[WEIGHTS, j, k] * neurons[ACTIVATED, j, k]
+    for k in range(columns.shape[2]):
+        explained += columns[BELIEVED, j, k] * columns[FILTERED, j, k]
+    joint[LEARNED, j] = learned
+    joint[REMAINDER, j] = joint[RESIDUAL, j] - explained - learned
+
+
+@njit(cache=True)
+def believes_in(columns, chosen):
+    """Return whether an effect with one of the chosen columns is believed in, on any joint.
+
+    Args:
+        columns: Part of the state, shape (rows, n, P).
+        chosen: The columns, shape (P,).
+    """
+    for j in range(columns.shape[1]):
+        for k in range(columns.shape[2]):
+            if chosen[k] and columns[BELIEVED, j, k] != 0.0:
+                return True
+    return False
 
 
 @njit(cache=True)
@@ -246,12 +284,14 @@ def learn(joint, neurons, gram, forget):
     """
     for j in range(joint.shape[1]):
         if joint[LEARNING, j] > 0.0 and joint[COLLECTING, j] >= 0.0:
-            accumulate(gram[j], neurons[ACTIVATED, j], joint[RESIDUAL, j], forget)
+            accumulate(gram[j], neurons[ACTIVATED, j], joint[RESIDUAL, j], forget, 1.0)
 
 
 @njit(cache=True)
-def correction(joint, columns, neurons, activations, unloaded, loaded, interval, smooth, tau, floor, divide):
-    """Return the torque that compensates the believed faults and the remainder [N·m or N], shape (n,).
+def correction(
+    joint, columns, neurons, activations, unloaded, loaded, interval, smooth, tau, floor, divide, out
+):
+    """Fill in the torque that compensates the believed faults and the remainder.
 
     With ``divide`` it is the torque that replaces a nominal ``tau``. Without, it is what to add if ``tau`` acts
     already; columns of acceleration are then the filtered ones, because the wanted acceleration is not known.
@@ -268,9 +308,9 @@ def correction(joint, columns, neurons, activations, unloaded, loaded, interval,
         tau: Nominal torque, or the torque that acts [N·m or N], shape (n,).
         floor: Least 1 + h that a torque is divided by [1].
         divide: Whether the torque replaces a nominal one.
+        out: The torque; filled [N·m or N], shape (n,).
     """
     n, P = unloaded.shape
-    out = np.empty(n)
     for j in range(n):
         state, driven = 0.0, 0.0
         for k in range(P):
@@ -292,4 +332,3 @@ def correction(joint, columns, neurons, activations, unloaded, loaded, interval,
         if driven != 0.0 and tau[j] != 0.0:
             gain = max(1.0 + driven / tau[j], floor)
         out[j] = wanted / gain
-    return out

@@ -14,24 +14,23 @@ windows of a Gaussian process grows with √ln N.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis import kernels, lasting_kernel, ridge_kernel
 from cdia_pin.diagnosis.bank import Bank
-from cdia_pin.diagnosis.joint_gram import ridge_inverse
-from cdia_pin.diagnosis.kernels import ROUGHNESS
+from cdia_pin.diagnosis.kernel_cache import first_call
+from cdia_pin.diagnosis.lasting_kernel import LEAST_SHARE
 from cdia_pin.diagnosis.stateful import Stateful
 
 Array = NDArray[np.float64]
 
-# On motions unlike the healthy runs, models of measured arms were up to 0.13 of the torque off.
-LEAST_SHARE = 0.15  # least limit over the joint's RMS torque, in the healthy runs and of late [1]
 LEAST_WINDOWS = (
     2.0  # [1], number of windows that healthy runs count as at least: its logarithm must be positive
 )
 FILLED = 0.5  # [1], share of the window that must hold motion before it counts
-TINY = 1e-300  # keeps a column that was never excited from dividing by zero
 
 
 class LastingDetector(Stateful):
@@ -48,16 +47,23 @@ class LastingDetector(Stateful):
     """
 
     STATE = ("_gram", "_energy", "weight")
-    DERIVED = ("_rows",)
 
     def __init__(self, bank: Bank, n: int, memory: float) -> None:
-        self._spans = [bank.span(i) for i in range(len(bank))]
-        self._width, self._memory = bank.width, memory
-        self._rows = np.zeros((n, bank.width + 1))
-        self._gram = np.zeros((n, bank.width + 1, bank.width + 1))
+        self._ends, self._memory = bank.ends, memory
+        self._gram = np.zeros((n, bank.width + 1, bank.width + 1))  # upper triangles
         self._energy = np.zeros(n)  # integral of the squared torque [(N·m)² s or N² s]
         self.weight = np.zeros(n)
         self.limit = np.full((n, len(bank)), np.inf)
+        if not lasting_kernel.beyond.signatures:
+            first_call(
+                "the detector of what lasts", (lasting_kernel, ridge_kernel, kernels), self._tried_once
+            )
+
+    def _tried_once(self) -> None:
+        """Take a sample in the types of a control loop, and forget it."""
+        none, columns = np.zeros(len(self.weight)), np.zeros((len(self.weight), int(self._ends[-1])))
+        self.add(0.0, columns, none, none, none)
+        self.beyond(none)
 
     def reset(self, joints: Sequence[int] | None = None) -> None:
         """Forget what was seen.
@@ -69,7 +75,7 @@ class LastingDetector(Stateful):
         self._gram[which], self._energy[which], self.weight[which] = 0.0, 0.0, 0.0
 
     def add(
-        self, dt: float, columns: Array, remainder: Array, torque: Array, counts: NDArray[np.bool_]
+        self, dt: float, columns: Array, remainder: Array, torque: Array, counts: Array | NDArray[np.bool_]
     ) -> None:
         """Add a sample.
 
@@ -78,26 +84,17 @@ class LastingDetector(Stateful):
             columns: Filtered columns of the effects, shape (n, P) or wider.
             remainder: Residual less the torque of what is believed [N·m or N], shape (n,).
             torque: Measured torque [N·m or N], shape (n,).
-            counts: Joints that move, shape (n,).
+            counts: Which joints move, 1 or 0, shape (n,).
         """
-        self._rows[:, :-1], self._rows[:, -1] = columns[:, : self._width], remainder
-        keep = np.where(counts, np.exp(-dt / self._memory), 1.0)
-        self._gram *= keep[:, None, None]
-        self._gram += (dt * counts)[:, None, None] * self._rows[:, :, None] * self._rows[:, None, :]
-        self._energy *= keep
-        self._energy += dt * counts * torque**2
-        self.weight *= keep
-        self.weight += dt * counts
+        keep = exp(-dt / self._memory)
+        lasting_kernel.add(
+            self._gram, self._energy, self.weight, columns, remainder, torque, counts, dt, keep
+        )
 
     def explained(self) -> Array:
         """Return the RMS torque that each effect explains [N·m or N], zero without enough motion, shape (n, N)."""
-        out = np.zeros_like(self.limit)
-        filled = self.weight >= FILLED * self._memory
-        for i, span in enumerate(self._spans):
-            A, b = self._gram[:, span, span], self._gram[:, span, -1]
-            gain = np.einsum("jp,jpk,jk->j", b, ridge_inverse(A), b)
-            out[:, i] = np.sqrt(np.maximum(gain, 0.0) / np.maximum(self.weight, TINY))
-        return np.where(filled[:, None], out, 0.0)
+        found: Array = lasting_kernel.explained(self._gram, self.weight, self._ends, FILLED * self._memory)
+        return found
 
     def beyond(self, believed: Array) -> NDArray[np.bool_]:
         """Return the joints on which an effect explains more than a healthy arm shows, shape (n,).
@@ -105,9 +102,10 @@ class LastingDetector(Stateful):
         Args:
             believed: Largest torque of late of what is believed [N·m or N], shape (n,). Its formula may miss a share.
         """
-        torque = np.sqrt(self._energy / np.maximum(self.weight, TINY))
-        limit = np.maximum(self.limit, LEAST_SHARE * torque[:, None]) + ROUGHNESS * believed[:, None]
-        return np.asarray((self.explained() > limit).any(axis=1))
+        found: NDArray[np.bool_] = lasting_kernel.beyond(
+            self.explained(), self.limit, self._energy, self.weight, believed
+        )
+        return found
 
 
 def limit_of(largest: Array, moved: Array, memory: float, false_alarm_every: float, torque: Array) -> Array:

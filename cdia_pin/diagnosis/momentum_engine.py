@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import floor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.alignment import Alignment
 from cdia_pin.diagnosis.approximation import unknown_of
 from cdia_pin.diagnosis.bank import Bank
+from cdia_pin.diagnosis.correction_kernel import command
 from cdia_pin.diagnosis.healthy_arm import HealthyArm, assumed_healthy_arm, learn_healthy_arm
 from cdia_pin.diagnosis.isolation import Decision, Isolator
 from cdia_pin.diagnosis.joint_monitor import JointMonitor
@@ -24,7 +26,7 @@ from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
 from cdia_pin.diagnosis.tick_flags import ABSENT, ALARM, BAD
 from cdia_pin.diagnosis.whole_arm.arm_monitor import ArmMonitor
 from cdia_pin.diagnosis.whole_arm.belief import added_torque
-from cdia_pin.diagnosis.whole_arm.contact import RESTING, TOGETHER
+from cdia_pin.diagnosis.whole_arm.contact_kernel import TOGETHER
 from cdia_pin.diagnosis.whole_arm.learning import PERIOD, Learned, assumed, learn
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import State, Term
@@ -75,7 +77,7 @@ class MomentumEngine(Stateful):
         "_stages",
         "_faults",
     )
-    DERIVED = ("_busy", "_gated")
+    DERIVED = ("_busy", "_gated", "_muted")
 
     def __init__(
         self,
@@ -129,9 +131,10 @@ class MomentumEngine(Stateful):
         ]
         self.arm = ArmMonitor(self.observer, bank, self.healthy, self.learned.contact, settings)
         self._offset = nominal.offset if nominal.offset.any() else None
-        self._limit, self._least = robot.limits.effort, -robot.limits.effort
+        self._limit = robot.limits.effort
         self._blind = self.healthy.sight.blind
-        self._zero = np.zeros(robot.n)
+        self.nothing = np.zeros(robot.n)
+        self._muted: list[int] = []  # joints whose alarms are ignored
         self.reset()
 
     def reset(self) -> None:
@@ -147,7 +150,6 @@ class MomentumEngine(Stateful):
         self._next_look = np.inf
         self._next_sample = self._last_sample = self._next_lasting = self._next_arm_look = -np.inf
         self._lasts: list[int] = []
-        self.observer.state.muted = 0.0
         self.observer.correct_from_now(False)
         self._bad = False
         self._stages: tuple[Stage, ...] = (Stage.HEALTHY,) * len(self.joint_monitors)
@@ -159,17 +161,23 @@ class MomentumEngine(Stateful):
         self._group_joints()
 
     def _group_joints(self) -> None:
-        """Find the joints that are not healthy, and those with effects that come and go."""
+        """Find the joints that are not healthy, those with effects that come and go, and those that ignore alarms."""
         self._busy = [m for m in self.joint_monitors if m.stage is not Stage.HEALTHY]
         self._gated = [m for m in self.joint_monitors if m.profiles]
+        muted = [m.j for m in self._busy if m.ignores_alarms]
+        if muted != self._muted:
+            self.observer.state.muted, self._muted = 0.0, muted
+            self.observer.state.muted[muted] = 1.0
 
     def update(self, t: float, q: Array, v: Array | None, tau: Array) -> Status:
         """Take one tick; see `Engine.update`."""
         o = self.observer
-        sample = self._alignment(t, q, v, tau)
-        if sample is None:
-            return self._status(t, ())
-        then, q, v, tau = sample
+        then = t
+        if v is None or not self._alignment.is_direct:
+            sample = self._alignment(t, q, v, tau)
+            if sample is None:
+                return self._status(t, ())
+            then, q, v, tau = sample
         if self._offset is not None:
             q = q + self._offset
         gap = then - o.time
@@ -225,13 +233,13 @@ class MomentumEngine(Stateful):
         o = self.observer
         dt = then - self._last_sample if self._last_sample > -np.inf else 0.0
         self._last_sample, self._next_sample = then, then + PERIOD * (1.0 - 1e-9)
-        known = (o.v >= o.state.lowest_velocity) & (o.v <= o.state.highest_velocity)
-        self.lasting.add(dt, o.filtered, o.remainder, tau, known & (o.state.moving > 1.0 - RESTING))
+        self.lasting.add(dt, o.filtered, o.remainder, tau, o.state.steady)
         if then >= self._next_lasting:
             self._next_lasting = then + LASTING_EVERY
-            beyond = self.lasting.beyond(o.state.amplitude)
-            for monitor in self.joint_monitors:
-                monitor.lasts = bool(beyond[monitor.j])
+            for monitor, lasts in zip(
+                self.joint_monitors, self.lasting.beyond(o.state.amplitude).tolist(), strict=True
+            ):
+                monitor.lasts = lasts
             self._lasts = [m.j for m in self.joint_monitors if m.lasts and m.is_calm]
         changed = self.arm.sample(dt)
         return changed or bool(self._lasts)
@@ -260,16 +268,15 @@ class MomentumEngine(Stateful):
             if then >= self._next[monitor.j]:
                 # Joints take turns, so that no tick decides on several.
                 late = monitor.j / len(self.joint_monitors) * self.settings.decide_every
-                steps = np.floor((then - late) / self.settings.decide_every) + 1
-                self._next[monitor.j] = float(steps) * self.settings.decide_every + late
+                steps = floor((then - late) / self.settings.decide_every) + 1
+                self._next[monitor.j] = steps * self.settings.decide_every + late
                 new += self._heard(monitor, monitor.look(t))
         self._group_joints()
         looks = [self._next[m.j] for m in self._busy]
         self._next_look = min([*looks, self._next_arm_look] if self.arm.is_busy else looks, default=np.inf)
         self._stages = tuple(self._stage_of(m) for m in self.joint_monitors)
-        o.state.muted = [m.ignores_alarms for m in self.joint_monitors]
         o.correct_from_now(self._corrects)
-        self._faults = self.faults if self._busy or self.arm.is_busy else ()
+        self._faults = (*self.arm.faults, *(term for m in self._busy for term in m.faults))
         return tuple(new)
 
     def _heard(self, monitor: JointMonitor, said: list[Event]) -> list[Event]:
@@ -357,17 +364,17 @@ class MomentumEngine(Stateful):
     @property
     def _corrects(self) -> bool:
         """Whether torques are corrected: never against whoever pushes the arm."""
-        if not self.settings.accommodate or self.arm.is_touched(self.observer.time):
+        if not (self._busy or self.arm.believed) or not self.settings.accommodate:
             return False
-        return bool(self._busy or self.arm.believed) and self.observer.time >= self._quiet_until
+        t = self.observer.time
+        return t >= self._quiet_until and not self.arm.is_touched(t)
 
     def _status(self, t: float, events: tuple[Event, ...]) -> Status:
         o = self.observer
-        correction = self._zero
+        correction = self.nothing
         if self._corrects:
-            correction = np.minimum(
-                np.maximum(o.addition + self.arm.carried_torque, self._least), self._limit
-            )
+            correction = np.empty(len(self.nothing))
+            command(o.addition, self.arm.carried_torque, self._limit, correction)
         residual, threshold = o.residual.copy(), o.threshold.copy()
         return Status(t, self._stages, residual, threshold, correction, self._faults, events, self._blind)
 

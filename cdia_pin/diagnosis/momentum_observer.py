@@ -69,7 +69,7 @@ class MomentumObserver(Stateful):
         unknown: Sequence[Unknown] | None = None,
         bandwidth: Array | None = None,
     ) -> None:
-        from cdia_pin.diagnosis.kernels import NEURON_PERIOD
+        from cdia_pin.diagnosis.kernels import NEURON_PERIOD, believes_in, refresh  # need numba
 
         self.nominal, self.settings, self.dt = nominal, settings, dt
         self.carried = nominal.robot
@@ -111,6 +111,7 @@ class MomentumObserver(Stateful):
             self._compiled.tick,
             nominal.robot.rigid_terms,
         )
+        self._refresh, self._believes_in = refresh, believes_in
         self._in_python = bool(self._compiled.in_python or nominal.others.terms)
         self._still = np.zeros(n)
         self.inertial = False
@@ -180,7 +181,8 @@ class MomentumObserver(Stateful):
         a = self._healthy_acceleration(tau) if self.inertial else self._still
         if self._compiled.in_python:
             self._fill_corrections(direction, a, tau)
-        found: Array = self._compiled.corrected(self._array, direction, a, tau, True)
+        found = np.empty(len(tau))
+        self._compiled.corrected(self._array, direction, a, tau, True, found)
         return found
 
     def _healthy_acceleration(self, tau: Array) -> Array:
@@ -207,8 +209,9 @@ class MomentumObserver(Stateful):
         self.believed[j] = 0.0
         self.believed[j, : len(theta)] = theta
         self.refresh(j)
-        self.inertial = bool(self.believed[:, self._smooth].any())
-        self.state.driven = float(self.believed[:, self._driven].any())
+        columns = self.state.parts["columns"]
+        self.inertial = self._believes_in(columns, self._smooth)
+        self.state.driven = float(self._believes_in(columns, self._driven))
 
     def refresh(self, j: int) -> None:
         """Compute the remainder of a joint again, after its beliefs or the weights of its neurons have changed.
@@ -216,9 +219,8 @@ class MomentumObserver(Stateful):
         Args:
             j: The joint's index.
         """
-        learned = self.state.weights[j] @ self.state.activated[j]
-        self.state.learned[j] = learned
-        self.remainder[j] = self.residual[j] - self.believed[j] @ self.filtered[j] - learned
+        parts = self.state.parts
+        self._refresh(parts["joint"], parts["columns"], parts["neurons"], j)
 
     def use_sign_width(self, width: Array) -> None:
         """Set the speed over which sgn q̇ is smoothed, and with it the speed of rest.

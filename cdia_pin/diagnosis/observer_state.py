@@ -106,6 +106,7 @@ class ObserverState(Stateful):
     rest_speed = _Row("joint", rows.REST_SPEED)
     known_amplitude = _Row("joint", rows.KNOWN_AMPLITUDE)
     lowest_velocity = _Row("joint", rows.LOWEST_VELOCITY)
+    steady = _Row("joint", rows.STEADY)
     highest_velocity = _Row("joint", rows.HIGHEST_VELOCITY)
 
     # Of each column, shape (n, P).
@@ -150,8 +151,9 @@ class ObserverState(Stateful):
         """Set all that past samples left to zero; bounds, beliefs and learned weights stay."""
         for of_joint in (self.residual, self.threshold, self.remainder, self.exceeded, self.learned):
             of_joint[:] = 0.0
-        for of_joint in (self.amplitude, self.known_amplitude, self.moving, self.addition, self.weight):
+        for of_joint in (self.amplitude, self.known_amplitude, self.moving, self.steady, self.addition):
             of_joint[:] = 0.0
+        self.weight = 0.0
         for past in (self.phi, self.filtered, self.activation, self.activated, self.gram, self.absent):
             past[:] = 0.0
         self.neuron_count = 0.0

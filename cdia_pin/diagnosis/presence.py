@@ -39,6 +39,8 @@ class Presence(Stateful):
             i: on_joint(p, joint) for i, p in enumerate(bank.profiles) if p.kind != "always"
         }
         self._learners: dict[int, RegionLearner] = {}
+        self._effects = tuple(bank.effect(i, joint) for i in range(len(bank)))
+        self._columns = tuple(bank.columns([i]).tolist() for i in range(len(bank)))
 
     def new_part(self, name: str) -> RegionLearner:
         """Make a learner, of which there is one for each effect that was seen."""
@@ -55,17 +57,19 @@ class Presence(Stateful):
             belief: What is believed.
             memories: Cleared faults.
         """
-        y, residual = observer.filtered[j], float(observer.residual[j])
+        y, residual = observer.filtered[j].tolist(), float(observer.residual[j])
         threshold = SIGHTING * float(observer.threshold[j])
         for one in (belief, *memories):
             for i in self.bank.members(one.mask):
                 if i in self.profiles:
                     continue
-                span = self.bank.span(i)
-                own = float(one.theta[span] @ y[span])
+                own = sum(float(one.theta[k]) * y[k] for k in self._columns[i])
                 if abs(own) <= threshold:  # both are 0 where the filters have just started
                     continue
-                others = float(observer.believed[j] @ y) - (own if one.mask & belief.mask else 0.0)
+                all_believed = sum(
+                    c * own_y for c, own_y in zip(observer.believed[j].tolist(), y, strict=True)
+                )
+                others = all_believed - (own if one.mask & belief.mask else 0.0)
                 learner = self._learners.setdefault(i, RegionLearner(self.joint))
                 learner.add((residual - others) / own, float(observer.q[j]), float(observer.v[j]))
 
@@ -98,7 +102,7 @@ class Presence(Stateful):
         """
         terms, at = [], 0
         for i in self.bank.members(mask):
-            effect = self.bank.effect(i, self.joint)
+            effect = self._effects[i]
             own = None if ci95 is None else ci95[at : at + effect.size]
             interval = None if own is None else tuple((float(a), float(b)) for a, b in own)
             at += effect.size

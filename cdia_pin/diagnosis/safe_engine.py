@@ -52,13 +52,16 @@ class SafeEngine(Stateful):
         has_velocity: bool,
         history: EventHistory,
     ) -> None:
+        from cdia_pin.diagnosis import correction_kernel  # needs numba
+
+        self._is_usual = correction_kernel.is_usual
         self.engine, self.history, self._bounds, self._n = engine, history, bounds, robot.n
         self._check = SampleCheck(robot.joints, bounds, has_velocity)
         self._limit = robot.limits.effort
         self._told, self._given = (
-            CorrectionLimits(bounds.effort, bounds.speed, bounds.period) for _ in range(2)
+            CorrectionLimits(bounds.effort, bounds.speed, bounds.period, engine.nothing) for _ in range(2)
         )
-        self._nothing = np.zeros(robot.n)
+        self._nothing = engine.nothing
         self._forget()
 
     def _forget(self) -> None:
@@ -103,10 +106,9 @@ class SafeEngine(Stateful):
         self, t: float, q: Array, v: Array | None, tau: Array, news: tuple[Event, ...] = ()
     ) -> Status:
         """Give a good sample to the engine."""
-        elapsed = t - self._last.time
-        offset = self._check.offset
-        if offset is not None:
-            q = q - offset
+        elapsed, sensors = t - self._last.time, self._check.sensors
+        if sensors.offset is not None:
+            q = q - sensors.offset
         self._time = t + self._shift
         status = self.engine.update(self._time, q, v, tau)
         self._sample = t, q, v, tau
@@ -115,7 +117,7 @@ class SafeEngine(Stateful):
         self._limit_of_tick(elapsed, True, v)
         status.torque_correction = self._told(status.torque_correction)
         self._check.corrections.append(status.torque_correction)
-        status.sensors = self._check.faults
+        status.sensors = sensors.faults
         if news:
             status.events = (*news, *status.events)
         if status.events:
@@ -188,13 +190,11 @@ class SafeEngine(Stateful):
 
     def correct(self, tau: Array, v_desired: Array | None = None) -> Array:
         """Return the torque to command in place of a nominal one; see `Monitor.correct`."""
-        if not np.maximum.reduce(np.abs(tau)) < ANY_SIGNAL:  # also where it is not a number
+        if not self._is_usual(tau, ANY_SIGNAL):  # also where it is not a number
             tau = np.clip(np.where(np.isfinite(tau), tau, self._nominal), -ANY_SIGNAL, ANY_SIGNAL)
-        if v_desired is not None and not np.maximum.reduce(np.abs(v_desired)) < ANY_SIGNAL:
+        if v_desired is not None and not self._is_usual(v_desired, ANY_SIGNAL):
             v_desired = None
         self._nominal = tau
-        asked = self.engine.correct(tau, v_desired)
-        added = self._given(self._nothing if asked is tau else asked - tau)
-        command = np.minimum(np.maximum(tau + added, -self._limit), self._limit)
-        self._check.commands.append(command.copy())
+        command = self._given.command(tau, self.engine.correct(tau, v_desired), self._limit)
+        self._check.commands.append(command.copy())  # a driver may change the torque that it gets
         return command

@@ -57,6 +57,9 @@ class Outcome(IntEnum):
     BAD = 4  # drop it, and correct nothing
 
 
+GOOD, STEP_OF_TORQUE, ACCEPTED = codes.GOOD, codes.JUMP + codes.TORQUE, Outcome.ACCEPTED
+
+
 class SampleCheck(Stateful):
     """Decides whether samples can be, and names sensors whose samples cannot.
 
@@ -131,7 +134,7 @@ class SampleCheck(Stateful):
         self.commands: deque[Array] = deque(maxlen=COMMANDS)
         self.missed = 0
         self._accepted, self._bad, self._chain, self._steps = 0, 0, 0, 0
-        self._entry, self._since, self._broken, self._is_evident = codes.GOOD, 0.0, False, False
+        self._entry, self._since, self._broken, self._is_evident = GOOD, 0.0, False, False
         self._has_many_jumps = False
         self._recent = 0.0  # bad samples within about the recovery time
         self._quiet = np.inf  # ticks since the last bad sample
@@ -150,13 +153,18 @@ class SampleCheck(Stateful):
             v = self._still
         code = self._judge(self._limits, self._state, self._scalars, q, v, tau, t)
         self._accepted += 1
-        if code == codes.JUMP + codes.TORQUE and self._is_commanded():
-            code = codes.GOOD
-        if code == codes.GOOD and not self._bad:
+        if code == GOOD and not self._bad:  # so for most samples, which this is made quick for
+            self._quiet += 1
+            return ACCEPTED
+        if code == STEP_OF_TORQUE and self._is_commanded():
+            code = GOOD
+        if self._bad:
+            return self._go_on(code, t, q, v, tau)
+        if code == GOOD:
             self._scalars[rows.IS_GOOD] = 1.0
             self._quiet += 1
-            return Outcome.ACCEPTED
-        return self._enter(code, t, q, v, tau) if not self._bad else self._go_on(code, t, q, v, tau)
+            return ACCEPTED
+        return self._enter(code, t, q, v, tau)
 
     @property
     def offset(self) -> Array | None:
@@ -184,7 +192,7 @@ class SampleCheck(Stateful):
         self._entry, self._since, self._is_evident = code, self._time(t), False
         self._broken = codes.kind_of(code) not in (codes.JUMP, codes.ZEROED)
         self._count_jumps()
-        if code == codes.JUMP + codes.TORQUE:
+        if code == STEP_OF_TORQUE:
             return Outcome.HELD
         self._announce(code, t, q, v, tau)
         self._accuse(code, t, q, v, tau)
@@ -194,7 +202,7 @@ class SampleCheck(Stateful):
         """Take a sample after a bad one."""
         self._bad += 1
         kind = codes.kind_of(code)
-        self._chain = self._chain + 1 if code == codes.GOOD else 0
+        self._chain = self._chain + 1 if code == GOOD else 0
         if kind in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.TIME_BACK, codes.GAP, codes.OUTSIDE):
             self._broken = True
         if kind not in (codes.TIME_IMPOSSIBLE, codes.TIME_TWICE, codes.OUTSIDE) and not codes.is_evidence(
@@ -210,7 +218,7 @@ class SampleCheck(Stateful):
                     self._state[rows.ACCUSED, stopped] = code
                 elif self._is_new_normal(t, q, v):
                     return self._accept(Outcome.RESTARTED, t)
-        self._recent = self._recent * self._fade + (code != codes.GOOD)
+        self._recent = self._recent * self._fade + (code != GOOD)
         if self._steps == self._bad - 1 < HELD_TICKS:
             return Outcome.HELD
         self._announce(code, t, q, v, tau)
@@ -226,11 +234,11 @@ class SampleCheck(Stateful):
             return False
         since = self._since_good(self._limits, self._state, self._scalars, q, v, tau, t)
         asked = min(self._recent, self._recovery_ticks)
-        if since == codes.GOOD:
+        if since == GOOD:
             return 1 + self._chain >= asked
-        if since != codes.JUMP + codes.TORQUE:
+        if since != STEP_OF_TORQUE:
             return False
-        if code == codes.GOOD:  # the torque alone has changed, and stays so: it was no spike
+        if code == GOOD:  # the torque alone has changed, and stays so: it was no spike
             stepped = int(self._scalars[rows.JOINT])
             return self._chain >= asked and not self._repeats(tau, self._recovery_ticks, stepped)
         self._steps += 1

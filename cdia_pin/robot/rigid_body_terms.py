@@ -114,7 +114,7 @@ class RigidBodyTerms:
         Returns:
             M [kg·m², kg·m or kg], shape (n, n), and nle [N·m or N], shape (n,).
         """
-        c = self._configuration(q)
+        c = self._configuration(q) if self._has_continuous else q
         return pin.crba(self._model, self._data, c), pin.nonLinearEffects(self._model, self._data, c, v)
 
     def torque(self, q: Array, v: Array, a: Array) -> Array:
@@ -226,6 +226,23 @@ class RigidBodyTerms:
             K [kg·m or kg], shape (n, 3) or (N, n, 3).
         """
         return np.stack([self._each((self.n,), weigh, q) for weigh in self._along_axes], axis=-1)
+
+    def regressors(self, q: Array, v: Array, a: Array) -> tuple[Array, Array]:
+        """Compute the torque regressor Y and the gravity regressor K of one sample, without checks.
+
+        Args:
+            q: Positions [rad or m], shape (n,).
+            v: Velocities [rad/s or m/s], shape (n,).
+            a: Accelerations [rad/s² or m/s²], shape (n,).
+
+        Returns:
+            Y [N·m or N per unit of π], shape (n, 10 n), and K [kg·m or kg], shape (n, 3).
+        """
+        c, K = self._configuration(q), np.empty((self.n, 3))
+        for axis, weigh in enumerate(self._along_axes):
+            K[:, axis] = weigh(c)
+        Y = pin.computeJointTorqueRegressor(self._model, self._data, c, v, a)
+        return Y if self.n > 1 else np.reshape(Y, (1, 10)), K  # Pinocchio drops the axis of a single joint
 
     def gravity_stiffness(self, q: ArrayLike) -> Array:
         """Compute ∂G/∂q, by which the gravity torque changes with the posture.

@@ -2,8 +2,10 @@
 
 import importlib.util
 import logging
+import os
 import sys
 import time
+from types import ModuleType
 
 import pytest
 
@@ -49,6 +51,19 @@ def test_a_broken_cache_heals(fresh, tmp_path, suffix: str, broken: bytes) -> No
     first_call("a test", [module], lambda: got.append(module.twice(3.0)))
     assert got == [6.0]
     assert fresh().twice(4.0) == 8.0
+
+
+def test_what_was_compiled_before_a_change_of_what_it_calls_is_forgotten(fresh, tmp_path) -> None:
+    module = fresh()
+    assert module.twice(3.0) == 6.0
+    called = ModuleType("called")
+    called.__file__ = str(tmp_path / "called.py")
+    path = tmp_path / "called.py"
+    path.write_text("")
+    for later, kept in ((-60, True), (60, False)):
+        os.utime(path, (time.time() + later,) * 2)
+        first_call("a test", [module, called], lambda: None)
+        assert any(tmp_path.rglob("kept_twice.*.nbi")) == kept
 
 
 def test_an_error_of_the_code_itself_is_not_hidden(fresh) -> None:

@@ -86,6 +86,7 @@ class ThesisEngine(Stateful):
         count = s.neurons
         self._neurons = Neurons.within_limits(self.robot, count) if isinstance(count, int) else count
         self._absent_torque = s.idle_torque * self.unmodelled
+        self.nothing = np.zeros(self.robot.n)
         self.reset()
 
     def reset(self) -> None:
@@ -305,7 +306,7 @@ class ThesisEngine(Stateful):
     def _status(self, residual: Array, events: tuple[Event, ...]) -> Status:
         assert self._now is not None
         acting, bound = self._estimate.isolated.acting(), self._threshold.value
-        correction = -self._fault_torque()(self._effort) if self._accommodating else np.zeros(self.robot.n)
+        correction = -self._fault_torque()(self._effort) if self._accommodating else self.nothing
         stages = joint_stages(
             isolating=self._log.concerned & self._estimate.learning,
             undecided=self._announced.is_open,

@@ -15,12 +15,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis import kernels, ridge_kernel
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.healthy_arm import HealthyArm
+from cdia_pin.diagnosis.kernel_cache import first_call
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event, EventStage, Verdict
+from cdia_pin.diagnosis.whole_arm import evidence_kernel, isolation_kernel
 from cdia_pin.diagnosis.whole_arm.belief import carried, is_possible
 from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
 from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
@@ -99,7 +102,19 @@ class ArmMonitor(Stateful):
         self._since: float = np.inf  # [s], when the present evidence began
         for hypothesis in HYPOTHESES:
             region_95(hypothesis.shown)  # imports SciPy's part before the first tick
+        if not isolation_kernel.decided.signatures:
+            modules = (evidence_kernel, isolation_kernel, ridge_kernel, kernels)
+            first_call("the fits of the whole arm", modules, self._tried_once)
         self.reset()
+
+    def _tried_once(self) -> None:
+        """Collect a sample and decide in the types of a control loop, and forget it."""
+        o, evidence = self.observer, self.evidence
+        evidence.start(0.0)
+        evidence.add(0.0, o.q, o.v)
+        evidence.weight[:], evidence.gram[:] = 1.0, np.eye(evidence.gram.shape[1])
+        decide(evidence, self.bank, (0,), self.settings)
+        evidence.stop()
 
     def reset(self) -> None:
         """Return to the healthy arm."""
@@ -282,7 +297,7 @@ class ArmMonitor(Stateful):
     def _decided(self, joints: Sequence[int]) -> ArmDecision:
         """Return the present decision; none if the arm with what it says would be impossible."""
         found = decide(self.evidence, self.bank, joints, self.settings)
-        if found.index is None:
+        if not self._counts(found):  # then it says nothing, possible or not
             return found
         possible = is_possible(self._changed(found), self.observer.nominal.robot)
         return found if possible else replace(UNDECIDED, joints_explain=found.joints_explain)

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.healthy_arm import HealthyArm
-from cdia_pin.diagnosis.kernels import MOVING_SHARE
+from cdia_pin.diagnosis.joint_gram import symmetric
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.stateful import Stateful
+from cdia_pin.diagnosis.whole_arm import evidence_kernel
 from cdia_pin.diagnosis.whole_arm.hypotheses import Hypothesis
-from cdia_pin.effects import State
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
 LIGHTEST = (
     1e-3  # [1], least level of a joint over the largest of the arm; [N·m or N], least of the largest one
 )
-SETTLED = 2.0  # [1], time constants until the start of a filter is forgotten, which is the present columns
 
 
 class ArmEvidence(Stateful):
@@ -32,12 +33,15 @@ class ArmEvidence(Stateful):
         healthy: What is known of the healthy arm.
 
     Attributes:
-        gram: Gram matrices, shape (n, P + A + 1, P + A + 1).
+        gram: Gram matrices, upper triangles, shape (n, P + A + 1, P + A + 1).
         weight: Duration of the samples in them, old ones discounted [s], shape (n,).
         ends: First of the A columns of each hypothesis among those of [y z], and the last one's end.
+        prior: Prior standard deviations of the A parameters, ``inf`` where nothing is known, shape (A,).
+        unusual: Which hypotheses arms in use hardly ever have.
     """
 
     STATE = ("gram", "weight", "_rows", "_since", "_previous")
+    DERIVED = ("_robot", "_on_regressors", "_used")
 
     def __init__(
         self, observer: MomentumObserver, width: int, hypotheses: Sequence[Hypothesis], healthy: HealthyArm
@@ -49,7 +53,9 @@ class ArmEvidence(Stateful):
         size = int(self.ends[-1]) + 1
         self.gram = np.zeros((observer.nominal.robot.n, size, size))
         self.weight = np.zeros(observer.nominal.robot.n)
-        self._no_effort = np.zeros(observer.nominal.robot.n)
+        self.prior = np.concatenate([h.prior_scale(observer.nominal.robot) for h in hypotheses])
+        self.unusual = np.array([h.effect.plausibility.unusual for h in hypotheses])
+        self._robot: RobotModel | None = None  # of the columns' matrix
         self._rows = np.zeros((observer.nominal.robot.n, size))
         self.stop()
 
@@ -86,25 +92,36 @@ class ArmEvidence(Stateful):
             q: Positions [rad or m], shape (n,).
             v: Velocities [rad/s or m/s], shape (n,).
         """
-        o, before = self.observer, self._previous
-        dt = 0.0 if before is None else t - before[0]
-        a = np.zeros_like(v) if before is None else (v - before[1]) / dt
-        x = State.of(o.carried, q, v, a, effort=self._no_effort)  # no effect of the whole arm reads it
-        phi = np.concatenate([h.columns(x) for h in self.hypotheses], axis=1)
-        if before is None:
-            self.columns[:] = phi
-        else:
-            E = np.exp(-o.bandwidth * dt)[:, None]
-            self.columns[:] = E * self.columns + (1.0 - E) * 0.5 * (phi + before[2])
+        o, phi = self.observer, self._columns_at(q, v, t)
+        last, _, last_phi = self._previous or (t, v, phi)
+        dt = t - last
+        evidence_kernel.add(
+            self.gram,
+            self.weight,
+            self._rows,
+            phi,
+            last_phi,
+            o.filtered,
+            o.remainder,
+            o.state.moving,
+            o.bandwidth,
+            t - self._since,
+            dt,
+            exp(-dt / o.settings.memory),
+        )
         self._previous = (t, v.copy(), phi)
-        self._rows[:, : self.width] = o.filtered[:, : self.width]
-        self._rows[:, -1] = o.remainder
-        counts = (o.state.moving > MOVING_SHARE) & (t - self._since > SETTLED / o.bandwidth)
-        forget = np.where(counts, np.exp(-dt / o.settings.memory), 1.0)
-        rows = self._rows * counts[:, None]
-        self.gram *= forget[:, None, None]
-        self.gram += dt * rows[:, :, None] * rows[:, None, :]
-        self.weight[:] = forget * self.weight + dt * counts
+
+    def _columns_at(self, q: Array, v: Array, t: float) -> Array:
+        """Return the torque per unit of each parameter of the whole arm's effects, shape (n, A)."""
+        robot, before = self.observer.carried, self._previous
+        if robot is not self._robot:
+            self._robot = robot
+            self._on_regressors = np.hstack([h.on_regressors(robot) for h in self.hypotheses])
+            self._used = np.flatnonzero(self._on_regressors.any(axis=1))
+        a = np.zeros_like(v) if before is None else (v - before[1]) / (t - before[0])
+        bodies, gravity = robot.regressors(q, v, a)
+        found: Array = evidence_kernel.columns(bodies, gravity, self._on_regressors, self._used)
+        return found
 
     def forget(self, j: int) -> None:
         """Forget the samples of a joint.
@@ -123,4 +140,5 @@ class ArmEvidence(Stateful):
         """
         less = np.eye(self.gram.shape[1])
         less[int(self.ends[k]) : int(self.ends[k + 1]), -1] = -theta
-        self.gram[:] = less.T @ self.gram @ less
+        for j, gram in enumerate(self.gram):
+            self.gram[j] = less.T @ symmetric(gram) @ less

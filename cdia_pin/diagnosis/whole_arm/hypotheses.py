@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects import BaseTilt, Effect, Payload, State, Term
+from cdia_pin.effects import BaseTilt, Effect, Payload, Term
+from cdia_pin.effects.unit_regressors import on_regressors
 from cdia_pin.robot.inertia import parameters_of
 from cdia_pin.robot.model import RobotModel
 
@@ -30,13 +31,13 @@ class Hypothesis:
     effect: Effect
     shown: int
 
-    def columns(self, x: State) -> Array:
-        """Return the torque per unit of each estimated parameter near zero, shape (n, shown).
+    def on_regressors(self, robot: RobotModel) -> Array:
+        """Return A with [Y K] A, the torque per unit of each estimated parameter near zero, shape (10 n + 3, shown).
 
         Args:
-            x: One sample.
+            robot: The arm, n joints; Y and K are its `regressors`.
         """
-        return np.asarray(self.effect.jacobian(x, np.zeros(self.effect.size))[0, :, : self.shown])
+        return on_regressors(self.effect, robot)[:, : self.shown]
 
     def prior_scale(self, robot: RobotModel) -> Array:
         """Return the prior standard deviation of each estimated parameter, ``inf`` where nothing is known.

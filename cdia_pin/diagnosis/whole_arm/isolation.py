@@ -13,7 +13,7 @@ its threshold, and pay for each further joint: that it fails within the same sec
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -23,22 +23,16 @@ from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.isolation import LEAST_EXPLAINED, NORMAL_95
 from cdia_pin.diagnosis.joint_gram import ridge_inverse
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
+from cdia_pin.diagnosis.whole_arm import isolation_kernel
 from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
 
 Array = NDArray[np.float64]
 
-# [1], share of the remainder that a formula may miss where noise is small: the arm's own masses are a few per cent
-# wrong, and the joints' formulas fit as closely for a second or two
-MISSED = 0.1
-COINCIDENCE = 9.0  # [1], log-odds against a joint that fails within seconds of another one: 10⁻⁴
-UNUSUAL = 5.0  # [1], log-odds against an effect that arms in use hardly ever have
 LEAST_NOISE = (
     0.25  # [1], least variance of what is left over that of a healthy residual: few samples say little
 )
 LONG_ENOUGH = 1.0  # [s] of motion, for which no push follows the formulas of effects of several joints
 EXPLAINED_APART = 0.9  # [1], share of each joint's remainder that one effect must explain to rule out a push
-LEAST_WEIGHT = 0.2  # [s] of motion of a joint, from which it counts
-TINY = 1e-300  # keeps a column that was never excited from dividing by zero
 
 
 @dataclass(frozen=True)
@@ -119,58 +113,18 @@ def decide(
         alarmed: Joints that have left their thresholds.
         settings: Penalty of a parameter.
     """
-    used = np.flatnonzero(evidence.weight >= LEAST_WEIGHT)
-    if not len(used):
+    has_alarmed = np.zeros(len(evidence.weight), bool)
+    has_alarmed[list(alarmed)] = True
+    size = len(evidence.prior)
+    theta, precision = np.empty(size), np.empty((size, size))
+    best, lead, explained, left, share = isolation_kernel.decided(
+        evidence.gram, evidence.weight, evidence.level, evidence.independent, has_alarmed, bank.ends,
+        evidence.ends, evidence.prior, evidence.unusual, settings.price, theta, precision,
+    )  # fmt: skip
+    if best < 0:
         return UNDECIDED
-    G = evidence.gram[used]
-    energy = G[:, -1, -1]
-    mean = energy / evidence.weight[used]
-    healthy2 = evidence.level[used] ** 2
-    noise2 = healthy2 + MISSED**2 * np.maximum(mean, healthy2 * np.mean(mean / healthy2))
-    unit = 2.0 * noise2 * evidence.independent[used]  # of a gain of log-likelihood [(N·m)² s]
-    own = [k for k, j in enumerate(used) if j in alarmed]
-    joints, share = _of_joints(G, bank, own, unit, settings)
-    seen = bool(own) and float(evidence.weight[used][own].min()) >= LONG_ENOUGH
-    found = [_of_arm(evidence, i, G, unit, settings) for i in range(len(evidence.hypotheses))]
-    first, second = sorted(found, key=lambda d: d.lead, reverse=True)[:2]
-    apart = len(own) == len(alarmed) and seen and share >= EXPLAINED_APART
-    return replace(first, lead=first.lead - max(joints, second.lead), joints_explain=apart)
-
-
-def _of_arm(evidence: ArmEvidence, i: int, G: Array, unit: Array, settings: MonitorSettings) -> ArmDecision:
-    """Fit a hypothesis to all joints together; its lead is that over no cause at all."""
-    part = np.s_[int(evidence.ends[i]) : int(evidence.ends[i + 1])]
-    A = np.einsum("jab,j->ab", G[:, part, part], 2.0 / unit)
-    b = np.einsum("ja,j->a", G[:, part, -1], 2.0 / unit)
-    prior = evidence.hypotheses[i].prior_scale(evidence.observer.nominal.robot)
-    weighed = A + np.diag(1.0 / prior**2)
-    theta = ridge_inverse(weighed) @ b
-    less = 2.0 * G[:, part, -1] @ theta - np.einsum("a,jab,b->j", theta, G[:, part, part], theta)
-    energy = G[:, -1, -1]
-    explained = float(np.sum(less / unit) / max(np.sum(energy / unit), TINY))
-    left = np.sum((energy - less) * 2.0 / unit) / max(len(energy), 1)
-    precision = weighed / max(LEAST_NOISE, float(left))
-    penalty = settings.price * len(theta)
-    if evidence.hypotheses[i].effect.plausibility.unusual:
-        penalty += UNUSUAL
-    return ArmDecision(i, theta, precision, float(np.sum(less / unit)) - penalty, explained)
-
-
-def _of_joints(
-    G: Array, bank: Bank, alarmed: Sequence[int], unit: Array, settings: MonitorSettings
-) -> tuple[float, float]:
-    """Return what the best single effects of some joints gain, penalties included, and the least share they explain.
-
-    Each of these joints has left its threshold, so it must have a cause, even if that gains less than its penalty.
-    """
-    total, share = 0.0, 1.0
-    for k in alarmed:
-        gain, explained = -np.inf, 0.0
-        for e in range(len(bank)):
-            columns = bank.columns([e])
-            A, b = G[k][np.ix_(columns, columns)], G[k][columns, -1]
-            energy = float(b @ ridge_inverse(A) @ b)
-            explained = max(explained, energy / max(float(G[k][-1, -1]), TINY))
-            gain = max(gain, energy / unit[k] - settings.price * len(columns))
-        total, share = total + gain, min(share, explained)
-    return total - COINCIDENCE * max(len(alarmed) - 1, 0), share
+    first, end = (int(e) - evidence.width for e in evidence.ends[best : best + 2])
+    inverse = precision[first:end, first:end] / max(LEAST_NOISE, left)
+    seen = bool(alarmed) and float(evidence.weight[has_alarmed].min()) >= LONG_ENOUGH
+    apart = seen and share >= EXPLAINED_APART
+    return ArmDecision(best, theta[first:end].copy(), inverse, lead, explained, apart)

@@ -15,7 +15,8 @@ from cdia_pin.diagnosis.lasting import LastingDetector, limit_of
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.moving_residual import LEAST_MOTION
 from cdia_pin.diagnosis.residuals import along, pooled
-from cdia_pin.diagnosis.whole_arm.contact import RESTING, ContactDetector, ContactLimits
+from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
+from cdia_pin.diagnosis.whole_arm.contact_kernel import RESTING
 from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
@@ -80,7 +81,7 @@ def learn(
             rest = np.maximum(rest, np.where(share < RESTING, off, 0.0))
             resting += dt * (share < RESTING)
             moved += dt * (share >= RESTING)
-            lasting.add(dt, observer.filtered, observer.remainder, still, share > 1.0 - RESTING)
+            lasting.add(dt, observer.filtered, observer.remainder, still, observer.state.steady)
             largest = np.maximum(largest, lasting.explained())
     observer.reset()
     alignment.reset()
