@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 NEARNESS = "largest residual over its threshold"  # head of a column: a share of the threshold of that moment
+MOST_PERCENT = 10.0  # share [1] up to which it is written in percent
 STYLES = {"detection": "yellow", "isolation": "cyan", "idle": "green"}
 
 
@@ -74,12 +75,15 @@ def joints_table(run: MonitorRun) -> Table:
 
 
 def share_words(sight: JointSight | None) -> str:
-    """Return a threshold's share of the RMS torque of healthy motion, as ``12 %``.
+    """Return a threshold's share of the RMS torque of healthy motion, as ``12 %``, or ``1382 ×``.
 
     Args:
         sight: What is known of the joint, if anything.
     """
-    return "–" if sight is None or sight["share"] is None else percent(sight["share"])
+    share = None if sight is None else sight["share"]
+    if share is None:
+        return "–"
+    return percent(share) if share <= MOST_PERCENT else f"{number(share)}{NO_BREAK}×"
 
 
 def stage_words(stage: str, blind: bool) -> str:

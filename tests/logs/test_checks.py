@@ -1,6 +1,7 @@
 """Checks find what was done to a log, say what to do, and leave honest logs alone."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,11 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cdia_pin import Dynamics, load_robot
+from cdia_pin.app.advice import advice_words
 from cdia_pin.effects import parse_term
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, check_log, read_log, write_log
+from cdia_pin.logs.checks.another_arm import check_arm
 from cdia_pin.logs.checks.conventions import ConventionChange, Conventions, Trial, commonest
 from cdia_pin.logs.checks.effort_kind import GravityGain
+from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import quantum
 from cdia_pin.logs.checks.stretches import check_stuck
 from cdia_pin.logs.derivatives import differentiate
@@ -514,6 +518,46 @@ def test_another_unit_is_not_another_arm(ur5, ur5_log):
     for factor in (100.0, 1000.0):  # N·cm, N·mm
         check = check_log(replace(ur5_log, effort=factor * ur5_log.effort), ur5)
         assert not check.about("robot")
+
+
+def before_its_gears(log):
+    """The log with the torques of the motors: friction and some inertia, and gravity that a spring carries."""
+    ratios = np.array([160.0, 270.0, 250.0, 90.0, 120.0, 60.0])
+    speed = differentiate(log.position, log.rate)
+    rng = np.random.default_rng(3)
+    noise = 0.02 * rng.standard_normal(log.effort.shape)
+    friction = log.effort.std(axis=0).max() * (np.tanh(speed / 0.01) + 0.3 * speed)
+    return replace(log, effort=(0.02 * log.effort + friction) / ratios + noise)
+
+
+def test_torques_before_the_gears_are_those_of_the_motors_and_not_of_a_small_arm(ur5_log):
+    large = load_robot("ur10")
+    check = check_log(replace(before_its_gears(ur5_log), joints=large.joints), large)
+    assert not check.about("robot")
+    (found,) = [f for f in check.about("effort_kind") if f.severity == "warning"]
+    assert "before the gears" in found.message
+    assert "reduction=" in found.advice
+    assert advice_words(found.advice).startswith(
+        "if it is motor torque, give the gear ratios of the data sheet; "
+    )
+
+
+def test_friction_alone_makes_no_small_arm_likely(ur5_log):
+    """A small arm needs so little torque beside this friction that any would do."""
+    large = load_robot("ur10")
+    speed = differentiate(ur5_log.position, ur5_log.rate)
+    noise = np.random.default_rng(3).standard_normal(speed.shape)
+    log = replace(ur5_log, effort=15 * np.tanh(speed / 0.01) + 5 * speed + noise, joints=large.joints)
+    assert not check_log(log, large).about("robot")
+
+
+def test_shares_too_large_for_percents_are_factors(ur5, ur5_log):
+    log = small_arm_log(ur5, load_robot("ur3"), ur5_log)
+    heavy = motion_of(replace(log, effort=0.02 * log.effort), ur5.is_prismatic)
+    plain = motion_of(log, ur5.is_prismatic)
+    (found,) = check_arm(ur5, heavy, plain, {})
+    assert "times their variance" in found.message
+    assert len(re.findall(r"\d+%", found.message)) == 1
 
 
 def test_a_heavy_payload_is_not_another_arm(ur5, ur5_log):
