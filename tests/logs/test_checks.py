@@ -589,6 +589,19 @@ def test_several_turns_of_a_joint_without_limits_are_not_degrees(wheel, plant):
         assert not check_log(replace(log, position=q, velocity=v, effort=effort), wheel).about("units")
 
 
+def test_a_fast_joint_without_limits_is_not_in_degrees_unless_torques_say_so(tmp_path, plant):
+    urdf = write_urdf("continuous", tmp_path)
+    slow = (
+        '<axis xyz="0 1 0"/><limit effort="60" velocity="0.5"/>'  # a limit of speed that somebody put there
+    )
+    urdf.write_text(urdf.read_text().replace('<axis xyz="0 1 0"/>', slow))
+    wheel = load_robot(str(urdf))
+    log = plant(wheel)
+    q, v = 12 * log.position, 12 * log.velocity
+    noise = np.random.default_rng(0).normal(size=q.shape)
+    assert not check_log(replace(log, position=q, velocity=v, effort=noise), wheel).about("units")
+
+
 def test_a_velocity_later_than_any_that_is_tried_is_said_to_be_so(ur5, ur5_log):
     late = np.column_stack([np.interp(ur5_log.time - 0.18, ur5_log.time, v) for v in ur5_log.velocity.T])
     messages = [f.message for f in check_log(replace(ur5_log, velocity=late), ur5).about("velocity")]
