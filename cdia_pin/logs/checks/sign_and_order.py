@@ -79,7 +79,8 @@ def _adopted(log: Log, robot: RobotModel, search: ConventionSearch) -> Iterator[
         yield Finding(
             d.topic,
             d.severity,
-            f"{d.message}: the unexplained share of the effort of {worst} falls from {search.before[k]:.0%} to "
+            f"{d.message}: the unexplained share of the effort of {worst} "
+            f"{'falls' if search.after[k] < search.before[k] else 'goes'} from {search.before[k]:.0%} to "
             f"{search.after[k]:.0%}"
             + (f"; about as likely: {' / '.join(list(dict.fromkeys(others))[:3])}" if others else ""),
             joint=d.joints[0] if len(d.joints) == 1 else None,
