@@ -146,6 +146,16 @@ def test_several_wrong_signs_are_found_together(panda, panda_log):
     assert found.value["joints"] == list(panda.joints)
 
 
+@pytest.mark.parametrize("signals", [("effort",), ("position", "velocity")])
+def test_a_joint_whose_sign_is_wrong_is_not_among_those_whose_sign_is_right(panda, panda_log, signals):
+    wrong, *others = panda.joints[3:0:-1]
+    error, *more = check_log(turned(panda_log, wrong, *signals), panda).about("sign")
+    assert (error.severity, error.joint) == ("error", wrong)
+    (rest,) = more
+    assert set(others) <= set(rest.value["sure"])
+    assert wrong not in rest.message
+
+
 def test_a_position_of_the_wrong_sign_is_found(panda, panda_log):
     (found,) = problems(turned(panda_log, "panda_joint3", "position", "velocity"), panda)
     assert found.advice == "--convert flip_position=panda_joint3"
@@ -616,7 +626,10 @@ def test_several_axes_that_may_be_reversed_have_a_plural(ur5):
 
     def said(*axes):
         rest = [SimpleNamespace(joints=(k,), kind=ConventionChange.BOTH_SIGNS, gain=0.0) for k in axes]
-        return _signs(SimpleNamespace(joints=ur5.joints), SimpleNamespace(rest=rest)).message
+        same = Conventions.assumed(ur5.n)
+        search = SimpleNamespace(rest=rest, start=same, conventions=same)
+        (found,) = _signs(SimpleNamespace(joints=ur5.joints), ur5, search)
+        return found.message
 
     assert "elbow_joint is reversed" in said(2)
     assert "elbow_joint, wrist_3_joint are each reversed" in said(2, 5)
