@@ -16,7 +16,8 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, check_log, read_log, write_log
 from cdia_pin.logs.checks.another_arm import check_arm
 from cdia_pin.logs.checks.conventions import ConventionChange, Conventions, Trial, commonest
-from cdia_pin.logs.checks.effort_kind import GravityGain
+from cdia_pin.logs.checks.effort_kind import GravityGain, check_effort_kind
+from cdia_pin.logs.checks.lag import LagEstimate, check_lag
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import quantum
 from cdia_pin.logs.checks.stretches import check_stuck
@@ -263,6 +264,34 @@ def test_no_delay_is_reported_without_one(ur5, panda, ur5_log, panda_log):
         low, high = found.value["interval_s"]
         assert found.severity == "info"
         assert low <= 0.0 <= high
+
+
+@pytest.mark.parametrize(("shift", "said"), [(-0.03, "early"), (0.03, "late")])
+def test_a_lag_is_early_or_late_and_never_negative(panda, panda_log, shift, said):
+    time = panda_log.time
+    moved = np.column_stack([np.interp(time - shift, time, effort) for effort in panda_log.effort.T])
+    (found,) = check_log(replace(panda_log, effort=moved), panda).about("lag")
+    assert re.match(
+        rf"the efforts are [\d.]+ ms {said} \(between [\d.]+ ms \w+ and [\d.]+ ms \w+\)", found.message
+    )
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "said"),
+    [(-0.137, 0.129, "from 100 ms early to 100 ms late"), (-0.03, 0.05, "from 30 ms early to 50 ms late")],
+)
+def test_a_lag_that_is_not_known_is_between_lags_that_were_tried(monkeypatch, ur5, ur5_log, low, high, said):
+    estimate = LagEstimate(0.0, low, high, (0,))
+    monkeypatch.setattr("cdia_pin.logs.checks.lag.estimate_lag", lambda *_: estimate)
+    (found,) = check_lag(ur5_log, ur5, Conventions.assumed(ur5.n))
+    assert said in found.message
+
+
+def test_gear_ratios_and_drive_gains_that_are_proposed_are_above_zero(ur5, ur5_log):
+    gains = {1: GravityGain(0.02, 0.001, 0.02, 3.0), 2: GravityGain(0.01, 0.001, 0.01, 3.0)}
+    gains[3] = GravityGain(-0.01, 0.001, 0.01, 1.0)
+    (found,) = check_effort_kind(ur5_log, gains)
+    assert "--convert reduction=" in found.advice and ":-" not in found.advice
 
 
 # ---------------------------------------------------------------- velocity

@@ -294,7 +294,7 @@ def _judge(log: Log, known: dict[int, GravityGain], value: Mapping[str, object])
             advice="check the sign of the efforts, and that the URDF's base is upright",
             value=value,
         )
-    inverse = ",".join(f"{log.joints[k]}:{1 / g.gain:.3g}" for k, g in known.items())
+    inverse = ",".join(f"{log.joints[k]}:{1 / g.gain:.3g}" for k, g in known.items() if g.gain > 0)
     farthest = max((g.gain for g in known.values()), key=lambda gain: abs(np.log(max(gain, 1e-9))))
     deciding = farthest if 0.5 <= min(middle, farthest) <= max(middle, farthest) < 2.0 else middle
     kinds = KINDS if log.effort_tolerance is None else (MILLIAMPERES, *KINDS)
