@@ -108,7 +108,8 @@ class MonitorRun:
     def nearness(self) -> Array:
         """Largest residual of each joint over its threshold of that moment [1], shape (n,).
 
-        It may exceed 1 without a detection, which takes several ticks in a row.
+        It may exceed 1 without a detection: for a few ticks, and near rest, where the friction that a model has may be
+        off by its size. Where a fault is believed, it is that of the whole residual, and not of what the fault leaves.
         """
         bound = np.where(self.threshold > 0, self.threshold, np.inf)
         return np.asarray((np.abs(self.residual) / bound).max(axis=0))

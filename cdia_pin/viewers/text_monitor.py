@@ -132,13 +132,9 @@ def run_summary(run: MonitorRun) -> str:
     everywhere = len(run.blind) == len(run.joints)
     blind = f" Blind: {'all joints' if everywhere else listed(run.blind)}." if run.blind else ""
     detections = [e for e in run.events if e.stage == "detection"]
+    tolerated = _tolerated(run, _joints_of(run.events))
     if not detections:
-        nearest = int(np.argmax(run.nearness))
-        share = percent(float(run.nearness[nearest]))
-        return (
-            f"No fault was detected in {span}. The residual came nearest to its threshold on {run.joints[nearest]}: "
-            f"{share} of it.{blind}"
-        )
+        return f"No fault was detected in {span}.{tolerated or _nearest(run)}{blind}"
     left = [e for e in detections if e.reason != LASTS]
     lasted = [e for e in detections if e.reason == LASTS]
     seen = [
@@ -148,7 +144,25 @@ def run_summary(run: MonitorRun) -> str:
     ]
     doubted = [j for j in _joints_of(detections) if j in run.blind]
     doubt = f" A detection on {listed(doubted)} is one to doubt: blind." if doubted else ""
-    return f"In {span} {' and '.join(seen)}.{doubt} {_at_the_end(run)}{blind}"
+    return f"In {span} {' and '.join(seen)}.{doubt} {_at_the_end(run)}{tolerated}{blind}"
+
+
+def _nearest(run: MonitorRun) -> str:
+    """Return on which joint the residual came nearest to its threshold of that moment."""
+    nearest = int(np.argmax(run.nearness))
+    share = percent(float(run.nearness[nearest]))
+    return f" The residual came nearest to its threshold on {run.joints[nearest]}: {share} of it."
+
+
+def _tolerated(run: MonitorRun, said: Sequence[str]) -> str:
+    """Return the joints without an event whose residual was above its threshold, and why that is no detection."""
+    above = [j for j, near in zip(run.joints, run.nearness, strict=True) if near > 1 and j not in said]
+    if not above:
+        return ""
+    return (
+        f" On {listed(above)} the residual was above its threshold without a detection: for a few ticks, or near rest, "
+        "where the friction of the model may be off."
+    )
 
 
 def _joints_of(events: Sequence[Event]) -> list[str]:

@@ -223,11 +223,21 @@ def test_the_summary_is_a_sentence(run):
     )
 
 
+def test_a_residual_above_its_threshold_without_a_detection_is_explained(run):
+    quiet = replace(run, events=(), faults=(), residual=np.full(run.residual.shape, [0.1, 1.9, 0.6, 0.4]))
+    said = run_summary(quiet)
+    assert said.startswith(
+        "No fault was detected in 10 s. On joint2 the residual was above its threshold without"
+    )
+    assert "nearest" not in said
+
+
 def test_a_fault_that_is_not_isolated_remains_and_one_on_a_blind_joint_is_doubted(run):
     stages = run.stages.copy()
     stages[-1] = [STAGES.index(s) for s in (Stage.HEALTHY, Stage.HEALTHY, Stage.HEALTHY, Stage.DETECTED)]
     event = Event(13.0, "detection", ("joint4",), Verdict.NONE, reason=LASTS)
-    said = run_summary(replace(run, stages=stages, events=(event,), faults=()))
+    quiet = np.full(run.residual.shape, [0.1, 0.2, 0.6, 2.0])
+    said = run_summary(replace(run, stages=stages, events=(event,), faults=(), residual=quiet))
     assert said == (
         "In 10 s a small residual lasted on joint4, first at 13.000 s. A detection on joint4 is one to doubt: blind. "
         "The fault on joint4 is not isolated yet. Blind: joint4."
