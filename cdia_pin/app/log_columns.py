@@ -62,7 +62,7 @@ def columns_of(
     own = {g.signal: g.pattern for g in guesses if g.signal} | dict(asked.columns)
     try:
         table, _ = read_table(asked.log, joints, Wanted(asked.format, asked.joint_map, episode=asked.episode))
-        names: ColumnNames = choice_of(table, asked.format, own, asked.log.name).columns
+        names: ColumnNames = choice_of(table, asked.format, own, asked.log.name, joints).columns
     except LogError:
         return None
     of_motion = dict.fromkeys(

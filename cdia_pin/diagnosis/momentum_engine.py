@@ -22,7 +22,7 @@ from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.residuals import SETTLING
 from cdia_pin.diagnosis.sight import JointSight
 from cdia_pin.diagnosis.stateful import Stateful
-from cdia_pin.diagnosis.status import Event, EventStage, Stage, Status, Verdict
+from cdia_pin.diagnosis.status import LASTS, Event, EventStage, Stage, Status, Verdict
 from cdia_pin.diagnosis.tick_flags import ABSENT, ALARM, BAD
 from cdia_pin.diagnosis.whole_arm.arm_monitor import ArmMonitor
 from cdia_pin.diagnosis.whole_arm.belief import added_torque
@@ -255,7 +255,7 @@ class MomentumEngine(Stateful):
                     if o.state.exceeded[monitor.j] >= self.settings.debounce:
                         new += monitor.alarm(t)
             for j in self._lasts:
-                new += self.joint_monitors[j].alarm(t, "small, but it lasts")
+                new += self.joint_monitors[j].alarm(t, LASTS)
         self._lasts = []
         if asks & ABSENT:
             for monitor in self._busy:

@@ -99,6 +99,21 @@ class MonitorRun:
         """Names of the joints whose threshold is too wide to see a fault of 30 % of their torque."""
         return tuple(blind_joints(self.record["sight"]))
 
+    @property
+    def typical_threshold(self) -> Array:
+        """Median of each joint's threshold, which depends on the state [N·m or N], shape (n,)."""
+        return np.asarray(np.median(self.threshold, axis=0))
+
+    @property
+    def nearness(self) -> Array:
+        """Largest residual of each joint over its threshold of that moment [1], shape (n,).
+
+        It may exceed 1 without a detection: for a few ticks, and near rest, where the friction that a model has may be
+        off by its size. Where a fault is believed, it is that of the whole residual, and not of what the fault leaves.
+        """
+        bound = np.where(self.threshold > 0, self.threshold, np.inf)
+        return np.asarray((np.abs(self.residual) / bound).max(axis=0))
+
     def tracking_rms(self, since: float = -np.inf) -> dict[str, float]:
         """Return the RMS of position less desired position of each joint [rad or m]; empty without reference.
 

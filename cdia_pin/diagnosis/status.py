@@ -49,6 +49,9 @@ class EventStage(StrEnum):
     SENSOR = "sensor"  # a sensor is at fault, or can be trusted again; the arm is not concerned
 
 
+LASTS = "small, but it lasts"  # reason of a detection by the second detector, below the threshold
+
+
 class FaultDict(TypedDict):
     """A fault in files of the schema cdia-events/1."""
 

@@ -11,6 +11,7 @@ from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, Drift, Term
 from cdia_pin.effects.presliding import longest_reach
+from cdia_pin.logs.reversals import reversals
 from cdia_pin.regression.experiment import Experiment, Prediction
 from cdia_pin.regression.friction_memory import bent
 from cdia_pin.regression.regression import Regression
@@ -72,7 +73,8 @@ def _memories(regression: Regression, model: Dynamics, settings: MemorySettings)
     experiment, whitening = regression.experiment, regression.whitening
     prediction = experiment.predict(model)
     for j, joint in enumerate(model.robot.joints):
-        if experiment.resting[j]:
+        turns = sum(reversals(s.motion.v[:, j]) for s in experiment.segments)
+        if experiment.resting[j] or turns < settings.least_reversals:
             continue
         own = [
             _columns(regression, prediction, t, j) for t in model.terms if j in t.effect.acts_on(model.robot)
@@ -100,19 +102,19 @@ def _memories(regression: Regression, model: Dynamics, settings: MemorySettings)
         )
         short = REACHES[best] * travel <= longest_reach(model.robot, j)
         if best > 0 and short and gains[best] > enough and levels[best] > settings.least_torque * torque:
-            yield _presliding(model.robot, joint, levels[best], float(REACHES[best] * travel))
+            yield _presliding(model.robot, joint, levels[best], float(REACHES[best] * travel), turns)
 
 
-def _presliding(robot: RobotModel, joint: str, level: float, reach: float) -> Phenomenon:
+def _presliding(robot: RobotModel, joint: str, level: float, reach: float, turns: int) -> Phenomenon:
     prismatic = bool(robot.is_prismatic[robot.joint_index(joint)])
     x, effort = ("m", "N") if prismatic else ("rad", "N·m")
     stiffness = level / reach
     return Phenomenon(
         PhenomenonKind.MEMORY,
         (joint,),
-        f"friction on {joint} has memory at reversals: it looks like presliding, {level:.2g} {effort} built up over "
-        f"about {reach:.2g} {x} (stiffness ≈ {stiffness:.2g} {effort}/{x})",
-        {"level": level, "reach": reach, "stiffness": stiffness},
+        f"friction on {joint} has memory at its {turns} reversals: it looks like presliding, {level:.2g} {effort} "
+        f"built up over about {reach:.2g} {x} (stiffness ≈ {stiffness:.2g} {effort}/{x})",
+        {"level": level, "reach": reach, "stiffness": stiffness, "reversals": turns},
     )
 
 

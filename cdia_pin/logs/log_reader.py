@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conversion import Conversion
 from cdia_pin.logs.effort_signal import pick_effort
-from cdia_pin.logs.formats import ColumnChoice, choose_columns, column_patterns, format_of, recognised
+from cdia_pin.logs.formats import CSV, ColumnChoice, choose_columns, column_patterns, format_of, recognised
+from cdia_pin.logs.formats.choice import for_one_joint, names_no_joint
 from cdia_pin.logs.gains import Gains, read_gains
 from cdia_pin.logs.joint_names import check_joint_map, joint_map_of
 from cdia_pin.logs.log import Log
@@ -80,8 +81,12 @@ def read_log(
     if format is not None:
         format_of(format)
     table, sha256 = read_table(path, robot.joints, Wanted(format, renames, topic, episode))
-    choice = choice_of(table, format, own, path.name)
+    choice = choice_of(table, format, own, path.name, robot.joints)
     pick = SignalPicker(table, choice, robot.joints, renames, path.name, list(table.notes))
+    if names_no_joint(choice, robot.joints[0]):
+        pick.notes.append(
+            f"columns without the name of a joint are those of the only joint, {robot.joints[0]}"
+        )
     if choice.format.marks:
         pick.notes.append(
             f"read as {choice.format.description} ({choice.format.name}); --format csv changes it"
@@ -125,7 +130,9 @@ def read_log(
     )
 
 
-def choice_of(table: Table, asked: str | None, own: Mapping[str, str], source: str) -> ColumnChoice:
+def choice_of(
+    table: Table, asked: str | None, own: Mapping[str, str], source: str, joints: Sequence[str]
+) -> ColumnChoice:
     """Return the columns of each signal.
 
     Args:
@@ -133,6 +140,7 @@ def choice_of(table: Table, asked: str | None, own: Mapping[str, str], source: s
         asked: Name of the format, if the user gives it.
         own: {signal: pattern} as the user gives it.
         source: Name of the log, for messages.
+        joints: Joints of the robot; columns of an only joint need not name it.
 
     Raises:
         LogError: If the columns are not those that were asked for.
@@ -142,9 +150,10 @@ def choice_of(table: Table, asked: str | None, own: Mapping[str, str], source: s
         if asked is not None and table.format not in {None, asked}:
             raise LogError(f"not of format '{asked}': it is {format_of(str(table.format)).description}")
         format_ = recognised(names, asked) if table.format is None else format_of(table.format)
-        return choose_columns(names, format_, own)
+        choice = choose_columns(names, format_, own)
     except LogError as error:
         raise LogError(f"{source}: {error}") from None
+    return for_one_joint(choice, joints[0]) if len(joints) == 1 and format_ == CSV else choice
 
 
 def _require_units(choice: ColumnChoice, conversion: Conversion, source: str) -> None:

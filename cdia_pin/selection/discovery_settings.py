@@ -69,10 +69,13 @@ class MemorySettings:
     Attributes:
         least_share: Share of the residual of a joint that memory must explain [1].
         least_torque: Level of the friction that builds up, over the joint's RMS torque [1].
+        least_reversals: Reversals of a joint in all logs [1]. After one reversal in each direction the distance
+            travelled is a function of position and direction; the third is the first that tells them apart.
     """
 
     least_share: float = 0.1
     least_torque: float = 0.01
+    least_reversals: int = 3
 
     __repr__ = settings_repr
 

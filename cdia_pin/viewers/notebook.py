@@ -21,7 +21,7 @@ from cdia_pin.viewers.report_isolation import stage_spans
 from cdia_pin.viewers.short_answer import short_answer
 from cdia_pin.viewers.sparks import BEFORE
 from cdia_pin.viewers.stage_colours import STAGE_COLOURS
-from cdia_pin.viewers.text_monitor import run_summary, stage_words
+from cdia_pin.viewers.text_monitor import NEARNESS, run_summary, stage_words
 from cdia_pin.viewers.verdict import comparison_sentence, mean_share, unseen_share, verdict_sentences
 from cdia_pin.viewers.whole_arm_row import WHOLE_ARM, of_joint, whole_arm_row
 from cdia_pin.viewers.words import (
@@ -207,8 +207,8 @@ def _run(result: MonitorRun) -> Iterable[str]:
         words = f"{joint}: {', '.join(f'{s} from {a:.2f} s' for a, _, s in spans)}"
         rows.append((
             stage_words(joint, joint in result.blind),
-            with_unit(number(float(np.median(result.threshold[:, j]))), unit),
-            with_unit(number(float(np.abs(result.residual[:, j]).max())), unit),
+            with_unit(number(float(result.typical_threshold[j])), unit),
+            percent(float(result.nearness[j])),
             Markup(sparks.strip([(a, b, *colours[s]) for a, b, s in spans], begin, end, words)),
             _lines(fault_words(t, result.robot) for t in of_joint(result.faults, joint)) or "–",
         ))  # fmt: skip
@@ -216,8 +216,8 @@ def _run(result: MonitorRun) -> Iterable[str]:
         rows.append((WHOLE_ARM, "–", "–", Markup(arm.stage), _lines(arm.believed) or "–"))
     heads = (
         "joint",
-        "threshold",
-        "largest residual",
+        "typical threshold",
+        NEARNESS,
         f"stages, {begin:.4g} to {end:.4g} s",
         "fault at the end",
     )

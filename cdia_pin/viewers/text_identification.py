@@ -14,6 +14,7 @@ from cdia_pin.regression.shares import mean_share
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.parameter_rows import parameters, shape_parameters
 from cdia_pin.viewers.words import (
+    course_words,
     effect_name,
     joint_units,
     listed,
@@ -54,8 +55,8 @@ def sentences(found: Identification) -> list[str]:
     silent = [n for n, seen in zip(base.names, base.identifiable, strict=True) if not seen]
     links = [names[j] for j in found.model.robot.joints if any(n.startswith(f"{j}.") for n in silent)]
     out = [
-        f"On data that was not fitted the error falls from {percent(before)} to {percent(after)} of the torque, mean "
-        "over the joints.",
+        f"On data that was not fitted the error {course_words(before, after)} of the torque, mean over the "
+        "joints.",
         "Every link is physically consistent."
         if (found.margin >= 0).all()
         else "Not every link is physically consistent: do not simulate with these numbers.",

@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from cdia_pin.diagnosis.record import STAGES
-from cdia_pin.diagnosis.status import Stage
+from cdia_pin.diagnosis.status import LASTS, Stage
 from cdia_pin.phrases import NO_BREAK
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.event_words import EventRow, event_rows, fault_words
@@ -17,14 +17,16 @@ from cdia_pin.viewers.whole_arm_row import WHOLE_ARM, of_joint, whole_arm_row
 from cdia_pin.viewers.words import joint_units, listed, number, percent, short_names, with_unit
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from cdia_pin.diagnosis import MonitorRun
+    from cdia_pin.diagnosis import Event, MonitorRun
     from cdia_pin.diagnosis.sight import JointSight
     from cdia_pin.robot.model import RobotModel
 
+NEARNESS = "largest residual over its threshold"  # head of a column: a share of the threshold of that moment
+MOST_PERCENT = 10.0  # share [1] up to which it is written in percent
 STYLES = {"detection": "yellow", "isolation": "cyan", "idle": "green"}
 
 
@@ -42,26 +44,28 @@ def events_table(run: MonitorRun) -> Table:
 
 
 def joints_table(run: MonitorRun) -> Table:
-    """Return threshold and its share of the healthy torque, largest residual, last stage and faults of each joint.
+    """Return typical threshold, its share of the healthy torque, largest residual, last stage and faults of each joint.
 
-    The last row is that of the whole arm: payload, tilt, contact.
+    A threshold depends on the state, so the largest residual is a share of its threshold of that moment. The last row
+    is that of the whole arm: payload, tilt, contact.
 
     Args:
         run: Of a replay or a closed loop.
     """
-    heads = ("joint", "threshold", f"of{NO_BREAK}torque", "largest residual", "at the end", "fault")
+    heads = ("joint", "typical threshold", f"of{NO_BREAK}torque", NEARNESS, "at the end", "fault")
     table = new_table(*heads, left=(0, 4, 5))
     short = short_names(run.joints)
     sight = run.record["sight"]
+    typical, nearness = run.typical_threshold.tolist(), run.nearness.tolist()
     for j, joint in enumerate(run.joints):
         unit = joint_units(run.robot, joint)["load" if run.in_torque else "velocity"]
         believed = [fault_words(t, run.robot) for t in of_joint(run.faults, joint)]
         add_row(
             table,
             short[joint],
-            with_unit(number(float(np.median(run.threshold[:, j]))), unit),
+            with_unit(number(typical[j]), unit),
             share_words(sight.get(joint)),
-            with_unit(number(float(np.abs(run.residual[:, j]).max())), unit),
+            percent(nearness[j]),
             stage_words(STAGES[run.stages[-1, j]], joint in run.blind),
             "\n".join(believed) or "–",
         )
@@ -71,12 +75,15 @@ def joints_table(run: MonitorRun) -> Table:
 
 
 def share_words(sight: JointSight | None) -> str:
-    """Return a threshold's share of the RMS torque of healthy motion, as ``12 %``.
+    """Return a threshold's share of the RMS torque of healthy motion, as ``12 %``, or ``1382 ×``.
 
     Args:
         sight: What is known of the joint, if anything.
     """
-    return "–" if sight is None or sight["share"] is None else percent(sight["share"])
+    share = None if sight is None else sight["share"]
+    if share is None:
+        return "–"
+    return percent(share) if share <= MOST_PERCENT else f"{number(share)}{NO_BREAK}×"
 
 
 def stage_words(stage: str, blind: bool) -> str:
@@ -116,24 +123,59 @@ def _milli(value: float, unit: str) -> str:
 
 
 def run_summary(run: MonitorRun) -> str:
-    """Return what happened in a run, in one to three sentences.
+    """Return what happened in a run, in a few sentences.
 
     Args:
         run: Of a replay or a closed loop.
     """
-    seen = dict.fromkeys(j for e in run.events if e.stage == "detection" for j in e.joints)
     span = f"{run.time[-1] - run.time[0]:.4g} s"
     everywhere = len(run.blind) == len(run.joints)
     blind = f" Blind: {'all joints' if everywhere else listed(run.blind)}." if run.blind else ""
-    if not seen:
-        return f"No residual left its threshold in {span}.{blind}"
-    first = min(e.time for e in run.events if e.stage == "detection")
+    detections = [e for e in run.events if e.stage == "detection"]
+    tolerated = _tolerated(run, _joints_of(run.events))
+    if not detections:
+        return f"No fault was detected in {span}.{tolerated or _nearest(run)}{blind}"
+    left = [e for e in detections if e.reason != LASTS]
+    lasted = [e for e in detections if e.reason == LASTS]
+    seen = [
+        f"{what} on {listed(_joints_of(events))}, first at {events[0].time:.3f} s"
+        for what, events in (("the residual left its threshold", left), ("a small residual lasted", lasted))
+        if events
+    ]
+    doubted = [j for j in _joints_of(detections) if j in run.blind]
+    doubt = f" A detection on {listed(doubted)} is one to doubt: blind." if doubted else ""
+    return f"In {span} {' and '.join(seen)}.{doubt} {_at_the_end(run)}{tolerated}{blind}"
+
+
+def _nearest(run: MonitorRun) -> str:
+    """Return on which joint the residual came nearest to its threshold of that moment."""
+    nearest = int(np.argmax(run.nearness))
+    share = percent(float(run.nearness[nearest]))
+    return f" The residual came nearest to its threshold on {run.joints[nearest]}: {share} of it."
+
+
+def _tolerated(run: MonitorRun, said: Sequence[str]) -> str:
+    """Return the joints without an event whose residual was above its threshold, and why that is no detection."""
+    above = [j for j, near in zip(run.joints, run.nearness, strict=True) if near > 1 and j not in said]
+    if not above:
+        return ""
+    return (
+        f" On {listed(above)} the residual was above its threshold without a detection: for a few ticks, or near rest, "
+        "where the friction of the model may be off."
+    )
+
+
+def _joints_of(events: Sequence[Event]) -> list[str]:
+    return list(dict.fromkeys(j for e in events for j in e.joints))
+
+
+def _at_the_end(run: MonitorRun) -> str:
+    """Return the faults that are believed at the end, and those that are not isolated yet."""
     believed = [fault_words(t, run.robot, joint=True) for t in run.faults]
-    end = f"At the end: {listed(believed)}." if believed else "No fault remains."
-    open_ = [j for k, j in enumerate(run.joints) if STAGES[run.stages[-1, k]] is Stage.DETECTED]
-    undecided = f" The fault on {listed(open_)} is not isolated yet." if open_ else ""
-    left = f"In {span} the residual left its threshold on {listed(seen)}, first at {first:.3f} s."
-    return f"{left} {end}{undecided}{blind}"
+    undecided = [j for k, j in enumerate(run.joints) if STAGES[run.stages[-1, k]] is Stage.DETECTED]
+    said = [f"At the end: {listed(believed)}."] if believed else []
+    said += [f"The fault on {listed(undecided)} is not isolated yet."] if undecided else []
+    return " ".join(said) or "No fault remains."
 
 
 def _said(row: EventRow) -> Text:

@@ -11,8 +11,10 @@ from cdia_pin.changes.confidence import Confidence
 from cdia_pin.regression import shares
 from cdia_pin.viewers.effect_groups import MOST_RIVALS, effect_groups, on_joints, rivals, term_of
 from cdia_pin.viewers.words import (
+    NOTICEABLE,
     advice_words,
     confusion_words,
+    course_words,
     effect_words,
     few,
     listed,
@@ -23,7 +25,6 @@ from cdia_pin.viewers.words import (
 if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison, Discovery, Step
 
-NOTICEABLE = 0.99  # [1], of the error, above which it has not fallen
 NAMES = {
     Confidence.ESTABLISHED: "established",
     Confidence.LIKELY: "likely",
@@ -199,18 +200,16 @@ def _structure_sentences(found: Discovery) -> list[str]:
 def _error_sentence(found: Discovery) -> str:
     first, last = found.trace[0], found.trace[-1]
     floor = f"the noise floor is {percent(mean_share(found.noise_floor, found))}"
-    before = percent(mean_share(first.rms, found))
+    before, after = mean_share(first.rms, found), mean_share(last.rms, found)
     if len(found.trace) == 1:
-        return f"The error is {before} of the measured torque (mean over the joints), {floor}."
-    after, unseen = percent(mean_share(last.rms, found)), percent(unseen_share(last.heldout_rms, found))
+        return f"The error is {percent(before)} of the measured torque (mean over the joints), {floor}."
+    unseen = unseen_share(last.heldout_rms, found)
+    unseen_course = f"is {percent(unseen)}"
     if not error_falls(found):
-        return (
-            f"The error stays at {after} of the measured torque (mean over the joints); "
-            f"on data that was not fitted it is {unseen}, {floor}."
-        )
+        unseen_course = course_words(unseen_share(first.heldout_rms, found), unseen)
     return (
-        f"The error falls from {before} to {after} of the measured torque (mean over the joints); "
-        f"on data that was not fitted it is {unseen}, {floor}."
+        f"The error {course_words(before, after)} of the measured torque (mean over the joints); "
+        f"on data that was not fitted it {unseen_course}, {floor}."
     )
 
 

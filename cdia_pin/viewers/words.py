@@ -23,6 +23,8 @@ MOST_JOINTS = 2  # that are named; of more, only their number is said
 
 # ------------------------------------------------------------------ numbers
 
+NOTICEABLE = 0.99  # [1], of an error, above which it has not fallen
+
 
 def number(value: float, digits: int = 3) -> str:
     """Return a number as text, with a power of ten only where it is tiny or huge.
@@ -50,6 +52,18 @@ def percent(share: float) -> str:
     if 0 < value < 0.005:
         return f"<0.01{NO_BREAK}%"
     return f"{value:.{0 if value >= 9.95 else 1 if value >= 0.995 else 2}f}{NO_BREAK}%"
+
+
+def course_words(before: float, after: float) -> str:
+    """Return ``falls from 12 % to 3.4 %``, ``stays at 12 %`` or ``rises from 12 % to 14 %``.
+
+    Args:
+        before: A share [1].
+        after: The same later [1].
+    """
+    if NOTICEABLE * before <= after <= before / NOTICEABLE:
+        return f"stays at {percent(after)}"
+    return f"{'falls' if after < before else 'rises'} from {percent(before)} to {percent(after)}"
 
 
 def with_interval(value: float, interval: tuple[float, float] | None, unit: str) -> str:

@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
+from cdia_pin import Dynamics, load_robot
+from cdia_pin.discovery.recognition import recognised
 from cdia_pin.effects.presliding import deflection
+from cdia_pin.logs import Log
+from cdia_pin.selection import DiscoverySettings
+from cdia_pin.selection.problem import Problem
 from tests.hidden_plants import hidden, plant_of
 
 ARMS = ("ur5", "panda")
@@ -57,3 +62,23 @@ def test_bristles_follow_distance_and_not_speed():
     after = z[400:] - (-1 + 2 * np.exp(-(1 - q[400:]) / reach))  # from +1 to −1 over the reach
     np.testing.assert_allclose(after, 0.0, atol=1e-4)
     np.testing.assert_allclose(deflection(np.diff(q[::10]), reach), z[::10], atol=1e-9)  # however fast it was
+
+
+@pytest.mark.parametrize(("period", "seen"), [(40.0, False), (4.0, True)])
+def test_a_joint_has_memory_only_if_it_turns_back_three_times(period, seen):
+    """The same friction builds up, once from a start at rest and then at reversals."""
+    robot = load_robot("double_pendulum")
+    settings = DiscoverySettings()
+    t, w = np.arange(0.0, 20.0, 0.01), 2 * np.pi / period
+    q = np.column_stack([-np.cos(w * t), 0.2 * np.sin(3 * t)])
+    v = np.column_stack([w * np.sin(w * t), 0.6 * np.cos(3 * t)])
+    a = np.column_stack([w**2 * np.cos(w * t), -1.8 * np.sin(3 * t)])
+    friction = 0.3 * deflection(np.diff(q[:, 0]), 0.05)
+    noise = 0.002 * np.random.default_rng(0).standard_normal(q.shape)
+    effort = robot.inverse_dynamics(q, v, a) + np.column_stack([friction, 0 * friction]) + noise
+    model = Dynamics(robot)
+    problem = Problem.of(model, [Log(robot.joints, t, q, effort, source="made")], [], settings)
+    logs = problem.with_noise_of(problem.lack_of_fit(model))
+    found = recognised(logs.regression, model, robot.joints, settings.memory)
+    assert [f.joints for f in found] == ([(robot.joints[0],)] if seen else [])
+    assert all("9 reversals" in f.sentence for f in found)

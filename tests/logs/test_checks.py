@@ -1,6 +1,7 @@
 """Checks find what was done to a log, say what to do, and leave honest logs alone."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,11 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cdia_pin import Dynamics, load_robot
+from cdia_pin.app.advice import advice_words
 from cdia_pin.effects import parse_term
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, check_log, read_log, write_log
+from cdia_pin.logs.checks.another_arm import check_arm
 from cdia_pin.logs.checks.conventions import ConventionChange, Conventions, Trial, commonest
-from cdia_pin.logs.checks.effort_kind import GravityGain
+from cdia_pin.logs.checks.effort_kind import GravityGain, check_effort_kind
+from cdia_pin.logs.checks.lag import LagEstimate, check_lag
+from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import quantum
 from cdia_pin.logs.checks.stuck import check_stuck
 from cdia_pin.logs.derivatives import differentiate
@@ -133,6 +138,16 @@ def test_several_wrong_signs_are_found_together(panda, panda_log):
     assert found.value["joints"] == list(panda.joints)
 
 
+@pytest.mark.parametrize("signals", [("effort",), ("position", "velocity")])
+def test_a_joint_whose_sign_is_wrong_is_not_among_those_whose_sign_is_right(panda, panda_log, signals):
+    wrong, *others = panda.joints[3:0:-1]
+    error, *more = check_log(turned(panda_log, wrong, *signals), panda).about("sign")
+    assert (error.severity, error.joint) == ("error", wrong)
+    (rest,) = more
+    assert set(others) <= set(rest.value["sure"])
+    assert wrong not in rest.message
+
+
 def test_a_position_of_the_wrong_sign_is_found(panda, panda_log):
     (found,) = problems(turned(panda_log, "panda_joint3", "position", "velocity"), panda)
     assert found.advice == "--convert flip_position=panda_joint3"
@@ -240,6 +255,34 @@ def test_no_delay_is_reported_without_one(ur5, panda, ur5_log, panda_log):
         low, high = found.value["interval_s"]
         assert found.severity == "info"
         assert low <= 0.0 <= high
+
+
+@pytest.mark.parametrize(("shift", "said"), [(-0.03, "early"), (0.03, "late")])
+def test_a_lag_is_early_or_late_and_never_negative(panda, panda_log, shift, said):
+    time = panda_log.time
+    moved = np.column_stack([np.interp(time - shift, time, effort) for effort in panda_log.effort.T])
+    (found,) = check_log(replace(panda_log, effort=moved), panda).about("lag")
+    assert re.match(
+        rf"the efforts are [\d.]+ ms {said} \(between [\d.]+ ms \w+ and [\d.]+ ms \w+\)", found.message
+    )
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "said"),
+    [(-0.137, 0.129, "from 100 ms early to 100 ms late"), (-0.03, 0.05, "from 30 ms early to 50 ms late")],
+)
+def test_a_lag_that_is_not_known_is_between_lags_that_were_tried(monkeypatch, ur5, ur5_log, low, high, said):
+    estimate = LagEstimate(0.0, low, high, (0,))
+    monkeypatch.setattr("cdia_pin.logs.checks.lag.estimate_lag", lambda *_: estimate)
+    (found,) = check_lag(ur5_log, ur5, Conventions.assumed(ur5.n))
+    assert said in found.message
+
+
+def test_gear_ratios_and_drive_gains_that_are_proposed_are_above_zero(ur5, ur5_log):
+    gains = {1: GravityGain(0.02, 0.001, 0.02, 3.0), 2: GravityGain(0.01, 0.001, 0.01, 3.0)}
+    gains[3] = GravityGain(-0.01, 0.001, 0.01, 1.0)
+    (found,) = check_effort_kind(ur5_log, gains)
+    assert "--convert reduction=" in found.advice and ":-" not in found.advice
 
 
 # ---------------------------------------------------------------- velocity
@@ -549,6 +592,46 @@ def test_another_unit_is_not_another_arm(ur5, ur5_log):
         assert not check.about("robot")
 
 
+def before_its_gears(log):
+    """The log with the torques of the motors: friction and some inertia, and gravity that a spring carries."""
+    ratios = np.array([160.0, 270.0, 250.0, 90.0, 120.0, 60.0])
+    speed = differentiate(log.position, log.rate)
+    rng = np.random.default_rng(3)
+    noise = 0.02 * rng.standard_normal(log.effort.shape)
+    friction = log.effort.std(axis=0).max() * (np.tanh(speed / 0.01) + 0.3 * speed)
+    return replace(log, effort=(0.02 * log.effort + friction) / ratios + noise)
+
+
+def test_torques_before_the_gears_are_those_of_the_motors_and_not_of_a_small_arm(ur5_log):
+    large = load_robot("ur10")
+    check = check_log(replace(before_its_gears(ur5_log), joints=large.joints), large)
+    assert not check.about("robot")
+    (found,) = [f for f in check.about("effort_kind") if f.severity == "warning"]
+    assert "before the gears" in found.message
+    assert "reduction=" in found.advice
+    assert advice_words(found.advice).startswith(
+        "if it is motor torque, give the gear ratios of the data sheet; "
+    )
+
+
+def test_friction_alone_makes_no_small_arm_likely(ur5_log):
+    """A small arm needs so little torque beside this friction that any would do."""
+    large = load_robot("ur10")
+    speed = differentiate(ur5_log.position, ur5_log.rate)
+    noise = np.random.default_rng(3).standard_normal(speed.shape)
+    log = replace(ur5_log, effort=15 * np.tanh(speed / 0.01) + 5 * speed + noise, joints=large.joints)
+    assert not check_log(log, large).about("robot")
+
+
+def test_shares_too_large_for_percents_are_factors(ur5, ur5_log):
+    log = small_arm_log(ur5, load_robot("ur3"), ur5_log)
+    heavy = motion_of(replace(log, effort=0.02 * log.effort), ur5.is_prismatic)
+    plain = motion_of(log, ur5.is_prismatic)
+    (found,) = check_arm(ur5, heavy, plain, {})
+    assert "times their variance" in found.message
+    assert len(re.findall(r"\d+%", found.message)) == 1
+
+
 def test_a_heavy_payload_is_not_another_arm(ur5, ur5_log):
     loaded = Dynamics(ur5, (parse_term("payload: mass=8, first_moment_z=0.8"),))
     made = ur5_log.position, ur5_log.velocity, differentiate(ur5_log.velocity, ur5_log.rate)
@@ -578,6 +661,19 @@ def test_several_turns_of_a_joint_without_limits_are_not_degrees(wheel, plant):
         assert not check_log(replace(log, position=q, velocity=v, effort=effort), wheel).about("units")
 
 
+def test_a_fast_joint_without_limits_is_not_in_degrees_unless_torques_say_so(tmp_path, plant):
+    urdf = write_urdf("continuous", tmp_path)
+    slow = (
+        '<axis xyz="0 1 0"/><limit effort="60" velocity="0.5"/>'  # a limit of speed that somebody put there
+    )
+    urdf.write_text(urdf.read_text().replace('<axis xyz="0 1 0"/>', slow))
+    wheel = load_robot(str(urdf))
+    log = plant(wheel)
+    q, v = 12 * log.position, 12 * log.velocity
+    noise = np.random.default_rng(0).normal(size=q.shape)
+    assert not check_log(replace(log, position=q, velocity=v, effort=noise), wheel).about("units")
+
+
 def test_a_velocity_later_than_any_that_is_tried_is_said_to_be_so(ur5, ur5_log):
     late = np.column_stack([np.interp(ur5_log.time - 0.18, ur5_log.time, v) for v in ur5_log.velocity.T])
     messages = [f.message for f in check_log(replace(ur5_log, velocity=late), ur5).about("velocity")]
@@ -592,7 +688,10 @@ def test_several_axes_that_may_be_reversed_have_a_plural(ur5):
 
     def said(*axes):
         rest = [SimpleNamespace(joints=(k,), kind=ConventionChange.BOTH_SIGNS, gain=0.0) for k in axes]
-        return _signs(SimpleNamespace(joints=ur5.joints), SimpleNamespace(rest=rest)).message
+        same = Conventions.assumed(ur5.n)
+        search = SimpleNamespace(rest=rest, start=same, conventions=same)
+        (found,) = _signs(SimpleNamespace(joints=ur5.joints), ur5, search)
+        return found.message
 
     assert "elbow_joint is reversed" in said(2)
     assert "elbow_joint, wrist_3_joint are each reversed" in said(2, 5)

@@ -205,3 +205,26 @@ def test_what_the_user_names_is_not_guessed_again(ur5, made, tmp_path):
         read_log(path, ur5, columns={"position": "a_#"})
     guessed = {g.signal: g.pattern for g in caught.value.guesses if g.signal}
     assert guessed == {"time": "zeit", "velocity": "b_#", "effort": "c_#"}
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "unit"),
+    [
+        ("continuous", "position", "rad"),  # nothing says how far it turns
+        ("continuous", "position [deg]", "deg"),
+        ("revolute", "position", "deg"),  # its limits are a part of a turn
+        ("revolute", "position [rad]", "rad"),
+    ],
+)
+def test_several_turns_are_degrees_only_of_a_joint_with_limits(tmp_path, kind, name, unit):
+    robot = load_robot(str(write_urdf(kind, tmp_path)))
+    time = np.linspace(0.0, 10.0, 1001)
+    turns = 8.0 * np.sin(time)
+    columns = {
+        "time": time,
+        name: turns - 8.0,
+        "velocity": np.gradient(turns, time),
+        "torque": np.cos(3 * time),
+    }
+    (found,) = [g for g in guess_columns(columns, robot) if g.signal == "position"]
+    assert found.said == unit

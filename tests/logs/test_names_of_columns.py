@@ -3,8 +3,11 @@
 import pytest
 
 from cdia_pin.errors import LogError
+from cdia_pin.logs import read_log
 from cdia_pin.logs.columns import signal_of, sort_names
 from cdia_pin.logs.joint_names import joint_map_of, match_joints
+from cdia_pin.robot import load_robot
+from tests.one_joint import write_urdf
 
 JOINTS = ("shoulder_pan_joint", "elbow_joint", "wrist_1_joint")
 
@@ -136,3 +139,31 @@ def test_a_joint_map_may_be_written_on_the_command_line():
     assert joint_map_of(["a=b,c=d", "e=f"]) == {"a": "b", "c": "d", "e": "f"}
     with pytest.raises(LogError, match="name=joint"):
         joint_map_of("a:b")
+
+
+@pytest.mark.parametrize("header", ["time,position,velocity,torque", "t,q,dq,tau", "stamp,pos,vel,eff"])
+def test_columns_of_an_only_joint_need_not_name_it(tmp_path, header):
+    robot = load_robot(str(write_urdf("continuous", tmp_path)))
+    path = tmp_path / "bare.csv"
+    path.write_text(header + "\n" + "".join(f"{0.01 * k},{0.1 * k},10.0,{k}.5\n" for k in range(20)))
+    log = read_log(path, robot)
+    assert log.velocity is not None
+    assert (log.position[2, 0], log.effort[2, 0]) == (pytest.approx(0.2), 2.5)
+    assert any("the only joint, only" in note for note in log.notes)
+
+
+def test_columns_that_name_the_only_joint_come_first(tmp_path):
+    robot = load_robot(str(write_urdf("continuous", tmp_path)))
+    path = tmp_path / "both.csv"
+    rows = "".join(f"{0.01 * k},{0.1 * k},7,{k}.5\n" for k in range(20))
+    path.write_text("time,position.only,position,effort.only\n" + rows)
+    log = read_log(path, robot)
+    assert log.position[2, 0] == pytest.approx(0.2)
+    assert not any("the only joint" in note for note in log.notes)
+
+
+def test_columns_of_several_joints_must_name_them(tmp_path):
+    path = tmp_path / "bare.csv"
+    path.write_text("time,position,torque\n0,1,2\n0.1,1,2\n0.2,1,2\n")
+    with pytest.raises(LogError, match="no position columns"):
+        read_log(path, load_robot("double_pendulum"))

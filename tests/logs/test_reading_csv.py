@@ -221,7 +221,7 @@ def test_a_file_cut_off_anywhere_gives_all_of_its_complete_rows(ur5, tmp_path, p
     assert complete <= len(log.time) <= complete + 1
     for signal in ("time", "position", "velocity", "effort"):
         np.testing.assert_array_equal(getattr(log, signal)[:complete], getattr(plain, signal)[:complete])
-    assert text.endswith("\n") or any("cut off" in note for note in log.notes)
+    assert text.endswith(("\n", "\r")) or any("cut off" in note for note in log.notes)
 
 
 @given(row=st.integers(1, ROWS - 2), column=st.integers(0, 18), after=st.booleans())
@@ -399,3 +399,29 @@ def test_a_long_csv_is_read_fast(ur5, tmp_path):
     start = clock.process_time()
     read_log(path, ur5)
     assert clock.process_time() - start < 0.5
+
+
+@pytest.mark.parametrize(
+    ("signals", "delimiter"),
+    [(("position", "effort"), ","), (("position", "velocity", "effort"), ","), (("position", "effort"), ";")],
+)
+def test_the_line_of_names_that_a_table_lacks_is_printed_and_mends_it(ur5, tmp_path, signals, delimiter):
+    whole = text_of(ur5.joints, signals=signals, delimiter=delimiter)
+    rows = whole.partition("\n")[2]
+    with pytest.raises(LogError, match="the first line holds numbers") as caught:
+        read_log(write(tmp_path / "bare.csv", rows), ur5)
+    line = str(caught.value).rpartition("add the first line ")[2]
+    log = read_log(write(tmp_path / "mended.csv", f"{line}\n{rows}"), ur5)
+    np.testing.assert_array_equal(log.effort, read_log(write(tmp_path / "whole.csv", whole), ur5).effort)
+    assert (log.velocity is None) == ("velocity" not in signals)
+
+
+@pytest.mark.parametrize(
+    ("count", "said"),
+    [(7, r"efforts are needed too.*add the first line time,position\.shoulder_pan_joint"),
+     (9, "a first line with a name for each of its 9 columns, such as time,position.<joint>,effort.<joint>")],
+)  # fmt: skip
+def test_a_table_of_numbers_says_how_to_go_on(ur5, tmp_path, count, said):
+    rows = "".join(",".join(str(k + c) for c in range(count)) + "\n" for k in range(5))
+    with pytest.raises(LogError, match=said):
+        read_log(write(tmp_path / "bare.csv", rows), ur5)

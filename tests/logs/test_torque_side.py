@@ -39,6 +39,14 @@ def test_friction_beside_the_torque_limit_tells_the_side(panda, share, side):
     assert told(panda, logged(panda, share)) == side
 
 
+def test_friction_that_is_not_seen_has_no_size(panda):
+    (none,) = check_log(logged(panda, 0.0), panda).about("torque_side")
+    assert "no jump at reversals shows dry friction" in none.message
+    part = 0.004 * np.array([0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0])  # of the torque limits
+    (some,) = check_log(logged(panda, part), panda).about("torque_side")
+    assert "-" not in some.message.partition("dry friction of")[2].partition("%")[0]
+
+
 def test_a_current_that_is_called_a_torque_is_not_taken_for_a_sensor_behind_the_gear(panda):
     log = logged(panda, 0.05)
     current = replace(log, effort=0.05 * log.effort)

@@ -1,5 +1,6 @@
 """The page of a monitor's run: everything that was said, small, and silent on the network."""
 
+import io
 import json
 import re
 import shutil
@@ -8,11 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from cdia_pin import load_robot
 from cdia_pin.diagnosis import Event, MonitorRun, Stage, Verdict
 from cdia_pin.diagnosis.journal import BelievedFaults, Look
 from cdia_pin.diagnosis.record import STAGES
+from cdia_pin.diagnosis.status import LASTS
 from cdia_pin.effects import Between, CoulombFriction, LoadFriction, Term, Unknown
 from cdia_pin.viewers import events_table, joints_table, run_summary, tracking_table, write_monitor_report
 from cdia_pin.viewers.event_words import event_rows
@@ -195,8 +198,6 @@ def test_no_table_of_a_run_loses_a_character_in_a_narrow_terminal(run):
 
 
 def test_the_terminal_says_the_same(run):
-    from rich.console import Console
-
     console = Console(width=100, record=True, quiet=False, file=open("/dev/null", "w"))  # noqa: SIM115, PTH123
     console.print(events_table(run))
     console.print(joints_table(run))
@@ -215,9 +216,44 @@ def test_the_summary_is_a_sentence(run):
     said = run_summary(run)
     assert said.startswith("In 10 s the residual left its threshold on joint1, first at 13.000 s.")
     assert "coulomb friction on joint1" in said
-    assert run_summary(replace(run, events=(), faults=())) == (
-        "No residual left its threshold in 10 s. Blind: joint4."
+    quiet = replace(run, events=(), faults=(), residual=np.full(run.residual.shape, [0.1, 0.2, 0.6, 0.4]))
+    assert run_summary(quiet) == (
+        "No fault was detected in 10 s. The residual came nearest to its threshold on joint3: 60\u00a0% of it. "
+        "Blind: joint4."
     )
+
+
+def test_a_residual_above_its_threshold_without_a_detection_is_explained(run):
+    quiet = replace(run, events=(), faults=(), residual=np.full(run.residual.shape, [0.1, 1.9, 0.6, 0.4]))
+    said = run_summary(quiet)
+    assert said.startswith(
+        "No fault was detected in 10 s. On joint2 the residual was above its threshold without"
+    )
+    assert "nearest" not in said
+
+
+def test_a_fault_that_is_not_isolated_remains_and_one_on_a_blind_joint_is_doubted(run):
+    stages = run.stages.copy()
+    stages[-1] = [STAGES.index(s) for s in (Stage.HEALTHY, Stage.HEALTHY, Stage.HEALTHY, Stage.DETECTED)]
+    event = Event(13.0, "detection", ("joint4",), Verdict.NONE, reason=LASTS)
+    quiet = np.full(run.residual.shape, [0.1, 0.2, 0.6, 2.0])
+    said = run_summary(replace(run, stages=stages, events=(event,), faults=(), residual=quiet))
+    assert said == (
+        "In 10 s a small residual lasted on joint4, first at 13.000 s. A detection on joint4 is one to doubt: blind. "
+        "The fault on joint4 is not isolated yet. Blind: joint4."
+    )
+
+
+def test_a_residual_is_compared_with_its_threshold_of_that_moment(run):
+    threshold, residual = np.ones(run.threshold.shape), np.zeros(run.residual.shape)
+    threshold[:50, 0], residual[:50, 0] = 4.0, 3.0
+    changing = replace(run, threshold=threshold, residual=residual)
+    assert changing.typical_threshold[0] == 1.0
+    assert changing.nearness[0] == pytest.approx(0.75)
+    console = Console(width=120, record=True, file=io.StringIO())
+    console.print(joints_table(changing))
+    assert "75 %" in " ".join(console.export_text().split())
+    assert monitor_data(changing)["joints"][0]["nearness"] == pytest.approx(0.75)
 
 
 def test_every_stage_has_a_colour_of_its_own():

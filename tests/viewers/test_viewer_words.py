@@ -1,13 +1,17 @@
 """Numbers and sentences that terminal and page share."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from cdia_pin.discovery.comparison import ResidualRegion
 from cdia_pin.effects import CoulombFriction, Payload, from_expression
 from cdia_pin.viewers import verdict_sentences
+from cdia_pin.viewers.text_identification import sentences as identified
 from cdia_pin.viewers.words import (
+    course_words,
     effect_words,
     listed,
     number,
@@ -113,4 +117,33 @@ def test_unexplained_names_the_joints(doubtful):
     alone = replace(found, trace=found.trace[:1], structure_left=found.model.robot.joints)
     assert (
         verdict_sentences(alone)[0] == "The residual on all 4 joints has structure that no effect explains."
+    )
+
+
+@pytest.mark.parametrize(
+    ("after", "said"),
+    [
+        (0.04, "falls from 12\u00a0% to 4.0\u00a0%"),
+        (0.12, "stays at 12\u00a0%"),
+        (0.15, "rises from 12\u00a0% to 15\u00a0%"),
+    ],
+)
+def test_an_error_falls_stays_or_rises_as_it_does(results, after, said):
+    assert course_words(0.12, after) == said
+    found = results.discovery
+    first, last = found.trace[0], found.trace[-1]
+    worse = replace(last, rms=tuple(np.array(first.rms) * after / 0.12), heldout_rms=first.heldout_rms)
+    sentences = verdict_sentences(replace(found, trace=(first, worse)))
+    verb = said.split()[0]
+    assert any(f"The error {verb} " in s and "was not fitted it stays at" in s for s in sentences), sentences
+
+
+def test_an_identification_that_does_worse_on_new_data_says_so():
+    found = SimpleNamespace(
+        heldout_before=np.array([1.19]), heldout_after=np.array([1.24]), heldout_torque_rms=np.ones(1),
+        base=SimpleNamespace(names=(), identifiable=()), margin=np.ones(1),
+        model=SimpleNamespace(robot=SimpleNamespace(joints=("only",))),
+    )  # fmt: skip
+    assert identified(found)[0].startswith(
+        "On data that was not fitted the error rises from 119\u00a0% to 124\u00a0%"
     )

@@ -6,7 +6,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from cdia_pin.logs.angle_size import beyond_reach, limited
 from cdia_pin.logs.checks.conventions import (
     DEGREE,
     LIKELY,
@@ -24,9 +26,6 @@ from cdia_pin.logs.magnitudes import largest_of
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
-TOO_FAST = 5.0  # [1], speed over the URDF's limit that no arm reaches; degrees read as rad make 57
-USUAL = 90.0  # [%], of the samples have less than the speed that counts, so that single wild samples do not
-
 
 def find_conventions(
     log: Log, motion: SmoothedMotion, robot: RobotModel
@@ -43,10 +42,13 @@ def find_conventions(
     """
     motion = motion.thin(SEARCH_SAMPLES)
     search = search_conventions(motion, robot)
-    largest = _angle_out_of_reach(log, robot)
-    against = next((t.gain for t in search.rest if t.kind is ConventionChange.DEGREES), 0.0)
-    if largest is None or search.conventions.angle != 1.0 or against <= -LIKELY:
+    beyond = _angle_out_of_reach(log, robot)
+    gain = next((t.gain for t in search.rest if t.kind is ConventionChange.DEGREES), 0.0)
+    # A joint without limits may turn far and fast: the torques must speak for degrees, or else only not against them.
+    least = -LIKELY if (beyond & limited(robot)).any() else LIKELY
+    if not beyond.any() or search.conventions.angle != 1.0 or gain <= least:
         return search, []
+    largest = float(largest_of(log.position)[beyond].max())
     degrees = replace(Conventions.assumed(robot.n), angle=DEGREE)
     finding = Finding(
         Topic.UNITS,
@@ -58,22 +60,9 @@ def find_conventions(
     return search_conventions(motion, robot, degrees), [finding]
 
 
-def _angle_out_of_reach(log: Log, robot: RobotModel) -> float | None:
-    """Return the largest position that no joint reaches in rad, if all are within the URDF's limits as degrees.
-
-    A joint without limits of position may make many turns; only its speed tells that they are degrees.
-    """
-    limits = robot.limits
-    revolute = ~robot.is_prismatic
-    limited = np.isfinite(limits.lower) & np.isfinite(limits.upper)
-    most = largest_of(log.position)
-    turns = np.maximum(2 * np.pi, np.where(limited, limits.upper, 0.0))
-    beyond = revolute & (most > 1.2 * turns)
-    for k in np.flatnonzero(beyond & ~limited).tolist():
-        speed = np.abs(np.diff(log.position[:, k]) / np.diff(log.time))
-        beyond[k] = np.percentile(speed, USUAL) > TOO_FAST * limits.velocity[k]
-    if not beyond.any():
-        return None
-    as_degrees = log.position * DEGREE
+def _angle_out_of_reach(log: Log, robot: RobotModel) -> NDArray[np.bool_]:
+    """Return the joints beyond their reach in rad; none unless all are within the URDF's limits as degrees."""
+    limits, as_degrees = robot.limits, log.position * DEGREE
     fits = (as_degrees > limits.lower - 0.01) & (as_degrees < limits.upper + 0.01)
-    return float(most[beyond].max()) if fits[:, revolute].all() else None
+    beyond = beyond_reach(log.position, log.time, robot)
+    return beyond if fits[:, ~robot.is_prismatic].all() else np.zeros_like(beyond)

@@ -3,7 +3,9 @@
 The rigid-body torque has no gain: an arm of twice the size has the same shape of torque. The arm that was named is also
 fitted with any body on its tool, and with one gain for all joints. Another arm must explain the efforts about as
 well without them, so that neither a payload nor another unit is taken for another arm. A gain that no unit in use has
-is no excuse, for arms of one maker are alike but for their size.
+is no excuse, for arms of one maker are alike but for their size. Another arm is plausible only if its masses matter:
+efforts far below those of the arm that was named, of a motor before its gear or in another unit, are explained by
+friction alone, and so by any small arm.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cdia_pin.logs.checks.arm_fit import ArmFit, arm_fit, loaded_fit, scaled_fit
+from cdia_pin.logs.checks.arm_fit import ArmFit, arm_fit, friction_fit, loaded_fit, scaled_fit
 from cdia_pin.logs.checks.effort_kind import GravityGain
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.motion import SmoothedMotion
@@ -29,8 +31,12 @@ UNEXPLAINED = 1 / 3
 CLEARLY = 1.5  # [1], fall of the misfit that another arm must bring: a factor of e^1.5 in unexplained shares
 # [1], misfit by which it may be behind the arm that was named with ten parameters more, or with one more
 BEHIND_BODY, BEHIND_GAIN = 3.0, 1.5
+MOST_PERCENT = 10.0  # [1], share up to which it is written in percent
 LEAST_UNIT = 50.0  # [1], times by which efforts are too large in any other unit: N·cm has 100, N·mm 1000
 # Arms of one maker and size differ by 0.6 to 2.2 on measured logs.
+# [1], fall of the misfit that the masses of another arm must bring to friction alone. The right arms of measured logs
+# bring 4 to 13, arms of other makers less than 0.8.
+BEYOND_FRICTION = 1.5
 NEAR = 2.2  # misfit behind the best, within which another arm may be the one [1]
 
 
@@ -59,10 +65,7 @@ def check_arm(
         return
     loaded, scaled = loaded_fit(robot, motion), scaled_fit(robot, motion)
     recorded = recorded.thin(SAMPLES)
-    others = [
-        min((arm_fit(arm, m) for m in (motion, recorded)), key=lambda fit: fit.misfit)
-        for arm in _others(robot)
-    ]
+    others = [fit for arm in _others(robot) if (fit := _plausible_fit(arm, (motion, recorded))) is not None]
     best = min(others, key=lambda fit: fit.misfit, default=alone)
     behind = min(alone.misfit - CLEARLY, loaded.misfit + BEHIND_BODY)
     if not OTHER_MASS < _gain(scaled) < LEAST_UNIT:
@@ -74,7 +77,8 @@ def check_arm(
         Topic.ROBOT,
         Severity.WARNING,
         f"{_why(known, likely, robot)}: this looks like a log of {' or '.join(map(repr, near))}; "
-        f"'{best.name}' leaves {best.mean:.0%} of the efforts unexplained where '{robot.name}' leaves {alone.mean:.0%}",
+        f"'{best.name}' leaves {best.mean:.0%} of the efforts unexplained where '{robot.name}' leaves "
+        f"{_share(alone.mean)}",
         advice=f"--robot {best.name} if it is that arm; otherwise check the unit of the efforts and the drive gains",
         value={
             "gravity_gains": known,
@@ -85,6 +89,19 @@ def check_arm(
             "unexplained_with_a_gain": scaled.mean,
         },
     )
+
+
+def _plausible_fit(arm: RobotModel, readings: Sequence[SmoothedMotion]) -> ArmFit | None:
+    """Return the best fit of an arm; None if its masses explain no more than friction, or not with a gain near 1."""
+    fit, motion = min(((arm_fit(arm, m), m) for m in readings), key=lambda pair: pair[0].misfit)
+    if fit.misfit > friction_fit(arm, motion).misfit - BEYOND_FRICTION:
+        return None
+    return fit if 1 / OTHER_MASS < _gain(scaled_fit(arm, motion)) < OTHER_MASS else None
+
+
+def _share(share: float) -> str:
+    """Return a share in percent, or as a factor where percents have too many digits to be read."""
+    return f"{share:.0%}" if share <= MOST_PERCENT else f"{share:.3g} times their variance"
 
 
 def _why(known: Sequence[float], likely: bool, robot: RobotModel) -> str:

@@ -62,7 +62,20 @@ def arm_fit(robot: RobotModel, motion: SmoothedMotion, shared: Array | None = No
     Returns:
         The unexplained shares.
     """
-    missing = motion.effort - robot.inverse_dynamics(motion.q, motion.v, motion.a)
+    return _fit(robot, motion, motion.effort - robot.inverse_dynamics(motion.q, motion.v, motion.a), shared)
+
+
+def friction_fit(robot: RobotModel, motion: SmoothedMotion) -> ArmFit:
+    """Explain efforts by friction, rotor inertia and offset of each joint alone, as if the links had no mass.
+
+    Args:
+        robot: The arm, for its name and joints.
+        motion: Signals in SI units.
+    """
+    return _fit(robot, motion, motion.effort)
+
+
+def _fit(robot: RobotModel, motion: SmoothedMotion, missing: Array, shared: Array | None = None) -> ArmFit:
     size = np.maximum(motion.effort.std(axis=0), 1e-12)
     moving = np.flatnonzero(motion.moves).tolist()
     left, columns, coefficients = {}, [], np.zeros(0)

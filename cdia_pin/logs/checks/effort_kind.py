@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 
 BLOCKS = 6  # parts of the log that are left out in turn, for the standard error
 FAINT = 0.35  # [1], gain of the URDF's torque below which no wrong URDF explains it
+# [1], gravity of the URDF over the effort from which it may be that of a motor before its gear. Gears of arms reduce by
+# 30 to 300; friction of the motor, and a spring that carries a part of the weight, leave less of it.
+LEAST_REDUCTION = 10.0
 STRONG = 0.1  # [1], gravity of a joint over the largest one; below it tools and cables outweigh the links
 
 
@@ -227,15 +230,7 @@ def check_effort_kind(log: Log, gains: Mapping[int, GravityGain]) -> Iterator[Fi
     absent = {k: g for k, g in gains.items() if g.absent}
     small = {k: g for k, g in gains.items() if g.small}
     if small and not known and not absent:
-        inertia = ", ".join(f"{log.joints[k]} {g.dynamic:.2g}" for k, g in small.items())
-        yield Finding(
-            Topic.EFFORT_KIND,
-            Severity.WARNING,
-            f"the efforts are far below the URDF's torques (gain of its gravity {_said(log, small)}, of its inertia "
-            f"{inertia}): motor currents in A, or another unit; the log cannot prove it",
-            advice="if they are currents, --convert torque=A --gains gains.json",
-            value=value,
-        )
+        yield _far_below(log, small, value)
     elif not known and not absent:
         yield Finding(
             Topic.EFFORT_KIND,
@@ -262,6 +257,32 @@ def check_effort_kind(log: Log, gains: Mapping[int, GravityGain]) -> Iterator[Fi
         yield _judge(log, known, value)
 
 
+def _far_below(log: Log, small: Mapping[int, GravityGain], value: Mapping[str, object]) -> Finding:
+    """Name what efforts far below the URDF's torques may be: of motors before their gears, or currents."""
+    inertia = ", ".join(f"{log.joints[k]} {g.dynamic:.2g}" for k, g in small.items())
+    currents = "--convert torque=A --gains gains.json"
+    if min(g.share for g in small.values()) < LEAST_REDUCTION:
+        return Finding(
+            Topic.EFFORT_KIND,
+            Severity.WARNING,
+            f"the efforts are far below the URDF's torques (gain of its gravity {_said(log, small)}, of its inertia "
+            f"{inertia}): motor currents in A, or another unit; the log cannot prove it",
+            advice=f"if they are currents, {currents}",
+            value=value,
+        )
+    times = ", ".join(f"{log.joints[k]} {g.share:.0f}" for k, g in small.items())
+    return Finding(
+        Topic.EFFORT_KIND,
+        Severity.WARNING,
+        f"the URDF's gravity changes many times as much as the efforts ({times} times), each joint by a gain of its "
+        "own: they look like the torques of the motors, before the gears, or like motor currents in A; the log cannot "
+        "prove it",
+        advice="if it is motor torque, give the gear ratios of the data sheet: --convert "
+        f"reduction=<joint>:<ratio>,… --torque-side motor; if they are currents, {currents}",
+        value=value,
+    )
+
+
 def _judge(log: Log, known: dict[int, GravityGain], value: Mapping[str, object]) -> Finding:
     """Name the kind of effort by the size of its gravity relative to the URDF's."""
     middle = float(np.median([g.gain for g in known.values()]))
@@ -274,7 +295,7 @@ def _judge(log: Log, known: dict[int, GravityGain], value: Mapping[str, object])
             advice="check the sign of the efforts, and that the URDF's base is upright",
             value=value,
         )
-    inverse = ",".join(f"{log.joints[k]}:{1 / g.gain:.3g}" for k, g in known.items())
+    inverse = ",".join(f"{log.joints[k]}:{1 / g.gain:.3g}" for k, g in known.items() if g.gain > 0)
     farthest = max((g.gain for g in known.values()), key=lambda gain: abs(np.log(max(gain, 1e-9))))
     deciding = farthest if 0.5 <= min(middle, farthest) <= max(middle, farthest) < 2.0 else middle
     kinds = KINDS if log.effort_tolerance is None else (MILLIAMPERES, *KINDS)

@@ -11,6 +11,7 @@ from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.joint_units import units_of
 from cdia_pin.logs.checks.motion import SmoothedMotion
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.reversals import is_fast, reversals
 from cdia_pin.phrases import counted
 
 if TYPE_CHECKING:
@@ -57,8 +58,7 @@ def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
             )
             continue
         v = motion.v[:, k]
-        fast = np.abs(v) > 0.05 * np.abs(v).max()
-        reversals = int(np.sum(np.diff(np.sign(v[fast])) != 0))
+        fast, turns = is_fast(v), reversals(v)
         slow, quick = np.percentile(np.abs(v[fast]), [10, 90])
         forward = float(np.mean(v[fast] > 0))
         value = {
@@ -67,18 +67,18 @@ def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
             "max_speed": float(np.abs(v).max()),
             "speed_p10": float(slow),
             "speed_p90": float(quick),
-            "reversals": reversals,
+            "reversals": turns,
             "share_forward": forward,
             "max_acceleration": float(np.abs(motion.a[:, k]).max()),
             "gravity_range": float(gravity[k]),
         }
         message = (
             f"covers {value['range']:.3g} {unit} at up to {value['max_speed']:.3g} {unit}/s and "
-            f"{value['max_acceleration']:.3g} {unit}/s², {counted(reversals, 'reversal')}, "
+            f"{value['max_acceleration']:.3g} {unit}/s², {counted(turns, 'reversal')}, "
             f"gravity changes by {round(gravity[k], 6):.3g} {effort_unit}"
         )
         lacks = []
-        if reversals == 0:
+        if turns == 0:
             lacks.append("it moves one way only, so friction and a torque offset look alike")
         if quick < 1.5 * slow:
             lacks.append("it has one speed only, so Coulomb and viscous friction look alike")

@@ -110,7 +110,6 @@ def check_lag(log: Log, robot: RobotModel, conventions: Conventions) -> Iterator
             "cannot determine the lag of the efforts: no joint has enough rigid-body torque",
         )
         return
-    ms = [round(1e3 * x, 1) + 0.0 for x in (estimate.lag, estimate.low, estimate.high)]  # + 0.0: no -0
     value = {
         "lag_s": estimate.lag,
         "interval_s": [estimate.low, estimate.high],
@@ -121,18 +120,18 @@ def check_lag(log: Log, robot: RobotModel, conventions: Conventions) -> Iterator
         yield Finding(
             Topic.LAG,
             Severity.INFO,
-            "cannot determine the lag of the efforts: with this motion it may be anything from "
-            f"{ms[1]:g} to {ms[2]:g} ms",
+            "cannot determine the lag of the efforts: with this motion they may be anything from "
+            f"{_when(max(estimate.low, -SPAN))} to {_when(min(estimate.high, SPAN))}",
             value=value,
         )
         return
-    between = f"{ms[0]:g} ms (between {ms[1]:g} and {ms[2]:g})"
+    said = f"{_when(estimate.lag)} (between {_when(estimate.low)} and {_when(estimate.high)})"
     if nearest_zero > max(5e-3, 1.0 / log.rate):
         yield Finding(
             Topic.LAG,
             Severity.WARNING,
-            f"the efforts are {'late' if estimate.lag > 0 else 'early'} by {between}; a delay, viscous "
-            "friction and rotor inertia look alike unless speeds and accelerations vary",
+            f"the efforts are {said}; a delay, viscous friction and rotor inertia look alike unless speeds and "
+            "accelerations vary",
             advice="test it as an effect: cdia add effort_delay LOG; or correct the stamps",
             value=value,
         )
@@ -140,10 +139,16 @@ def check_lag(log: Log, robot: RobotModel, conventions: Conventions) -> Iterator
         yield Finding(
             Topic.LAG,
             Severity.INFO,
-            f"efforts lag behind positions by {between}: no delay is proved; so small a "
-            "delay looks like viscous friction or rotor inertia",
+            f"the efforts are {said}: no delay is proved; so small a delay looks like viscous friction or rotor "
+            "inertia",
             value=value,
         )
+
+
+def _when(lag: float) -> str:
+    """Return a lag [s] in words: ``3.1 ms late``, ``26.4 ms early`` or ``on time``."""
+    ms = round(1e3 * lag, 1)
+    return f"{abs(ms):g} ms {'late' if ms > 0 else 'early'}" if ms else "on time"
 
 
 def _middle(even: Log) -> Log:

@@ -42,7 +42,7 @@ def check_conventions(log: Log, robot: RobotModel, search: ConventionSearch) -> 
                 advice=f"look at another log; if so, {d.advice}",
                 value={"joints": d.joints, "gain": likely[0].gain},
             )
-    yield _signs(log, search)
+    yield from _signs(log, robot, search)
     if robot.n > 1:
         yield _order(log, search)
     for k in np.flatnonzero(search.after > POOR).tolist():
@@ -79,7 +79,8 @@ def _adopted(log: Log, robot: RobotModel, search: ConventionSearch) -> Iterator[
         yield Finding(
             d.topic,
             d.severity,
-            f"{d.message}: the unexplained share of the effort of {worst} falls from {search.before[k]:.0%} to "
+            f"{d.message}: the unexplained share of the effort of {worst} "
+            f"{'falls' if search.after[k] < search.before[k] else 'goes'} from {search.before[k]:.0%} to "
             f"{search.after[k]:.0%}"
             + (f"; about as likely: {' / '.join(list(dict.fromkeys(others))[:3])}" if others else ""),
             joint=d.joints[0] if len(d.joints) == 1 else None,
@@ -92,9 +93,11 @@ def _by_name(log: Log, share: np.ndarray) -> dict[str, float]:
     return {j: float(s) for j, s in zip(log.joints, share, strict=True) if np.isfinite(s)}
 
 
-def _signs(log: Log, search: ConventionSearch) -> Finding:
-    """Report the joints whose sign is certain, and those whose axis may be reversed."""
-    single = [t for t in search.rest if len(t.joints) == 1]
+def _signs(log: Log, robot: RobotModel, search: ConventionSearch) -> Iterator[Finding]:
+    """Report the joints whose sign is certain, and those whose axis may be reversed; no joint whose sign is wrong."""
+    changes = differences(robot, search.start, search.conventions)
+    wrong = {log.joints.index(j) for d in changes if d.topic is Topic.SIGN for j in d.joints}
+    single = [t for t in search.rest if len(t.joints) == 1 and t.joints[0] not in wrong]
     flips = {t.joints[0]: -t.gain for t in single if t.kind is ConventionChange.EFFORT_SIGN}
     sure = [log.joints[k] for k in sorted(flips) if flips[k] > LIKELY]
     unsure = [log.joints[k] for k in sorted(flips) if flips[k] <= LIKELY]
@@ -112,14 +115,15 @@ def _signs(log: Log, search: ConventionSearch) -> Finding:
         parts.append(
             f"cannot exclude that {', '.join(mirrored)} {each} reversed in position and effort together"
         )
-    if not flips:
+    if not flips and not wrong:
         parts.append("cannot determine signs: no joint moves")
-    return Finding(
-        Topic.SIGN,
-        Severity.INFO if unsure or mirrored or not flips else Severity.OK,
-        "; ".join(parts),
-        value={"sure": sure, "cannot_tell": unsure, "axis_cannot_tell": mirrored},
-    )
+    if parts:
+        yield Finding(
+            Topic.SIGN,
+            Severity.INFO if unsure or mirrored or not flips else Severity.OK,
+            "; ".join(parts),
+            value={"sure": sure, "cannot_tell": unsure, "axis_cannot_tell": mirrored},
+        )
 
 
 def _order(log: Log, search: ConventionSearch) -> Finding:

@@ -81,14 +81,16 @@ def check_torque_side(log: Log, robot: RobotModel, motion: SmoothedMotion) -> It
 
 def _said(evidence: SideEvidence) -> str:
     """Return the range of dry friction over the torque limits, in words; empty if no joint can be judged."""
-    shares = [100 * f.dry / f.limit for f in evidence.joints.values() if np.isfinite(f.limit)]
-    if not shares:
+    judged = [f for f in evidence.joints.values() if np.isfinite(f.limit)]
+    if not judged:
         return ""
     if evidence.scale < LEAST_SCALE:
         return (
             f"the efforts are {evidence.scale:.2g} of the URDF's torque, and its limits tell nothing of them"
         )
-    return (
-        f"the jump at reversals shows dry friction of {min(shares):.2g} to {max(shares):.2g} % of the torque limits "
-        "(gears take 4 to 7 %)"
-    )
+    if not any(f.is_sure for f in judged):
+        return "no jump at reversals shows dry friction (gears take 4 to 7 % of the torque limits)"
+    shares = [max(100 * f.dry / f.limit, 0.0) for f in judged]
+    least, most = min(shares), max(shares)
+    size = f"{least:.2g} to {most:.2g}" if least > 0 else f"up to {most:.2g}"
+    return f"the jump at reversals shows dry friction of {size} % of the torque limits (gears take 4 to 7 %)"

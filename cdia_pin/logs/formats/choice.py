@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.columns import ColumnNames, sort_names
+from cdia_pin.logs.columns import ColumnNames, signal_of_all, sort_names
 from cdia_pin.logs.formats.log_format import LogFormat, Recorded
 from cdia_pin.logs.formats.patterns import TIME, required_labels
 from cdia_pin.phrases import some
@@ -67,6 +67,35 @@ def choose_columns(names: Sequence[str], format_: LogFormat, own: Mapping[str, s
     other = tuple(n for n in names if n not in used and n not in time)
     repeated = tuple(n for n in plain.columns.repeated if n not in used)
     return ColumnChoice(format_, ColumnNames(time, signals, repeated, other), recorded)
+
+
+def for_one_joint(choice: ColumnChoice, joint: str) -> ColumnChoice:
+    """Take columns that name a signal and no joint as those of the only joint, where a signal has no others.
+
+    Args:
+        choice: The columns of a plain table.
+        joint: The only joint of the arm.
+    """
+    columns = choice.columns
+    signals, other = dict(columns.signals), []
+    for name in columns.other:
+        signal = signal_of_all(name)
+        if signal is None or signal in signals:
+            other.append(name)
+        else:
+            signals[signal] = {joint: name}
+    named = ColumnNames(columns.time, signals, columns.repeated, tuple(other))
+    return replace(choice, columns=named)
+
+
+def names_no_joint(choice: ColumnChoice, joint: str) -> bool:
+    """Tell whether a column was taken as that of the only joint without naming it.
+
+    Args:
+        choice: The columns, see `for_one_joint`.
+        joint: The only joint of the arm.
+    """
+    return any(signal_of_all(labels.get(joint, "")) for labels in choice.columns.signals.values())
 
 
 def _of_format(names: Sequence[str], format_: LogFormat) -> ColumnChoice:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.logs.angle_size import beyond_reach
 from cdia_pin.logs.formats.groups import JointColumns, grouped
 from cdia_pin.logs.formats.patterns import TIME
 from cdia_pin.logs.timestamps import in_seconds
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-FULL_TURNS = 7.0  # [rad], above one turn; a joint that goes further in rad is rare, in degrees usual
 RATE_OF = 0.7  # [1], correlation with the derivative of another signal above which it is its velocity
 COPY_OF = 0.995  # [1], correlation with the positions above which a signal is their command
 SMALL = 0.05  # [1], largest torque over the limit of its joint below which it is rather a current
@@ -43,6 +43,10 @@ UNITS = {
     "mA": re.compile(r"(?<![A-Za-z])mA(?![A-Za-z])|(?i:milli ?amp)"),
     "Nmm": re.compile(r"(?<![A-Za-z])(?:N[·.* ]?mm|mN[·.* ]?m)(?![A-Za-z])"),
 }
+ANGLES = {
+    "deg": re.compile(r"(?<![A-Za-z])deg(?:rees?)?(?![A-Za-z])|°", re.IGNORECASE),
+    "rad": re.compile(r"(?<![A-Za-z])rad(?:ians?)?(?![A-Za-z])", re.IGNORECASE),
+}  # units in names of positions
 UNWANTED = re.compile(r"target|cmd|command|desired|ref|goal|setp|_d\b", re.IGNORECASE)
 
 
@@ -112,7 +116,7 @@ def guess_columns(
             continue
         x = values[group.pattern]
         if group is position:
-            signal, said = "position", "deg" if np.nanmax(np.abs(x)) > FULL_TURNS else "rad"
+            signal, said = "position", _unit_of_angle(group.pattern, x, seconds, robot)
         elif group is velocity:
             signal, said = "velocity", "follows the change of the positions"
             if position and seconds is not None and not _same_unit(values[position.pattern], x, seconds):
@@ -198,6 +202,16 @@ def _unit_of_torque(known: Sequence[ColumnGuess]) -> list[str]:
     signals = {g.signal: g.pattern for g in known}
     name = signals.get("effort", signals.get("current", ""))
     return [f"torque={unit}" for unit, said in UNITS.items() if said.search(name)]
+
+
+def _unit_of_angle(pattern: str, x: Array, seconds: Array | None, robot: RobotModel) -> str:
+    """Return the unit of angles: that in their name, or degrees if the joints do not reach so far in rad."""
+    stated = next((unit for unit, said in ANGLES.items() if said.search(pattern)), "")
+    if stated:
+        return stated
+    whole = np.isfinite(x).all(axis=1)
+    far = whole.any() and beyond_reach(x[whole], None if seconds is None else seconds[whole], robot).any()
+    return "deg" if far else "rad"
 
 
 def _values(columns: Mapping[str, NDArray[Any]], group: JointColumns) -> Array:

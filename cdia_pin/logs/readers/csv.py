@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.columns import sort_names
 from cdia_pin.logs.readers.arrow import table_from_arrow
+from cdia_pin.logs.readers.missing_header import header_advice
 from cdia_pin.logs.readers.table import Table
 from cdia_pin.phrases import LONGEST_REASON, one_line
 
@@ -21,12 +23,13 @@ _QUOTED = re.compile(r'"[^"]*"')
 _DECIMAL_COMMA = re.compile(r"^-?\d+,\d+$")
 
 
-def read_csv(data: bytes, source: str) -> Table:
+def read_csv(data: bytes, source: str, joints: Sequence[str] = ()) -> Table:
     """Read CSV text with a header line.
 
     Args:
         data: Bytes of the file.
         source: Its name, for messages.
+        joints: Joints of the robot, for the line of names that a table may lack.
 
     Returns:
         The columns as numbers.
@@ -42,8 +45,8 @@ def read_csv(data: bytes, source: str) -> Table:
         text = re.sub(rb"(?m)^ | (?=\r?$)", b"", re.sub(rb"[ \t]+", b" ", text))  # each in one pass
     if all(_is_number(n) for n in names):
         raise LogError(
-            f"{source}: the first line holds numbers, expected column names such as "
-            "time,position.<joint>,effort.<joint>"
+            f"{source}: the first line holds numbers, expected column names; "
+            f"{header_advice(len(names), joints, delimiter)}"
         )
     if not text.strip():
         raise LogError(f"{source}: a header line but no samples")

@@ -97,7 +97,7 @@ def read_table(path: Path, joints: Sequence[str], wanted: Wanted) -> tuple[Table
         return read_npz(data, source), digest
     from cdia_pin.logs.readers.csv import read_csv
 
-    return read_csv(data, source), digest
+    return read_csv(data, source, joints), digest
 
 
 def _is_lerobot(path: Path, wanted: Wanted) -> bool:

@@ -62,13 +62,13 @@ function believed() {
   const last = (j) => j.stages[j.stages.length - 1][2];
   const stage = (name) => h("span", { class: "dot", style: "background:var(--stage-" + name + ")" });
   const faults = (said) => h("td", {}, said.length ? said.map((b) => h("div", {}, h("b", {}, b))) : h("span", { class: "soft" }, "–"));
-  const rows = DATA.joints.map((j) => [j.name, right("td", withUnit(j.usual, j.units.residual)), right("td", j.share), right("td", withUnit(j.largest, j.units.residual)),
+  const rows = DATA.joints.map((j) => [j.name, right("td", withUnit(j.usual, j.units.residual)), right("td", j.share), right("td", num(100 * j.nearness, 3) + "\u00a0%"),
     h("td", {}, stage(last(j)), last(j), j.blind ? h("b", {}, ", blind") : null), faults(j.believed)]);
   const arm = DATA.arm, none = () => right("td", "–", "soft");
   if (arm) rows.push([h("b", {}, arm.name), none(), none(), none(), h("td", {}, stage(arm.stage), arm.stage), faults(arm.believed)]);
   return h("section", {}, h("h2", {}, "At the end"),
-    h("p", { class: "lead" }, "Thresholds also as a share of the RMS torque of healthy motion. Above 30 % a joint is blind. The last row is that of the whole arm: payload, tilt of the base, contact."),
-    h("div", { class: "card" }, table(["joint", right("th", "threshold"), right("th", "of torque"), right("th", "largest residual"), "stage", "fault, ± 95 %"], rows)));
+    h("p", { class: "lead" }, "A threshold depends on the state: the typical one is shown, and the largest residual over its threshold of that moment. Thresholds also as a share of the RMS torque of healthy motion. Above 30 % a joint is blind. The last row is that of the whole arm: payload, tilt of the base, contact."),
+    h("div", { class: "card" }, table(["joint", right("th", "typical threshold"), right("th", "of torque"), right("th", "largest residual over its threshold"), "stage", "fault, ± 95 %"], rows)));
 }
 
 function tracking() {
@@ -138,11 +138,11 @@ function sizes(j) {
 }
 
 function mostTelling() {
-  const worst = DATA.joints.map((j) => [of(j).length ? 1 : 0, j.largest / (j.usual || 1e-12)]);
+  const worst = DATA.joints.map((j) => [of(j).length ? 1 : 0, j.nearness]);
   return DATA.joints[worst.reduce((best, w, k) => (w[0] > worst[best][0] || (w[0] === worst[best][0] && w[1] > worst[best][1]) ? k : best), 0)].name;
 }
 
-const buttons = () => jointButtons((j) => num(j.largest / (j.usual || 1e-12), 2) + " × threshold");
+const buttons = () => jointButtons((j) => num(j.nearness, 2) + " × threshold");
 
 function joints() {
   if (!DATA.joints.some((j) => j.hypotheses.length || j.parameters.length || j.against)) return null;
