@@ -143,7 +143,7 @@ def run_summary(run: MonitorRun) -> str:
         if events
     ]
     doubted = [j for j in _joints_of(detections) if j in run.blind]
-    doubt = f" A detection on {listed(doubted)} is one to doubt: blind." if doubted else ""
+    doubt = f" Doubt the detection on {listed(doubted)}: the monitor is blind there." if doubted else ""
     return f"In {span} {' and '.join(seen)}.{doubt} {_at_the_end(run)}{tolerated}{blind}"
 
 

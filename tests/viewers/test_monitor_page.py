@@ -239,8 +239,9 @@ def test_a_fault_that_is_not_isolated_remains_and_one_on_a_blind_joint_is_doubte
     quiet = np.full(run.residual.shape, [0.1, 0.2, 0.6, 2.0])
     said = run_summary(replace(run, stages=stages, events=(event,), faults=(), residual=quiet))
     assert said == (
-        "In 10 s a small residual lasted on joint4, first at 13.000 s. A detection on joint4 is one to doubt: blind. "
-        "The fault on joint4 is not isolated yet. Blind: joint4."
+        "In 10 s a small residual lasted on joint4, first at 13.000 s. "
+        "Doubt the detection on joint4: the monitor is blind there. The fault on joint4 "
+        "is not isolated yet. Blind: joint4."
     )
 
 
