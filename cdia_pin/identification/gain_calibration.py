@@ -141,7 +141,7 @@ def calibrate_gains(
         LogError: If no arm carries the mass, a log is missing or too short, or the logs do not show the payload.
     """
     if not 0 < mass <= HEAVIEST:
-        raise LogError(f"a known payload has a mass above 0 and up to {HEAVIEST:g} kg, given {mass:g}")
+        raise LogError(f"a known payload has a mass above 0 kg and up to {HEAVIEST:g} kg, given {mass:g}")
     if not loaded or not unloaded:
         raise LogError("a calibration needs a log with the payload and one without it")
     given = [*unloaded, *loaded]
