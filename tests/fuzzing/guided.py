@@ -24,10 +24,15 @@ CORPUS = Path(__file__).parent / "corpus"
 KINDS = sorted(folder.name for folder in CORPUS.iterdir())
 # their modules are imported at once; where they are needed is too late for the fuzzer to follow them
 PACKAGES = ("logs", "robot", "dynamics", "effects", "diagnosis", "fleet", "campaigns")
+ROOT = Path(__file__).parents[2]
 # by numba, which takes no code that the fuzzer has changed; a monitor compiles the effects too
-COMPILED = [f"cdia_pin.diagnosis.{m}" for m in ("correction_kernel", "fits", "kernels", "sample_kernel")]
+COMPILED = [
+    ".".join(file.relative_to(ROOT).with_suffix("").parts)
+    for file in (ROOT / "cdia_pin" / "diagnosis").rglob("*.py")
+    if re.search(r"^@njit", file.read_text(encoding="utf-8"), re.MULTILINE)
+]
 COMPILED_TOO = {kind: ["cdia_pin.effects"] for kind in ("samples", "monitors")}
-OUT = Path(__file__).parents[2] / "out" / "fuzz"
+OUT = ROOT / "out" / "fuzz"
 # of each kind in a run that is the same each time; half a minute for samples, which are the slowest
 INPUTS = 1500
 SLOWEST = 20  # [s] for one input; a reader that takes longer hangs
