@@ -37,14 +37,14 @@ def page(outcomes: Sequence[Outcome], cost: Cost | None, command: str, quick: bo
 
 def _head(command: str, quick: bool, outcomes: Sequence[Outcome]) -> str:
     sample = "**A quick sample of the cases, not the results.** " if quick else ""
-    settings = MonitorSettings()
+    settings, minutes = MonitorSettings(), sum(o.minutes for o in outcomes)
+    runs = f"{len(outcomes)} runs, {minutes:.0f} minutes of simulated motion. " if outcomes else ""
     return (
         "# Results of the monitor\n\n"
         f"{sample}{made_by(command, PACKAGES)}\n\n"
-        f"{len(outcomes)} runs, {sum(o.minutes for o in outcomes):.0f} minutes of simulated motion. The arm is "
-        f"MuJoCo's, whose masses, centres and inertias are up to 3 % wrong (seed {SEED}); positions have 18 bit, "
-        "velocities a noise of 10⁻³ rad/s, 1 kHz; the control law is computed torque of the file's model, and the "
-        "monitor is in the loop. It has learned from "
+        f"{runs}The arm is MuJoCo's, whose masses, centres and inertias are up to 3 % wrong (seed {SEED}); "
+        "positions have 18 bit, velocities a noise of 10⁻³ rad/s, 1 kHz; the control law is computed torque "
+        "of the file's model, and the monitor is in the loop. It has learned from "
         f"{LEARNED_FROM} healthy minutes on other motions and has its default settings (γ up to "
         f"{settings.bandwidth:g}/s). Faults begin at {BEGIN:g} s; a share is the RMS of the fault's torque over that "
         "of its joint's. Motions and noise "
