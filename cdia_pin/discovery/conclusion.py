@@ -92,8 +92,9 @@ def conclusion(
     error = steps[-1].heldout_rms
     able = capability_of(experiment, error, torque, settings.changes)
     report("done", 1.0)
-    floor = misfit.floor / np.maximum(torque, 1e-12)
-    residual, resolution = (x / np.maximum(torque, 1e-12) for x in (logs.rms(final), experiment.resolution))
+    floor, resolution, residual = (
+        x / np.maximum(torque, 1e-12) for x in (misfit.floor, experiment.resolution, logs.rms(final))
+    )
     structure = misfit.left | stands_out(residual, np.maximum(floor, resolution), settings.practice)
     left = tuple(j for j, s in zip(final.robot.joints, structure, strict=True) if s)
     return Discovery(

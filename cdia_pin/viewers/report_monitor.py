@@ -44,10 +44,9 @@ class StageWords(TypedDict):
 
 
 class MonitoredJoint(TypedDict):
-    """What the page shows of a joint; ``usual`` is the median threshold, ``largest`` the largest residual.
+    """What the page shows of a joint; ``usual`` is the median threshold.
 
     ``nearness`` is the largest residual over its threshold of that moment [1].
-
     ``share`` is the threshold's share of the RMS torque of healthy motion, in words.
     """
 
@@ -68,7 +67,6 @@ class MonitoredJoint(TypedDict):
     usual: float | None
     share: str
     blind: bool
-    largest: float | None
     nearness: float | None
     believed: list[str]
 
@@ -234,7 +232,6 @@ def _joint(run: MonitorRun, x: State, j: int, present: Sequence[Term], points: i
         "usual": compact_one(float(run.typical_threshold[j])),
         "share": share_words(run.record["sight"].get(joint)),
         "blind": joint in run.blind,
-        "largest": compact_one(float(np.abs(run.residual[:, j]).max())),
         "nearness": compact_one(float(run.nearness[j])),
         "believed": [fault_words(t, run.robot) for t in of_joint(run.faults, joint)],
     }
