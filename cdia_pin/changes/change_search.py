@@ -71,12 +71,15 @@ class ChangeSearch:
     def confidence(self, rest: Sequence[int], one: int) -> Confidence:
         """Return how far the name of a change can be trusted: established if it is twice as certain as it must be.
 
+        Blocks of time that are too short to be independent establish nothing.
+
         Args:
             rest: Indices of the other changes.
             one: Index of the change.
         """
+        independent = self.differing.block_time >= self.settings.independent_time
         sure = self.evidence.fits(rest).certainty[one] >= 2 * self.settings.least_certainty
-        return Confidence.ESTABLISHED if sure else Confidence.LIKELY
+        return Confidence.ESTABLISHED if sure and independent else Confidence.LIKELY
 
     def torque(self, change: int, theta: Array) -> Array:
         """Return the RMS torque of a change in the logs after [N·m or N], shape (n,).

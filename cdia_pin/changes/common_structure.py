@@ -1,9 +1,8 @@
 """Structure that several logs may have in common: every effect of the vocabulary, and every rigid body.
 
-It is not searched for, but fitted at once. Every arm has bodies, rotors, Coulomb and viscous friction and offsets, and
-its model says what else: the prior standard deviation of these is the joint's own torque. Any other effect is rare, and
-its prior is a small share of that torque. Without the priors, large effects that cancel in one log could imitate a change
-in the other; and if rare effects could be large, those of a short log would take in the change itself.
+It is not searched for, but fitted at once. The prior standard deviation of each effect is the joint's own torque, or a
+share of it for effects that not every arm has. Without these priors, large effects that cancel in one log could imitate a
+change in the other. If rare effects may be large, they take in a change in short logs.
 """
 
 from __future__ import annotations
@@ -35,11 +34,7 @@ from cdia_pin.selection.discovery_settings import DiscoverySettings
 Array = NDArray[np.float64]
 
 PLAIN = (CoulombFriction, ViscousFriction, TorqueOffset)  # what nearly every joint has, besides rigid bodies
-EVERYWHERE = (RigidBody, RotorInertia, *PLAIN)
-# Prior standard deviation of a rare effect over the joint's torque [1]. Priors hold many samples that are alike, so only
-# a small one is felt. With 1 a logs of 10 s hides changes of a quarter of a joint's torque; from 0.03 to 0.001 the same
-# changes are named on logs of half a minute and more.
-RARE = 0.01
+EVERYWHERE = (RigidBody, RotorInertia, *PLAIN)  # what every arm has
 
 
 def plain_effects(robot: RobotModel) -> list[Effect]:
@@ -79,16 +74,16 @@ def common_effects(
     prediction: Prediction,
     columns: DesignMatrix,
     wanted: Callable[[Effect], bool] = lambda _: True,
+    rare: float = 1.0,
 ) -> list[ColumnGroup]:
     """Return the columns of the vocabulary, each effect in a few shapes, with the joint's own torque as prior.
-
-    The prior of an effect that neither every arm nor the model has is a share of that torque.
 
     Args:
         experiment: The conditioned logs.
         prediction: Prediction of the model.
         columns: Columns of effects.
         wanted: Returns True for effects that are common; all are if omitted.
+        rare: Prior standard deviation of an effect that neither every arm nor the model has, over that of others [1].
     """
     robot = experiment.robot
     families = enumerate_candidates(experiment, prediction, DiscoverySettings())
@@ -102,7 +97,7 @@ def common_effects(
         theta = present.get(effect, np.zeros(effect.size))
         x, joints = columns.of(effect, prediction, theta), effect.acts_on(robot)
         of_unit = np.sqrt(np.mean(x**2, axis=0)) / torque[list(joints)][:, None]  # (joints, p)
-        share = 1.0 if effect in present or isinstance(effect, EVERYWHERE) else RARE
+        share = 1.0 if effect in present or isinstance(effect, EVERYWHERE) else rare
         scale = share * np.minimum(effect.prior_scale(robot), 1.0 / np.maximum(of_unit.max(axis=0), 1e-12))
         out.append(ColumnGroup.of(effect, x, robot, scale))
     return out

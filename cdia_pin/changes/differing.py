@@ -111,7 +111,7 @@ class Differing:
             prediction,
             after,
             overlap,
-            tuple(common_effects(experiment, prediction, columns)),
+            tuple(common_effects(experiment, prediction, columns, rare=settings.changes.rare)),
             changes,
             searched,
             np.concatenate([edges[0][:-1], edges[1]]).astype(int),
@@ -138,7 +138,7 @@ class Differing:
             by_torque = Signal.TORQUE in effect.traits.depends_on
             return effect not in changes and not (by_torque and joints.intersection(effect.acts_on(x.robot)))
 
-        common = common_effects(x, prediction, columns, is_common)
+        common = common_effects(x, prediction, columns, is_common, self.settings.changes.rare)
         own = {
             change: ColumnGroup.of(change, columns.of(change, prediction, theta), x.robot)
             for change, theta in changes.items()
@@ -170,6 +170,12 @@ class Differing:
     def torque(self) -> Array:
         """RMS of the measured torque where it counts [N·m or N], shape (n,)."""
         return np.maximum(rms(self.experiment.measured, self.used), 1e-12)
+
+    @property
+    def block_time(self) -> float:
+        """Duration of a block of the shorter side [s]."""
+        spans = [float(np.ptp(s.motion.time)) for s in self.experiment.segments]
+        return min(sum(spans[: self.before]), sum(spans[self.before :])) / self.settings.changes.blocks
 
     @property
     def misfit(self) -> float:
