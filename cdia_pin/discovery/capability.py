@@ -77,7 +77,7 @@ def capability_of(
     Args:
         experiment: The logs.
         error: RMS error of the model on data that was not fitted [N·m or N], shape (n,).
-        torque: RMS of the measured torque [N·m or N], shape (n,).
+        torque: RMS of the torque measured there [N·m or N], shape (n,).
         settings: What a change must explain.
     """
     ratio = np.sqrt(settings.least_share / (1 - settings.least_share))

@@ -89,8 +89,8 @@ def conclusion(
     misfit = logs.lack_of_fit(final)
     torque = rms(experiment.measured, experiment.informative)
     unseen = logs.held_out
-    error = steps[-1].heldout_rms
-    able = capability_of(experiment, error, torque, settings.changes)
+    unseen_torque = torque if unseen is None else rms(unseen.measured, unseen.informative)
+    able = capability_of(experiment, steps[-1].heldout_rms, unseen_torque, settings.changes)
     report("done", 1.0)
     floor, resolution, residual = (
         x / np.maximum(torque, 1e-12) for x in (misfit.floor, experiment.resolution, logs.rms(final))
@@ -106,7 +106,7 @@ def conclusion(
         noise_floor=misfit.floor,
         structure_left=left,
         torque_rms=torque,
-        heldout_torque_rms=torque if unseen is None else rms(unseen.measured, unseen.informative),
+        heldout_torque_rms=unseen_torque,
         capability=able,
         held=tuple(j for j, h in zip(final.robot.joints, experiment.held, strict=True) if h),
         ranking=ranking,

@@ -227,7 +227,7 @@ def test_what_is_rare_may_be_small_in_what_logs_have_in_common(ur5):
         assert shares[rare] == pytest.approx(0.01)
 
 
-@pytest.mark.parametrize(("seconds", "confidence"), [(5.0, "likely"), (12.0, "established")])
+@pytest.mark.parametrize(("seconds", "confidence"), [(4.0, "likely"), (12.0, "established")])
 def test_blocks_of_a_short_log_establish_nothing(seconds, confidence):
     plant, worn = plant_of("ur5"), Fault("coulomb_friction", joint="elbow_joint", level=4.0)
     logs = [
