@@ -1,8 +1,8 @@
 """Structure that several logs may have in common: every effect of the vocabulary, and every rigid body.
 
 It is not searched for, but fitted at once. The prior standard deviation of each effect is the joint's own torque, or a
-share of it for effects that not every arm has. Without these priors, large effects that cancel in one log could imitate a
-change in the other. If rare effects may be large, they take in a change in short logs.
+share of it for effects that not every arm has. Without these priors, large effects that cancel in one log could imitate
+a change in the other. If rare effects may be large, they take in a change in short logs.
 """
 
 from __future__ import annotations
