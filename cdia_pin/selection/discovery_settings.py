@@ -106,7 +106,7 @@ class ChangeSettings:
             nothing is established: runs of 3 to 4 s, repeated with nothing changed, differ by more than that shows.
         rare: Prior standard deviation of what both sides may have in common, but neither every arm nor the model has,
             over the joint's torque [1]. With 1, they take in what changed in logs of ten seconds with few reversals.
-            From 1 to 0.01 the same changes are named in logs of half a minute and more.
+            In logs of half a minute and more, 1 and 0.01 name about as many changes.
     """
 
     blocks: int = 16

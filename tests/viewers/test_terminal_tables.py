@@ -116,7 +116,5 @@ def test_the_error_on_a_held_out_log_is_a_share_of_its_own_torque(results):
         f"error {percent(given)} of the torque, now {percent(improved)}"
     )
     assert unseen_share(found.trace[-1].heldout_rms, found) == pytest.approx(improved, rel=0.02)
-    share = found.trace[-1].heldout_rms / found.heldout_torque_rms
-    np.testing.assert_allclose(
-        found.capability.feedforward_error, share
-    )  # by which the verdict is decided too
+    share = found.trace[-1].heldout_rms / found.heldout_torque_rms  # by which the verdict is decided too
+    np.testing.assert_allclose(found.capability.feedforward_error, share)
