@@ -8,6 +8,7 @@ Usage:
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 
 from benchmarks.outcomes import CHECKOUT, tell
@@ -34,12 +35,12 @@ def main() -> None:
     run = scenario_cost()
     tell("the engine")
     engine = engine_cost()
-    gain = None
+    load, gain = os.getloadavg()[0], None  # before the runs that load the machine themselves
     if options.speed_up:
         tell(f"{options.speed_up} runs on one worker, then on two")
         gain = speed_up(options.speed_up)
     command = stated(given, options, ()) + (f" --speed-up {options.speed_up}" if options.speed_up else "")
-    publish(page(log, run, engine, gain, command), options.out)
+    publish(page(log, run, engine, load, gain, command), options.out)
 
 
 if __name__ == "__main__":

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 from benchmarks.markdown import table
 from benchmarks.publishing import made_by
 from benchmarks.scale.costs import ARMS, DAYS, ITEMS, EngineCost, LogCost, ScenarioCost
@@ -59,19 +57,22 @@ worker makes few of them.
 """
 
 
-def page(log: LogCost, run: ScenarioCost, engine: EngineCost, gain: Gain | None, command: str) -> str:
+def page(
+    log: LogCost, run: ScenarioCost, engine: EngineCost, load: float, gain: Gain | None, command: str
+) -> str:
     """Return the page.
 
     Args:
         log: Of a log.
         run: Of a scenario.
         engine: Of the engine.
+        load: Load of the machine while these costs were measured [1].
         gain: Number of runs, and the times of one worker and of two [s]; None if they were not measured.
         command: What made the page.
     """
     return TEMPLATE.format(
         made=made_by(command, ("distributed", "pyarrow", "pin")),
-        load=os.getloadavg()[0],
+        load=load,
         measured=_measured(log, run, engine),
         arms=ARMS,
         gain=_gain(gain),
