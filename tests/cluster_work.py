@@ -24,3 +24,9 @@ def end_the_worker_at_two(item: int) -> int:
 
 def number_of_threads(item: int) -> str:
     return os.environ["OPENBLAS_NUM_THREADS"]
+
+
+def samples_itself(item: int) -> bool:
+    import dask
+
+    return bool(dask.config.get("distributed.worker.profile.enabled"))

@@ -27,6 +27,8 @@ LOCAL = {
     "distributed.worker.memory.target": False,
     "distributed.worker.memory.spill": False,
     "distributed.worker.memory.pause": False,
+    # Samples of what a worker does, a hundred a second. Nobody reads them, and an item takes a tenth longer.
+    "distributed.worker.profile.enabled": False,
 }
 
 

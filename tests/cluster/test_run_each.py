@@ -74,6 +74,10 @@ def test_items_are_taken_as_workers_get_free(scheduler):
     assert len(taken) < 20
 
 
+def test_workers_do_not_sample_themselves():
+    assert [done.result for done in run_each(work.samples_itself, range(2), workers=2)] == [False, False]
+
+
 def test_workers_have_one_thread_and_listen_on_the_loopback_alone():
     import psutil  # which Dask brings
 
