@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from math import nan
 from typing import Any, ClassVar
 
+import numpy as np
+
 from benchmarks.outcomes import JsonLine
 
 
@@ -31,6 +33,8 @@ class Outcome(JsonLine):
         mass_after: Time from the first detection to the payload's name [s].
         force_error: Median error of the contact's force against a sensor, relative [1].
         force_said: Share of the time with a force above 10 N in which contact was said [1].
+        lasting: Labels that the comparison of the log's end with the healthy log established.
+        lasted: Sets of labels that it left possible for each of them, best first.
         kept: Time of the log [s].
         said: All events in words.
         failure: What the program failed with; empty if it did not.
@@ -52,6 +56,8 @@ class Outcome(JsonLine):
     mass_after: float = nan
     force_error: float = nan
     force_said: float = nan
+    lasting: tuple[str, ...] = ()
+    lasted: tuple[tuple[str, ...], ...] = ()
     kept: float = nan
     said: tuple[str, ...] = ()
     failure: str = ""
@@ -60,6 +66,8 @@ class Outcome(JsonLine):
         "named": tuple,
         "ever": tuple,
         "said": tuple,
+        "lasting": tuple,
+        "lasted": lambda v: tuple(tuple(of) for of in v),
         "sets": lambda v: tuple(tuple(tuple(one) for one in of) for of in v),
     }
 
@@ -72,6 +80,16 @@ class Outcome(JsonLine):
     def holds(self) -> bool:
         """Whether it is among what the monitor leaves possible, alone on its joint."""
         return self.is_right or any((self.effect,) in one for one in self.sets)
+
+    @property
+    def is_noticed(self) -> bool:
+        """Whether it was detected, or something was established at the end."""
+        return not np.isnan(self.detected) or bool(self.lasting)
+
+    @property
+    def lasts(self) -> bool:
+        """Whether it is established at the end, or fits as well as what is."""
+        return any(self.effect in alike for alike in self.lasted)
 
     @property
     def is_alone(self) -> bool:

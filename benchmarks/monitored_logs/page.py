@@ -63,6 +63,17 @@ RIGHT = Claim(
     of_cases(lambda o: o.holds),
     at_least(0.75),
 )
+ESTABLISHED = "logs in which the comparison with the healthy log established something"
+COMPARED = (
+    Claim("detected, or established by the comparison at the end", "", of_cases(lambda o: o.is_noticed)),
+    Claim("right, of the monitor or of the comparison", "", of_cases(lambda o: o.holds or o.lasts)),
+    Claim("right by the comparison", "", of_cases(lambda o: o.lasts)),
+    Claim(
+        "something else established by the comparison",
+        "",
+        of_cases(lambda o: bool(o.lasting) and not o.lasts),
+    ),
+)
 PARTS = (
     Part(
         "Healthy logs",
@@ -71,6 +82,7 @@ PARTS = (
         (
             Claim("detections", "0", _total("early"), at_most(0)),
             Claim("logs in which something was named", "", of_cases(lambda o: bool(o.ever))),
+            Claim(ESTABLISHED, "", of_cases(lambda o: bool(o.lasting))),
         ),
     ),
     Part(
@@ -80,6 +92,11 @@ PARTS = (
         (
             Claim("payload named, mass within 15 %", "≤ 15 %", _weight_error, at_most(0.15)),
             Claim("and nothing else at the end", "", of_cases(lambda o: o.named == ("payload",))),
+            Claim(
+                "the comparison with the healthy log established the payload",
+                "",
+                of_cases(lambda o: "payload" in o.lasting),
+            ),
         ),
     ),
     Part(
@@ -89,6 +106,7 @@ PARTS = (
         (
             Claim("logs in which a joint's fault was named", "0", of_cases(_says_wrong), at_most(0)),
             Claim("contacts said", "", _total("contacts")),
+            Claim(ESTABLISHED, "", of_cases(lambda o: bool(o.lasting))),
             Claim(
                 "at rest: error of the force's size, median",
                 "≤ 30 %",
@@ -114,6 +132,7 @@ PARTS = (
             Claim("named at the end", "", of_cases(lambda o: o.is_right)),
             Claim("named, and nothing else anywhere", "", of_cases(lambda o: o.is_alone)),
             Claim("a detection before it began", "", of_cases(lambda o: o.early > 0)),
+            *COMPARED,
         ),
     ),
     Part(
@@ -121,7 +140,7 @@ PARTS = (
         "Before a log, it calls a joint blind where its threshold is above 30% of the joint's torque. An effect of "
         "the whole arm counts here where one joint is not blind.",
         lambda o: o.kind == EFFECT and not o.blind,
-        (replace(DETECTED, target=""), replace(RIGHT, target="")),
+        (replace(DETECTED, target=""), replace(RIGHT, target=""), *COMPARED),
     ),
 )
 
@@ -145,6 +164,9 @@ def page(outcomes: Sequence[Outcome], command: str) -> str:
     ]
     if failures:
         parts += ["## Failures", table(("case", "failure"), failures)]
-    rows = [(o.id, o.effect, ", ".join(o.named), "<br>".join(o.said[:12])) for o in good]
-    parts.append(details("Every case", table(("case", "put in", "named at the end", "said"), rows)))
+    rows = [
+        (o.id, o.effect, ", ".join(o.named), ", ".join(o.lasting), "<br>".join(o.said[:12])) for o in good
+    ]
+    heads = ("case", "put in", "named at the end", "established by comparison", "said")
+    parts.append(details("Every case", table(heads, rows)))
     return "\n\n".join(parts) + "\n"

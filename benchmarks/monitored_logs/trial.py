@@ -18,7 +18,9 @@ from benchmarks.real_residuals.filtered import FilteredLog
 from benchmarks.real_residuals.insertion import Insertion
 from benchmarks.real_residuals.recordings import Recording, data_folder
 from benchmarks.real_residuals.running import store_of
-from cdia_pin.diagnosis import Event, Monitor
+from cdia_pin.changes import Change
+from cdia_pin.diagnosis import Event, Monitor, Status, lasting_changes
+from cdia_pin.diagnosis.lasting_changes import is_disturbed
 from cdia_pin.effects import ExternalWrench, Term
 from cdia_pin.logs import Log
 
@@ -34,7 +36,15 @@ def run_case(case: Case) -> Outcome:
         log, term, begin = _given(case)
         monitor = monitor_of(case.before)
         contacts: list[tuple[float, Array]] = []
-        monitor.replay(log, watch=lambda s: contacts.append((s.time, _force(s.faults))))
+        disturbed: list[bool] = []
+
+        def watch(status: Status) -> None:
+            contacts.append((status.time, _force(status.faults)))
+            disturbed.append(is_disturbed(status))
+
+        monitor.replay(log, watch)
+        watched = monitor.at_rate(log)
+        lasting = lasting_changes(monitor.model, [case.before.read()], watched, disturbed=np.array(disturbed))
     except NoSizeError:
         return replace(out, failure="no such size")
     except Exception as why:
@@ -53,6 +63,8 @@ def run_case(case: Case) -> Outcome:
         sets=_sets(isolations),
         contacts=sum(any(map(_is_contact, e.faults)) for e in isolations),
         ever=tuple(sorted({t.label for e in isolations for t in e.faults if not _is_contact(t)})),
+        lasting=tuple(c.term.label for c in lasting.established) if lasting else (),
+        lasted=tuple(map(_alike, lasting.established)) if lasting else (),
         kept=log.duration,
         said=tuple(_in_words(e, start) for e in events if e.stage != "accommodation"),
     )
@@ -114,6 +126,11 @@ def _with_force(out: Outcome, contacts: list[tuple[float, Array]]) -> Outcome:
         return replace(out, force_error=np.inf, force_said=0.0)
     error = np.abs(said - size)[both] / size[both]
     return replace(out, force_error=float(np.median(error)), force_said=float(np.mean(said[pushed] > 0)))
+
+
+def _alike(change: Change) -> tuple[str, ...]:
+    """Return the label of a change, and those of single effects that explain as much."""
+    return (change.term.label, *(c.effects[0].label for c in change.confusions if len(c.effects) == 1))
 
 
 def _force(faults: tuple[Term, ...]) -> Array:

@@ -31,6 +31,8 @@ from cdia_pin.cli.options import (
 from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
 from cdia_pin.cli.ranges import DURATION
 
+COMPARING = "comparing the end with the healthy runs"
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -77,6 +79,14 @@ def monitor(
             rich_help_panel=MONITOR,
         ),
     ] = None,
+    compare: Annotated[
+        bool,
+        typer.Option(
+            "--compare/--no-compare",
+            help="Compare the last part of LOG with the healthy runs, to name what lasts though it is small.",
+            rich_help_panel=MONITOR,
+        ),
+    ] = True,
     save: Save = None,
     gains: Gains = None,
     joint_map: JointMap = None,
@@ -141,8 +151,9 @@ def monitor(
         found = replay(
             watcher,
             watched,
-            progress=lambda share: tell("monitoring", 0.2 + 0.8 * share),
+            progress=lambda share: tell("monitoring" if share < 1 else COMPARING, 0.2 + 0.6 * share),
             go_on=stored is not None,
+            compare_with=runs if compare else (),
         )
     show_inputs(console, watcher.model, [watched], notes=gains is not None)  # how they were used
     for sentence in (*announced, *found.record["notes"]):

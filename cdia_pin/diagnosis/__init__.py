@@ -1,6 +1,7 @@
 """Change detection, isolation and accommodation (CDIA) while an arm moves, after [Thesis] and beyond it."""
 
 from cdia_pin.diagnosis.bank import DEFAULT_BANK, Bank
+from cdia_pin.diagnosis.lasting_changes import LastingChanges, lasting_changes
 from cdia_pin.diagnosis.monitor import Monitor
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.record import MonitorRun, Recorder, replay
@@ -12,6 +13,7 @@ __all__ = [
     "Bank",
     "Event",
     "EventStage",
+    "LastingChanges",
     "Monitor",
     "MonitorRun",
     "MonitorSettings",
@@ -22,5 +24,6 @@ __all__ = [
     "Stage",
     "Status",
     "Verdict",
+    "lasting_changes",
     "replay",
 ]

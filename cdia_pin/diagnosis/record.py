@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NotRequired, TypedDict, cast
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cdia_pin import schemas
 from cdia_pin.diagnosis.engines import EngineName
 from cdia_pin.diagnosis.journal import BelievedFaults, Journal, Look
+from cdia_pin.diagnosis.lasting_changes import LastingChanges, LastingJson, is_disturbed, lasting_changes
 from cdia_pin.diagnosis.monitor import Monitor
 from cdia_pin.diagnosis.monitor_record import MonitorRecord
 from cdia_pin.diagnosis.sight import blind_joints
@@ -37,6 +38,7 @@ class MonitorDocument(TypedDict):
     events: list[EventDict]
     faults: list[FaultDict]
     tracking_rms: NotRequired[dict[str, float]]
+    lasting: NotRequired[LastingJson]
     record: MonitorRecord
 
 
@@ -61,6 +63,7 @@ class MonitorRun:
         record: Engine, bank, settings, healthy runs, thresholds and version.
         looks: Results of isolation on each joint, wherever they changed; none for the engine ``thesis``.
         beliefs: Believed faults with their parameters, wherever they changed.
+        lasting: What the last part of a replay differs in from the healthy runs; None where that was not compared.
     """
 
     robot: RobotModel
@@ -78,6 +81,7 @@ class MonitorRun:
     record: MonitorRecord
     looks: tuple[Look, ...] = ()
     beliefs: tuple[BelievedFaults, ...] = ()
+    lasting: LastingChanges | None = None
 
     def __repr__(self) -> str:
         span = float(self.time[-1] - self.time[0]) if len(self.time) else 0.0
@@ -128,7 +132,9 @@ class MonitorRun:
 
     def to_dict(self) -> MonitorDocument:
         """Return the run as files of the schema cdia-events/1 have it."""
-        tracking: dict[str, Any] = {} if self.desired is None else {"tracking_rms": self.tracking_rms()}
+        more: dict[str, Any] = {} if self.desired is None else {"tracking_rms": self.tracking_rms()}
+        if self.lasting is not None:
+            more["lasting"] = self.lasting.to_dict()
         out = {
             "schema": schemas.EVENTS,
             "robot": self.robot.name,
@@ -136,7 +142,7 @@ class MonitorRun:
             "events": [e.to_dict(self.robot) for e in self.events],
             "faults": [fault_to_dict(t, self.robot) for t in self.faults],
         }
-        return cast("MonitorDocument", {**out, **tracking, "record": self.record})
+        return cast("MonitorDocument", {**out, **more, "record": self.record})
 
 
 class Recorder:
@@ -221,6 +227,7 @@ def replay(
     rate: float = STORED_RATE,
     progress: Callable[[float], None] | None = None,
     go_on: bool = False,
+    compare_with: Sequence[Log] = (),
 ) -> MonitorRun:
     """Feed a log to a monitor as a loop would, and return the record of the run.
 
@@ -228,8 +235,9 @@ def replay(
         monitor: Returned to its start first, unless it goes on.
         log: Resampled first, if its rate is not that of the monitor, which a note of the record says.
         rate: Rate of the ticks that are kept [Hz].
-        progress: Gets the share that is done [1], from time to time.
+        progress: Gets the share that is monitored [1], from time to time.
         go_on: Whether the monitor goes on from where it is.
+        compare_with: Healthy runs with which the last part of the log is compared, after `lasting_changes`.
 
     Raises:
         LogError: If the log is of other joints, or has to be resampled and is mostly gaps.
@@ -239,14 +247,20 @@ def replay(
     said = [] if even is log else [f"{log.source}: {even.notes[-1]}"]
     if remark := monitor.remark(even):
         said.append(remark)
-    k = -1
+    disturbed: list[bool] = []
 
     def watch(status: Status) -> None:
-        nonlocal k
-        k += 1
+        k = len(disturbed)
+        disturbed.append(is_disturbed(status))
         v = None if even.velocity is None else even.velocity[k]
         recorder(status, even.position[k], v, even.effort[k])
 
     monitor.replay(even, watch, progress, go_on=go_on)
     source = {"source": log.source, "sha256": log.sha256, "rate": log.rate}
-    return recorder.finish(log=source, notes=[*said, *monitor.record["notes"]])
+    run = recorder.finish(log=source, notes=[*said, *monitor.record["notes"]])
+    if not compare_with:
+        return run
+    if progress is not None:
+        progress(1.0)
+    lasting = lasting_changes(monitor.model, compare_with, even, disturbed=np.array(disturbed, dtype=bool))
+    return replace(run, lasting=lasting)

@@ -8,13 +8,24 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
+from cdia_pin.changes.changes_result import ChangesVerdict
 from cdia_pin.diagnosis.record import STAGES
 from cdia_pin.diagnosis.status import LASTS, Stage
 from cdia_pin.phrases import NO_BREAK
 from cdia_pin.viewers.cells import add_row, clean, new_table
+from cdia_pin.viewers.effect_groups import MOST_RIVALS, rivals
 from cdia_pin.viewers.event_words import EventRow, event_rows, fault_words
+from cdia_pin.viewers.text_changes import change_words
 from cdia_pin.viewers.whole_arm_row import WHOLE_ARM, of_joint, whole_arm_row
-from cdia_pin.viewers.words import joint_units, listed, number, percent, short_names, with_unit
+from cdia_pin.viewers.words import (
+    confusion_words,
+    joint_units,
+    listed,
+    number,
+    percent,
+    short_names,
+    with_unit,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -133,8 +144,9 @@ def run_summary(run: MonitorRun) -> str:
     blind = f" Blind: {'all joints' if everywhere else listed(run.blind)}." if run.blind else ""
     detections = [e for e in run.events if e.stage == "detection"]
     tolerated = _tolerated(run, _joints_of(run.events))
+    lasting = _lasting(run)
     if not detections:
-        return f"No fault was detected in {span}.{tolerated or _nearest(run)}{blind}"
+        return f"No fault was detected in {span}.{tolerated or _nearest(run)}{blind}{lasting}"
     left = [e for e in detections if e.reason != LASTS]
     lasted = [e for e in detections if e.reason == LASTS]
     seen = [
@@ -144,7 +156,28 @@ def run_summary(run: MonitorRun) -> str:
     ]
     doubted = [j for j in _joints_of(detections) if j in run.blind]
     doubt = f" Doubt the detection on {listed(doubted)}: the monitor is blind there." if doubted else ""
-    return f"In {span} {' and '.join(seen)}.{doubt} {_at_the_end(run)}{tolerated}{blind}"
+    return f"In {span} {' and '.join(seen)}.{doubt} {_at_the_end(run)}{tolerated}{blind}{lasting}"
+
+
+def _lasting(run: MonitorRun) -> str:
+    """Return what differs between the healthy runs and the last part of a replay."""
+    if run.lasting is None:
+        return ""
+    changes, span = run.lasting.changes, f"{run.lasting.begin:.4g} to {run.lasting.end:.4g} s"
+    if changes.verdict is ChangesVerdict.NOT_COMPARABLE:
+        return ""
+    if not run.lasting.established:  # which says little where a fault is believed
+        return "" if run.faults else f" No change since the healthy runs is established ({span})."
+    found = listed(
+        " or ".join(
+            [
+                change_words(c, changes),
+                *map(confusion_words, rivals(c.term.effect, c.confusions)[:MOST_RIVALS]),
+            ]
+        )
+        for c in run.lasting.established
+    )
+    return f" Established since the healthy runs ({span}): {found}."
 
 
 def _nearest(run: MonitorRun) -> str:

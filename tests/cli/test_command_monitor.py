@@ -60,6 +60,15 @@ def test_a_person_can_read_it(watched):
     assert "the residual left its threshold on joint2" in text
 
 
+def test_the_end_is_compared_with_the_healthy_run(cdia, folder, watched):
+    lasting = json.loads(watched[1]["found.json"].read_text(encoding="utf-8"))["lasting"]
+    assert lasting["changes"]["schema"] == "cdia-changes/1"
+    assert lasting["changes"]["after"] == ["run.csv (the end)"]
+    assert "No change" not in " ".join(watched[0].split())  # a fault is believed
+    common = ("monitor", folder / "run.csv", *ROBOT, "--healthy", folder / "healthy.csv", *BANK, "--no-check")
+    assert "lasting" not in cdia(*common, "--no-compare", "--json", "-").json
+
+
 def test_the_saved_model_has_the_fault(watched):
     terms = json.loads(watched[1]["better.json"].read_text(encoding="utf-8"))["terms"]
     assert [t["effect"] for t in terms] == ["viscous_friction"]

@@ -1,0 +1,139 @@
+"""What lasts until the end of a monitored log: its last part is compared with the healthy runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cdia_pin.changes import Change, Changes, what_changed
+from cdia_pin.changes.changes_documents import ChangesJson
+from cdia_pin.changes.confidence import Confidence
+from cdia_pin.diagnosis.status import Status
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import ExternalWrench
+from cdia_pin.errors import CdiaError
+from cdia_pin.logs.log import Log
+from cdia_pin.selection.discovery_settings import DiscoverySettings
+
+Mask = NDArray[np.bool_]
+
+# A drive warms up within minutes, and a change that began late fills a small share of a long window.
+LEAST_LONGEST = 60.0  # [s]; the longest window is as long as the healthy runs, and at least this
+SHORTER = 0.5  # length of a window over that of the one before [1]
+
+
+class LastingJson(TypedDict):
+    """What lasts until the end, in files of the schema cdia-events/1: begin and end of the window [s], and changes."""
+
+    begin: float
+    end: float
+    changes: ChangesJson
+
+
+@dataclass(frozen=True, repr=False)
+class LastingChanges:
+    """Changes of the arm since its healthy runs that last until the end of a run.
+
+    Attributes:
+        begin: Begin of the window that was compared [s].
+        end: Its end [s]: that of the log, or of the last stretch without contact and with good sensors.
+        changes: What differs between the healthy runs and the window.
+    """
+
+    begin: float
+    end: float
+    changes: Changes
+
+    def __repr__(self) -> str:
+        return f"LastingChanges({self.begin:.4g} to {self.end:.4g} s, {len(self.established)} established)"
+
+    @property
+    def established(self) -> tuple[Change, ...]:
+        """The changes that are established, the most evident first."""
+        return tuple(c for c in self.changes.changes if c.confidence is Confidence.ESTABLISHED)
+
+    @property
+    def evidence(self) -> float:
+        """Logarithm of the likelihood that would be lost without what is established [1]."""
+        return sum(c.evidence for c in self.established)
+
+    def to_dict(self) -> LastingJson:
+        """Return the comparison as files of the schema cdia-events/1 have it."""
+        return {"begin": self.begin, "end": self.end, "changes": self.changes.to_dict()}
+
+
+def lasting_changes(
+    model: Dynamics,
+    healthy: Sequence[Log],
+    run: Log,
+    *,
+    disturbed: Mask | None = None,
+    settings: DiscoverySettings | None = None,
+) -> LastingChanges | None:
+    """Compare the last part of a run with healthy runs.
+
+    When a change began is not known. So several windows are compared, each half as long as the one before, and all of
+    them end where the last undisturbed stretch ends. The window counts in which what is established is most evident.
+
+    Args:
+        model: The model of the arm.
+        healthy: Runs of the healthy arm.
+        run: The monitored run, N samples.
+        disturbed: True for samples that say nothing about the arm, such as those of a push, shape (N,).
+        settings: What may have changed, and how logs are conditioned.
+
+    Returns:
+        The comparison of the window; None if nothing can be compared, as in runs that are too short.
+    """
+    settings = settings or DiscoverySettings()
+    longest = max(sum(log.duration for log in healthy), LEAST_LONGEST)
+    least = settings.changes.blocks * settings.changes.independent_time
+    quiet = np.ones(len(run.time), dtype=bool) if disturbed is None else ~disturbed
+    found: list[LastingChanges] = []
+    for window in _windows(_last_stretch(run, quiet, least), longest, least):
+        try:
+            changes = what_changed(
+                model, _named(healthy, "healthy"), _named([window], "the end"), settings=settings
+            )
+        except CdiaError:  # this part cannot be compared; a longer or a shorter one may be
+            continue
+        found.append(LastingChanges(float(window.time[0]), float(window.time[-1]), changes))
+    return max(found, key=lambda one: one.evidence, default=None)
+
+
+def is_disturbed(status: Status) -> bool:
+    """Return True if a contact or a sensor at fault hides the arm.
+
+    Args:
+        status: After a tick.
+    """
+    return bool(status.sensors) or any(isinstance(t.effect, ExternalWrench) for t in status.faults)
+
+
+def _last_stretch(run: Log, quiet: Mask, least: float) -> Log | None:
+    """Return the last stretch of quiet samples that is long enough [s]; None without one."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], quiet, [False]])))
+    for start, stop in reversed(list(zip(edges[::2], edges[1::2], strict=True))):
+        if run.time[stop - 1] - run.time[start] >= least:
+            return run.slice(int(start), int(stop))
+    return None
+
+
+def _windows(stretch: Log | None, longest: float, least: float) -> Iterator[Log]:
+    """Yield the windows of a stretch, the longest first."""
+    if stretch is None:
+        return
+    length = min(longest, stretch.duration)
+    while length >= least:
+        begin = int(np.searchsorted(stretch.time, stretch.time[-1] - length))
+        yield stretch.slice(begin, len(stretch.time))
+        length *= SHORTER
+
+
+def _named(logs: Sequence[Log], side: str) -> list[Log]:
+    """Return logs with names that differ between the sides, since both may be parts of one file."""
+    return [replace(log, source=f"{log.source} ({side})") for log in logs]

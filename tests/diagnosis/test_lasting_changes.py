@@ -1,0 +1,121 @@
+"""What lasts until the end of a log, below the monitor's threshold too; friction and noise are written out here."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_logs import make
+
+from cdia_pin.diagnosis import (
+    EventStage,
+    Monitor,
+    SensorCondition,
+    SensorFault,
+    SensorSignal,
+    Status,
+    lasting_changes,
+    replay,
+)
+from cdia_pin.diagnosis.lasting_changes import is_disturbed
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import ExternalWrench, Term
+from cdia_pin.logs import Log
+from cdia_pin.robot import load_robot
+from cdia_pin.viewers import run_summary
+
+ARM = load_robot("ur5")
+JOINT = "elbow_joint"
+ELBOW = ARM.joint_index(JOINT)
+NOISE = 0.5  # [N·m]
+WRONG = 2.0  # [N·m], by which the model of the elbow is wrong at each posture, so that its threshold is wide
+
+
+def run(seed: int, friction: float = 0.0, begin: float = 0.0, duration: float = 30.0) -> Log:
+    """A run in which viscous friction [N·m·s/rad] of the elbow begins at a time [s]."""
+    made = make(
+        ARM,
+        lambda q, v, a: WRONG * np.sin(3.0 * q) * np.eye(ARM.n)[ELBOW],
+        seed=seed,
+        duration=duration,
+        noise=NOISE,
+    )
+    worn = friction * made.v[:, ELBOW] * (made.log.time >= begin)
+    effort = made.log.effort + np.outer(worn, np.eye(ARM.n)[ELBOW])
+    return replace(made.log, effort=effort, source=f"run {seed}")
+
+
+@pytest.fixture(scope="module")
+def healthy() -> Log:
+    return run(1)
+
+
+def test_a_fault_below_the_threshold_is_established(healthy: Log) -> None:
+    monitor = Monitor(Dynamics(ARM), healthy=[healthy])
+    found = replay(monitor, run(2, friction=1.0), compare_with=[healthy])
+    assert not [e for e in found.events if e.stage is EventStage.DETECTION]
+    assert found.lasting is not None
+    (change,) = found.lasting.established
+    assert change.term.label == f"viscous_friction@{JOINT}"
+    assert abs(change.term.theta[0] - 1.0) < 0.1
+    assert "Established since the healthy runs (0 to 29.99 s): viscous friction on elbow" in run_summary(
+        found
+    )
+    assert found.to_dict()["lasting"]["changes"]["verdict"] == "changed"
+
+
+def test_an_unchanged_arm_is_said_to_be_unchanged(healthy: Log) -> None:
+    found = replay(Monitor(Dynamics(ARM), healthy=[healthy]), run(3), compare_with=[healthy])
+    assert found.lasting is not None
+    assert not found.lasting.established
+    assert "No change since the healthy runs is established" in run_summary(found)
+
+
+def test_a_fault_that_began_late_is_found_in_a_window_of_its_own(healthy: Log) -> None:
+    late = lasting_changes(Dynamics(ARM), [healthy], run(2, friction=1.0, begin=45.0, duration=60.0))
+    assert late is not None
+    assert late.begin >= 30.0 - 1.0
+    assert [c.term.label for c in late.established] == [f"viscous_friction@{JOINT}"]
+
+
+def test_what_was_pushed_is_not_compared(healthy: Log) -> None:
+    watched = run(2, friction=1.0)
+    pushed = (watched.time > 4.0) & (watched.time < 10.0)
+    part = lasting_changes(Dynamics(ARM), [healthy], watched, disturbed=pushed)
+    assert part is not None
+    assert part.begin >= 10.0
+    assert part.end == watched.time[-1]
+
+
+def test_a_bad_sensor_at_the_end_leaves_what_was_before_it(healthy: Log) -> None:
+    watched = run(2, friction=1.0)
+    before = lasting_changes(Dynamics(ARM), [healthy], watched, disturbed=watched.time > 27.0)
+    assert before is not None
+    assert before.end == pytest.approx(27.0, abs=0.02)
+    assert [c.term.label for c in before.established] == [f"viscous_friction@{JOINT}"]
+
+
+def test_nothing_is_compared_where_everything_is_disturbed(healthy: Log) -> None:
+    watched = run(2, friction=1.0)
+    often = np.arange(len(watched.time)) % 200 == 0
+    assert lasting_changes(Dynamics(ARM), [healthy], watched, disturbed=often) is None
+
+
+def test_nothing_is_compared_unless_asked(healthy: Log) -> None:
+    found = replay(Monitor(Dynamics(ARM), healthy=[healthy]), run(3, duration=6.0))
+    assert found.lasting is None
+    assert "lasting" not in found.to_dict()
+
+
+def test_runs_that_cannot_be_compared_stop_nothing(healthy: Log) -> None:
+    resting = replace(healthy, position=np.zeros_like(healthy.position), source="rests")
+    found = lasting_changes(Dynamics(ARM), [healthy], resting)
+    assert found is None or not found.established
+
+
+def test_contacts_and_bad_sensors_disturb() -> None:
+    contact = Term(ExternalWrench(ARM.joints[-1]), (0.0,) * 6)
+    status = Status(9.0, (), *np.zeros((3, ARM.n)))
+    assert not is_disturbed(status)
+    assert is_disturbed(replace(status, faults=(contact,)))
+    broken = SensorFault(JOINT, SensorSignal.POSITION, SensorCondition.FROZEN, since=8.0)
+    assert is_disturbed(replace(status, sensors=(broken,)))
