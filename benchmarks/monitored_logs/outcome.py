@@ -31,6 +31,8 @@ class Outcome(JsonLine):
         mass: Payload's mass at the end [kg].
         mass_half: Half width of its 95 % interval [kg].
         mass_after: Time from the first detection to the payload's name [s].
+        compared_mass: Mass of the payload that the comparison at the end established [kg].
+        compared_half: Half width of its 95 % interval [kg].
         force_error: Median error of the contact's force against a sensor, relative [1].
         force_said: Share of the time with a force above 10 N in which contact was said [1].
         lasting: Labels that the comparison of the log's end with the healthy log established.
@@ -54,6 +56,8 @@ class Outcome(JsonLine):
     mass: float = nan
     mass_half: float = nan
     mass_after: float = nan
+    compared_mass: float = nan
+    compared_half: float = nan
     force_error: float = nan
     force_said: float = nan
     lasting: tuple[str, ...] = ()

@@ -70,6 +70,7 @@ def run_case(case: Case) -> Outcome:
     )
     if case.kind == WEIGHT:
         out = _with_mass(out, monitor, isolations, detections)
+        out = _with_compared_mass(out, lasting.established if lasting else ())
     if case.kind == PUSHED and case.after.file == "pushed_at_rest":
         out = _with_force(out, contacts)
     return out
@@ -111,6 +112,13 @@ def _with_mass(out: Outcome, monitor: Monitor, isolations: list[Event], detectio
         return out
     half = float(found.half_widths[0])
     return replace(out, mass=found.theta[0], mass_half=half, mass_after=times[0] - detections[0])
+
+
+def _with_compared_mass(out: Outcome, established: tuple[Change, ...]) -> Outcome:
+    found = next((c.term for c in established if c.term.effect.name == "payload"), None)
+    if found is None:
+        return out
+    return replace(out, compared_mass=found.theta[0], compared_half=float(found.half_widths[0]))
 
 
 def _with_force(out: Outcome, contacts: list[tuple[float, Array]]) -> Outcome:
