@@ -34,8 +34,8 @@ from cdia_pin.version import __version__
 @on_one_thread
 def what_changed(
     model: Dynamics,
-    before: Log | Sequence[Log],
-    after: Log | Sequence[Log],
+    before: Log | Motion | Sequence[Log | Motion],
+    after: Log | Motion | Sequence[Log | Motion],
     *,
     settings: DiscoverySettings | None = None,
     progress: Progress | None = None,
@@ -44,8 +44,8 @@ def what_changed(
 
     Args:
         model: The model of the arm as it is known. It may be wrong if it is wrong in the same way before and after.
-        before: One log or several.
-        after: One log or several; their motions may be different.
+        before: One log or several; one that is conditioned already is taken as it is.
+        after: The same; their motions may be different.
         settings: What may have changed, and how logs are conditioned.
         progress: Called with a sentence and the share done, from 0 to 1.
 
@@ -57,13 +57,14 @@ def what_changed(
         EffectError: If the settings name an unknown effect.
     """
     settings = settings or DiscoverySettings()
-    first, last = ([side] if isinstance(side, Log) else list(side) for side in (before, after))
+    first, last = ([side] if isinstance(side, Log | Motion) else list(side) for side in (before, after))
     if not first or not last:
         raise LogError("what_changed needs at least one log before and one after")
     tell = progress or silent
     tell("conditioning", 0.0)
     earlier, later = (
-        [condition(log, model.robot, settings.searched) for log in side] for side in (first, last)
+        [log if isinstance(log, Motion) else condition(log, model.robot, settings.searched) for log in side]
+        for side in (first, last)
     )
     found = searched(model, earlier, later, settings, tell)
     differing = found.search.differing

@@ -15,7 +15,8 @@ from cdia_pin.changes.confidence import Confidence
 from cdia_pin.diagnosis.status import Status
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ExternalWrench
-from cdia_pin.errors import CdiaError
+from cdia_pin.errors import CdiaError, LogError
+from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.log import Log
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 
@@ -93,12 +94,14 @@ def lasting_changes(
     longest = max(sum(log.duration for log in healthy), LEAST_LONGEST)
     least = settings.changes.blocks * settings.changes.independent_time
     quiet = np.ones(len(run.time), dtype=bool) if disturbed is None else ~disturbed
+    try:
+        before = [condition(log, model.robot, settings.searched) for log in _named(healthy, "healthy")]
+    except LogError:
+        return None
     found: list[LastingChanges] = []
     for window in _windows(_last_stretch(run, quiet, least), longest, least):
         try:
-            changes = what_changed(
-                model, _named(healthy, "healthy"), _named([window], "the end"), settings=settings
-            )
+            changes = what_changed(model, before, _named([window], "the end"), settings=settings)
         except CdiaError:  # this part cannot be compared; a longer or a shorter one may be
             continue
         found.append(LastingChanges(float(window.time[0]), float(window.time[-1]), changes))
