@@ -17,6 +17,7 @@ from benchmarks.publishing import made_by
 
 PACKAGES = ("pin", "numba", "numpy", "scipy")  # whose versions matter
 WEIGHED = 2.6  # [kg], on the flange of the UR10e, as the data say
+HALVES = {"mass": "mass_half", "compared_mass": "compared_half"}  # half width of the interval of each mass
 ARMS = ("panda", "ur10", "ur10e", "ur5", "kuka_lwr4", "double_pendulum")
 
 
@@ -47,24 +48,22 @@ def _says_wrong(o: Outcome) -> bool:
 
 
 def _weight_error(outcomes: Sequence[Outcome]) -> Figure:
-    if not outcomes:
-        return Figure(nan, 0, "–")
-    (o,) = outcomes
-    if np.isnan(o.mass):
-        return Figure(np.inf, 1, "not named")
-    text = f"{o.mass:.2f} ± {o.mass_half:.2f} kg, {o.mass_after:.1f} s after the first detection"
-    return Figure(abs(o.mass / WEIGHED - 1.0), 1, text)
+    return _error_of_mass(outcomes, "mass", "not named", ", {:.1f} s after the first detection")
 
 
 def _compared_mass(outcomes: Sequence[Outcome]) -> Figure:
+    return _error_of_mass(outcomes, "compared_mass", "not established")
+
+
+def _error_of_mass(outcomes: Sequence[Outcome], value: str, missing: str, delay: str = "") -> Figure:
+    """Return the error of a mass of the one log with a known weight [1]; in words with its interval and its delay."""
     if not outcomes:
         return Figure(nan, 0, "–")
     (o,) = outcomes
-    if np.isnan(o.compared_mass):
-        return Figure(np.inf, 1, "not established")
-    return Figure(
-        abs(o.compared_mass / WEIGHED - 1.0), 1, f"{o.compared_mass:.2f} ± {o.compared_half:.2f} kg"
-    )
+    mass, half = getattr(o, value), getattr(o, HALVES[value])
+    if np.isnan(mass):
+        return Figure(np.inf, 1, missing)
+    return Figure(abs(mass / WEIGHED - 1.0), 1, f"{mass:.2f} ± {half:.2f} kg{delay.format(o.mass_after)}")
 
 
 DETECTED = Claim("detected", "≥ 95 %", of_cases(lambda o: not np.isnan(o.detected)), at_least(0.95))

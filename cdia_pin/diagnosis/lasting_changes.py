@@ -16,6 +16,7 @@ from cdia_pin.diagnosis.status import Status
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ExternalWrench
 from cdia_pin.errors import CdiaError, LogError
+from cdia_pin.logs.checks.sampling import runs
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.log import Log
 from cdia_pin.selection.discovery_settings import DiscoverySettings
@@ -118,9 +119,8 @@ def is_disturbed(status: Status) -> bool:
 
 
 def _last_stretch(run: Log, quiet: Mask, least: float) -> Log | None:
-    """Return the last stretch of quiet samples that is long enough [s]; None without one."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], quiet, [False]])))
-    for start, stop in reversed(list(zip(edges[::2], edges[1::2], strict=True))):
+    """Return the last stretch of quiet samples that is long enough; None without one."""
+    for start, stop in reversed(list(zip(*runs(quiet), strict=True))):
         if run.time[stop - 1] - run.time[start] >= least:
             return run.slice(int(start), int(stop))
     return None
