@@ -124,7 +124,7 @@ def isolation(
     said = [
         e
         for e in events
-        if joint in e.joints and e.stage in {"isolation", "accommodation", "idle"} and e.time <= at
+        if joint in e.joints and e.time <= at and (e.stage in {"isolation", "idle"} or _corrects(e))
     ]
     if not said:
         return Isolation("none", False, False, False, (), np.nan)
@@ -285,6 +285,11 @@ def found_again_delay(run: OnlineRun, events: Iterable[Event], joint: str, back:
 
 
 # ---------------------------------------------------------------- parts
+
+
+def _corrects(event: Event) -> bool:
+    """Whether an event corrects for a fault; one without a verdict is of bad samples, and says nothing of faults."""
+    return event.stage == "accommodation" and str(event.verdict) != "none"
 
 
 def _is(event: Event, stage: str, joint: str) -> bool:

@@ -124,9 +124,8 @@ class OnlinePlant:
         """
         faults = tuple(faults)
         mechanisms = [mechanism(f) for f in faults]
-        every, step = self.nominal._steps(
-            faults, self.drives.rate
-        )  # shorter where a joint is strongly damped
+        # shorter where a joint is strongly damped
+        every, step = self.nominal._steps(mechanisms, self.drives.rate)
         time = np.arange(round(duration * self.drives.rate)) / self.drives.rate
         wanted = Reference(*(np.ascontiguousarray(s) for s in reference(time)))
         rows = [Reference(*row) for row in zip(*wanted, strict=True)]

@@ -158,7 +158,7 @@ class MujocoPlant:
         self, faults: tuple[Fault, ...], motion: Motion, duration: float, rate: float, seed: int
     ) -> dict[str, Array]:
         """Return the run without noise, at the samples of the log."""
-        every, step = self._steps(faults, rate)
+        every, step = self._steps([mechanism(f) for f in faults], rate)
         try:
             return self._simulated(faults, motion, duration, rate, seed, every, step)
         except FloatingPointError:  # drive and fault together may need a shorter step than each alone
@@ -199,20 +199,16 @@ class MujocoPlant:
             **_readings(mechanisms, done, at, step),
         }
 
-    def _steps(self, faults: Sequence[Fault], rate: float) -> tuple[int, float]:
+    def _steps(self, mechanisms: Sequence[Mechanism], rate: float) -> tuple[int, float]:
         """Return steps per sample and the step [s]: a shorter one where a light joint is strongly damped."""
         middle = self.nominal.mass_matrix(self.reach.middle)
         free = dict(zip(self.joints, 1 / np.diag(np.linalg.inv(middle)), strict=True))
         step = self.step
-        for fault in faults:
-            damping = [abs(v) for k, v in fault.parameters.items() if k in _DAMPING and isinstance(v, float)]
-            for joint in fault.joints if any(damping) else ():
-                step = min(step, DAMPED * float(free[joint]) / max(damping))
+        for k in mechanisms:
+            for joint in k.fault.joints if k.damping else ():
+                step = min(step, DAMPED * float(free[joint]) / k.damping)
         every = max(1, int(np.ceil(1.0 / (rate * step) - 1e-9)))
         return every, 1.0 / (rate * every)
-
-
-_DAMPING = ("coefficient", "coefficient_positive", "coefficient_negative")
 
 
 def _readings(mechanisms: Sequence[Mechanism], done: Simulated, at: slice, step: float) -> dict[str, Array]:

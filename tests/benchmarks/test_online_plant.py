@@ -265,3 +265,13 @@ def test_physical_steps_are_short_enough(plant: OnlinePlant) -> None:
     one, two = (nominal_run(p, fault, 1.0) for p in (coarse, fine))
     np.testing.assert_allclose(one.q, two.q, atol=1e-5)
     np.testing.assert_allclose(one.command, two.command, atol=1e-2)
+
+
+def test_velocities_are_those_of_the_positions_where_a_torque_is_steep_over_speed() -> None:
+    """With too long a step they alternate about the true one, and each tick sees the same side of it."""
+    plant = OnlinePlant("panda", sensors=EXACT)
+    bump = Fault("speed_bump", joint="panda_joint3", level=6.9, speed=0.25, width=0.06)
+    run = plant.run(NominalControl(plant.robot), plant.reference(seed=4), [bump], 3.0)
+    moved = 0.5 * (run.v[1:] + run.v[:-1]) * np.diff(run.time)[:, None]
+    over_a_second = np.cumsum(np.diff(run.q, axis=0) - moved, axis=0)
+    assert np.abs(over_a_second[1000:] - over_a_second[:-1000]).max() < 1e-3

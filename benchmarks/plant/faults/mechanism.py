@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 Value = float | tuple[float, ...] | str | None
 Parameters = dict[str, Value]
 
+# Parameters [N·m·s/rad or N·s/m, …] that are themselves about the slope of a torque over speed.
+SLOPES = ("coefficient", "coefficient_positive", "coefficient_negative")
+
 
 @dataclass(frozen=True, init=False)
 class Fault:
@@ -155,6 +158,11 @@ class Mechanism:
         self.j = -1
         self.other = -1
         self.dof = -1
+
+    @property
+    def damping(self) -> float:
+        """Largest slope of the torque over speed [N·m·s/rad or N·s/m], which bounds the integration step."""
+        return max((abs(self.p[k]) for k in SLOPES if isinstance(self.p.get(k), float)), default=0.0)
 
     def edit(self, spec: mujoco.MjSpec, arm: Arm) -> None:
         """Add bodies or tendons to the arm's description."""

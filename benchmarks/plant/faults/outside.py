@@ -114,6 +114,11 @@ class SpeedBump(Mechanism):
     defaults: ClassVar[Parameters] = {"level": 1.0, "speed": 0.5, "width": 0.1}
     sizes = ("level",)
 
+    @property
+    def damping(self) -> float:
+        """Slope where the bump is steepest [N·m·s/rad or N·s/m]."""
+        return float(abs(self.p["level"]) * np.sqrt(2 / np.e) / self.p["width"])
+
     def act(self, x: Step) -> None:
         """Act at one step."""
         v = x.v[self.j]
