@@ -28,10 +28,9 @@ from cdia_pin.identifiability.distinguishing_motions import prepare
 TRIAL_TIME = 3.0  # [s]; a belief that fails sooner was wrong, one that fails later met a further fault
 # Where four combinations or more fitted alike on measured arms, it was a push or an error of the model.
 MOST_ALIKE = 2  # rivals that a name may have [1]
-MOST_FAILURES = 3  # wrong beliefs, after which the fault is called unknown
-HOLDING_TIME = (
-    10.0  # [s], some periods of a motion; a joint that was quiet for so long has no failures any more
-)
+# Names that did not last, after which the fault is called unknown: they failed, or another took their place.
+MOST_FAILURES = 3
+HOLDING_TIME = 10.0  # [s], some periods of a motion; what has held for so long ends the count of failures
 CALM_TIME = 0.5  # [s] below the threshold after which an alarm without a fault is dismissed
 REACTION_LOOKS = 2  # looks after a decision in which an alarm is not answered: the filters still settle
 DOUBT_ABSENCES = 1.5  # [1], times `gone_after` that a doubt waits, so that a fault can be seen to clear first
@@ -67,6 +66,7 @@ class JointMonitor(Stateful):
         "_onset",
         "_votes",
         "_failures",
+        "_named",
         "_doubted",
         "_mixed",
     )
@@ -96,6 +96,7 @@ class JointMonitor(Stateful):
         self._onset = -np.inf  # [s], of what is believed, if nothing was believed before
         self._votes = Votes(self.settings.votes)
         self._failures = 0
+        self._named = 0  # the name that is being tried, one bit for each effect
         self._doubted = np.inf  # [s], since when the belief is doubted
         self._mixed = False  # do the normal equations hold samples from before a belief failed?
 
@@ -177,8 +178,7 @@ class JointMonitor(Stateful):
             return []
         if known is not None and t - self.since < TRIAL_TIME:
             return self._doubt(t)
-        if t - self.since >= HOLDING_TIME:
-            self._failures = 0
+        self._forgive(t)
         self.isolation.restart(beside=known)
         detection = self._event(t, EventStage.DETECTION, reason)
         if self.beliefs.unknown_before:
@@ -262,6 +262,10 @@ class JointMonitor(Stateful):
 
     def _commit(self, t: float, belief: JointBelief, reason: str = "") -> list[Event]:
         self.isolation.drop_prior()
+        self._forgive(t)
+        if self._named not in (0, belief.mask) and self._has_failed():
+            return self._commit_unknown(t)
+        self._named = belief.mask
         self.beliefs.commit(belief)
         if belief.verdict is Verdict.AMBIGUOUS:
             reason = what_separates([self.faults, *self.beliefs.alternatives], self.observer.nominal.robot)
@@ -298,14 +302,23 @@ class JointMonitor(Stateful):
         if t - self.last_alarm > REACTION_LOOKS * self.settings.decide_every:  # the alarm was a short one
             self.stage = self._settled
             return []
-        self._failures += 1
         self.isolation.drop_prior()
-        if self._failures >= MOST_FAILURES:
+        if self._has_failed():
             return self._commit_unknown(t)
         self.beliefs.hold(JointBelief.nothing(self.bank))
         self._begin(t, Stage.DETECTED)
         self._mixed = True
         return []
+
+    def _has_failed(self) -> bool:
+        """Note that the last name was wrong, and return whether too many were."""
+        self._failures, self._named = self._failures + 1, 0
+        return self._failures >= MOST_FAILURES
+
+    def _forgive(self, t: float) -> None:
+        """Count no failures if the present stage has lasted for long."""
+        if t - self.since >= HOLDING_TIME:
+            self._failures = self._named = 0
 
     def _none_possible(self, t: float) -> list[Event]:
         """Drop the samples from before a belief failed, for another fault may have begun then; else call it unknown."""
@@ -327,7 +340,7 @@ class JointMonitor(Stateful):
         absent = self.beliefs.absent()
         if not absent:
             return []
-        self._doubted = np.inf
+        was_doubted, self._doubted = self._doubted < np.inf, np.inf
         if self.beliefs.come_and_go(absent):
             self.beliefs.confine(absent)
             self.isolation.restart()
@@ -336,6 +349,9 @@ class JointMonitor(Stateful):
             verdict = self.beliefs.now.verdict
             return [Event(t, EventStage.IDLE, (self.name,), verdict, self.faults, reason=reason)]
         faults = self.beliefs.clear(absent)
+        if was_doubted:
+            self._has_failed()
+        self._named = self.beliefs.now.mask
         self.isolation.restart(beside=self.beliefs.now)
         self._begin(t, self.stage)
         if not self.beliefs.now.mask:
@@ -351,6 +367,7 @@ class JointMonitor(Stateful):
 
     def _rest(self) -> None:
         self.stage = Stage.IDLE if self.beliefs.remembers else Stage.HEALTHY
+        self._named = 0
         self.beliefs.rest()
         self.isolation.end()
 
