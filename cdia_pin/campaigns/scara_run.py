@@ -280,7 +280,7 @@ class _Steps:
         self._scenarios = scenarios
         self._unmodelled = np.array([0.5 * s.unmodelled for s in scenarios]).reshape(-1, 4)
         self._present: tuple[tuple[Fault, ...], ...] | None = None
-        self._acting: list[tuple[JointEffect, NDArray[np.intp], Array]] = []
+        self._acting: dict[JointEffect, Array] = {}  # parameters, shape (p, N, 4) each
 
     def advance(self, t: float, q: Array, v: Array, tau: Array) -> tuple[Array, Array]:
         """Integrate over one tick; positions, velocities and torques have shape (N, 4)."""
@@ -301,27 +301,22 @@ class _Steps:
         return q, v
 
     def _choose(self, t: float) -> None:
-        """Take the faults that are present: arms with the same effect are evaluated together, in turns."""
+        """Take the faults that are present; each effect is evaluated once for all arms, which have it or not."""
         present = tuple(tuple(f for f in s.faults if f.start - 1e-9 <= t < f.end) for s in self._scenarios)
         if present == self._present:
             return
-        self._present, self._acting = present, []
-        for turn in range(max(map(len, present))):
-            alike: dict[JointEffect, list[int]] = {}
-            for i, faults in enumerate(present):
-                if turn < len(faults):
-                    alike.setdefault(faults[turn].effect, []).append(i)
-            for effect, rows in alike.items():
-                theta = np.array([present[i][turn].theta for i in rows])
-                self._acting.append((effect, np.array(rows), theta))
+        self._present, self._acting = present, {}
+        for i, fault in ((i, fault) for i, faults in enumerate(present) for fault in faults):
+            none = np.zeros((fault.effect.size, len(present), 4))
+            self._acting.setdefault(fault.effect, none)[:, i] += fault.theta.T
 
     def _acceleration(self, t: float, q: Array, v: Array, tau: Array) -> Array:
         push = tau - scara.nonlinear_effects(q, v)
         push -= self._unmodelled * (np.cos(5 * q) + np.sin(15 * v))
         if self._acting:
-            still, time = np.zeros_like(q), np.full_like(q, t)
             sign = np.tanh(v / self._scenarios[0].sign_width)
-        for effect, rows, theta in self._acting:
-            x = JointState(q[rows], v[rows], still[rows], tau[rows], sign[rows], time[rows])
-            push[rows] += (np.stack(effect.columns(x), axis=-1) * theta).sum(axis=-1)
+            x = JointState(q, v, np.zeros_like(q), tau, sign, np.full_like(q, t))
+            for effect, theta in self._acting.items():
+                for column, of_each in zip(effect.columns(x), theta, strict=True):
+                    push += column * of_each
         return np.asarray(np.linalg.solve(scara.mass_matrix(q), push[..., None])[..., 0], dtype=np.float64)

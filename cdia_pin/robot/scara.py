@@ -130,7 +130,9 @@ def nonlinear_effects(q: ArrayLike, v: ArrayLike, parameters: ScaraParameters = 
     Returns:
         nle [N·m, N·m, N·m, N], shape of q.
     """
-    return velocity_torques(q, v, parameters) + gravity_torques(q, parameters)
+    nle = velocity_torques(q, v, parameters)
+    nle[..., 3] += parameters.m3 * parameters.g
+    return nle
 
 
 def printed_mass_matrix(q: ArrayLike, parameters: ScaraParameters = TABLE_1) -> Array:
@@ -154,10 +156,10 @@ def printed_velocity_torques(q: ArrayLike, v: ArrayLike, parameters: ScaraParame
 
 def _velocity_torques(q: ArrayLike, v: ArrayLike, p: ScaraParameters, sign: float) -> Array:
     q, v = _four(q), _four(v)
-    g2 = p.gamma * np.sin(q[..., 1])
-    V = np.zeros_like(v)
-    V[..., 0] = -g2 * v[..., 1] * (v[..., 1] + sign * 2.0 * v[..., 0])
-    V[..., 1] = g2 * v[..., 0] ** 2
+    g2, v1, v2 = p.gamma * np.sin(q[..., 1]), v[..., 0], v[..., 1]
+    V = np.zeros(v.shape)
+    V[..., 0] = -g2 * v2 * (v2 + sign * 2.0 * v1)
+    V[..., 1] = g2 * v1**2
     return V
 
 

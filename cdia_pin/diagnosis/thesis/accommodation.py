@@ -25,8 +25,11 @@ def accommodate(
     still = torque(np.zeros_like(nominal))
     tau = nominal - still
     for _ in range(2):  # the second time with the right sign of the torque
+        sign = np.sign(tau)
         gained = torque(tau) - still
         gain = 1.0 + np.divide(gained, tau, out=np.zeros_like(tau), where=tau != 0)
         usable = np.isfinite(gain) & np.isfinite(still) & (np.abs(gain) > smallest_gain)
         tau = np.where(usable, (nominal - still) / np.where(usable, gain, 1.0), nominal)
+        if (np.sign(tau) == sign).all():
+            break
     return np.minimum(np.maximum(tau, -limit), limit)

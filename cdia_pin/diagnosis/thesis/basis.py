@@ -116,7 +116,7 @@ class KnownEffects:
             x: Motion and torque of all joints, each signal of shape (n,).
         """
         columns = [c for effect in self.effects for c in effect.columns(x)]
-        return np.stack(columns, axis=-1) if columns else np.empty((len(x.q), 0))
+        return np.array(columns).T if columns else np.empty((len(x.q), 0))
 
     def terms(self, weights: Array, present: NDArray[np.bool_]) -> tuple[Term, ...]:
         """Return faults as terms.

@@ -25,7 +25,9 @@ def joint_stages(
     """
     known = Stage.ACCOMMODATED if accommodate else Stage.ISOLATED
     open_ = Stage.DETECTED if undecided or not accommodate else Stage.ACCOMMODATED
-    stages = np.full(len(isolating), Stage.HEALTHY, dtype=object)
-    for which, stage in ((cleared, Stage.IDLE), (beyond, Stage.SUSPECT), (acting, known), (isolating, open_)):
-        stages[which] = stage  # later ones are graver
-    return tuple(stages)
+    graver = ((isolating, open_), (acting, known), (beyond, Stage.SUSPECT), (cleared, Stage.IDLE))
+    of_each = zip(*(which.tolist() for which, _ in graver), strict=True)
+    return tuple(
+        next((stage for is_so, (_, stage) in zip(each, graver, strict=True) if is_so), Stage.HEALTHY)
+        for each in of_each
+    )

@@ -66,7 +66,7 @@ class VelocityObservers(Stateful):
         Args:
             columns: φ, shape (n, P).
         """
-        return np.asarray(np.einsum("np,fnp->fn", columns, self.weights))
+        return np.asarray(np.vecdot(columns, self.weights), dtype=np.float64)
 
     def step(self, step: SampleInterval, scale: ColumnScale, known: Array | float = 0.0) -> Array:
         """Advance the errors over an interval, and return them [rad/s or m/s], shape (F, n); weights stay.
