@@ -20,7 +20,7 @@ from benchmarks.real_residuals.recordings import Recording, data_folder
 from benchmarks.real_residuals.running import store_of
 from cdia_pin.changes import Change
 from cdia_pin.diagnosis import Event, Monitor, Status, lasting_changes
-from cdia_pin.diagnosis.lasting_changes import is_disturbed
+from cdia_pin.diagnosis.lasting_changes import Disturbances
 from cdia_pin.effects import ExternalWrench, Term
 from cdia_pin.logs import Log
 
@@ -36,15 +36,15 @@ def run_case(case: Case) -> Outcome:
         log, term, begin = _given(case)
         monitor = monitor_of(case.before)
         contacts: list[tuple[float, Array]] = []
-        disturbed: list[bool] = []
+        disturbed = Disturbances()
 
         def watch(status: Status) -> None:
             contacts.append((status.time, _force(status.faults)))
-            disturbed.append(is_disturbed(status))
+            disturbed.see(status)
 
         monitor.replay(log, watch)
         watched = monitor.at_rate(log)
-        lasting = lasting_changes(monitor.model, [case.before.read()], watched, disturbed=np.array(disturbed))
+        lasting = lasting_changes(monitor.model, [case.before.read()], watched, disturbed=disturbed.mask)
     except NoSizeError:
         return replace(out, failure="no such size")
     except Exception as why:

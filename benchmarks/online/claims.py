@@ -271,7 +271,9 @@ PARTS = (
             Claim(
                 "recovered by the correction, median", "≥ 0.9", middle(lambda j: j.recovered), at_least(0.9)
             ),
-            Claim("cases with 0.9 or more", "", share(lambda j: j.recovered >= RECOVERED)),
+            Claim(
+                "cases with 0.9 or more", "≥ 90 %", share(lambda j: j.recovered >= RECOVERED), at_least(0.9)
+            ),
             Claim("recovered as a formula, median", "", middle(lambda j: j.learned)),
             *_tracking(False),
         ),

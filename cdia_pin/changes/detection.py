@@ -14,7 +14,7 @@ from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.changes.linearisation import sized_about_themselves
 from cdia_pin.changes.run_to_run import RunToRun, UsualFriction, is_friction_of_joint
-from cdia_pin.changes.sizes import friction_before, sized
+from cdia_pin.changes.sizes import covering, friction_before, sized
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
 from cdia_pin.errors import LogError
@@ -172,7 +172,24 @@ def sized_changes(
                 confidence,
             )
         )
-    return tuple(sorted(out, key=lambda c: -c.evidence)), tuple(usual)
+    return tuple(sorted(_with_or_without_likely(found, out), key=lambda c: -c.evidence)), tuple(usual)
+
+
+def _with_or_without_likely(found: FoundChanges, changes: Sequence[Change]) -> list[Change]:
+    """Return changes whose sizes, where they are established, hold also if what is only likely is not there.
+
+    A part of a payload may else be found on the link before it as well, and the payload is too light by that.
+    """
+    labels = {c.term.label for c in changes if c.confidence is Confidence.ESTABLISHED}
+    if not 0 < len(labels) < len(changes):
+        return list(changes)
+    search = found.search
+    sure = tuple(c for c in found.chosen if search.evidence.effects[c].effect.label in labels)
+    alone = {t.label: t for t in sized(FoundChanges.as_searched(search, sure))}
+    return [
+        replace(c, term=covering(c.term, alone[c.term.label])) if c.term.label in labels else c
+        for c in changes
+    ]
 
 
 def _confusions(term: Term, rivals: Sequence[Effect], robot: RobotModel) -> Iterator[Confusion]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +45,22 @@ def sized(found: FoundChanges) -> list[Term]:
         total = np.hypot(statistical, tolerance * np.abs(value))
         out.append(Term(e.effect, tuple(value)).with_intervals(total, statistical if tolerance else None))
     return out
+
+
+def covering(term: Term, other: Term) -> Term:
+    """Return a change whose total intervals also cover another estimate of it.
+
+    Args:
+        term: The change, with intervals.
+        other: The same change as it comes out otherwise, with intervals.
+    """
+    assert term.ci95 is not None
+    assert other.ci95 is not None
+    ends = np.concatenate([np.array(term.ci95), np.array(other.ci95)], axis=1)
+    return replace(
+        term.with_intervals(np.abs(ends - np.array(term.theta)[:, None]).max(axis=1)),
+        ci95_statistical=term.ci95_statistical,
+    )
 
 
 def effort_tolerance(experiment: Experiment, effect: Effect, torque: Array) -> float:

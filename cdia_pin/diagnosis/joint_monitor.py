@@ -263,8 +263,10 @@ class JointMonitor(Stateful):
     def _commit(self, t: float, belief: JointBelief, reason: str = "") -> list[Event]:
         self.isolation.drop_prior()
         self._forgive(t)
-        if self._named not in (0, belief.mask) and self._has_failed():
-            return self._commit_unknown(t)
+        if self._named not in (0, belief.mask):
+            self._fail()
+            if self._failures >= MOST_FAILURES:
+                return self._commit_unknown(t)
         self._named = belief.mask
         self.beliefs.commit(belief)
         if belief.verdict is Verdict.AMBIGUOUS:
@@ -302,18 +304,18 @@ class JointMonitor(Stateful):
         if t - self.last_alarm > REACTION_LOOKS * self.settings.decide_every:  # the alarm was a short one
             self.stage = self._settled
             return []
+        self._fail()
         self.isolation.drop_prior()
-        if self._has_failed():
+        if self._failures >= MOST_FAILURES:
             return self._commit_unknown(t)
         self.beliefs.hold(JointBelief.nothing(self.bank))
         self._begin(t, Stage.DETECTED)
         self._mixed = True
         return []
 
-    def _has_failed(self) -> bool:
-        """Note that the last name was wrong, and return whether too many were."""
+    def _fail(self) -> None:
+        """Note that the last name was wrong."""
         self._failures, self._named = self._failures + 1, 0
-        return self._failures >= MOST_FAILURES
 
     def _forgive(self, t: float) -> None:
         """Count no failures if the present stage has lasted for long."""
@@ -350,7 +352,7 @@ class JointMonitor(Stateful):
             return [Event(t, EventStage.IDLE, (self.name,), verdict, self.faults, reason=reason)]
         faults = self.beliefs.clear(absent)
         if was_doubted:
-            self._has_failed()
+            self._fail()
         self._named = self.beliefs.now.mask
         self.isolation.restart(beside=self.beliefs.now)
         self._begin(t, self.stage)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cdia_pin.changes import Change, Changes, what_changed
 from cdia_pin.changes.changes_documents import ChangesJson
 from cdia_pin.changes.confidence import Confidence
-from cdia_pin.diagnosis.status import Status
+from cdia_pin.diagnosis.status import NO_CONTACT, Status
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ExternalWrench
 from cdia_pin.errors import CdiaError, LogError
@@ -34,6 +34,40 @@ class LastingJson(TypedDict):
     begin: float
     end: float
     changes: ChangesJson
+
+
+class Disturbances:
+    """Which samples of a monitored run say nothing about the arm: contacts and sensors at fault hide it.
+
+    What was called a contact and turned out to be none hides nothing.
+    """
+
+    def __init__(self) -> None:
+        self._touched: list[bool] = []
+        self._broken: list[bool] = []
+
+    def __len__(self) -> int:
+        return len(self._touched)
+
+    def see(self, status: Status) -> None:
+        """Add a sample.
+
+        Args:
+            status: After its tick.
+        """
+        if any(e.reason == NO_CONTACT for e in status.events):
+            for k in reversed(range(len(self))):
+                if not self._touched[k]:
+                    break
+                self._touched[k] = False
+        self._touched.append(any(isinstance(t.effect, ExternalWrench) for t in status.faults))
+        self._broken.append(bool(status.sensors))
+
+    @property
+    def mask(self) -> Mask:
+        """True for samples that say nothing about the arm, shape (N,)."""
+        touched, broken = np.array([self._touched, self._broken], dtype=bool)
+        return np.asarray(touched | broken)
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,15 +141,6 @@ def lasting_changes(
             continue
         found.append(LastingChanges(float(window.time[0]), float(window.time[-1]), changes))
     return max(found, key=lambda one: one.evidence, default=None)
-
-
-def is_disturbed(status: Status) -> bool:
-    """Return True if a contact or a sensor at fault hides the arm.
-
-    Args:
-        status: After a tick.
-    """
-    return bool(status.sensors) or any(isinstance(t.effect, ExternalWrench) for t in status.faults)
 
 
 def _last_stretch(run: Log, quiet: Mask, least: float) -> Log | None:

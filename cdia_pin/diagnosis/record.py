@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cdia_pin import schemas
 from cdia_pin.diagnosis.engines import EngineName
 from cdia_pin.diagnosis.journal import BelievedFaults, Journal, Look
-from cdia_pin.diagnosis.lasting_changes import LastingChanges, LastingJson, is_disturbed, lasting_changes
+from cdia_pin.diagnosis.lasting_changes import Disturbances, LastingChanges, LastingJson, lasting_changes
 from cdia_pin.diagnosis.monitor import Monitor
 from cdia_pin.diagnosis.monitor_record import MonitorRecord
 from cdia_pin.diagnosis.sight import blind_joints
@@ -247,11 +247,11 @@ def replay(
     said = [] if even is log else [f"{log.source}: {even.notes[-1]}"]
     if remark := monitor.remark(even):
         said.append(remark)
-    disturbed: list[bool] = []
+    disturbed = Disturbances()
 
     def watch(status: Status) -> None:
         k = len(disturbed)
-        disturbed.append(is_disturbed(status))
+        disturbed.see(status)
         v = None if even.velocity is None else even.velocity[k]
         recorder(status, even.position[k], v, even.effort[k])
 
@@ -262,5 +262,5 @@ def replay(
         return run
     if progress is not None:
         progress(1.0)
-    lasting = lasting_changes(monitor.model, compare_with, even, disturbed=np.array(disturbed, dtype=bool))
+    lasting = lasting_changes(monitor.model, compare_with, even, disturbed=disturbed.mask)
     return replace(run, lasting=lasting)

@@ -49,6 +49,7 @@ class EventStage(StrEnum):
     SENSOR = "sensor"  # a sensor is at fault, or can be trusted again; the arm is not concerned
 
 
+NO_CONTACT = "it was no contact"  # reason for which a contact ends that turned out to be something else
 LASTS = "small, but it lasts"  # reason of a detection by the second detector, below the threshold
 
 

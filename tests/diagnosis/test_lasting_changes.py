@@ -7,16 +7,19 @@ import pytest
 from made_logs import make
 
 from cdia_pin.diagnosis import (
+    Event,
     EventStage,
     Monitor,
     SensorCondition,
     SensorFault,
     SensorSignal,
     Status,
+    Verdict,
     lasting_changes,
     replay,
 )
-from cdia_pin.diagnosis.lasting_changes import is_disturbed
+from cdia_pin.diagnosis.lasting_changes import Disturbances
+from cdia_pin.diagnosis.status import NO_CONTACT
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ExternalWrench, Term
 from cdia_pin.logs import Log
@@ -27,6 +30,8 @@ ARM = load_robot("ur5")
 JOINT = "elbow_joint"
 ELBOW = ARM.joint_index(JOINT)
 NOISE = 0.5  # [N·m]
+QUIET = Status(9.0, (), *np.zeros((3, ARM.n)))
+TOUCHED = replace(QUIET, faults=(Term(ExternalWrench(ARM.joints[-1]), (0.0,) * 6),))
 WRONG = 2.0  # [N·m], by which the model of the elbow is wrong at each posture, so that its threshold is wide
 
 
@@ -113,9 +118,17 @@ def test_runs_that_cannot_be_compared_stop_nothing(healthy: Log) -> None:
 
 
 def test_contacts_and_bad_sensors_disturb() -> None:
-    contact = Term(ExternalWrench(ARM.joints[-1]), (0.0,) * 6)
-    status = Status(9.0, (), *np.zeros((3, ARM.n)))
-    assert not is_disturbed(status)
-    assert is_disturbed(replace(status, faults=(contact,)))
     broken = SensorFault(JOINT, SensorSignal.POSITION, SensorCondition.FROZEN, since=8.0)
-    assert is_disturbed(replace(status, sensors=(broken,)))
+    seen = Disturbances()
+    for status in (QUIET, TOUCHED, replace(QUIET, sensors=(broken,)), QUIET):
+        seen.see(status)
+    assert seen.mask.tolist() == [False, True, True, False]
+
+
+def test_what_turned_out_to_be_no_contact_disturbs_nothing() -> None:
+    """A payload that was called a contact at first cut the log in two, and the shorter part gave a wrong mass."""
+    ended = Event(9.0, EventStage.IDLE, ARM.joints, Verdict.NONE, reason=NO_CONTACT)
+    seen = Disturbances()
+    for status in (TOUCHED, QUIET, TOUCHED, TOUCHED, replace(QUIET, events=(ended,))):
+        seen.see(status)
+    assert seen.mask.tolist() == [True, False, False, False, False]

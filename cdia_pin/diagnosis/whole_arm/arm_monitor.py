@@ -22,7 +22,7 @@ from cdia_pin.diagnosis.kernel_cache import first_call
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.stateful import Stateful
-from cdia_pin.diagnosis.status import Event, EventStage, Verdict
+from cdia_pin.diagnosis.status import NO_CONTACT, Event, EventStage, Verdict
 from cdia_pin.diagnosis.whole_arm import evidence_kernel, isolation_kernel
 from cdia_pin.diagnosis.whole_arm.belief import carried, is_possible
 from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
@@ -221,7 +221,7 @@ class ArmMonitor(Stateful):
                 Event(t, EventStage.ISOLATION, joints, Verdict.UNIQUE, fault, reason=self.contact.in_words),
             ]
         gone, self.contact = self.contact, None
-        said = "it was no contact" if self.apart else "the contact is gone"
+        said = NO_CONTACT if self.apart else "the contact is gone"
         return [Event(t, EventStage.IDLE, gone.joints, Verdict.NONE, (gone.term,), reason=said)]
 
     def look(self, t: float, alarmed: Sequence[int]) -> list[Event]:
@@ -266,8 +266,7 @@ class ArmMonitor(Stateful):
         events = []
         if self.contact is not None:
             last, self.contact = self.contact, None
-            said = "it was no contact"
-            events = [Event(t, EventStage.IDLE, last.joints, Verdict.NONE, (last.term,), reason=said)]
+            events = [Event(t, EventStage.IDLE, last.joints, Verdict.NONE, (last.term,), reason=NO_CONTACT)]
         self._refined_at = t
         self._close()
         if term is None:
