@@ -25,9 +25,9 @@ def joint_stages(
     """
     known = Stage.ACCOMMODATED if accommodate else Stage.ISOLATED
     open_ = Stage.DETECTED if undecided or not accommodate else Stage.ACCOMMODATED
-    graver = ((isolating, open_), (acting, known), (beyond, Stage.SUSPECT), (cleared, Stage.IDLE))
-    of_each = zip(*(which.tolist() for which, _ in graver), strict=True)
+    stages = (open_, known, Stage.SUSPECT, Stage.IDLE)  # the gravest first
+    of_each = zip(*(which.tolist() for which in (isolating, acting, beyond, cleared)), strict=True)
     return tuple(
-        next((stage for is_so, (_, stage) in zip(each, graver, strict=True) if is_so), Stage.HEALTHY)
+        next((stage for stage, is_so in zip(stages, each, strict=True) if is_so), Stage.HEALTHY)
         for each in of_each
     )
