@@ -9,6 +9,7 @@ from statistics import median
 from benchmarks.claims import Claim, Figure, Measure, Part, Test, at_least, at_most, counted, of_cases
 from benchmarks.real_residuals.cases import ALONE, COMPARE, KNOWN, MODEL, UNCHANGED
 from benchmarks.real_residuals.outcome import Outcome
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.viewers.words import percent
 
 EXACT = {25: 0.85, 10: 0.65}  # share of the cases of each size [%] to be named exactly
@@ -48,6 +49,11 @@ def size_error(outcomes: Sequence[Outcome]) -> Figure:
 def held(outcomes: Sequence[Outcome]) -> Figure:
     """Return how many of their intervals hold the truth."""
     return counted([h for o in outcomes for h in o.held.values()])
+
+
+def right_of(confidence: Confidence) -> Measure:
+    """Return a measure: how many of the names given with one confidence are right."""
+    return lambda os: counted([n.label == o.truth for o in os for n in o.named if n.confidence == confidence])
 
 
 def slowest(outcomes: Sequence[Outcome]) -> Figure:
@@ -157,6 +163,16 @@ PARTS = (
         "Parameters that make at least a fifth of the effect's torque, of effects that were named, 10 and 25 %.",
         lambda o: of(COMPARE)(o) and o.size >= 10,
         _sizes(),
+    ),
+    Part(
+        "`compare A B`, confidence",
+        "How many of all names given are right, by the confidence that they were given with; 10 and 25 %. Shown "
+        "without a target.",
+        lambda o: of(COMPARE)(o) and o.size >= 10,
+        (
+            Claim("names called established are right", "", right_of(Confidence.ESTABLISHED)),
+            Claim("names called likely are right", "", right_of(Confidence.LIKELY)),
+        ),
     ),
     Part("`compare A B`, nothing added", "Both logs as they were measured.", unchanged(COMPARE), _quiet()),
     Part(

@@ -14,8 +14,6 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-INF = float("inf")
-
 
 @dataclass(frozen=True)
 class Difference(WrappedEffect):
@@ -99,15 +97,16 @@ class Difference(WrappedEffect):
         return self.effect.gravity_change(x, theta) * self._presence(x)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
-        """Return no bounds.
+        """Return the differences between two sizes that are both within the effect's bounds.
 
         Args:
-            robot: The robot; not used.
+            robot: The robot.
 
         Returns:
-            Smallest and largest parameters, both infinite, shape (p,) each.
+            Smallest and largest differences, shape (p,) each; infinite where the effect has only one bound, or none.
         """
-        return np.full(self.size, -INF), np.full(self.size, INF)
+        lower, upper = self.effect.bounds(robot)
+        return lower - upper, upper - lower
 
     def is_physical(self, theta: Array, robot: RobotModel) -> bool:
         """Return True: any difference is possible on a real arm."""

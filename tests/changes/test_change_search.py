@@ -1,0 +1,99 @@
+"""Which of several changes is named, by what each explains of blocks of time that its fit did not see."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from cdia_pin.changes.change_search import ChangeSearch
+from cdia_pin.changes.difference import Difference
+from cdia_pin.effects import (
+    EFFECTS,
+    ActuatorGain,
+    AsymmetricFriction,
+    CoulombFriction,
+    EncoderOffset,
+    LoadFriction,
+    TorqueOffset,
+)
+from cdia_pin.regression.block_evidence import BlockFits
+from cdia_pin.robot import load_robot
+from cdia_pin.selection.discovery_settings import ChangeSettings
+
+BLOCKS = 16
+PAYLOAD = EFFECTS["payload"].from_scope([], {})
+
+
+class Evidence:
+    """Evidence for single changes; beside one of them no other explains anything."""
+
+    def __init__(self, size=0.0, **offered):
+        self.size = size
+        self.effects = tuple(Difference(effect, ("after",)) for effect, _, _ in offered.values())
+        self.certainty = np.array([certainty for _, certainty, _ in offered.values()])
+        self.gains = np.array([gains for _, _, gains in offered.values()])
+
+    def fits(self, chosen):
+        share = 0.0 if len(chosen) else 1.0
+        theta = tuple(np.full(e.size, self.size) for e in self.effects)
+        return BlockFits(theta, share * self.certainty, share * self.gains)
+
+
+class Search(ChangeSearch):
+    """A search in which every change is large enough."""
+
+    def _is_visible(self, change, fits):
+        return True
+
+
+def search(**offered):
+    logs = SimpleNamespace(experiment=SimpleNamespace(robot=load_robot("panda")))
+    return Search(logs, Evidence(**offered), ChangeSettings())
+
+
+def gains(mean, more=0.0, deviations=1.0):
+    """What a change explains: the same of each block, and on top something that is some deviations from nothing."""
+    scatter = np.tile([1.0, -1.0], BLOCKS // 2) * np.sqrt((BLOCKS - 1) / BLOCKS)
+    spread = more / deviations * np.sqrt(BLOCKS)
+    return mean + more + spread * scatter
+
+
+def named(found):
+    return [found.evidence.effects[c].effect.name for c in found.changes(2)]
+
+
+@pytest.mark.parametrize(("certainty", "name"), [(3.0, "payload"), (2.0, "torque_offset")])
+def test_a_payload_is_not_the_torque_offset_that_is_a_part_of_it(certainty, name):
+    offset = (TorqueOffset("joint1"), 7.0, gains(80.0))
+    assert named(search(offset=offset, payload=(PAYLOAD, certainty, gains(80.0, 20.0, 4.0)))) == [name]
+
+
+@pytest.mark.parametrize(("size", "names"), [(0.9, ["encoder_offset"]), (2.2, [])])
+def test_an_encoder_that_is_off_by_radians_is_not_named(size, names):
+    assert named(search(size=size, zero=(EncoderOffset("panda_joint1"), 9.0, gains(80.0)))) == names
+
+
+def test_nothing_is_named_where_nothing_is_certain():
+    assert named(search(payload=(PAYLOAD, 4.0, gains(90.0)))) == []
+
+
+@pytest.mark.parametrize(
+    ("effect", "deviations", "name"),
+    [
+        (AsymmetricFriction("joint1"), 1.6, "coulomb_friction"),  # three parameters more
+        (AsymmetricFriction("joint1"), 1.9, "asymmetric_friction"),
+        (LoadFriction("joint1"), 1.1, "load_friction"),  # as many parameters
+    ],
+)
+def test_an_effect_with_more_parameters_has_to_explain_more_than_chance(effect, deviations, name):
+    plain = (CoulombFriction("joint1"), 10.0, gains(90.0))
+    assert named(search(plain=plain, other=(effect, 10.0, gains(90.0, 5.0, deviations)))) == [name]
+
+
+def test_what_explains_as_much_is_a_rival_though_it_is_less_certain():
+    found = search(
+        offset=(TorqueOffset("joint1"), 12.0, gains(80.0)),
+        gain=(ActuatorGain("joint1"), 3.0, gains(79.9)),
+        friction=(CoulombFriction("joint1"), 1.0, gains(79.9)),
+    )
+    assert found.rivals([0], 0) == [1]
