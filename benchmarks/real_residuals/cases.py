@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from zlib import crc32
 
@@ -19,6 +19,7 @@ FLOWS = (COMPARE, MODEL, ALONE)
 EVERY = {COMPARE: 1, MODEL: 2, ALONE: 24}  # one case in so many: a discovery takes several times a comparison
 VARIED = 4  # one comparison in so many is repeated on changed logs
 SAMPLE = 16  # one draw in so many
+Draw = tuple[Pair, str, int]  # the logs, name of the effect, and its size [%]
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,7 @@ def planned(
     sizes: Iterable[int] = SIZES,
     flows: Iterable[str] = FLOWS,
     every: int = 1,
+    among: Sequence[Pair] | None = None,
 ) -> list[Case]:
     """Return the cases in an order that mixes them all.
 
@@ -77,25 +79,27 @@ def planned(
         sizes: Of inserted effects [%].
         flows: Questions.
         every: One draw in so many, each in all its flows.
+        among: Pairs of logs, without a known payload; those of the measured arms if None.
     """
     chosen = None if arms is None else set(arms)
-    cases = [c for c in _cases(suite, sizes, tuple(flows)) if chosen is None or c.pair.arm in chosen]
+    given = _draws(sizes, pairs() if among is None else among, known_pairs() if among is None else ())
+    cases = [c for c in _cases(suite, given, tuple(flows)) if chosen is None or c.pair.arm in chosen]
     mixed = sorted(cases, key=lambda c: (c.seed, c.id))
     draws = set([*dict.fromkeys(c.draw for c in mixed)][::every])
     return [c for c in mixed if c.draw in draws]
 
 
-def _draws(sizes: Iterable[int]) -> Iterator[tuple[Pair, str, int]]:
-    for pair in pairs():
+def _draws(sizes: Iterable[int], among: Iterable[Pair], known: Iterable[Pair]) -> Iterator[Draw]:
+    for pair in among:
         yield pair, UNCHANGED, 0
         for effect in RECIPES if pair.takes_effects else ():
             if can_be_seen(effect, pair.arm):
                 yield from ((pair, effect, size) for size in sizes)
-    yield from ((pair, KNOWN, 0) for pair in known_pairs())
+    yield from ((pair, KNOWN, 0) for pair in known)
 
 
-def _cases(suite: str, sizes: Iterable[int], flows: tuple[str, ...]) -> Iterator[Case]:
-    for pair, effect, size in _draws(sizes):
+def _cases(suite: str, draws: Iterable[Draw], flows: tuple[str, ...]) -> Iterator[Case]:
+    for pair, effect, size in draws:
         for flow in flows:
             case = Case(suite, pair, effect, size, flow)
             if not _is_asked(case):

@@ -1,8 +1,8 @@
-"""The page docs/results-real-residuals.md, from outcomes."""
+"""The page docs/results-real-residuals.md, and one of the same tables for another arm, from outcomes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from benchmarks.claim_tables import MUST_SHOW, by_part, targets
 from benchmarks.markdown import table
@@ -38,26 +38,49 @@ def page(
         whole: Whether all was run.
     """
     by_name = {b.id: b for b in bases}
-    arms = [a for a in ARMS if any(o.arm == a for o in outcomes)]
     rows = [*targets(PARTS, outcomes), *truths(outcomes, by_name), *stability(by_name, repeats)]
-    measured = [r for r in rows if whole or r[-2]]  # of so many cases
+    sample = "" if whole else "**Some of the cases only, not the results.** "
     parts = [
-        _head(outcomes, command, suite, whole),
+        f"# Known effects on real residuals\n\n{sample}{made_by(command, PACKAGES)}",
+        f"{_how(outcomes, suite)} The logs have licences of their own and do not ship. The monitor with an effect from "
+        "the middle of B on is in [its own page](results-monitored-logs.md).",
         "## Must show",
-        table(MUST_SHOW, measured),
-        *by_part(PARTS, outcomes, arms, lambda o: o.arm),
-        *by_effect(outcomes),
+        table(MUST_SHOW, [r for r in rows if whole or r[-2]]),  # of so many cases
+        *_tables(outcomes),
         *of_untouched(bases, repeats),
         *fell_short(outcomes),
     ]
     return "\n\n".join(parts) + "\n"
 
 
-def _head(outcomes: Sequence[Outcome], command: str, suite: str, whole: bool) -> str:
-    sample = "" if whole else "**Some of the cases only, not the results.** "
+def page_of_arm(arm: str, outcomes: Sequence[Outcome], command: str, suite: str) -> str:
+    """Return the results of `compare` on logs of one more arm as Markdown.
+
+    Args:
+        arm: Its name.
+        outcomes: Of the cases.
+        command: By which they are made.
+        suite: Name of the draws.
+    """
+    parts = [
+        f"# Known effects on real residuals of {arm}\n\n{made_by(command, PACKAGES)}",
+        _how(outcomes, suite),
+        "## What other arms must show",
+        table(MUST_SHOW, [r for r in targets(PARTS, outcomes) if r[-2]]),  # of so many cases
+        *_tables(outcomes),
+        *fell_short(outcomes),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _tables(outcomes: Sequence[Outcome]) -> Iterator[str]:
+    arms = [a for a in ARMS if any(o.arm == a for o in outcomes)]
+    yield from by_part(PARTS, outcomes, arms, lambda o: o.arm)
+    yield from by_effect(outcomes)
+
+
+def _how(outcomes: Sequence[Outcome], suite: str) -> str:
     return (
-        "# Known effects on real residuals\n\n"
-        f"{sample}{made_by(command, PACKAGES)}\n\n"
         f"{len(outcomes)} cases of the suite *{suite}*. The suite is part of each case's name, and the name is the "
         "seed of joint, sign and shape: no draw for tuning is one for reporting. Pairs of measured logs of real arms: "
         "A as it is, and an effect of known size put into B. The effect's torque f is computed along B's filtered "
@@ -65,6 +88,5 @@ def _head(outcomes: Sequence[Outcome], command: str, suite: str, whole: bool) ->
         "divides the torque, an encoder's zero moves the positions, a delay shifts the torque. What no model explains "
         "stays as it was measured. A size is RMS torque over that of the joint on which the effect is largest. "
         "*Exact*: that effect on that joint is named, and no other. An arm whose sensors are behind the gears gets no "
-        "effect of its motors. The logs have licences of their own and do not ship. The monitor with an effect from "
-        "the middle of B on is in [its own page](results-monitored-logs.md)."
+        "effect of its motors."
     )

@@ -27,16 +27,18 @@ class MeasuredArm:
     """An arm whose logs are there.
 
     Attributes:
-        name: Its folder.
+        name: Its name, and its folder.
         robot: Name in the catalogue, or a URDF relative to the data.
         gains: File of drive gains relative to the data, where its logs have currents.
         behind_gear: Whether its torque sensors are behind the gears and cannot see the motors, as its README says.
+        folder: Its folder, if that has another name.
     """
 
     name: str
     robot: str
     gains: str = ""
     behind_gear: bool = False
+    folder: str = ""
 
 
 ARMS = {
@@ -103,5 +105,5 @@ def robot_of(arm: str) -> RobotModel:
 @lru_cache(maxsize=4)
 def _read(arm: str, file: str) -> Log:
     gains = ARMS[arm].gains
-    path = data_folder() / arm / f"{file}.csv"
+    path = data_folder() / (ARMS[arm].folder or arm) / f"{file}.csv"
     return read_log(path, robot_of(arm), gains=data_folder() / gains if gains else None)

@@ -1,0 +1,37 @@
+"""The benchmark on logs of any arm: a command with an arm and its logs, and a page of the same tables."""
+
+import sys
+
+import pytest
+
+from benchmarks.real_residuals import own_logs
+from benchmarks.real_residuals.recordings import ARMS, MeasuredArm
+from cdia_pin import load_robot
+from cdia_pin.logs import write_log
+from tests.made_logs import make
+
+ROBOT = load_robot("kinova")
+
+
+def run(monkeypatch, *words):
+    monkeypatch.setitem(ARMS, ROBOT.name, MeasuredArm(ROBOT.name, "kinova"))  # forgotten again after the test
+    monkeypatch.setattr(sys, "argv", ["own_logs", "kinova", *map(str, words)])
+    own_logs.main()
+
+
+def test_two_logs_give_a_page_of_what_is_named(tmp_path, monkeypatch):
+    for name, seed in (("one", 3), ("two", 4)):
+        write_log(make(ROBOT, seed=seed).log, tmp_path / f"{name}.csv")
+    page = tmp_path / "page.md"
+    run(monkeypatch, tmp_path / "one.csv", tmp_path / "two.csv", "--sizes", "25", "--limit", "4", "--out", page)
+    text = page.read_text()
+    assert text.startswith(f"# Known effects on real residuals of {ROBOT.name}\n")
+    assert "own_logs kinova one.csv two.csv" in text
+    assert str(tmp_path) not in text
+    assert "exactly the effect is named" in text
+
+
+def test_a_log_that_is_not_there_is_said(tmp_path, monkeypatch, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        run(monkeypatch, tmp_path / "none.csv")
+    assert "not a CSV file" in capsys.readouterr().err
