@@ -67,7 +67,7 @@ def single_recordings() -> list[Recording]:
 
 
 def _with_effects() -> Iterator[Pair]:
-    halved = [r.halves() for r in (PANDA, UR10, POINTS, UR5, LWR4, SWINGS[0])]
+    halved = [r.halves() for r in (PANDA, UR10, POINTS, UR5, LWR4)]
     for two in ((LONG, SHORT), *halved, SWINGS):
         yield from (Pair(a, b) for a, b in permutations(two))
 
