@@ -69,7 +69,7 @@ class ChangeSearch:
         """
         rest = [c for c in chosen if c != one]
         fits = self.evidence.fits(rest)
-        return [c for c in self._alike(one, self._likely(rest, fits), fits) if c != one]
+        return [c for c in self._alike(one, self._nameable(rest, fits), fits) if c != one]
 
     def confidence(self, rest: Sequence[int], one: int) -> Confidence:
         """Return how far the name of a change can be trusted: established if it is twice as certain as it must be.
@@ -140,11 +140,10 @@ class ChangeSearch:
         """Return the change to be added to a set, and all that explain as much; None if none can be named."""
         fits = self.evidence.fits(chosen)
         gain, effects = fits.gain, self.evidence.effects
-        likely = self._likely(chosen, fits)
-        nameable = [c for c in likely if fits.certainty[c] >= self.settings.least_certainty]
+        nameable = self._nameable(chosen, fits)
         if not nameable:
             return None
-        comparable = [*nameable, *self._better(likely, nameable, fits)]
+        comparable = [*nameable, *self._better(chosen, nameable, fits)]
         alike = self._alike(max(comparable, key=lambda c: gain[c]), comparable, fits)
 
         def simplicity(c: int) -> tuple[float, float, float]:
@@ -152,8 +151,8 @@ class ChangeSearch:
 
         return min(alike, key=simplicity), alike
 
-    def _better(self, likely: Sequence[int], nameable: Sequence[int], fits: BlockFits) -> list[int]:
-        """Return the likely changes that are too uncertain to be named and explain more than all that are not.
+    def _better(self, chosen: Sequence[int], nameable: Sequence[int], fits: BlockFits) -> list[int]:
+        """Return the changes that are too uncertain to be named alone and explain more than all that are not.
 
         That something changed is certain then. What it is must not be the part of it with the fewest parameters.
         """
@@ -161,7 +160,7 @@ class ChangeSearch:
         most = max(nameable, key=lambda c: gain[c])
         return [
             c
-            for c in likely
+            for c in self._visible(chosen, fits, self.settings.better_certainty)
             if c not in nameable and not self._is_slight(fits.gains[c] - fits.gains[most], gain[c])
         ]
 
@@ -193,15 +192,19 @@ class ChangeSearch:
         effect = self.evidence.effects[change]
         return effect.size + len(effect.shape)
 
-    def _likely(self, chosen: Sequence[int], fits: BlockFits) -> list[int]:
-        """Return the changes beside a set that are possible, of some size, and about as certain as they must be."""
+    def _nameable(self, chosen: Sequence[int], fits: BlockFits) -> list[int]:
+        """Return the changes that can be named beside a set."""
+        return self._visible(chosen, fits, self.settings.least_certainty)
+
+    def _visible(self, chosen: Sequence[int], fits: BlockFits, certainty: float) -> list[int]:
+        """Return the changes beside a set that are possible, of some size, and at least as certain [1]."""
         present = {self.evidence.effects[c].label for c in chosen}
         return [
             int(c)
             for c in np.argsort(-fits.gain)[:LARGEST_GAINS]
             if self.evidence.effects[c].label not in present
             and fits.gain[c] > 0
-            and fits.certainty[c] >= self.settings.better_certainty
+            and fits.certainty[c] >= certainty
             and self._is_possible(int(c), fits)
             and self._is_visible(int(c), fits)
         ]

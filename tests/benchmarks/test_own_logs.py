@@ -23,7 +23,17 @@ def test_two_logs_give_a_page_of_what_is_named(tmp_path, monkeypatch):
     for name, seed in (("one", 3), ("two", 4)):
         write_log(make(ROBOT, seed=seed).log, tmp_path / f"{name}.csv")
     page = tmp_path / "page.md"
-    run(monkeypatch, tmp_path / "one.csv", tmp_path / "two.csv", "--sizes", "25", "--limit", "4", "--out", page)
+    run(
+        monkeypatch,
+        tmp_path / "one.csv",
+        tmp_path / "two.csv",
+        "--sizes",
+        "25",
+        "--limit",
+        "4",
+        "--out",
+        page,
+    )
     text = page.read_text()
     assert text.startswith(f"# Known effects on real residuals of {ROBOT.name}\n")
     assert "own_logs kinova one.csv two.csv" in text

@@ -90,10 +90,10 @@ def test_an_effect_with_more_parameters_has_to_explain_more_than_chance(effect, 
     assert named(search(plain=plain, other=(effect, 10.0, gains(90.0, 5.0, deviations)))) == [name]
 
 
-def test_what_explains_as_much_is_a_rival_though_it_is_less_certain():
+def test_what_explains_as_much_and_is_certain_is_a_rival():
     found = search(
         offset=(TorqueOffset("joint1"), 12.0, gains(80.0)),
-        gain=(ActuatorGain("joint1"), 3.0, gains(79.9)),
-        friction=(CoulombFriction("joint1"), 1.0, gains(79.9)),
+        gain=(ActuatorGain("joint1"), 8.0, gains(79.9)),
+        friction=(CoulombFriction("joint1"), 3.0, gains(79.9)),
     )
     assert found.rivals([0], 0) == [1]
