@@ -23,6 +23,7 @@ from benchmarks.real_residuals.pairs import Pair
 from benchmarks.real_residuals.recordings import ARMS, MeasuredArm, Recording
 from benchmarks.real_residuals.trial import run_case
 from cdia_pin import load_robot
+from cdia_pin.errors import CdiaError
 
 
 def main() -> None:
@@ -34,8 +35,13 @@ def main() -> None:
     if missing or len(folders) > 1:
         why = f"not a CSV file: {', '.join(missing)}" if missing else "all logs must be in one folder"
         given.error(why)
-    name = _arm(options.robot, options.gains, options.behind_gear, *folders)
-    logs = [Recording(name, log.stem) for log in options.logs]
+    try:
+        name = _arm(options.robot, options.gains, options.behind_gear, *folders)
+        logs = [Recording(name, log.stem) for log in options.logs]
+        for log in logs:
+            log.read()
+    except CdiaError as why:
+        given.error(str(why))
     two = logs[0].halves() if len(logs) == 1 else logs
     pairs = [Pair(a, b) for a, b in permutations(two, 2)]
     cases = planned(options.suite, [name], options.sizes, [COMPARE], among=pairs)[: options.limit]

@@ -45,3 +45,11 @@ def test_a_log_that_is_not_there_is_said(tmp_path, monkeypatch, capsys):
     with pytest.raises(SystemExit, match="2"):
         run(monkeypatch, tmp_path / "none.csv")
     assert "not a CSV file" in capsys.readouterr().err
+
+
+def test_a_log_that_cannot_be_read_is_said(tmp_path, monkeypatch, capsys):
+    log = tmp_path / "other.csv"
+    log.write_text("time,temperature\n0,20\n1,21\n")
+    with pytest.raises(SystemExit, match="2"):
+        run(monkeypatch, log)
+    assert "position" in capsys.readouterr().err
