@@ -29,7 +29,7 @@ def stated(parser: argparse.ArgumentParser, options: argparse.Namespace, decidin
         given = getattr(options, name)
         if given == parser.get_default(name):
             continue
-        words.append(f"--{name}")
+        words.append(f"--{name.replace('_', '-')}")
         if given is not True:
             words += (shlex.quote(str(word)) for word in (given if isinstance(given, list) else [given]))
     return " ".join(words)

@@ -11,12 +11,11 @@ from __future__ import annotations
 
 import argparse
 import shlex
-from collections.abc import Sequence
 from itertools import permutations
 from pathlib import Path
 
 from benchmarks.outcomes import tell
-from benchmarks.publishing import publish
+from benchmarks.publishing import publish, stated
 from benchmarks.real_residuals.cases import COMPARE, REPORTING, SIZES, SUITES, planned
 from benchmarks.real_residuals.page import page_of_arm
 from benchmarks.real_residuals.pairs import Pair
@@ -49,23 +48,23 @@ def main() -> None:
     for k, case in enumerate(cases, 1):
         outcomes.append(run_case(case))
         tell(f"{k} of {len(cases)}  {outcomes[-1].answer:8} {case.id}")
-    publish(page_of_arm(name, outcomes, _command(options), options.suite), options.out)
+    publish(page_of_arm(name, outcomes, _command(given, options), options.suite), options.out)
 
 
 def _arm(robot: str, gains: Path | None, behind_gear: bool, folder: Path) -> str:
     """Let the benchmark know an arm, and return its name."""
-    is_file = Path(robot).is_file()
-    urdf = str(Path(robot).resolve()) if is_file else robot
+    urdf = str(Path(robot).resolve()) if Path(robot).is_file() else robot
     name = load_robot(urdf).name
     ARMS[name] = MeasuredArm(name, urdf, str(gains.resolve()) if gains else "", behind_gear, str(folder))
     return name
 
 
-def _command(options: argparse.Namespace) -> str:
+def _command(given: argparse.ArgumentParser, options: argparse.Namespace) -> str:
     """Return the command without folders, which are of this machine alone."""
-    words: Sequence[object] = [Path(options.robot).name, *(log.name for log in options.logs)]
-    words = [*words, *(["--gains", options.gains.name] if options.gains else [])]
-    return " ".join(["python -m benchmarks.real_residuals.own_logs", *(shlex.quote(str(w)) for w in words)])
+    named = argparse.Namespace(**{**vars(options), "gains": options.gains and options.gains.name})
+    files = shlex.join([Path(options.robot).name, *(log.name for log in options.logs)])
+    said = stated(given, named, ("gains", "behind_gear", "suite", "sizes", "limit"))
+    return said.replace(given.prog, f"{given.prog} {files}", 1)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -22,9 +22,9 @@ Array = NDArray[np.float64]
 
 MOST_MOVES = 60  # moves of one search [1]; a guard, because no set is visited twice
 LARGEST_GAINS = 40  # changes [1] of which it is asked whether they can be named; the others explain less
-# Parameters [1] by which one change counts as simpler than another, at most. Of a body's ten, the six second moments
-# show little. Without this limit, 3 of 188 effects fewer are named in logs of ten seconds; with 3 it is the same.
-MOST_FEWER = 4
+# Of a body's ten parameters, the six second moments show little. Without this limit, 3 of 188 effects fewer are named
+# in logs of ten seconds; with 3 it is the same.
+MOST_FEWER = 4  # parameters [1] by which one change counts as simpler than another, at most
 
 
 @dataclass(frozen=True, repr=False)
@@ -160,8 +160,10 @@ class ChangeSearch:
         most = max(nameable, key=lambda c: gain[c])
         return [
             c
-            for c in self._visible(chosen, fits, self.settings.better_certainty)
-            if c not in nameable and not self._is_slight(fits.gains[c] - fits.gains[most], gain[c])
+            for c in self._visible(
+                chosen, fits, self.settings.better_certainty, self.settings.least_certainty
+            )
+            if not self._is_slight(fits.gains[c] - fits.gains[most], gain[c])
         ]
 
     def _alike(self, one: int, others: Sequence[int], fits: BlockFits) -> list[int]:
@@ -196,15 +198,17 @@ class ChangeSearch:
         """Return the changes that can be named beside a set."""
         return self._visible(chosen, fits, self.settings.least_certainty)
 
-    def _visible(self, chosen: Sequence[int], fits: BlockFits, certainty: float) -> list[int]:
-        """Return the changes beside a set that are possible, of some size, and at least as certain [1]."""
+    def _visible(
+        self, chosen: Sequence[int], fits: BlockFits, least: float, below: float = np.inf
+    ) -> list[int]:
+        """Return the changes beside a set that are possible, of some size, and of a certainty from least on [1]."""
         present = {self.evidence.effects[c].label for c in chosen}
         return [
             int(c)
             for c in np.argsort(-fits.gain)[:LARGEST_GAINS]
             if self.evidence.effects[c].label not in present
             and fits.gain[c] > 0
-            and fits.certainty[c] >= certainty
+            and least <= fits.certainty[c] < below
             and self._is_possible(int(c), fits)
             and self._is_visible(int(c), fits)
         ]

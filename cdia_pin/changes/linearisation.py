@@ -20,9 +20,9 @@ from cdia_pin.regression.parameter_blocks import ParameterBlocks
 
 Array = NDArray[np.float64]
 
-# Largest number of steps [1], half a second each. The first makes nearly all of the difference, but not of an encoder's
-# zero where links are wrong: each leaves a third of the error there, 4 % of the zero after two and 0.6 % after four.
-STEPS = 4
+# The first step makes nearly all of the difference, but not of an encoder's zero where links are wrong: each leaves a
+# third of the error there, 4 % of the zero after two and 0.6 % after four.
+STEPS = 4  # largest number of steps [1], half a second each
 CLEAR = 2.0  # standard deviations [1] by which a parameter differs from zero, those of a 95 % interval
 SETTLED = 0.2  # standard deviations [1]; a smaller step is the last, since it moves the interval by a tenth of its half
 

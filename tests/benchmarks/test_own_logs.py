@@ -36,7 +36,7 @@ def test_two_logs_give_a_page_of_what_is_named(tmp_path, monkeypatch):
     )
     text = page.read_text()
     assert text.startswith(f"# Known effects on real residuals of {ROBOT.name}\n")
-    assert "own_logs kinova one.csv two.csv" in text
+    assert "own_logs kinova one.csv two.csv --sizes 25 --limit 4`" in text
     assert str(tmp_path) not in text
     assert "exactly the effect is named" in text
 
