@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ALWAYS, ActuatorGain, Effect, Signal, Term
 from cdia_pin.progress import Progress
+from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.gauss_newton import DIVERGED, fitted_together, is_exact
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.evidence import Evidence, SetFit
@@ -99,10 +100,12 @@ def search(
         trial = _model_of(now.model, now.evidence, better.chosen, better.theta)
         report(_what_changed(now.model, trial), 1.0 - 0.9**moves)
         failed.add(names(now.evidence, better.chosen))
-        then = _refitted(problem, trial, _labels(now.model))
+        grew = len(better.theta) > len(now.fit.theta)
+        then = None  # most additions that are rejected would not be seen, to first order already
+        if not grew or _is_seen(problem, now.errors, now.errors_with(better)):
+            then = _refitted(problem, trial, _labels(now.model))
         if then is not None and _carries_its_load(now.model) and not _carries_its_load(then.model):
             continue  # it says nothing of the other moves
-        grew = len(better.theta) > len(now.fit.theta)
         if (
             then is None
             or not then.fit.physical
@@ -141,6 +144,24 @@ class Found:
     def evidence(self) -> Evidence:
         """Evidence for its effects and all candidates. Most trials are rejected without it."""
         return self.problem.evidence(self.model)
+
+    def errors_with(self, fit: SetFit) -> Array:
+        """Return the RMS residual of each joint with other effects, to first order [N·m or N], shape (n,).
+
+        Args:
+            fit: Fit of other effects of its evidence.
+        """
+        prediction = self.problem.experiment.predict(self.model)
+        residual, columns = prediction.residual.copy(), self.problem.problem.design.of
+        robot, evidence = self.model.robot, self.evidence
+        present = {t.effect: np.array(t.theta) for t in self.model.terms}
+        effects = [evidence.effects[c] for c in fit.chosen]
+        after = dict(zip(effects, ParameterBlocks.of(effects).split(fit.theta), strict=True))
+        for effect in dict.fromkeys([*present, *after]):
+            change = after.get(effect, 0.0) - present.get(effect, 0.0)
+            x = columns(effect, prediction, present.get(effect))
+            residual[:, list(effect.acts_on(robot))] -= x @ change
+        return rms(residual, self.problem.experiment.informative)
 
     def __repr__(self) -> str:
         return f"Found({self.model!r}, cost {self.fit.cost:.4g})"
