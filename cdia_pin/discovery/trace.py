@@ -43,8 +43,10 @@ def trace(
     Returns:
         The model at its optimum, and the steps from the base to it.
     """
-    ordered = _ordered(problem, base, found)
     known = {t.label for t in base.terms}
+    while doubtful := _doubtful(with_intervals(*refit(problem.regression, found)), {*known, *forced}):
+        found = found.remove(min(doubtful, key=_certainty).label)
+    ordered = _ordered(problem, base, found)
     model = Dynamics(base.robot, tuple(t for t in found.terms if t.label in known))
     models, error = [], _mean_error(problem, base)
     for term in ordered:
@@ -56,10 +58,8 @@ def trace(
             models.append((term.label, trial))
     final, equations = refit(problem.regression, model)
     final = with_intervals(final, equations)
-    in_doubt = [t for t in final.terms if t.label not in {*known, *forced} and _may_be_zero(t)]
-    if in_doubt:
-        least = min(in_doubt, key=_certainty)
-        return trace(problem, base, found.remove(least.label), forced)
+    if doubtful := _doubtful(final, {*known, *forced}):
+        return trace(problem, base, found.remove(min(doubtful, key=_certainty).label), forced)
     beside = problem.evidence(final)
     index = {e.label: i for i, e in enumerate(beside.effects) if e in {t.effect for t in final.terms}}
     alternatives = Alternatives(
@@ -78,9 +78,9 @@ def _harms(problem: WhitenedProblem, found: Dynamics, term: Term) -> bool:
     return _mean_error(problem, found) >= _mean_error(problem, without)
 
 
-def _may_be_zero(term: Term) -> bool:
-    """Return True if a term has one parameter and its interval contains zero."""
-    return term.effect.size == 1 and _certainty(term) <= 1.0
+def _doubtful(model: Dynamics, kept: Collection[str]) -> list[Term]:
+    """Return the terms of one parameter whose interval contains zero, except those that stay in any case."""
+    return [t for t in model.terms if t.label not in kept and t.effect.size == 1 and _certainty(t) <= 1.0]
 
 
 def _certainty(term: Term) -> float:

@@ -180,6 +180,12 @@ class Evidence:
             chosen: Indices of the candidates.
             near: Physical fit of a set that has some effects in common.
         """
+        key = (tuple(chosen), near.chosen)
+        if key not in self._bounded:
+            self._bounded[key] = self._bounded_chi2(chosen, near)
+        return self._bounded[key]
+
+    def _bounded_chi2(self, chosen: Sequence[int], near: SetFit) -> float:
         equations = self.equations
         columns = equations.columns(chosen)
         held = [c for c in near.chosen if c in set(chosen) and self.effects[c].bodies]
@@ -224,6 +230,10 @@ class Evidence:
         if key not in self._gains:
             self._gains[key] = self.equations.gains(key)
         return self._gains[key]
+
+    @cached_property
+    def _bounded(self) -> dict[tuple[tuple[int, ...], tuple[int, ...]], float]:
+        return {}
 
     @cached_property
     def _gains(self) -> dict[tuple[int, ...], Array]:
