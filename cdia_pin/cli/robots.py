@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from math import isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypedDict
 
 import typer
+from rich.text import Text
 
 from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
+from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.next_command import command_line, show_next
 from cdia_pin.cli.options import Json
 from cdia_pin.cli.outputs import require_writable, write_json
@@ -47,17 +52,49 @@ def robots(
         str | None,
         typer.Argument(metavar="R", show_default=False, help="One of them, or the path of a URDF file."),
     ] = None,
+    lock: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--lock",
+            metavar="JOINT[=POSITION]",
+            show_default=False,
+            help="Joints that do not belong to the arm, names or patterns such as head_*, with their position "
+            "\\[rad or m]; several with commas or repeated.",
+        ),
+    ] = None,
+    save: Annotated[
+        Path | None,
+        typer.Option(
+            "--save",
+            "-s",
+            metavar="FILE",
+            show_default=False,
+            help="Write a URDF of the arm alone, with the joints fixed that do not move; give it to --robot.",
+        ),
+    ] = None,
     json: Json = None,
 ) -> None:
-    """List the robots of the catalogue; with a name or a URDF file, show its joints and limits."""
-    from cdia_pin.robot import catalogue, load_robot
+    """List the robots of the catalogue; with a name or a URDF file, show its joints and limits.
 
-    require_writable(json)
+    A robot with a head, a hand or two arms is not one chain. Lock what does not belong to the arm:
+
+    cdia robots tiago.urdf --lock 'head_*,hand_*' --save arm.urdf
+    """
+    from cdia_pin.robot import catalogue, load_robot
+    from cdia_pin.robot.arm_urdf import write_arm_urdf
+
+    require_writable(json, save)
     console = stdout(json)
+    if name is None and (lock or save):
+        raise CommandError(
+            "--lock and --save need a robot: cdia robots arm.urdf --lock 'head_*' --save arm_alone.urdf"
+        )
     if name is not None:
-        arm = load_robot(name)
+        arm = load_robot(name, lock=_locked(lock or ()))
         entries = [_entry(arm)]
         _show_one(console, arm)
+        if save:
+            console.print(Text(f"{write_arm_urdf(arm, save)} has the arm alone"))
     else:
         entries = [
             _entry(load_robot(known)) if entry.available else _not_here(entry)
@@ -67,15 +104,33 @@ def robots(
     if json:
         write_json({"schema": schemas.ROBOTS, "robots": entries}, json)
     chosen = (
-        command_line("check", "LOG", "--robot", name) if name else command_line("robots", entries[0]["name"])
+        command_line("check", "LOG", "--robot", save or name)
+        if name
+        else command_line("robots", entries[0]["name"])
     )
     show_next(console, chosen)
+
+
+def _locked(given: Iterable[str]) -> dict[str, float | None]:
+    """Return the joints to lock with their position, None where none is given."""
+    out: dict[str, float | None] = {}
+    for part in (p.strip() for text in given for p in text.split(",")):
+        joint, states, position = part.partition("=")
+        try:
+            out[joint.strip()] = at = float(position) if states else None
+        except ValueError:
+            at = float("nan")
+        if at is not None and not isfinite(at):
+            raise CommandError(f"--lock {part}: the position must be a number [rad or m], joint=0.15")
+    return out
 
 
 def _entry(robot: RobotModel) -> RobotEntry:
     from cdia_pin.robot import catalogue
 
     known = catalogue().get(robot.name)
+    if known is not None and known.path != robot.urdf:  # a file of the user's with the name of a known arm
+        known = None
     return {
         "name": robot.name,
         "description": known.description if known else "",

@@ -90,8 +90,7 @@ def mjcf_notes(model: Dynamics, values: SimulatorValues) -> Iterator[str]:
 
 def _welded(robot: RobotModel, urdf: Urdf) -> Urdf:
     """Return the URDF with the joints that do not move here fixed at their positions."""
-    text = welded(urdf.tree, {name: held.position for name, held in robot.locked.items()})
-    return urdf_of(etree.ElementTree(etree.fromstring(text)), urdf.path)
+    return urdf_of(welded(urdf.tree, {name: held.position for name, held in robot.locked.items()}), urdf.path)
 
 
 def _add_links(body: etree._Element, link: str, urdf: Urdf, values: SimulatorValues) -> None:

@@ -29,6 +29,7 @@ from cdia_pin.robot.locked_joints import LockRequest, LockRule, locked_joints, r
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.robot.parser_input import parser_input
 from cdia_pin.robot.urdf import MOVABLE, Urdf, read_urdf
+from cdia_pin.robot.urdf_edit import text_of
 from cdia_pin.robot.urdf_values import welded
 
 STANDARD_GRAVITY = 9.81  # [m/s²], the value that Pinocchio takes by default
@@ -145,7 +146,8 @@ def load_robot(
 
     Args:
         name_or_path: ``ur5``, or a path to a ``.urdf`` file.
-        lock: More joints to lock, names or patterns (``right_*``); a mapping gives positions [rad or m].
+        lock: More joints to lock, names or patterns (``right_*``); a mapping gives positions [rad or m], None for zero
+            or the nearest to it.
         keep: Joints that move although they are named like a finger or a wheel, or are locked by the catalogue.
         tool_frame: Frame that carries a payload; if omitted, that of the catalogue, else a likely one.
         gravity: Size along −z [m/s²], or the vector in the base frame, shape (3,). If omitted, that of the
@@ -248,7 +250,7 @@ def _build(urdf: Urdf, held: dict[str, float]) -> pin.Model:
             f"{urdf.path}: joint '{wide[0]}' is {urdf.joints[wide[0]].kind}: make it fixed in the file"
         )
     try:
-        return pin.buildModelFromXML(welded(parser_input(urdf.tree), held))
+        return pin.buildModelFromXML(text_of(welded(parser_input(urdf.tree), held)))
     except (ValueError, RuntimeError) as error:
         raise RobotError(f"{urdf.path}: Pinocchio cannot read this file ({error})") from None
 

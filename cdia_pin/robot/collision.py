@@ -22,6 +22,7 @@ from cdia_pin.phrases import shortened
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.robot.parser_input import parser_input
 from cdia_pin.robot.urdf import read_urdf
+from cdia_pin.robot.urdf_edit import text_of
 from cdia_pin.robot.urdf_values import pose_of, size_of, welded
 
 Array = NDArray[np.float64]
@@ -220,7 +221,7 @@ def _shapes(robot: RobotModel) -> pin.GeometryModel:
     urdf = read_urdf(robot.urdf)
     for link, element in urdf.links.items():
         _require_readable(element, f"{robot.urdf.name}: link '{link}': its collision shape")
-    text = welded(parser_input(urdf.tree, shapes=True), held)
+    text = text_of(welded(parser_input(urdf.tree, shapes=True), held))
     folders = [str(p) for p in robot.package_dirs]
     try:
         with warnings.catch_warnings():

@@ -7,6 +7,7 @@ number, and each of them carries its reason.
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -17,7 +18,7 @@ from cdia_pin.robot.urdf import Urdf, UrdfJoint
 
 NOT_ARM = re.compile(r"finger|gripper|thumb|knuckle|jaw|claw|wheel|caster", re.IGNORECASE)
 
-LockRequest = Mapping[str, "float | LockedJoint"] | Iterable[str]
+LockRequest = Mapping[str, "float | LockedJoint | None"] | Iterable[str]
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ def locked_joints(
 
     Args:
         urdf: The robot.
-        lock: Names or patterns to lock; a mapping gives positions [rad or m].
+        lock: Names or patterns to lock; a mapping gives positions [rad or m], None for zero or the nearest to it.
         keep: Names that must move although they are named like a finger or a wheel.
         rules: Rules of the catalogue for this robot.
 
@@ -96,15 +97,42 @@ def require_chain(urdf: Urdf, held: Mapping[str, LockedJoint]) -> None:
         return
     at = f"after joint '{fork}'" if fork else "at the base"
     branches = [_subtree(name, children) for name in children[fork]]
-    arm = max(branches, key=lambda names: len(_longest(names[0], children)))
-    keep = set(_longest(arm[0], children))
-    drop = [name for branch in branches for name in branch if name not in keep]
+    arm = max((_chain(names[0], children) for names in branches), key=len)
+    drop = [name for branch in branches for name in branch if name not in arm]
     shown = "; ".join(f"{b[0]}..{b[-1]} ({len(b)} joints)" if len(b) > 1 else b[0] for b in branches)
+    moving = [name for name, joint in urdf.joints.items() if joint.is_movable and name not in held]
+    patterns = _patterns(drop, [name for name in moving if name not in drop])
+    write = shlex.join(["cdia", "robots", str(urdf.path), "--lock", ",".join(patterns), "--save", "arm.urdf"])
     raise RobotError(
-        f"robot '{urdf.path.stem}' branches {at}: {shown}. An arm is one chain; to keep "
-        f"{arm[0]}..{_longest(arm[0], children)[-1]}, make {', '.join(drop)} fixed in the file, or in Python give "
-        f"load_robot lock={drop} (patterns such as 'right_*' work too)"
+        f"robot '{urdf.path.stem}' branches {at}: {shown}. An arm is one chain; to keep {arm[0]}..{arm[-1]}, lock the "
+        f"other joints: {write}, then give --robot arm.urdf; or in Python load_robot(..., lock={patterns})"
     )
+
+
+def _chain(name: str, children: Mapping[str | None, list[str]]) -> list[str]:
+    """Return an arm from its first joint on: at a fork it ends, unless a branch is longer than what is before it.
+
+    Fingers fork at the end of an arm; arms fork at the end of a torso.
+    """
+    chain = [name]
+    while below := children.get(chain[-1], []):
+        longest = max((_longest(child, children) for child in below), key=len)
+        if len(below) > 1 and len(longest) <= len(chain):
+            break
+        chain.append(longest[0])
+    return chain
+
+
+def _patterns(names: Iterable[str], others: Iterable[str]) -> list[str]:
+    """Return the shortest patterns such as ``head_*`` that match all names, and none of some others."""
+    others = list(others)
+    out: list[str] = []
+    for name in names:
+        if any(fnmatchcase(name, known) for known in out):
+            continue
+        starts = (f"{name[: at.end()]}*" for at in re.finditer("_", name))
+        out.append(next((p for p in starts if not any(fnmatchcase(o, p) for o in others)), name))
+    return out
 
 
 def _requests(lock: LockRequest) -> list[tuple[str, float | LockedJoint | None]]:

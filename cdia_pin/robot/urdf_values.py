@@ -190,8 +190,12 @@ def number(text: str | None, where: str, what: str, least: float = -math.inf) ->
     return value
 
 
-def welded(tree: etree._ElementTree, positions: Mapping[str, float]) -> str:
-    """Return the text of the URDF with the locked joints fixed at their positions.
+# What a fixed joint of a URDF does not have.
+MOTION = ("axis", "calibration", "dynamics", "limit", "mimic", "safety_controller")
+
+
+def welded(tree: etree._ElementTree, positions: Mapping[str, float]) -> etree._ElementTree:
+    """Return a URDF with the locked joints fixed at their positions.
 
     Pinocchio's ``buildReducedModel`` fails where a link and a joint share a name.
 
@@ -200,7 +204,7 @@ def welded(tree: etree._ElementTree, positions: Mapping[str, float]) -> str:
         positions: Locked joints, with their position [rad or m].
 
     Returns:
-        XML text.
+        Another tree.
     """
     tree = copy.deepcopy(tree)
     for element in tree.getroot().findall("joint"):
@@ -210,7 +214,8 @@ def welded(tree: etree._ElementTree, positions: Mapping[str, float]) -> str:
         if position != 0.0:
             _displace(element, position, f"joint '{element.get('name')}'")
         element.set("type", "fixed")
-    return str(etree.tostring(tree.getroot(), encoding="unicode"))
+        etree.strip_elements(element, *MOTION, with_tail=False)
+    return tree
 
 
 def _displace(joint: etree._Element, position: float, where: str) -> None:

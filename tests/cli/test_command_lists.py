@@ -37,6 +37,33 @@ def test_a_urdf_file_is_a_robot(cdia):
     assert entry["joints"] == ["joint1", "joint2", "joint3", "joint4"]
 
 
+def test_a_robot_with_two_arms_becomes_one_arm(cdia, tmp_path):
+    path, alone = catalogue()["baxter_left_arm"].path, tmp_path / "left.urdf"
+    said = cdia("check", tmp_path / "log.csv", "--robot", path).err
+    assert "cdia robots" in said and "--save arm.urdf" in said
+    done = cdia("robots", path, "--lock", "right_*, head_pan=0.2", "--save", alone)
+    assert done.code == 0
+    assert done.out.rstrip().endswith(f"next: cdia check LOG --robot {alone}")
+    (entry,) = cdia("robots", alone, "--json", "-").json["robots"]
+    assert entry["count"] == 7
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--lock", "head"], "need a robot"),
+        (["scara", "--lock", "joint1=half"], "must be a number"),
+        (["scara", "--lock", "joint1=nan"], "must be a number"),
+        (["scara", "--lock", "elbow"], "unknown joint 'elbow'"),
+        (["scara", "--lock", "joint*"], "no movable joint is left"),
+    ],
+)
+def test_a_lock_that_makes_no_sense_is_refused(cdia, words, said):
+    done = cdia("robots", *words)
+    assert done.code == 2
+    assert said in done.err
+
+
 def test_every_effect_is_listed_with_equation_and_units(cdia):
     found = cdia("effects", "--json", "-").json
     assert found["schema"] == "cdia-effects/1"

@@ -1,5 +1,6 @@
 """Robots by name and by file: what moves, what is held and why, and errors a person can act on."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -185,8 +186,24 @@ def test_two_arms_are_refused_with_the_lock_that_keeps_one(urdf):
         load_robot(path)
     message = str(error.value)
     assert "at the base" in message and "\n" not in message
-    assert "lock=['right_1', 'right_2', 'head']" in message
+    assert "--lock 'right_*,head' --save arm.urdf" in message
+    assert "lock=['right_*', 'head']" in message
     assert load_robot(path, lock=["right_*", "head"]).joints == ("left_1", "left_2")
+
+
+@pytest.mark.parametrize(
+    ("bones", "kept", "lock"), [(1, "yaw..pitch", "index_*,ring_*,head"), (3, "yaw..index_3", "ring_*,head")]
+)
+def test_an_arm_ends_where_short_branches_fork(urdf, bones, kept, lock):
+    above = {"yaw": "base", "pitch": "yaw", "head": "base"}
+    for digit in ("index", "ring"):
+        chain = ["pitch", *(f"{digit}_{k}" for k in range(1, bones + 1))]
+        above |= dict(pairwise(reversed(chain)))
+    path = urdf(link("base"), *map(link, above), *(joint(n, parent, n) for n, parent in above.items()))
+    with pytest.raises(RobotError) as error:
+        load_robot(path)
+    assert f"to keep {kept}, lock" in str(error.value)
+    assert f"--lock '{lock}' --save" in str(error.value)
 
 
 def test_a_real_robot_with_two_arms_is_refused_with_the_joints_to_lock():
