@@ -178,7 +178,8 @@ def sized_changes(
 def _with_or_without_likely(found: FoundChanges, changes: Sequence[Change]) -> list[Change]:
     """Return changes whose sizes, where they are established, hold also if what is only likely is not there.
 
-    A part of a payload may else be found on the link before it as well, and the payload is too light by that.
+    A part of a payload may else be found on the link before it as well, and the payload is too light by that. A change
+    that may be nothing then is likely itself.
     """
     labels = {c.term.label for c in changes if c.confidence is Confidence.ESTABLISHED}
     if not 0 < len(labels) < len(changes):
@@ -186,10 +187,11 @@ def _with_or_without_likely(found: FoundChanges, changes: Sequence[Change]) -> l
     search = found.search
     sure = tuple(c for c in found.chosen if search.evidence.effects[c].effect.label in labels)
     alone = {t.label: t for t in sized(FoundChanges.as_searched(search, sure))}
-    return [
+    covered = [
         replace(c, term=covering(c.term, alone[c.term.label])) if c.term.label in labels else c
         for c in changes
     ]
+    return [replace(c, confidence=Confidence.LIKELY) if c.term.may_be_nothing else c for c in covered]
 
 
 def _confusions(term: Term, rivals: Sequence[Effect], robot: RobotModel) -> Iterator[Confusion]:
