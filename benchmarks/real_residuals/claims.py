@@ -14,6 +14,7 @@ from cdia_pin.viewers.words import percent
 
 EXACT = {25: 0.85, 10: 0.65}  # share of the cases of each size [%] to be named exactly
 AMONG = {25: 0.92, 10: 0.75}
+PAIRS = "number of pairs"  # one arm has too few
 QUIET, LEAST_PAIRS = 0.95, 40  # share of unchanged pairs in which nothing is named, and of how many at least
 POINTS = 0.05  # [1], by which a discovery from a model may name fewer than a comparison
 SIZE_ERROR, HELD = 0.05, 0.90  # [1]
@@ -127,7 +128,7 @@ def _quiet() -> tuple[Claim, ...]:
     return (
         Claim("nothing is named", f"≥ {QUIET:.0%}", of_cases(lambda o: not o.named), at_least(QUIET)),
         Claim(
-            "number of pairs",
+            PAIRS,
             f"≥ {LEAST_PAIRS}",
             lambda os: Figure(len(os), len(os), str(len(os))),
             at_least(LEAST_PAIRS),

@@ -8,7 +8,7 @@ from benchmarks.claim_tables import MUST_SHOW, by_part, targets
 from benchmarks.markdown import table
 from benchmarks.publishing import made_by
 from benchmarks.real_residuals.bases import Base
-from benchmarks.real_residuals.claims import PARTS
+from benchmarks.real_residuals.claims import PAIRS, PARTS
 from benchmarks.real_residuals.known_truths import truths
 from benchmarks.real_residuals.outcome import Outcome
 from benchmarks.real_residuals.recordings import ARMS
@@ -66,7 +66,9 @@ def page_of_arm(arm: str, outcomes: Sequence[Outcome], command: str, suite: str)
         f"# Known effects on real residuals of {arm}\n\n{made_by(command, PACKAGES)}",
         _how(outcomes, suite),
         "## What other arms must show",
-        table(MUST_SHOW, [r for r in targets(PARTS, outcomes) if r[-2]]),  # of so many cases
+        table(
+            MUST_SHOW, [r for r in targets(PARTS, outcomes) if r[-2] and PAIRS not in r[0]]
+        ),  # of so many cases
         *_tables(outcomes),
         *fell_short(outcomes),
     ]

@@ -138,7 +138,7 @@ def sized_changes(
     """Return the changes with their sizes, in the order of what would be lost without them, and usual differences.
 
     Sizes are fitted beside the usual differences of friction, which are no changes of the arm, and beside what differs
-    by nothing within its interval.
+    by nothing within its interval. The total interval of a change of friction allows for the usual difference.
 
     Args:
         found: The changes.
@@ -162,11 +162,12 @@ def sized_changes(
         confidence = search.confidence(rest, one)
         if has_another_name(term, confusions, search.differing.experiment.robot):
             confidence = Confidence.LIKELY
+        torque = search.torque(one, np.array(term.theta))
         out.append(
             Change(
-                term,
+                run_to_run.allowed_for(term, torque),
                 earlier.get(effects[one]),
-                search.torque(one, np.array(term.theta)),
+                torque,
                 (without - with_all) / 2,
                 confusions,
                 confidence,

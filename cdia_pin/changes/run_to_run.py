@@ -25,6 +25,7 @@ from cdia_pin.selection.discovery_settings import RunToRunSettings
 
 Array = NDArray[np.float64]
 
+LIKELY_RANGE = 1.96  # half of the interval that holds 95 % of a normal x, over its standard deviation [1]
 MEDIAN_OF_NORMAL = 0.6745  # median of |x| over the standard deviation of a normal x [1]
 
 
@@ -91,8 +92,8 @@ class RunToRun:
         growth = _growth(search, chosen, torque)
         return cls(x.experiment.robot.joints, rms(torque, x.counted), growth, x.settings.run_to_run)
 
-    def limit(self, joint: int) -> float:
-        """Return the share of its friction by which a joint may differ although nothing happened [1].
+    def spread(self, joint: int) -> float:
+        """Return the standard deviation of the share by which a joint's friction differs though nothing happened [1].
 
         Args:
             joint: Index of the joint.
@@ -101,7 +102,15 @@ class RunToRun:
         others = others[np.isfinite(others)]
         seen = float(np.median(others)) / MEDIAN_OF_NORMAL if len(others) else 0.0
         known = rule.weight * rule.spread**2 + len(others) * seen**2
-        return rule.deviations * min(float(np.sqrt(known / (rule.weight + len(others)))), rule.largest_spread)
+        return min(float(np.sqrt(known / (rule.weight + len(others)))), rule.largest_spread)
+
+    def limit(self, joint: int) -> float:
+        """Return the share of its friction by which a joint may differ although nothing happened [1].
+
+        Args:
+            joint: Index of the joint.
+        """
+        return self.settings.deviations * self.spread(joint)
 
     def size(self, joint: int) -> float:
         """Return the RMS torque by which a joint's friction may differ although nothing happened [N·m or N].
@@ -110,6 +119,22 @@ class RunToRun:
             joint: Index of the joint.
         """
         return self.limit(joint) * float(self.friction[joint])
+
+    def allowed_for(self, term: Term, torque: Array) -> Term:
+        """Return a change of friction whose total intervals allow for what friction differs by from run to run.
+
+        A part of the difference would be there although nothing happened, and blocks of the same two runs do not show it.
+
+        Args:
+            term: A change with intervals; one that is not of friction stays as it is.
+            torque: Its RMS torque [N·m or N], shape (n,).
+        """
+        if not term.effect.traits.dissipative or not term.effect.scope:
+            return term
+        joints = [self.joints.index(j) for j in term.effect.scope]
+        usual = np.array([self.spread(j) for j in joints]) * self.friction[joints]
+        share = np.linalg.norm(usual) / max(float(np.linalg.norm(torque[joints])), 1e-12)
+        return term.less_certain(LIKELY_RANGE * share * np.abs(term.theta))
 
     def usual(
         self, search: ChangeSearch, chosen: Sequence[int], terms: Sequence[Term]

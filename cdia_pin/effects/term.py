@@ -111,6 +111,17 @@ class Term:
             ci95_statistical=None if statistical is None else _around(self.theta, statistical),
         )
 
+    def less_certain(self, systematic: Array) -> Term:
+        """Return the term with total intervals that are wider by one more systematic part, where it has intervals.
+
+        Args:
+            systematic: Half widths of that part, in the parameters' units, shape (p,).
+        """
+        if self.ci95 is None:
+            return self
+        wider = self.with_intervals(np.hypot(self.half_widths, systematic))
+        return replace(wider, ci95_statistical=self.ci95_statistical or self.ci95)
+
     @property
     def label(self) -> str:
         """The effect's name and scope."""
