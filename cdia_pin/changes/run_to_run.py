@@ -123,7 +123,7 @@ class RunToRun:
     def allowed_for(self, term: Term, torque: Array) -> Term:
         """Return a change of friction whose total intervals allow for what friction differs by from run to run.
 
-        A part of the difference would be there although nothing happened, and blocks of the same two runs do not show it.
+        A part of the difference would be there although nothing happened. Blocks of the same two runs do not show it.
 
         Args:
             term: A change with intervals; one that is not of friction stays as it is.

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypedDict
 
 import typer
-from rich.text import Text
 
 from cdia_pin import schemas
 from cdia_pin.cli.console import stdout
@@ -94,7 +93,7 @@ def robots(
         entries = [_entry(arm)]
         _show_one(console, arm)
         if save:
-            console.print(Text(f"{write_arm_urdf(arm, save)} has the arm alone"))
+            console.print(f"{write_arm_urdf(arm, save)} has the arm alone", markup=False, soft_wrap=True)
     else:
         entries = [
             _entry(load_robot(known)) if entry.available else _not_here(entry)
@@ -117,11 +116,12 @@ def _locked(given: Iterable[str]) -> dict[str, float | None]:
     for part in (p.strip() for text in given for p in text.split(",")):
         joint, states, position = part.partition("=")
         try:
-            out[joint.strip()] = at = float(position) if states else None
+            at = float(position) if states else None
         except ValueError:
             at = float("nan")
         if at is not None and not isfinite(at):
             raise CommandError(f"--lock {part}: the position must be a number [rad or m], joint=0.15")
+        out[joint.strip()] = at
     return out
 
 

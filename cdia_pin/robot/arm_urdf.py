@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cdia_pin.errors import RobotError
-from cdia_pin.input_files import resolved
 from cdia_pin.phrases import counted
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.robot.urdf import read_urdf
-from cdia_pin.robot.urdf_edit import add_note, rebase_meshes, text_of
+from cdia_pin.robot.urdf_edit import add_note, rebase_meshes, text_of, write_beside
 from cdia_pin.robot.urdf_values import welded
 from cdia_pin.version import __version__
-from cdia_pin.whole_files import write_whole
 
 
 def write_arm_urdf(robot: RobotModel, path: str | Path) -> Path:
@@ -31,15 +28,9 @@ def write_arm_urdf(robot: RobotModel, path: str | Path) -> Path:
         RobotError: If the file would overwrite the original, or cannot be written.
     """
     path = Path(path).expanduser()
-    if resolved(path) == resolved(robot.urdf):
-        raise RobotError(f"{path} is the robot's own file: give another name")
     urdf = read_urdf(robot.urdf)
     tree = welded(urdf.tree, {name: held.position for name, held in robot.locked.items()})
     rebase_meshes(tree, urdf.path.parent, path.parent)
     fixed = counted(len(robot.locked), "joint")
     add_note(tree, f"{robot.urdf.name} with {fixed} fixed by cdia-pin {__version__}")
-    try:
-        write_whole(path, text_of(tree))
-    except OSError as error:
-        raise RobotError(f"cannot write {path}: {error.strerror or error}") from None
-    return path
+    return write_beside(robot.urdf, path, text_of(tree))

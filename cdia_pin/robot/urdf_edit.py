@@ -9,8 +9,10 @@ import numpy as np
 from lxml import etree
 from numpy.typing import NDArray
 
+from cdia_pin.errors import RobotError
 from cdia_pin.input_files import resolved
 from cdia_pin.robot.inertia import at_centre_of_mass
+from cdia_pin.whole_files import write_whole
 
 Array = NDArray[np.float64]
 
@@ -109,6 +111,30 @@ def rebase_meshes(tree: etree._ElementTree, old: Path, new: Path) -> None:
         name = str(mesh.get("filename", ""))
         if name and "://" not in name and not Path(name).is_absolute() and here != there:
             mesh.set("filename", os.path.relpath(here / name, there))
+
+
+def write_beside(original: Path, path: str | Path, text: str) -> Path:
+    """Write a URDF that was made of another one.
+
+    Args:
+        original: File that it was made of.
+        path: File to write.
+        text: Its text.
+
+    Returns:
+        The file written.
+
+    Raises:
+        RobotError: If the file would overwrite the original, or cannot be written.
+    """
+    path = Path(path).expanduser()
+    if resolved(path) == resolved(original):
+        raise RobotError(f"{path} is the robot's own file: give another name")
+    try:
+        write_whole(path, text)
+    except OSError as error:
+        raise RobotError(f"cannot write {path}: {error.strerror or error}") from None
+    return path
 
 
 def add_note(tree: etree._ElementTree, text: str) -> None:

@@ -16,7 +16,6 @@ from lxml import etree
 from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.errors import RobotError
-from cdia_pin.input_files import resolved
 from cdia_pin.robot.inertia import (
     is_physical,
     parameters_of,
@@ -32,11 +31,11 @@ from cdia_pin.robot.urdf_edit import (
     rebase_meshes,
     remove,
     text_of,
+    write_beside,
     write_inertial,
 )
 from cdia_pin.robot.urdf_values import homogeneous
 from cdia_pin.version import __version__
-from cdia_pin.whole_files import write_whole
 
 Array = NDArray[np.float64]
 
@@ -86,8 +85,6 @@ def write_corrected_urdf(
         RobotError: If a joint is unknown, a value is not possible, or the file would overwrite the original.
     """
     path = Path(path).expanduser()
-    if resolved(path) == resolved(robot.urdf):
-        raise RobotError(f"{path} is the robot's own file: give another name")
     text = corrected_urdf(
         robot,
         path.parent,
@@ -97,11 +94,7 @@ def write_corrected_urdf(
         payload=payload,
         allow_unphysical=allow_unphysical,
     )
-    try:
-        write_whole(path, text)
-    except OSError as error:
-        raise RobotError(f"cannot write {path}: {error.strerror or error}") from None
-    return path
+    return write_beside(robot.urdf, path, text)
 
 
 def corrected_urdf(

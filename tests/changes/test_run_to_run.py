@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from benchmarks.plant import Fault
-from cdia_pin.changes.run_to_run import RunToRun, as_phenomena
+from cdia_pin.changes.run_to_run import LIKELY_RANGE, RunToRun, as_phenomena
+from cdia_pin.effects import CoulombFriction, CoupledFriction, Payload, Term, TorqueOffset
 from cdia_pin.selection.discovery_settings import RunToRunSettings
 from tests.changes.test_changes import changed
 from tests.hidden_plants import plant_of
@@ -37,6 +38,28 @@ def test_one_worn_neighbour_does_not_hide_another_joint():
 def test_a_joint_has_no_say_in_its_own_limit_and_no_limit_is_boundless():
     assert arm(0.01, 0.02, 0.02).limit(0) == arm(5.0, 0.02, 0.02).limit(0)
     assert arm(5.0, 5.0, 5.0).limit(0) == pytest.approx(RULE.deviations * RULE.largest_spread)
+
+
+def test_the_size_of_a_change_of_friction_allows_for_what_is_usual():
+    seen = Term(CoulombFriction("joint0"), (2.0,)).with_intervals(np.array([0.1]))
+    twice_the_friction, none_elsewhere = np.array([2.0, 0.0]), arm(0.0, np.nan)
+    found = none_elsewhere.allowed_for(seen, twice_the_friction)
+    assert found.ci95_statistical == seen.ci95
+    assert found.half_widths == pytest.approx(np.hypot(0.1, LIKELY_RANGE * RULE.spread / 2 * 2.0))
+    larger = none_elsewhere.allowed_for(seen, 10 * twice_the_friction)
+    assert larger.half_widths == pytest.approx(0.1, rel=0.01)
+
+
+def test_the_usual_difference_of_two_joints_counts_for_friction_between_them():
+    seen = Term(CoupledFriction("joint0", "joint1"), (1.0, 0.0)).with_intervals(np.zeros(2))
+    found = arm(np.nan, np.nan).allowed_for(seen, np.ones(2))
+    np.testing.assert_allclose(found.half_widths, [LIKELY_RANGE * RULE.spread, 0.0])
+
+
+@pytest.mark.parametrize("effect", [Payload(), TorqueOffset("joint0")])
+def test_what_is_no_friction_differs_by_nothing_from_run_to_run(effect):
+    seen = Term(effect, (1.0,) * effect.size).with_intervals(np.full(effect.size, 0.1))
+    assert arm(0.1, 0.1).allowed_for(seen, np.ones(2)) == seen
 
 
 def test_friction_of_all_joints_that_differs_a_little_is_no_change_and_wear_is():
