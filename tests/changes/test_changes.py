@@ -10,6 +10,7 @@ from cdia_pin.changes import detection
 from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.changes_result import Change
 from cdia_pin.changes.common_structure import common_effects
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.effects import Term, parse_effect
 from cdia_pin.errors import LogError
@@ -190,6 +191,30 @@ def test_what_may_be_nothing_is_no_change(monkeypatch):
 
     monkeypatch.setattr(detection, "sized", unsure)
     assert changed(WRONG, GAIN).changes == ()
+
+
+def test_what_may_be_nothing_without_what_is_likely_is_likely_itself(monkeypatch):
+    sized = detection.sized
+
+    def friction_is_likely(search, rest, one):
+        likely = search.evidence.effects[one].effect.label.startswith("coulomb")
+        return Confidence.LIKELY if likely else Confidence.ESTABLISHED
+
+    def opposite_alone(found):
+        terms = sized(found)
+        if len(terms) > 1:
+            return terms
+        return [t.with_theta(-np.array(t.theta)).with_intervals(t.half_widths) for t in terms]
+
+    monkeypatch.setattr(ChangeSearch, "confidence", friction_is_likely)
+    both = (*GAIN, Fault("coulomb_friction", joint="shoulder_pan_joint", level=8.0))
+    said = {c.term.label: c.confidence for c in changed(WRONG, both).changes}
+    assert said == {
+        "actuator_gain@elbow_joint": "established",
+        "coulomb_friction@shoulder_pan_joint": "likely",
+    }
+    monkeypatch.setattr(detection, "sized", opposite_alone)
+    assert {c.confidence for c in changed(WRONG, both).changes} == {"likely"}
 
 
 def test_a_change_with_a_rival_of_another_kind_is_likely_at_most(monkeypatch):
