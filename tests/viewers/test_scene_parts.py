@@ -10,6 +10,7 @@ import pytest
 from cdia_pin import CdiaError, load_robot
 from cdia_pin.robot import catalogue
 from cdia_pin.robot.urdf import read_urdf
+from cdia_pin.robot.urdf_edit import text_of
 from cdia_pin.robot.urdf_values import welded
 from cdia_pin.viewers.scene import Scene
 from cdia_pin.viewers.scene.bodies import bodies_of
@@ -50,7 +51,7 @@ def boxes(meshes, names):
 def pinocchio_boxes(robot):
     """The same as Pinocchio reads the robot's file, through another reader of meshes."""
     held = {name: joint.position for name, joint in robot.locked.items()}
-    xml = welded(read_urdf(robot.urdf).tree, held)
+    xml = text_of(welded(read_urdf(robot.urdf).tree, held))
     model = pin.buildModelFromXML(xml)
     shapes = pin.buildGeomFromUrdfString(model, xml, pin.VISUAL, None, [str(p) for p in robot.package_dirs])
     corners = {}
