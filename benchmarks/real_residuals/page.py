@@ -62,13 +62,12 @@ def page_of_arm(arm: str, outcomes: Sequence[Outcome], command: str, suite: str)
         command: By which they are made.
         suite: Name of the draws.
     """
+    of_so_many_cases = [r for r in targets(PARTS, outcomes) if r[-2] and PAIRS not in r[0]]
     parts = [
         f"# Known effects on real residuals of {arm}\n\n{made_by(command, PACKAGES)}",
         _how(outcomes, suite),
         "## What other arms must show",
-        table(
-            MUST_SHOW, [r for r in targets(PARTS, outcomes) if r[-2] and PAIRS not in r[0]]
-        ),  # of so many cases
+        table(MUST_SHOW, of_so_many_cases),
         *_tables(outcomes),
         *fell_short(outcomes),
     ]

@@ -20,12 +20,12 @@ from cdia_pin.effects import Effect, Term
 from cdia_pin.effects.refinements import is_plain
 from cdia_pin.phrases import some
 from cdia_pin.regression.experiment import rms
+from cdia_pin.regression.intervals import NORMAL_95
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.discovery_settings import RunToRunSettings
 
 Array = NDArray[np.float64]
 
-LIKELY_RANGE = 1.96  # half of the interval that holds 95 % of a normal x, over its standard deviation [1]
 MEDIAN_OF_NORMAL = 0.6745  # median of |x| over the standard deviation of a normal x [1]
 
 
@@ -134,7 +134,7 @@ class RunToRun:
         joints = [self.joints.index(j) for j in term.effect.scope]
         usual = np.array([self.spread(j) for j in joints]) * self.friction[joints]
         share = np.linalg.norm(usual) / max(float(np.linalg.norm(torque[joints])), 1e-12)
-        return term.less_certain(LIKELY_RANGE * share * np.abs(term.theta))
+        return term.less_certain(NORMAL_95 * share * np.abs(term.theta))
 
     def usual(
         self, search: ChangeSearch, chosen: Sequence[int], terms: Sequence[Term]

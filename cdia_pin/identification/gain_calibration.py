@@ -28,6 +28,7 @@ from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.gains import NOMINAL_TOLERANCE
 from cdia_pin.logs.log import Log
 from cdia_pin.regression.experiment import Experiment
+from cdia_pin.regression.intervals import NORMAL_95
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.version import __version__
 
@@ -42,7 +43,6 @@ HEAVIEST = 1e4  # [kg], more than any arm carries
 FARTHEST = 0.3  # [m], prior standard deviation of the centre of mass from the tool frame
 WIDEST = 0.05  # [m²], prior standard deviation of the inertia over the mass
 REPEATED = 1e-6  # ridge of the common columns in units of their RMS [1]: some repeat each other
-NORMAL_95 = 1.96  # half width of a 95 % interval in standard deviations [1]
 DETERMINED = (
     0.5  # tolerance over the one before [1] from which the weight itself has told the scale of a joint
 )

@@ -12,6 +12,8 @@ from cdia_pin.regression.scaled_gram import ScaledGram
 
 Array = NDArray[np.float64]
 
+NORMAL_95 = 1.96  # half width of a 95 % interval of a normal distribution over its standard deviation [1]
+
 # Variance between blocks over that within [1], because ten blocks of white noise exceed it in one case of five.
 SCATTER = 1.36
 RANK_CUTOFF = 1e-12  # eigenvalues of the scaled normal equations, over the largest [1], that count as zero

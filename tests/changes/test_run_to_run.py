@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.plant import Fault
-from cdia_pin.changes.run_to_run import LIKELY_RANGE, RunToRun, as_phenomena
+from cdia_pin.changes.run_to_run import NORMAL_95, RunToRun, as_phenomena
 from cdia_pin.effects import CoulombFriction, CoupledFriction, Payload, Term, TorqueOffset
 from cdia_pin.selection.discovery_settings import RunToRunSettings
 from tests.changes.test_changes import changed
@@ -45,7 +45,7 @@ def test_the_size_of_a_change_of_friction_allows_for_what_is_usual():
     twice_the_friction, none_elsewhere = np.array([2.0, 0.0]), arm(0.0, np.nan)
     found = none_elsewhere.allowed_for(seen, twice_the_friction)
     assert found.ci95_statistical == seen.ci95
-    assert found.half_widths == pytest.approx(np.hypot(0.1, LIKELY_RANGE * RULE.spread / 2 * 2.0))
+    assert found.half_widths == pytest.approx(np.hypot(0.1, NORMAL_95 * RULE.spread / 2 * 2.0))
     larger = none_elsewhere.allowed_for(seen, 10 * twice_the_friction)
     assert larger.half_widths == pytest.approx(0.1, rel=0.01)
 
@@ -53,7 +53,7 @@ def test_the_size_of_a_change_of_friction_allows_for_what_is_usual():
 def test_the_usual_difference_of_two_joints_counts_for_friction_between_them():
     seen = Term(CoupledFriction("joint0", "joint1"), (1.0, 0.0)).with_intervals(np.zeros(2))
     found = arm(np.nan, np.nan).allowed_for(seen, np.ones(2))
-    np.testing.assert_allclose(found.half_widths, [LIKELY_RANGE * RULE.spread, 0.0])
+    np.testing.assert_allclose(found.half_widths, [NORMAL_95 * RULE.spread, 0.0])
 
 
 @pytest.mark.parametrize("effect", [Payload(), TorqueOffset("joint0")])
