@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import (
+    BearingFriction,
     CoulombFriction,
     Effect,
     LinkInertia,
@@ -34,7 +35,7 @@ from cdia_pin.selection.discovery_settings import DiscoverySettings
 Array = NDArray[np.float64]
 
 PLAIN = (CoulombFriction, ViscousFriction, TorqueOffset)  # what nearly every joint has, besides rigid bodies
-EVERYWHERE = (RigidBody, RotorInertia, *PLAIN)  # what every arm has
+EVERYWHERE = (RigidBody, RotorInertia, BearingFriction, *PLAIN)  # what every arm has
 
 
 def plain_effects(robot: RobotModel) -> list[Effect]:

@@ -129,7 +129,9 @@ def _entry(robot: RobotModel) -> RobotEntry:
     from cdia_pin.robot import catalogue
 
     known = catalogue().get(robot.name)
-    if known is not None and known.path != robot.urdf:  # a file of the user's with the name of a known arm
+    if known is not None and (
+        not known.available or known.path != robot.urdf
+    ):  # a file of the user's with the name of a known arm
         known = None
     return {
         "name": robot.name,

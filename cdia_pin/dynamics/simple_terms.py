@@ -8,6 +8,7 @@ from enum import StrEnum
 from cdia_pin.effects import (
     AsymmetricFriction,
     BaseTilt,
+    BearingFriction,
     CoulombFriction,
     Effect,
     JointSpring,
@@ -86,6 +87,8 @@ def simplified(term: Term, at_rest: bool = False) -> Simplified | None:
             level = (values["level_positive"] + values["level_negative"]) / 2
             coefficient = (values["coefficient_positive"] + values["coefficient_negative"]) / 2
             terms, how = _friction(joint, level, coefficient), "its mean over both directions"
+        case BearingFriction(joint=joint):
+            terms, how = _friction(joint, values["level"], values["coefficient"]), ""
         case StribeckFriction(joint=joint):
             terms, how = _friction(joint, values["level"]), "its level at speed"
         case PreslidingFriction(joint=joint):

@@ -11,6 +11,7 @@ from cdia_pin.effects.environment import BaseTilt, ExternalWrench, ToolWrench, V
 from cdia_pin.effects.expression import Expression, from_expression
 from cdia_pin.effects.friction import (
     AsymmetricFriction,
+    BearingFriction,
     CoulombFriction,
     CoupledFriction,
     LoadFriction,
@@ -44,7 +45,7 @@ from cdia_pin.effects.state import JointState, State
 from cdia_pin.effects.stateful_effect import StatefulEffect
 from cdia_pin.effects.term import Term
 from cdia_pin.effects.thermal import ThermalFriction
-from cdia_pin.effects.traits import Channel, Signal, Traits
+from cdia_pin.effects.traits import Channel, SensedFrom, Signal, Traits
 from cdia_pin.effects.unknown import Unknown
 from cdia_pin.effects.variations import varied
 from cdia_pin.effects.varying import Varying
@@ -52,13 +53,13 @@ from cdia_pin.effects.vocabulary import EFFECTS, effect_from_dict, parse_effect,
 from cdia_pin.effects.wrapped import WrappedEffect
 
 __all__ = [
-    "ALWAYS", "EFFECTS", "ActuatorGain", "Always", "AsymmetricFriction", "BaseTilt", "Between", "Channel",
-    "CoulombFriction", "Counterbalance", "CoupledFriction", "Drift", "Effect", "EffortDelay",
+    "ALWAYS", "EFFECTS", "ActuatorGain", "Always", "AsymmetricFriction", "BaseTilt", "BearingFriction", "Between",
+    "Channel", "CoulombFriction", "Counterbalance", "CoupledFriction", "Drift", "Effect", "EffortDelay",
     "EncoderOffset", "Expression", "ExternalWrench", "Incipient", "Intermittent", "JointEffect",
     "JointElasticity", "JointSpring", "JointState", "LinkInertia", "LinkInertias", "LoadFriction",
     "LoadStribeckFriction", "NonlinearEffect", "Parameter", "Payload", "PerLog", "Plausibility",
     "PositionRipple", "PreslidingFriction", "Profile", "QuadraticFriction", "Region", "RotorInertia",
-    "Signal", "State", "StatefulEffect", "StribeckFriction", "Term", "ThermalFriction", "ToolWrench",
+    "SensedFrom", "Signal", "State", "StatefulEffect", "StribeckFriction", "Term", "ThermalFriction", "ToolWrench",
     "TorqueOffset", "Traits", "Unknown", "Varying", "ViscousFriction", "ViscousMedium", "WrappedEffect",
     "after", "effect_from_dict", "from_expression", "parse_effect", "parse_term", "profile_from_dict",
     "register", "varied",

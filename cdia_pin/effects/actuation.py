@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.state import JointState, State
-from cdia_pin.effects.traits import Signal, Traits
+from cdia_pin.effects.traits import SensedFrom, Signal, Traits
 
 Array = NDArray[np.float64]
 
@@ -65,7 +65,7 @@ class RotorInertia(JointEffect):
 
     name: ClassVar[str] = "rotor_inertia"
     equation: ClassVar[str] = "−I q̈"
-    traits: ClassVar[Traits] = Traits({Signal.ACCELERATION}, motor_side=True)
+    traits: ClassVar[Traits] = Traits({Signal.ACCELERATION}, sensed=SensedFrom.MOTOR)
     parameters = (Parameter("inertia", "{inertia}", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:

@@ -13,7 +13,7 @@ from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.state import JointState, State
-from cdia_pin.effects.traits import Signal, Traits
+from cdia_pin.effects.traits import SensedFrom, Signal, Traits
 from cdia_pin.errors import EffectError
 from cdia_pin.robot.model import RobotModel
 
@@ -53,7 +53,7 @@ class CoulombFriction(JointEffect):
 
     name: ClassVar[str] = "coulomb_friction"
     equation: ClassVar[str] = "−α sgn(q̇)"
-    traits: ClassVar[Traits] = Traits({Signal.DIRECTION}, dissipative=True, motor_side=True)
+    traits: ClassVar[Traits] = Traits({Signal.DIRECTION}, dissipative=True, sensed=SensedFrom.MOTOR)
     parameters = (Parameter("level", "{effort}", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -71,7 +71,7 @@ class ViscousFriction(JointEffect):
 
     name: ClassVar[str] = "viscous_friction"
     equation: ClassVar[str] = "−α q̇"
-    traits: ClassVar[Traits] = Traits({Signal.VELOCITY}, dissipative=True, motor_side=True)
+    traits: ClassVar[Traits] = Traits({Signal.VELOCITY}, dissipative=True, sensed=SensedFrom.MOTOR)
     parameters = (Parameter("coefficient", VISCOUS, lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -81,6 +81,33 @@ class ViscousFriction(JointEffect):
             x: Signals of the joint, N samples.
         """
         return (-x.v,)
+
+
+@dataclass(frozen=True)
+class BearingFriction(JointEffect):
+    """Friction of what carries a link, f = −(α sgn q̇ + β q̇), as a torque sensor behind the gear sees it.
+
+    Bearings, seals and cables rub between that sensor and the link. A torque of the motor shows their friction as a
+    part of its own Coulomb and viscous friction.
+    """
+
+    name: ClassVar[str] = "bearing_friction"
+    equation: ClassVar[str] = "−(α sgn(q̇) + β q̇)"
+    traits: ClassVar[Traits] = Traits(
+        {Signal.VELOCITY, Signal.DIRECTION}, dissipative=True, sensed=SensedFrom.BEHIND
+    )
+    parameters = (
+        Parameter("level", "{effort}", lower=0.0),
+        Parameter("coefficient", VISCOUS, lower=0.0),
+    )
+
+    def columns(self, x: JointState) -> Sequence[Array]:
+        """Return the columns of the level and of the coefficient.
+
+        Args:
+            x: Signals of the joint, N samples.
+        """
+        return (-x.sign, -x.v)
 
 
 @dataclass(frozen=True)
@@ -95,7 +122,9 @@ class StribeckFriction(JointEffect):
 
     name: ClassVar[str] = "stribeck_friction"
     equation: ClassVar[str] = "−(α₀ + α₁ exp(−β|q̇|)) sgn(q̇)"
-    traits: ClassVar[Traits] = Traits({Signal.VELOCITY, Signal.DIRECTION}, dissipative=True, motor_side=True)
+    traits: ClassVar[Traits] = Traits(
+        {Signal.VELOCITY, Signal.DIRECTION}, dissipative=True, sensed=SensedFrom.MOTOR
+    )
     parameters = (
         Parameter("level", "{effort}", lower=0.0),
         Parameter("breakaway", "{effort}", lower=0.0),
@@ -134,7 +163,9 @@ class AsymmetricFriction(JointEffect):
 
     name: ClassVar[str] = "asymmetric_friction"
     equation: ClassVar[str] = "−(α± sgn(q̇) + β± q̇)"
-    traits: ClassVar[Traits] = Traits({Signal.VELOCITY, Signal.DIRECTION}, dissipative=True, motor_side=True)
+    traits: ClassVar[Traits] = Traits(
+        {Signal.VELOCITY, Signal.DIRECTION}, dissipative=True, sensed=SensedFrom.MOTOR
+    )
     parameters = (
         Parameter("level_positive", "{effort}", lower=0.0),
         Parameter("level_negative", "{effort}", lower=0.0),
@@ -158,7 +189,7 @@ class QuadraticFriction(JointEffect):
 
     name: ClassVar[str] = "quadratic_friction"
     equation: ClassVar[str] = "−α |q̇| q̇"
-    traits: ClassVar[Traits] = Traits({Signal.VELOCITY}, dissipative=True, motor_side=True)
+    traits: ClassVar[Traits] = Traits({Signal.VELOCITY}, dissipative=True, sensed=SensedFrom.MOTOR)
     parameters = (Parameter("coefficient", "{effort}·s²/{position}²", lower=0.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -176,7 +207,9 @@ class LoadFriction(JointEffect):
 
     name: ClassVar[str] = "load_friction"
     equation: ClassVar[str] = "−α |τ| sgn(q̇)"
-    traits: ClassVar[Traits] = Traits({Signal.TORQUE, Signal.DIRECTION}, dissipative=True, motor_side=True)
+    traits: ClassVar[Traits] = Traits(
+        {Signal.TORQUE, Signal.DIRECTION}, dissipative=True, sensed=SensedFrom.MOTOR
+    )
     parameters = (Parameter("coefficient", "1", lower=0.0, upper=1.0),)
 
     def columns(self, x: JointState) -> Sequence[Array]:
@@ -202,7 +235,9 @@ class CoupledFriction(Effect):
 
     name: ClassVar[str] = "coupled_friction"
     equation: ClassVar[str] = "−c (q̇ᵢ + q̇ⱼ) − l sgn(q̇ᵢ + q̇ⱼ) on both joints"
-    traits: ClassVar[Traits] = Traits({Signal.VELOCITY, Signal.DIRECTION}, dissipative=True, motor_side=True)
+    traits: ClassVar[Traits] = Traits(
+        {Signal.VELOCITY, Signal.DIRECTION}, dissipative=True, sensed=SensedFrom.MOTOR
+    )
     scope_fields: ClassVar[tuple[str, ...]] = ("joint", "other")
     parameters = (Parameter("coefficient", VISCOUS, lower=0.0), Parameter("level", "{effort}", lower=0.0))
 

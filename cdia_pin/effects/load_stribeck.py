@@ -14,7 +14,7 @@ from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.plausibility import Plausibility
 from cdia_pin.effects.state import JointState, State
-from cdia_pin.effects.traits import Signal, Traits
+from cdia_pin.effects.traits import SensedFrom, Signal, Traits
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ class LoadStribeckFriction(JointEffect):
     name: ClassVar[str] = "load_stribeck_friction"
     equation: ClassVar[str] = "−(α₀ + α₁ exp(−β|q̇|)) |τ| sgn(q̇)"
     traits: ClassVar[Traits] = Traits(
-        {Signal.TORQUE, Signal.VELOCITY, Signal.DIRECTION}, dissipative=True, motor_side=True
+        {Signal.TORQUE, Signal.VELOCITY, Signal.DIRECTION}, dissipative=True, sensed=SensedFrom.MOTOR
     )
     plausibility: ClassVar[Plausibility] = Plausibility(penalty=3.0)  # either dependence alone is more common
     parameters = (

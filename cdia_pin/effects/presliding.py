@@ -15,7 +15,7 @@ from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.plausibility import Plausibility
 from cdia_pin.effects.state import JointState, State
 from cdia_pin.effects.stateful_effect import StatefulEffect
-from cdia_pin.effects.traits import Signal, Traits
+from cdia_pin.effects.traits import SensedFrom, Signal, Traits
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ class PreslidingFriction(StatefulEffect):
     name: ClassVar[str] = "presliding_friction"
     equation: ClassVar[str] = "−α z,  dz = (sgn(q̇) − z) |dq| / r"
     traits: ClassVar[Traits] = Traits(
-        {Signal.POSITION}, motor_side=True
+        {Signal.POSITION}, sensed=SensedFrom.MOTOR
     )  # bristles give back what they store
     plausibility: ClassVar[Plausibility] = Plausibility(penalty=3.0)  # Coulomb friction is more common
     parameters = (Parameter("level", "{effort}", lower=0.0),)

@@ -6,6 +6,7 @@ from cdia_pin.effects.actuation import JointSpring, TorqueOffset
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.friction import (
     AsymmetricFriction,
+    BearingFriction,
     CoulombFriction,
     LoadFriction,
     StribeckFriction,
@@ -29,10 +30,10 @@ REFINED: dict[type[Effect], tuple[type[JointEffect], ...]] = {
 
 
 def is_plain(effect: Effect) -> bool:
-    """Tell whether every joint of every arm has an effect: Coulomb and viscous friction that stays as it is.
+    """Tell whether every joint of every arm has an effect: plain friction that stays as it is.
 
     Args:
         effect: The effect.
     """
-    plain = {kind.name for kind in PLAIN_FRICTION}
+    plain = {kind.name for kind in (*PLAIN_FRICTION, BearingFriction)}
     return effect.name in plain and not isinstance(effect, Varying)

@@ -14,7 +14,7 @@ from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.plausibility import Plausibility
 from cdia_pin.effects.state import ROOM_TEMPERATURE, JointState, State
-from cdia_pin.effects.traits import Signal, Traits
+from cdia_pin.effects.traits import SensedFrom, Signal, Traits
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ class ThermalFriction(JointEffect):
     name: ClassVar[str] = "thermal_friction"
     equation: ClassVar[str] = "−(α sgn(q̇) + β q̇) exp(−κ (T − 20 °C))"
     traits: ClassVar[Traits] = Traits(
-        {Signal.VELOCITY, Signal.DIRECTION, Signal.TEMPERATURE}, dissipative=True, motor_side=True
+        {Signal.VELOCITY, Signal.DIRECTION, Signal.TEMPERATURE}, dissipative=True, sensed=SensedFrom.MOTOR
     )
     plausibility: ClassVar[Plausibility] = Plausibility(penalty=3.0)  # most logs are shorter than a warm-up
     parameters = (Parameter("level", "{effort}", lower=0.0), Parameter("coefficient", VISCOUS, lower=0.0))

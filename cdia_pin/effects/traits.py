@@ -15,6 +15,14 @@ class Channel(StrEnum):
     TORQUE_READING = "torque reading"  # distorts the reading of the torque, after all else
 
 
+class SensedFrom(StrEnum):
+    """Side of the gear on which a torque sensor must be so that a search looks for an effect."""
+
+    EITHER = "either side"
+    MOTOR = "motor side"  # a sensor behind the gear does not see it
+    BEHIND = "behind the gear"  # one before the gear sees it as a part of something larger
+
+
 class Signal(StrEnum):
     """What Φ can depend on, as a `State` holds it."""
 
@@ -38,8 +46,8 @@ class Traits:
         linear: Whether f is linear in θ; `NonlinearEffect` is the base of those that are not.
         dissipative: Whether f · q̇ ≤ 0 for all parameters within their bounds, as in friction.
         turns_gravity: Whether bodies on the arm feel another gravity, by `Effect.gravity_change`.
-        motor_side: Whether the effect acts between the motor and the output of its gear, as friction of a drive and
-            a rotor do. A torque sensor behind the gear does not see it.
+        sensed: From which side of the gear it is looked for. Friction of a drive and a rotor act between the motor
+            and the output of its gear, so a torque sensor behind the gear does not see them.
     """
 
     depends_on: Set[Signal] = frozenset()
@@ -47,7 +55,7 @@ class Traits:
     linear: bool = True
     dissipative: bool = False
     turns_gravity: bool = False
-    motor_side: bool = False
+    sensed: SensedFrom = SensedFrom.EITHER
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "depends_on", frozenset(self.depends_on))  # hashable

@@ -14,6 +14,7 @@ from cdia_pin.effects.environment import BaseTilt, ExternalWrench, ToolWrench, V
 from cdia_pin.effects.expression import Expression
 from cdia_pin.effects.friction import (
     AsymmetricFriction,
+    BearingFriction,
     CoulombFriction,
     CoupledFriction,
     LoadFriction,
@@ -37,6 +38,7 @@ EFFECTS: dict[str, type[Effect]] = {
     for e in (
         CoulombFriction,
         ViscousFriction,
+        BearingFriction,
         StribeckFriction,
         AsymmetricFriction,
         QuadraticFriction,

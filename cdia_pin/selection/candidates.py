@@ -16,6 +16,7 @@ from cdia_pin.effects import (
     PerLog,
     PositionRipple,
     RotorInertia,
+    SensedFrom,
     Signal,
     TorqueOffset,
     ViscousFriction,
@@ -117,8 +118,9 @@ def _expanded(effect: Effect, experiment: Experiment) -> Iterator[Effect]:
 
 
 def _is_measured(effect: Effect, experiment: Experiment) -> bool:
-    """Return False for friction of a motor and its rotor where the torque was measured behind the gear."""
-    return not (effect.traits.motor_side and experiment.torque_side is TorqueSide.LINK)
+    """Return False for what a sensor on the other side of the gear shows, or shows as a part of something else."""
+    side = SensedFrom.BEHIND if experiment.torque_side is TorqueSide.LINK else SensedFrom.MOTOR
+    return effect.traits.sensed in (SensedFrom.EITHER, side)
 
 
 def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool_]) -> bool:

@@ -91,7 +91,7 @@ def _is_slight(model: Dynamics, largest: float) -> bool:
 def _is_better(problem: WhitenedProblem, now: Dynamics, then: Dynamics, gain: float) -> bool:
     """Return True if a model costs less than another, and held-out blocks confirm the gain."""
     before, after = (fitted(problem, model) for model in (now, then))
-    cheaper = before.fit.cost - after.fit.cost
+    cheaper = before.cost - after.cost
     experiment = problem.experiment
     fallen = np.sqrt(np.maximum(before.errors**2 - after.errors**2, 0.0))
     torque = rms(experiment.measured, experiment.informative)

@@ -110,7 +110,7 @@ def search(
             then is None
             or not then.fit.physical
             or (grew and not _is_seen(problem, now.errors, then.errors))
-            or then.fit.cost > now.fit.cost + _sacrifice(now.evidence, now.fit, better)
+            or then.cost > now.cost + _sacrifice(now.evidence, now.fit, better)
         ):
             driven = {t.label for t in trial.terms if Signal.TORQUE in t.effect.traits.depends_on}
             rejected += 1
@@ -131,12 +131,15 @@ class Found:
     Attributes:
         model: The model.
         fit: Fit of its effects, which come first in its evidence.
+        cost: Cost of the model as it is [1]. That of the fit is what its linearisation promises, and is lower where
+            the model is not at its optimum.
         errors: RMS residual of each joint [N·m or N], shape (n,).
         problem: Logs, candidates and noise.
     """
 
     model: Dynamics
     fit: SetFit
+    cost: float
     errors: Array
     problem: WhitenedProblem
 
@@ -164,7 +167,7 @@ class Found:
         return rms(residual, self.problem.experiment.informative)
 
     def __repr__(self) -> str:
-        return f"Found({self.model!r}, cost {self.fit.cost:.4g})"
+        return f"Found({self.model!r}, cost {self.cost:.4g})"
 
 
 def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:
@@ -172,10 +175,14 @@ def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:
 
     Args:
         problem: Logs, candidates and noise.
-        model: A model at its optimum.
+        model: A model at its optimum, or near it.
     """
-    fit = problem.evidence(model, candidates=False).fit(range(len(model.terms)), bodies=True)
-    return Found(model, fit, problem.problem.rms(model), problem)
+    evidence, every = problem.evidence(model, candidates=False), range(len(model.terms))
+    fit = evidence.fit(every, bodies=True)
+    theta = np.concatenate([np.zeros(0), *(t.theta for t in model.terms)])
+    left = evidence.equations.chi2(evidence.equations.columns(every), theta)
+    cost = fit.cost + max(0.0, left - fit.chi2)  # parameters that are not physical yet may leave less
+    return Found(model, fit, cost, problem.problem.rms(model), problem)
 
 
 def _refitted(problem: WhitenedProblem, model: Dynamics, known: Collection[str]) -> Found | None:
@@ -240,11 +247,7 @@ def _slimmed(problem: WhitenedProblem, now: Found) -> Found | None:
         others = now.model.remove(effect.label)
         elsewhere = [t.label for t in others.terms if not set(t.effect.scope) & set(effect.scope)]
         then = _refitted(problem, others, elsewhere)
-        if (
-            then is not None
-            and then.fit.physical
-            and then.fit.cost < now.fit.cost - evidence.criterion.margin
-        ):
+        if then is not None and then.fit.physical and then.cost < now.cost - evidence.criterion.margin:
             return then
     return None
 
