@@ -17,6 +17,9 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
+# [s], by which a reading is late or early at most: more than any drive or network has, and all that `cdia check` tries.
+LATEST = 0.1
+
 
 @dataclass(frozen=True)
 class EncoderOffset(NonlinearEffect):
@@ -96,7 +99,7 @@ class EffortDelay(NonlinearEffect):
     equation: ClassVar[str] = "τ(t) − τ(t − d)"
     traits: ClassVar[Traits] = Traits({Signal.TORQUE, Signal.TIME}, Channel.TORQUE_READING, linear=False)
     scope_fields: ClassVar[tuple[str, ...]] = ("joint",)
-    parameters = (Parameter("delay", "s", lower=-0.2, upper=0.2),)
+    parameters = (Parameter("delay", "s", lower=-LATEST, upper=LATEST),)
     steps: ClassVar[tuple[float, ...]] = (1e-4,)
 
     def torque(self, x: State, theta: Array) -> Array:

@@ -22,8 +22,7 @@ MOST_ITERATIONS = 20  # iterations [1]; a guard against slow convergence
 # Standard deviations [1]. A step of d of them lowers the sum of squares by d² variances of the residual; when a step
 # lowers it by less, the fit has converged. Parameters that the log hardly distinguishes may still move.
 CONVERGED = 0.1
-# Sum of squares that a step leaves, over what the linearisation promises [1]; above, it diverges. At 2, steps were
-# halved that later ones would have made up for, and the error on an LWR4+ doubled.
+# Sum of squares that the first step leaves, over what the linearisation promises [1]; above, it diverges.
 MOST_LEFT = 30.0
 
 
@@ -73,16 +72,14 @@ def refit(
 def _iterated(regression: Regression, model: Dynamics, iterations: int) -> tuple[Dynamics, NormalEquations]:
     """Return the model at the optimum, and the normal equations of the last iteration.
 
-    A step that leaves far more than it promised was too long for the linearisation, and is halved. It is not compared
-    with the start alone: that need not be physical, and then fits better than anything that is.
+    A step that leaves more than there was before it was too long for the linearisation, and is halved. The first one
+    is compared with what it promised: the start need not be physical, and then fits better than anything that is.
     """
     effects = [t.effect for t in model.terms]
     every = range(len(effects))
-    kept, limit = (
-        np.zeros(0),
-        np.inf,
-    )  # parameters before the last step, and the squares that it may leave [1]
-    for _ in range(1 if all(map(is_exact, effects)) else iterations):
+    # parameters before the last step, and the squares that it may leave [1]
+    kept, limit = np.zeros(0), np.inf
+    for k in range(1 if all(map(is_exact, effects)) else iterations):
         equations = regression.normal_equations(model, effects)
         theta = np.concatenate([t.theta for t in model.terms]) if model.terms else np.zeros(0)
         before = equations.chi2(equations.columns(every), theta)
@@ -90,7 +87,8 @@ def _iterated(regression: Regression, model: Dynamics, iterations: int) -> tuple
             model = with_parameters(model, (theta + kept) / 2)
             continue
         fit = bounded_fit(equations, every, bodies=True)
-        model, kept, limit = with_parameters(model, fit.theta), theta, max(before, MOST_LEFT * fit.chi2)
+        model, kept = with_parameters(model, fit.theta), theta
+        limit = before if k else max(before, MOST_LEFT * fit.chi2)
         variance = max(
             1.0, fit.chi2 / max(equations.samples, 1)
         )  # of the residual, in variances of the noise
