@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.recordings import libfranka, write
-from cdia_pin import Dynamics, load_robot, read_log
+from cdia_pin import Dynamics, discover, load_robot, read_log
 from cdia_pin.errors import LogError
 from cdia_pin.logs import check_log, write_log
 from cdia_pin.logs.conditioning import condition
@@ -64,6 +64,16 @@ def test_behind_the_gear_no_friction_of_the_motor_and_no_rotor_is_offered(panda)
     behind, before = (offered(panda, logged(panda, share)) for share in (0.004, 0.05))
     assert {"coulomb_friction", "coupled_friction", "presliding_friction", "rotor_inertia"} <= before - behind
     assert {"torque_offset", "payload", "joint_spring"} <= behind
+    assert "bearing_friction" in behind - before
+
+
+def test_behind_the_gear_the_friction_of_bearings_is_found(panda):
+    level = 0.004 * panda.limits.effort
+    found = discover(Dynamics(panda), logged(panda, 0.004)).model
+    sizes = {t.effect.scope[0]: t.theta[0] for t in found.terms if t.effect.name == "bearing_friction"}
+    assert {t.effect.name for t in found.terms} == {"bearing_friction"}
+    assert list(sizes.values()) == pytest.approx([level[panda.joint_index(j)] for j in sizes], rel=0.1)
+    assert len(sizes) >= 5  # of a joint that carries much, it hardly shows
 
 
 def test_what_the_user_says_counts_more_than_what_the_log_shows(panda, tmp_path):

@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import ClassVar
 
 import numpy as np
@@ -26,11 +27,12 @@ from cdia_pin.effects import (
     ViscousFriction,
     parse_effect,
 )
+from cdia_pin.regression import gauss_newton
 from cdia_pin.regression.bounded_fit import bounded_fit
 from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, rms
-from cdia_pin.regression.gauss_newton import refit, with_parameters
+from cdia_pin.regression.gauss_newton import fitted_together, refit, with_parameters
 from cdia_pin.regression.intervals import with_intervals
 from cdia_pin.regression.noise import NoiseModel
 from cdia_pin.regression.normal_equations import NormalEquations
@@ -395,3 +397,28 @@ def test_a_step_that_diverges_is_halved_until_it_no_longer_does(pendulum, monkey
     assert len(tried) > len(steps)
     for one, other in zip(found.terms, expected.terms, strict=True):
         np.testing.assert_allclose(one.theta, other.theta, atol=1e-3)
+
+
+@dataclass(frozen=True)
+class Overshooting:
+    """A regression of one delay whose linearisation is wrong: each step goes beyond the optimum at zero."""
+
+    def normal_equations(self, model, effects):
+        (delay,) = model.terms[0].theta
+        return SimpleNamespace(
+            delay=delay,
+            samples=100,
+            columns=lambda every: None,
+            chi2=lambda columns, theta: 1 + 1e6 * theta[0] ** 2,
+        )
+
+
+@pytest.mark.parametrize("beyond", [0.5, 1.3, 3.0])
+def test_a_fit_never_ends_worse_than_it_was(pendulum, monkeypatch, beyond):
+    promised = lambda equations, every, bodies: SimpleNamespace(theta=[-beyond * equations.delay], chi2=1.0)  # noqa: E731
+    monkeypatch.setattr(gauss_newton, "bounded_fit", promised)
+    model = Dynamics(pendulum, (Term(EffortDelay(), (0.003,)),))
+    (delay,) = fitted_together(Overshooting(), model).terms[0].theta
+    assert abs(delay) < 0.003 * max(beyond, 1.0)
+    if beyond < 3.0:
+        assert abs(delay) < 2e-4

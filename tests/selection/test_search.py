@@ -6,7 +6,7 @@ import pytest
 from cdia_pin import Dynamics, Log, discover, load_robot
 from cdia_pin.effects import parse_term
 from cdia_pin.errors import EffectError
-from cdia_pin.selection import DiscoverySettings, search
+from cdia_pin.selection import DiscoverySettings, Problem, search
 from tests.made_logs import motion
 
 
@@ -25,11 +25,30 @@ def log_of(robot, *terms, torque=None):
     return Log(robot.joints, t, q, effort)
 
 
+def problem_of(robot, log):
+    model = Dynamics(robot)
+    return Problem.conditioned(robot, [log], [], DiscoverySettings()).around(model).with_first_noise(model)
+
+
 def found(robot, log):
     return {
         t.label
         for t in discover(Dynamics(robot), log, settings=DiscoverySettings(most_effects=4)).model.terms
     }
+
+
+def test_a_model_costs_what_it_leaves_and_not_what_its_linearisation_promises(robot):
+    log = log_of(robot, "coulomb_friction@joint2: level=0.4")
+    problem = problem_of(robot, log)
+    here, away = (
+        search.fitted(problem, Dynamics(robot, (parse_term(f"coulomb_friction@joint2: level={x}"),)))
+        for x in (0.4, 0.2)
+    )
+    assert away.fit.cost == pytest.approx(
+        here.fit.cost, rel=1e-6
+    )  # friction is linear: the promise is the same
+    assert away.cost > 1.5 * here.cost
+    assert here.cost == pytest.approx(here.fit.cost, rel=0.05)
 
 
 @pytest.mark.parametrize("failure", [EffectError, np.linalg.LinAlgError])
