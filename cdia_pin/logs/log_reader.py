@@ -21,7 +21,7 @@ from cdia_pin.logs.missing_columns import require_columns
 from cdia_pin.logs.readers.dispatch import Wanted, read_table
 from cdia_pin.logs.readers.table import Table
 from cdia_pin.logs.signal_picker import SignalPicker
-from cdia_pin.logs.timestamps import in_seconds, recorded_at
+from cdia_pin.logs.timestamps import in_order, in_seconds, recorded_at
 from cdia_pin.logs.torque_side import torque_side_of
 
 if TYPE_CHECKING:
@@ -107,6 +107,10 @@ def read_log(
     pick.note_what_was_ignored()
     unit = conversion.time or table.time_unit or choice.columns.time.get(choice.columns.time_column or "")
     stamps = pick.time()
+    placed, order_notes = in_order(stamps)
+    if order_notes:
+        stamps, position, torque = stamps[placed], position[placed], torque[placed]
+        velocity, temperature = (None if s is None else s[placed] for s in (velocity, temperature))
     time, time_notes = in_seconds(stamps, unit, path.name)
     signals = [s for s in (position, torque, velocity, temperature) if s is not None]
     keep, repeat_notes = _once(time, signals, path.name)
@@ -120,7 +124,7 @@ def read_log(
         velocity=None if velocity is None else velocity[keep],
         source=path.name,
         sha256=sha256,
-        notes=(*pick.notes, *conversion.notes(), *time_notes, *repeat_notes),
+        notes=(*pick.notes, *conversion.notes(), *order_notes, *time_notes, *repeat_notes),
         temperature=None if temperature is None else temperature[keep],
         torque_side=effort.side,
         side_of_format=effort.side_of_format,

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError, unknown_name
+from cdia_pin.phrases import counted
 
 Array = NDArray[np.float64]
 
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # [s] in one of each unit
 EPOCH = 1e8  # [s], three years; a log that starts later counts from 1970 and not from its own start
+
+# Share of the rows [1] that may have a time out of order. Where more have one, two logs may stand in one file.
+MOST_MISPLACED = 0.01
+MIDDLE = (
+    2.0,
+    98.0,
+)  # [%] of the times, which so few rows do not reach: no good one is farther from it than its length
 
 # Median step between samples below which times without a unit are taken as s, ms, µs. Robot logs have 5 Hz to
 # 5 kHz, so the ranges of the steps in these units do not overlap.
@@ -56,6 +65,46 @@ def in_seconds(raw: NDArray[Any], unit: str | None, source: str) -> tuple[Array,
         raw = raw - raw[0]
     per_second = round(1.0 / scale)
     return np.asarray(raw, dtype=np.float64) / per_second, notes
+
+
+def in_order(raw: NDArray[Any]) -> tuple[NDArray[np.bool_], list[str]]:
+    """Find the rows whose times are in order: a damaged packet has another one.
+
+    Args:
+        raw: Times as read, integer or float, shape (N,).
+
+    Returns:
+        A mask of the rows to keep, shape (N,), and a note if some are left out. All are kept if the times are in order,
+        or if too many are not.
+    """
+    every = np.ones(len(raw), dtype=bool)
+    if not (np.diff(raw) < 0).any() or not np.isfinite(raw).all():
+        return every, []
+    low, high = np.percentile(raw, MIDDLE)
+    kept = (raw >= 2 * low - high) & (raw <= 2 * high - low)
+    kept[kept] = _longest_in_order(raw[kept])
+    left = np.flatnonzero(~kept)
+    if len(left) > MOST_MISPLACED * len(raw):
+        return every, []
+    said = f"{counted(len(left), 'row')} left out, the first one sample {left[0]}, because"
+    return kept, [f"{said} a time of {raw[left[0]]:g} does not follow those around it"]
+
+
+def _longest_in_order(raw: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return a mask of the longest sequence of rows whose times do not fall, shape (N,)."""
+    lowest: list[float] = []  # last time of the sequences of each length, the lowest that there is
+    last: list[int] = []  # their last rows
+    before = np.full(len(raw), -1)
+    for row, time in enumerate(raw.tolist()):
+        at = bisect_right(lowest, time)
+        before[row] = last[at - 1] if at else -1
+        lowest[at : at + 1], last[at : at + 1] = [time], [row]
+    kept = np.zeros(len(raw), dtype=bool)
+    row = last[-1]
+    while row >= 0:
+        kept[row] = True
+        row = int(before[row])
+    return kept
 
 
 def recorded_at(raw: NDArray[Any], unit: str | None, source: str) -> float | None:

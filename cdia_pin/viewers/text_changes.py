@@ -104,7 +104,8 @@ def changes_sentence(found: Changes) -> str:
 def change_words(change: Change, found: Changes) -> str:
     """Return ``coulomb friction on elbow +2.10 ± 0.12 N·m (+40 %)``.
 
-    Of several parameters it states the first whose interval leaves zero out, by name if it is not the main one.
+    Of several parameters it states the main one. If the interval of that one holds zero, it states the one that is
+    farthest from zero in units of its interval, by name.
 
     Args:
         change: One of them.
@@ -119,8 +120,10 @@ def change_words(change: Change, found: Changes) -> str:
 def _stated(change: Change, found: Changes) -> str:
     """Return the difference that stands for a change in a sentence."""
     rows = _differences(change, found)
-    name, text, _ = next((row for row in rows if row[2]), (rows or [("", "", False)])[0])
-    is_main = name == parameter_name(change.term.effect.parameters[0].name)
+    main = parameter_name(change.term.effect.parameters[0].name)
+    certain = [row for row in rows if row[2] > 1] or rows[:1] or [("", "", 0.0)]
+    name, text, _ = max(certain, key=lambda row: (row[0] == main, row[2]))
+    is_main = name == main
     return f" {text}" if is_main else f" {name} {text}".rstrip()
 
 
@@ -146,16 +149,22 @@ def _changes(found: Changes) -> Table:
     return table
 
 
-def _differences(change: Change, found: Changes) -> list[tuple[str, str, bool]]:
-    """Return name and text of each difference that counts, and whether its interval leaves zero out."""
+def _differences(change: Change, found: Changes) -> list[tuple[str, str, float]]:
+    """Return name and text of each difference that counts, and its size in half widths of its interval [1]."""
     term, robot = change.term, found.model.robot
     intervals = term.ci95 or ((float("nan"),) * 2,) * len(term.theta)
     rows = list(zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True))
     out = [
-        (parameter_name(p.name), with_sign(with_interval(v, ci, unit), v), not ci[0] <= 0 <= ci[1])
+        (parameter_name(p.name), with_sign(with_interval(v, ci, unit), v), _distance_from_zero(v, ci))
         for p, v, unit, ci in rows
     ]
-    return [row for row in out if row[2]] if len(out) > MANY else out
+    return [row for row in out if row[2] > 1] if len(out) > MANY else out
+
+
+def _distance_from_zero(value: float, interval: tuple[float, float]) -> float:
+    """Return a value over the half of its interval that is towards zero [1]; above one the interval leaves zero out."""
+    towards = value - interval[0] if value > 0 else interval[1] - value
+    return abs(value) / towards if towards > 0 else 0.0
 
 
 def _signed(text: str, value: float) -> str:

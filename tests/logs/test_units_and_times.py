@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from cdia_pin import read_log
 from cdia_pin.errors import LogError
-from cdia_pin.logs import Conversion
+from cdia_pin.logs import Conversion, write_log
 from cdia_pin.logs.gains import NOMINAL_TOLERANCE, read_gains
-from cdia_pin.logs.timestamps import in_seconds
+from cdia_pin.logs.timestamps import in_order, in_seconds
+from tests.made_logs import make
 
 STEPS = np.arange(100)
 
@@ -134,3 +136,56 @@ def test_gains_may_have_a_tolerance():
     read = read_gains({"a": {"value": 2.0, "tolerance": 0.1}, "b": 4.0}, ("a", "b"))
     np.testing.assert_allclose(read.value, [2.0, 4.0])
     np.testing.assert_allclose(read.tolerance, [0.1, NOMINAL_TOLERANCE * 4.0])
+
+
+def damaged(count, rows):
+    """Times of a controller [s], 100 Hz, in which some rows hold what another packet has."""
+    time = 3047.0 + np.arange(count) / 100
+    time[list(rows)] = list(rows.values())
+    return time
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        {1: -0.1231, 2: 0.79, 3: 0.0, 4: -1.1e81, 5: 47.5, 6: 0.0, 7: 0.0},  # a packet that was read askew
+        {500: 0.0},
+        {500: 3047.2},  # within the log, but not there
+        {0: 9e9, 999: 2.0},
+    ],
+)
+def test_damaged_rows_are_left_out_by_their_times(rows):
+    time = damaged(1000, rows)
+    kept, notes = in_order(time)
+    assert set(np.flatnonzero(~kept)) == set(rows)
+    assert (np.diff(time[kept]) > 0).all()
+    (note,) = notes
+    assert note.startswith(f"{len(rows)} row") and f"sample {min(rows)}" in note
+
+
+@pytest.mark.parametrize(
+    "time",
+    [
+        np.arange(100.0),
+        np.r_[np.arange(50.0), np.arange(50.0)],  # two logs in one file
+        np.r_[np.arange(30.0), np.arange(31.0, 60.0) - 5.0],
+        np.r_[np.arange(500.0), np.arange(500.0, 1000.0) + 7200.0],  # a long pause
+        np.r_[0.0, 1.0, 1.0, 2.0],  # a row twice
+        np.r_[0.0, np.nan, 1.0],
+    ],
+)
+def test_a_log_without_damaged_rows_keeps_them_all(time):
+    kept, notes = in_order(time)
+    assert kept.all() and not notes
+
+
+def test_a_log_with_damaged_rows_is_read(ur5, tmp_path):
+    lines = make(ur5, lambda q, v, a: 0 * q, seed=1).log
+    path = write_log(lines, tmp_path / "good.csv")
+    text = path.read_text().splitlines()
+    at = next(k for k, line in enumerate(text) if line.startswith("time")) + 5
+    text.insert(at, ",".join(["-0.5", *["253.0"] * (text[at].count(","))]))
+    (tmp_path / "bad.csv").write_text("\n".join(text) + "\n")
+    good, bad = read_log(path, ur5), read_log(tmp_path / "bad.csv", ur5)
+    np.testing.assert_array_equal(bad.position, good.position)
+    assert any("1 row left out, the first one sample 4" in note for note in bad.notes)

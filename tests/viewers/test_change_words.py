@@ -32,9 +32,10 @@ def words(found, term: Term, half: list[float]) -> str:
     [
         ([0.36, 0.65, 0.25, 0.5], "coefficient positive −0.43 ± 0.25 N·m·s/rad"),
         ([0.01, 0.65, 0.25, 0.5], "−0.030 ± 0.010 N·m"),  # the main parameter needs no name
+        ([0.36, 0.10, 0.25, 0.5], "level negative +0.28 ± 0.10 N·m"),  # the surest of two
         ([0.36, 0.65, 0.50, 0.5], "−0.03 ± 0.36 N·m"),  # none changed by itself
     ],
 )
-def test_it_states_the_first_parameter_whose_interval_leaves_zero_out(found, half, stated):
+def test_it_states_a_parameter_whose_interval_leaves_zero_out(found, half, stated):
     said = words(found, parse_term(ASYMMETRIC), half).replace(NO_BREAK, " ")
     assert said == f"asymmetric friction on joint1 {stated}"
