@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
+from cdia_pin.phrases import counted
 
 Array = NDArray[np.float64]
 
@@ -29,8 +30,11 @@ def require_magnitudes(log: Log) -> None:
         largest = largest_of(values)
         if largest.max() > LARGEST:
             joint = int(largest.argmax())
+            rows = np.flatnonzero((np.abs(values) > LARGEST).any(axis=1))
             raise LogError(
-                f"{log.source}: the {signal} of {log.joints[joint]} reaches {largest[joint]:.3g}: no arm in any unit"
+                f"{log.source}: the {signal} of {log.joints[joint]} reaches {largest[joint]:.3g}: no arm in any unit, "
+                f"in {len(rows)} of {counted(len(log.time), 'sample')}, first in sample {rows[0]} "
+                f"(t = {log.time[rows[0]]:g} s)"
             )
     if log.duration > LONGEST:
         raise LogError(
