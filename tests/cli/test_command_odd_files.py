@@ -38,7 +38,7 @@ def test_a_monitor_does_not_learn_from_numbers_beyond_all_units(cdia, log, tmp_p
     given = [log, "--healthy", huge] if healthy else [huge]
     said = cdia("monitor", *given, *ROBOT, "--no-check").error
     assert f"the {signal} of joint1 reaches" in said and "no arm in any unit" in said
-    assert f"of {len(run.time)} samples, first in sample " in said
+    assert "samples, first in sample " in said
 
 
 def test_a_text_that_is_called_npz_brings_no_advice_to_load_it_unsafely(cdia, log, tmp_path):
