@@ -17,6 +17,7 @@ from cdia_pin.changes.run_to_run import RunToRun, UsualFriction, is_friction_of_
 from cdia_pin.changes.sizes import covering, friction_before, sized
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
+from cdia_pin.effects.body import Body
 from cdia_pin.errors import LogError
 from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.identifiability.distinguishing_motions import motion_between
@@ -29,6 +30,9 @@ from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.threads import on_one_thread
 from cdia_pin.version import __version__
+
+# Width of the interval of a body's mass beside another body, over that without it [1], above which the two are one.
+FAR_MORE_CERTAIN = 2.0
 
 
 @on_one_thread
@@ -173,7 +177,35 @@ def sized_changes(
                 confidence,
             )
         )
+    parts = _parts_of_others(found, out)
+    if parts:
+        whole = tuple(c for c in chosen if effects[c].effect.label not in parts)
+        return sized_changes(FoundChanges.as_searched(search, whole), run_to_run)
     return tuple(sorted(_with_or_without_likely(found, out), key=lambda c: -c.evidence)), tuple(usual)
+
+
+def _parts_of_others(found: FoundChanges, changes: Sequence[Change]) -> set[str]:
+    """Return the labels of bodies that are only likely, and without which an established body is far more certain.
+
+    Bodies of links that follow each other are the same to a motion that hardly turns the joints between them. What is
+    likely then is a part of what is established.
+    """
+    bodies = [c for c in changes if isinstance(c.term.effect, Body)]
+    sure = {c.term.label: _half_width(c.term) for c in bodies if c.confidence is Confidence.ESTABLISHED}
+    out = set()
+    for likely in (c.term.label for c in bodies if c.confidence is Confidence.LIKELY and sure):
+        labels = found.search.evidence.effects
+        rest = tuple(c for c in found.chosen if labels[c].effect.label != likely)
+        alone = {t.label: _half_width(t) for t in sized(FoundChanges.as_searched(found.search, rest))}
+        if any(width > FAR_MORE_CERTAIN * alone[label] for label, width in sure.items()):
+            out.add(likely)
+    return out
+
+
+def _half_width(body: Term) -> float:
+    """Return the half width of the interval of a body's mass [kg]."""
+    assert body.ci95 is not None
+    return (body.ci95[0][1] - body.ci95[0][0]) / 2
 
 
 def _with_or_without_likely(found: FoundChanges, changes: Sequence[Change]) -> list[Change]:
