@@ -31,7 +31,8 @@ from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.threads import on_one_thread
 from cdia_pin.version import __version__
 
-# Width of the interval of a body's mass beside another body, over that without it [1], above which the two are one.
+# Width of the interval of a body's mass beside another body, over that without it [1], above which the two are one. On
+# a measured arm without much motion 1.3 and 4 name the same.
 FAR_MORE_CERTAIN = 2.0
 
 
