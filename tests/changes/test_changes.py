@@ -217,6 +217,36 @@ def test_what_may_be_nothing_without_what_is_likely_is_likely_itself(monkeypatch
     assert {c.confidence for c in changed(WRONG, both).changes} == {"likely"}
 
 
+@pytest.mark.parametrize(
+    ("wider", "named"), [(1.0, {"payload", "link_inertia@elbow_joint"}), (10.0, {"payload"})]
+)
+def test_a_likely_body_that_blurs_an_established_one_is_a_part_of_it(monkeypatch, wider, named):
+    sized = detection.sized
+
+    def link_is_likely(search, rest, one):
+        likely = search.evidence.effects[one].effect.label.startswith("link_inertia")
+        return Confidence.LIKELY if likely else Confidence.ESTABLISHED
+
+    def blurred(found):
+        terms = sized(found)
+        both = len({t.effect.name for t in terms} & {"payload", "link_inertia"}) == 2
+        return [
+            t.with_intervals(
+                (wider if both and t.effect.name == "payload" else 1.0) * np.array(t.half_widths)
+            )
+            for t in terms
+        ]
+
+    monkeypatch.setattr(ChangeSearch, "confidence", link_is_likely)
+    monkeypatch.setattr(detection, "sized", blurred)
+    bodies = (
+        *WRONG,
+        Fault("payload", mass=1.5),
+        Fault("link_inertia", joint="elbow_joint", mass=1.0, inertia=0.1),
+    )
+    assert {c.term.label for c in changed(WRONG, bodies).changes} == named
+
+
 def test_a_change_with_a_rival_of_another_kind_is_likely_at_most(monkeypatch):
     assert the_only(changed(WRONG, GAIN)).confidence == "established"
 
