@@ -218,7 +218,7 @@ def test_what_may_be_nothing_without_what_is_likely_is_likely_itself(monkeypatch
 
 
 @pytest.mark.parametrize(
-    ("wider", "named"), [(1.0, {"payload", "link_inertia@elbow_joint"}), (10.0, {"payload"})]
+    ("wider", "named"), [(1.0, {"payload", "link_inertia@elbow_joint"}), (50.0, {"payload"})]
 )
 def test_a_likely_body_that_blurs_an_established_one_is_a_part_of_it(monkeypatch, wider, named):
     sized = detection.sized
@@ -238,6 +238,7 @@ def test_a_likely_body_that_blurs_an_established_one_is_a_part_of_it(monkeypatch
         ]
 
     monkeypatch.setattr(ChangeSearch, "confidence", link_is_likely)
+    monkeypatch.setattr(ChangeSearch, "rivals", lambda search, chosen, one: [])
     monkeypatch.setattr(detection, "sized", blurred)
     bodies = (
         *WRONG,
