@@ -129,9 +129,8 @@ def _entry(robot: RobotModel) -> RobotEntry:
     from cdia_pin.robot import catalogue
 
     known = catalogue().get(robot.name)
-    if known is not None and (
-        not known.available or known.path != robot.urdf
-    ):  # a file of the user's with the name of a known arm
+    # a file of the user's may have the name of a known arm, which need not be here
+    if known is not None and not (known.available and known.path == robot.urdf):
         known = None
     return {
         "name": robot.name,

@@ -18,10 +18,8 @@ EPOCH = 1e8  # [s], three years; a log that starts later counts from 1970 and no
 
 # Share of the rows [1] that may have a time out of order. Where more have one, two logs may stand in one file.
 MOST_MISPLACED = 0.01
-MIDDLE = (
-    2.0,
-    98.0,
-)  # [%] of the times, which so few rows do not reach: no good one is farther from it than its length
+# [%] of the times, which so few rows do not reach: no good one is farther from this part than its length.
+MIDDLE = (2.0, 98.0)
 
 # Median step between samples below which times without a unit are taken as s, ms, µs. Robot logs have 5 Hz to
 # 5 kHz, so the ranges of the steps in these units do not overlap.

@@ -37,6 +37,18 @@ def test_a_urdf_file_is_a_robot(cdia):
     assert entry["joints"] == ["joint1", "joint2", "joint3", "joint4"]
 
 
+def test_a_file_with_the_name_of_a_robot_that_is_not_here_is_the_file(cdia, tmp_path, monkeypatch):
+    def no_network(*arguments):
+        raise AssertionError("it was to be fetched")
+
+    monkeypatch.setattr("cdia_pin.robot.catalogue.fetched_urdf", no_network)
+    away = next(name for name, entry in catalogue().items() if not entry.available)
+    file = tmp_path / f"{away}.urdf"
+    file.write_text(catalogue()["scara"].path.read_text())
+    (entry,) = cdia("robots", file, "--json", "-").json["robots"]
+    assert (entry["name"], entry["source"], entry["count"]) == (away, "file", 4)
+
+
 def test_a_robot_with_two_arms_becomes_one_arm(cdia, tmp_path):
     path, alone = catalogue()["baxter_left_arm"].path, tmp_path / "left.urdf"
     said = cdia("check", tmp_path / "log.csv", "--robot", path).err

@@ -52,6 +52,13 @@ def test_asymmetric_friction_is_held_as_its_mean(robot):
     assert not values.left_out
 
 
+def test_friction_of_bearings_is_held_wholly(robot):
+    label = f"bearing_friction@{ELBOW}"
+    values = FORMATS["urdf"].values(model_of(robot, f"{label}: level=0.3, coefficient=0.2"))
+    assert (values.friction[ELBOW], values.damping[ELBOW]) == (0.3, 0.2)
+    assert values.written == [label] and not values.approximated
+
+
 @pytest.mark.parametrize(
     ("text", "level"),
     [
