@@ -1,6 +1,7 @@
 """``cdia robots`` and ``cdia effects``."""
 
 import re
+from importlib import import_module
 
 import pytest
 
@@ -41,7 +42,7 @@ def test_a_file_with_the_name_of_a_robot_that_is_not_here_is_the_file(cdia, tmp_
     def no_network(*arguments):
         raise AssertionError("it was to be fetched")
 
-    monkeypatch.setattr("cdia_pin.robot.catalogue.fetched_urdf", no_network)
+    monkeypatch.setattr(import_module("cdia_pin.robot.catalogue"), "fetched_urdf", no_network)
     away = next(name for name, entry in catalogue().items() if not entry.available)
     file = tmp_path / f"{away}.urdf"
     file.write_text(catalogue()["scara"].path.read_text())
