@@ -132,7 +132,7 @@ class Found:
         model: The model.
         fit: Fit of its effects, which come first in its evidence.
         cost: Cost of the model as it is [1]. That of the fit is what its linearisation promises, and is lower where
-            the model is not at its optimum.
+            an effect is not linear and the model not at its optimum.
         errors: RMS residual of each joint [N·m or N], shape (n,).
         problem: Logs, candidates and noise.
     """
@@ -179,9 +179,13 @@ def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:
     """
     evidence, every = problem.evidence(model, candidates=False), range(len(model.terms))
     fit = evidence.fit(every, bodies=True)
-    theta = np.concatenate([np.zeros(0), *(t.theta for t in model.terms)])
-    left = evidence.equations.chi2(evidence.equations.columns(every), theta)
-    cost = fit.cost + max(0.0, left - fit.chi2)  # parameters that are not physical yet may leave less
+    cost = fit.cost
+    if not all(
+        is_exact(t.effect) for t in model.terms
+    ):  # else the promise holds, also for a shape that just moved
+        theta = np.concatenate([t.theta for t in model.terms])
+        left = evidence.equations.chi2(evidence.equations.columns(every), theta)
+        cost += max(0.0, left - fit.chi2)  # parameters that are not physical yet may leave less
     return Found(model, fit, cost, problem.problem.rms(model), problem)
 
 
