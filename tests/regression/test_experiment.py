@@ -16,6 +16,7 @@ from tests.made_logs import CUTOFF, conditioned, make, motion
 SIZES = {
     "coulomb_friction": [0.05],
     "viscous_friction": [0.05],
+    "bearing_friction": [0.05, 0.03],
     "stribeck_friction": [0.03, 0.04],
     "asymmetric_friction": [0.03, 0.05, 0.02, 0.04],
     "quadratic_friction": [0.05],
