@@ -31,9 +31,8 @@ from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.threads import on_one_thread
 from cdia_pin.version import __version__
 
-# Width of the interval of a body's mass beside another body, over that without it [1], above which the two are one. On
-# a measured arm without much motion 1.3 and 4 name the same.
-FAR_MORE_CERTAIN = 2.0
+# Width of the interval of a body's mass beside another body, over that without it, above which the two are one.
+FAR_MORE_CERTAIN = 2.0  # [1]; on a measured arm without much motion 1.3 and 4 name the same
 
 
 @on_one_thread
@@ -192,21 +191,14 @@ def _parts_of_others(found: FoundChanges, changes: Sequence[Change]) -> set[str]
     likely then is a part of what is established.
     """
     bodies = [c for c in changes if isinstance(c.term.effect, Body)]
-    sure = {c.term.label: _half_width(c.term) for c in bodies if c.confidence is Confidence.ESTABLISHED}
-    out = set()
+    sure = [c.term for c in bodies if c.confidence is Confidence.ESTABLISHED]
+    effects, out = found.search.evidence.effects, set()
     for likely in (c.term.label for c in bodies if c.confidence is Confidence.LIKELY and sure):
-        labels = found.search.evidence.effects
-        rest = tuple(c for c in found.chosen if labels[c].effect.label != likely)
-        alone = {t.label: _half_width(t) for t in sized(FoundChanges.as_searched(found.search, rest))}
-        if any(width > FAR_MORE_CERTAIN * alone[label] for label, width in sure.items()):
+        rest = tuple(c for c in found.chosen if effects[c].effect.label != likely)
+        alone = {t.label: t.half_widths[0] for t in sized(FoundChanges.as_searched(found.search, rest))}
+        if any(t.half_widths[0] > FAR_MORE_CERTAIN * alone[t.label] for t in sure):
             out.add(likely)
     return out
-
-
-def _half_width(body: Term) -> float:
-    """Return the half width of the interval of a body's mass [kg]."""
-    assert body.ci95 is not None
-    return (body.ci95[0][1] - body.ci95[0][0]) / 2
 
 
 def _with_or_without_likely(found: FoundChanges, changes: Sequence[Change]) -> list[Change]:

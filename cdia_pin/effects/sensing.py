@@ -17,8 +17,7 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-# [s], by which a reading is late or early at most: more than any drive or network has, and all that `cdia check` tries.
-LATEST = 0.1
+LATEST = 0.1  # [s], by which a reading is late or early at most: more than any drive or network has, as in `check_lag`
 
 
 @dataclass(frozen=True)

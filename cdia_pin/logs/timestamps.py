@@ -16,8 +16,7 @@ Array = NDArray[np.float64]
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # [s] in one of each unit
 EPOCH = 1e8  # [s], three years; a log that starts later counts from 1970 and not from its own start
 
-# Share of the rows [1] that may have a time out of order. Where more have one, two logs may stand in one file.
-MOST_MISPLACED = 0.01
+MOST_MISPLACED = 0.01  # rows over all rows [1] out of order; of more, two logs may be in one file
 # [%] of the times, which so few rows do not reach: no good one is farther from this part than its length.
 MIDDLE = (2.0, 98.0)
 

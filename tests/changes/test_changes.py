@@ -193,12 +193,18 @@ def test_what_may_be_nothing_is_no_change(monkeypatch):
     assert changed(WRONG, GAIN).changes == ()
 
 
+def only_likely(kind):
+    """A confidence that is likely for one kind of effect, and established for all others."""
+
+    def confidence(search, rest, one):
+        likely = search.evidence.effects[one].effect.name == kind
+        return Confidence.LIKELY if likely else Confidence.ESTABLISHED
+
+    return confidence
+
+
 def test_what_may_be_nothing_without_what_is_likely_is_likely_itself(monkeypatch):
     sized = detection.sized
-
-    def friction_is_likely(search, rest, one):
-        likely = search.evidence.effects[one].effect.label.startswith("coulomb")
-        return Confidence.LIKELY if likely else Confidence.ESTABLISHED
 
     def opposite_alone(found):
         terms = sized(found)
@@ -206,7 +212,7 @@ def test_what_may_be_nothing_without_what_is_likely_is_likely_itself(monkeypatch
             return terms
         return [t.with_theta(-np.array(t.theta)).with_intervals(t.half_widths) for t in terms]
 
-    monkeypatch.setattr(ChangeSearch, "confidence", friction_is_likely)
+    monkeypatch.setattr(ChangeSearch, "confidence", only_likely("coulomb_friction"))
     both = (*GAIN, Fault("coulomb_friction", joint="shoulder_pan_joint", level=8.0))
     said = {c.term.label: c.confidence for c in changed(WRONG, both).changes}
     assert said == {
@@ -223,10 +229,6 @@ def test_what_may_be_nothing_without_what_is_likely_is_likely_itself(monkeypatch
 def test_a_likely_body_that_blurs_an_established_one_is_a_part_of_it(monkeypatch, wider, named):
     sized = detection.sized
 
-    def link_is_likely(search, rest, one):
-        likely = search.evidence.effects[one].effect.label.startswith("link_inertia")
-        return Confidence.LIKELY if likely else Confidence.ESTABLISHED
-
     def blurred(found):
         terms = sized(found)
         both = len({t.effect.name for t in terms} & {"payload", "link_inertia"}) == 2
@@ -237,7 +239,7 @@ def test_a_likely_body_that_blurs_an_established_one_is_a_part_of_it(monkeypatch
             for t in terms
         ]
 
-    monkeypatch.setattr(ChangeSearch, "confidence", link_is_likely)
+    monkeypatch.setattr(ChangeSearch, "confidence", only_likely("link_inertia"))
     monkeypatch.setattr(ChangeSearch, "rivals", lambda search, chosen, one: [])
     monkeypatch.setattr(detection, "sized", blurred)
     bodies = (

@@ -12,12 +12,13 @@ from hypothesis import strategies as st
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.app.advice import advice_words
 from cdia_pin.effects import parse_term
+from cdia_pin.effects.sensing import LATEST
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, check_log, read_log, write_log
 from cdia_pin.logs.checks.another_arm import check_arm
 from cdia_pin.logs.checks.conventions import ConventionChange, Conventions, Trial, commonest
 from cdia_pin.logs.checks.effort_kind import GravityGain, check_effort_kind
-from cdia_pin.logs.checks.lag import LagEstimate, check_lag
+from cdia_pin.logs.checks.lag import SPAN, LagEstimate, check_lag
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import quantum
 from cdia_pin.logs.checks.stuck import check_stuck
@@ -695,3 +696,7 @@ def test_several_axes_that_may_be_reversed_have_a_plural(ur5):
 
     assert "elbow_joint is reversed" in said(2)
     assert "elbow_joint, wrist_3_joint are each reversed" in said(2, 5)
+
+
+def test_the_check_tries_all_delays_that_a_search_may_find():
+    assert SPAN == LATEST

@@ -415,7 +415,9 @@ class Overshooting:
 
 @pytest.mark.parametrize("beyond", [0.5, 1.3, 3.0])
 def test_a_fit_never_ends_worse_than_it_was(pendulum, monkeypatch, beyond):
-    promised = lambda equations, every, bodies: SimpleNamespace(theta=[-beyond * equations.delay], chi2=1.0)  # noqa: E731
+    def promised(equations, every, bodies):
+        return SimpleNamespace(theta=[-beyond * equations.delay], chi2=1.0)
+
     monkeypatch.setattr(gauss_newton, "bounded_fit", promised)
     model = Dynamics(pendulum, (Term(EffortDelay(), (0.003,)),))
     (delay,) = fitted_together(Overshooting(), model).terms[0].theta
