@@ -22,6 +22,14 @@ class SensedFrom(StrEnum):
     MOTOR = "motor side"  # a sensor behind the gear does not see it
     BEHIND = "behind the gear"  # one before the gear sees it as a part of something larger
 
+    def meets(self, other: SensedFrom) -> bool:
+        """Return False if no search looks for both, because they need the sensor on different sides.
+
+        Args:
+            other: Side of another effect, or of a sensor.
+        """
+        return {self, other} != {SensedFrom.MOTOR, SensedFrom.BEHIND}
+
 
 class Signal(StrEnum):
     """What Φ can depend on, as a `State` holds it."""

@@ -120,7 +120,7 @@ def _expanded(effect: Effect, experiment: Experiment) -> Iterator[Effect]:
 def _is_measured(effect: Effect, experiment: Experiment) -> bool:
     """Return False for what a sensor on the other side of the gear shows, or shows as a part of something else."""
     side = SensedFrom.BEHIND if experiment.torque_side is TorqueSide.LINK else SensedFrom.MOTOR
-    return effect.traits.sensed in (SensedFrom.EITHER, side)
+    return effect.traits.sensed.meets(side)
 
 
 def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool_]) -> bool:

@@ -51,9 +51,9 @@ def imitations(term: Term) -> list[Imitation]:
 
 def rivals(effect: Effect, x: State) -> Iterator[Effect]:
     """Yield the effects of other names that act where an effect acts, in every shape that a search would try."""
-    joints = set(effect.acts_on(x.robot))
+    joints, sensed = set(effect.acts_on(x.robot)), effect.traits.sensed
     for kind in EFFECTS.values():
-        if kind.name == effect.name or not kind.plausibility.searched:
+        if kind.name == effect.name or not kind.plausibility.searched or not kind.traits.sensed.meets(sensed):
             continue
         for scope in kind.scopes(x.robot):
             other = kind.from_scope(scope, {})
