@@ -6,11 +6,9 @@ some of that. Such an effect is not certain, but while it is in the model it ben
 
 from __future__ import annotations
 
+from cdia_pin.discovery.one_by_one import added, before, heldout_error, is_no_worse, ordered
 from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.regression.cross_validation import held_out_rms
-from cdia_pin.regression.experiment import rms
-from cdia_pin.regression.shares import mean_share
 from cdia_pin.selection.problem import WhitenedProblem
 
 
@@ -38,9 +36,22 @@ def predicts_as_well(problem: WhitenedProblem, plain: Dynamics, found: Dynamics)
         plain: The model without them, at its optimum.
         found: The model with them.
     """
-    x = problem.experiment
-    torque = rms(x.measured, x.informative)
-    error, before = (
-        mean_share(held_out_rms(problem.regression, x.predict(model)), torque) for model in (plain, found)
-    )
-    return error <= problem.settings.confidence.worth_of_doubted * before
+    worth = problem.settings.confidence.worth_of_doubted
+    return heldout_error(problem, plain) <= worth * heldout_error(problem, found)
+
+
+def harmful(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[str]:
+    """Return the labels of the effects that make a found model predict worse than the model before it.
+
+    The log moves too little to tell what each of them is of: together they fit it, and say nothing of other motions.
+
+    Args:
+        problem: Logs and settings.
+        found: The model that a search has found.
+        given: The model before it.
+    """
+    first = before(problem, given, found)
+    if is_no_worse(problem, heldout_error(problem, found), first.error):
+        return set()
+    terms = ordered(problem, given, found)
+    return {t.label for t in terms} - {a.label for a in added(problem, first, terms, lambda _: False)}

@@ -11,7 +11,7 @@ from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.beyond_model import discover_beyond, is_known
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
-from cdia_pin.discovery.doubted_effects import doubted, predicts_as_well
+from cdia_pin.discovery.doubted_effects import doubted, harmful, predicts_as_well
 from cdia_pin.discovery.plain_forms import with_plain_forms
 from cdia_pin.discovery.plain_friction import with_plain_friction
 from cdia_pin.discovery.ranking import rank
@@ -139,7 +139,7 @@ def _searched(
         now = part(report, k / PASSES, (k + 1) / PASSES)
         problem = problem.with_drift(found)
         found = search(problem, found, futile, now, keep)
-        if doubt := doubted(problem, found, model) - needed:
+        if doubt := (doubted(problem, found, model) | harmful(problem, found, model)) - needed:
             rest = problem.without(doubt)
             kept = tuple(t for t in found.terms if t.label not in doubt)
             try:

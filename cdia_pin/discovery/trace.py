@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.discovery.discovery_result import Step
+from cdia_pin.discovery.one_by_one import ITERATIONS, added, before, heldout_error, is_no_worse, ordered
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.identifiability.alternatives import Alternatives
@@ -17,13 +18,10 @@ from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.gauss_newton import fitted_together, refit
 from cdia_pin.regression.intervals import with_intervals
-from cdia_pin.regression.shares import mean_share
 from cdia_pin.selection.problem import Problem, WhitenedProblem
 from cdia_pin.selection.replacement import refitting
 
 Array = NDArray[np.float64]
-
-ITERATIONS = 2  # iterations of Gauss-Newton [1] for the models between the first and the last
 
 
 def trace(
@@ -32,7 +30,9 @@ def trace(
     """Fit a found model again with intervals, and measure how each of its effects changes the error.
 
     An effect that raises the held-out error, beside those before it and beside all others, is left out, because the log
-    moves too little to identify it. An effect whose only parameter has an interval that contains zero is left out too.
+    moves too little to identify it. Where all together predict worse than the first few did, each effect that raises it
+    beside those before it is left out. An effect whose only parameter has an interval that contains zero is left out
+    too.
 
     Args:
         problem: Logs, candidates and noise.
@@ -46,17 +46,14 @@ def trace(
     known = {t.label for t in base.terms}
     while doubtful := _doubtful(with_intervals(*refit(problem.regression, found)), {*known, *forced}):
         found = found.remove(min(doubtful, key=_certainty).label)
-    ordered = _ordered(problem, base, found)
-    model = Dynamics(base.robot, tuple(t for t in found.terms if t.label in known))
-    models, error = [], _mean_error(problem, base)
-    for term in ordered:
-        trial = fitted_together(problem.regression, model.add(term), ITERATIONS)
-        with_it = _mean_error(problem, trial)
-        helps = with_it < error * (1 + problem.settings.criterion.most_harm)
-        if helps or term.label in forced or not _harms(problem, found, term):
-            model, error = trial, with_it
-            models.append((term.label, trial))
-    final, equations = refit(problem.regression, model)
+    terms, first = ordered(problem, base, found), before(problem, base, found)
+    models = [
+        first,
+        *added(problem, first, terms, lambda t: t.label in forced or not _harms(problem, found, t)),
+    ]
+    if not is_no_worse(problem, models[-1].error, min(m.error for m in models)):
+        models = [first, *added(problem, first, terms, lambda t: t.label in forced)]
+    final, equations = refit(problem.regression, models[-1].model)
     final = with_intervals(final, equations)
     if doubtful := _doubtful(final, {*known, *forced}):
         return trace(problem, base, found.remove(min(doubtful, key=_certainty).label), forced)
@@ -66,16 +63,16 @@ def trace(
         beside, list(index.values()), refitting(problem, final, beside), problem.settings.alternatives
     )
     steps = [step_of(problem, None, base)]
-    for k, (label, so_far) in enumerate(models):
-        shown = final if k == len(models) - 1 else so_far
-        steps.append(step_of(problem, final.find(label), shown, alternatives.of(index[label])))
+    for m in models[1:]:
+        shown = final if m is models[-1] else m.model
+        steps.append(step_of(problem, final.find(m.label), shown, alternatives.of(index[m.label])))
     return final, tuple(steps)
 
 
 def _harms(problem: WhitenedProblem, found: Dynamics, term: Term) -> bool:
     """Return True if the held-out error of a model is no larger without one of its terms."""
     without = fitted_together(problem.regression, found.remove(term.label), ITERATIONS)
-    return _mean_error(problem, found) >= _mean_error(problem, without)
+    return heldout_error(problem, found) >= heldout_error(problem, without)
 
 
 def _doubtful(model: Dynamics, kept: Collection[str]) -> list[Term]:
@@ -88,29 +85,6 @@ def _certainty(term: Term) -> float:
     assert term.ci95 is not None
     low, high = term.ci95[0]
     return abs(low + high) / max(high - low, 1e-300)
-
-
-def _ordered(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> list[Term]:
-    """Return the terms that were found; each explains most after those before it."""
-    known = {t.label for t in base.terms}
-    beside = problem.evidence(found)
-    index = {e: i for i, e in enumerate(beside.effects)}
-    chosen = [index[t.effect] for t in found.terms if t.label in known]
-    pending, out = [t for t in found.terms if t.label not in known], []
-    while pending:
-        gains = beside.gains(chosen)
-        best = max(pending, key=lambda t: gains[index[t.effect]])
-        pending.remove(best)
-        chosen.append(index[best.effect])
-        out.append(best)
-    return out
-
-
-def _mean_error(problem: WhitenedProblem, model: Dynamics) -> float:
-    """Return the relative held-out RMS residual, mean over the joints [1]."""
-    experiment = problem.experiment
-    error = held_out_rms(problem.regression, experiment.predict(model))
-    return mean_share(error, rms(experiment.measured, experiment.informative))
 
 
 def step_of(

@@ -1,9 +1,13 @@
-"""The steps of an answer: what helps only beside another effect stays, what harms in any company goes."""
+"""The steps of an answer: what helps only beside another effect stays, what harms in any company goes.
+
+No answer predicts worse than the model that was given.
+"""
 
 import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, Log, load_robot
+from cdia_pin.discovery import doubted_effects, one_by_one
 from cdia_pin.discovery import trace as tracing
 from cdia_pin.effects import parse_term
 from cdia_pin.regression.gauss_newton import fitted_together
@@ -27,6 +31,20 @@ def found():
     return problem, fitted_together(problem.regression, Dynamics(robot, HIDDEN))
 
 
+@pytest.fixture
+def with_errors(monkeypatch):
+    """A function that sets the held-out error of the models with one effect and with both; without any it is 1."""
+
+    def set_errors(coulomb, viscous, both):
+        errors = {(): 1.0, (COULOMB,): coulomb, (VISCOUS,): viscous, (COULOMB, VISCOUS): both}
+        for module in (tracing, one_by_one, doubted_effects):
+            monkeypatch.setattr(
+                module, "heldout_error", lambda _, m: errors[tuple(sorted(t.label for t in m.terms))]
+            )
+
+    return set_errors
+
+
 @pytest.mark.parametrize(
     ("coulomb", "viscous", "both", "stay"),
     [
@@ -34,15 +52,38 @@ def found():
         (1.2, 1.3, 0.1, {COULOMB, VISCOUS}),  # either alone harms
         (0.5, 1.2, 0.6, {COULOMB}),
         (1.2, 1.2, 1.3, set()),
+        (1.2, 1.3, 1.1, set()),  # each helps beside the other, and both predict worse than neither
     ],
 )
 def test_an_effect_stays_if_it_lowers_the_error_in_some_company(
-    found, monkeypatch, coulomb, viscous, both, stay
+    found, with_errors, coulomb, viscous, both, stay
 ):
     problem, model = found
-    base = Dynamics(model.robot)
-    errors = {(): 1.0, (COULOMB,): coulomb, (VISCOUS,): viscous, (COULOMB, VISCOUS): both}
-    monkeypatch.setattr(tracing, "_mean_error", lambda _, m: errors[tuple(sorted(t.label for t in m.terms))])
-    final, steps = tracing.trace(problem, base, model)
+    with_errors(coulomb, viscous, both)
+    final, steps = tracing.trace(problem, Dynamics(model.robot), model)
     assert {t.label for t in final.terms} == stay
     assert {s.term.label for s in steps if s.term} == stay
+
+
+def test_what_is_forced_stays_though_it_harms(found, with_errors):
+    problem, model = found
+    with_errors(1.2, 1.3, 1.1)
+    final, _ = tracing.trace(problem, Dynamics(model.robot), model, (VISCOUS,))
+    assert {t.label for t in final.terms} == {VISCOUS}
+
+
+@pytest.mark.parametrize(
+    ("coulomb", "viscous", "both", "harm"),
+    [
+        (0.5, 0.6, 0.1, set()),
+        (1.2, 1.3, 0.9, set()),  # both together predict better than the model that was given
+        (0.5, 0.6, 1.1, {VISCOUS}),
+        (1.2, 1.3, 1.1, {COULOMB, VISCOUS}),
+    ],
+)
+def test_effects_that_make_a_model_predict_worse_than_the_given_one_are_searched_without(
+    found, with_errors, coulomb, viscous, both, harm
+):
+    problem, model = found
+    with_errors(coulomb, viscous, both)
+    assert doubted_effects.harmful(problem, model, Dynamics(model.robot)) == harm
