@@ -20,6 +20,7 @@ from cdia_pin.regression.gauss_newton import fitted_together, refit
 from cdia_pin.regression.intervals import with_intervals
 from cdia_pin.selection.problem import Problem, WhitenedProblem
 from cdia_pin.selection.replacement import refitting
+from cdia_pin.selection.shapes import with_shapes_fitted
 
 Array = NDArray[np.float64]
 
@@ -53,7 +54,9 @@ def trace(
     ]
     if not is_no_worse(problem, models[-1].error, min(m.error for m in models)):
         models = [first, *added(problem, first, terms, lambda t: t.label in forced)]
-    final, equations = refit(problem.regression, models[-1].model)
+    shaped = [t.label for t in models[-1].model.terms if t.effect.shape and t.label not in known]
+    final = with_shapes_fitted(problem.regression, models[-1].model, shaped)
+    final, equations = refit(problem.regression, final)
     final = with_intervals(final, equations)
     if doubtful := _doubtful(final, {*known, *forced}):
         return trace(problem, base, found.remove(min(doubtful, key=_certainty).label), forced)

@@ -2,7 +2,8 @@
 
 Nobody knows the right cut-off, the right links, or what else acts. An effect that is real does not depend on them.
 The repeats: both halves of the log, 0.7 and 1.4 of the cut-off, and links that are five percent wrong. An established
-effect is besides larger than what the model leaves, and half of the log shows it by itself, unless every joint has it.
+effect is besides larger than what the model leaves, half of the log shows it by itself, unless every joint has it, and
+the joints that move show it: static friction carries an unknown part of the load of a joint at rest.
 An effect that is not everyday must be certain beside all everyday ones, for these are on every arm. A body is asked for
 beside the other links too, because the mass of a link is hard to tell from that of the next one.
 """
@@ -68,7 +69,7 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         return {}
     settings = logs.settings
     whole = Repeat(logs.design, model, settings)
-    crowded = replace(whole, everyday=True)
+    moving = replace(whole, at_rest=False) if logs.experiment.resting.any() else whole
     logs.experiment.forget()
     others = [
         Repeat(DesignMatrix(x), replace(model, robot=x.robot), settings).settled() for x in variations(logs)
@@ -76,21 +77,19 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     repeats = [*whole.halves, *others]
     out = {}
     for term in found:
-        needed, size = whole.is_visible(term), whole.theta(term)
+        size = whole.theta(term)
         telling = [r for r in repeats if r.survives(term) or r.could_show(term, size)]
         survived = [r.survives(term) for r in telling]
         shown = len(telling) >= settings.confidence.least_shown * len(repeats)
         alone = is_plain(term.effect) or any(half in telling for half in whole.halves)
         if isinstance(term.effect, Body):  # the next link may have the same mass
-            survived.append(crowded.survives(term, spared=0))
-        elif not is_everyday(term.effect):
-            needed = needed and crowded.is_visible(term) and crowded.is_beyond_doubt(term)
+            survived.append(whole.crowded.survives(term, spared=0))
         moved = [np.abs(r.theta(term) - size) for r in telling]
         torque = whole.torque(term, np.array(term.theta))
         scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
         systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
-        firm = alone and whole.stands_out(term)
-        confidence = _confidence(needed and shown, firm, survived, settings.confidence)
+        firm = alone and whole.stands_out(term) and (moving is whole or moving.needs(term))
+        confidence = _confidence(whole.needs(term) and shown, firm, survived, settings.confidence)
         out[term.label] = Trust(confidence, systematic)
     return out
 
@@ -148,6 +147,7 @@ class Repeat:
         settings: What an effect must show.
         everyday: Whether all everyday effects are fitted beside the model's, each with a prior.
         part: Half of the blocks of time that is used, 0 or 1; all blocks if None.
+        at_rest: Whether the torque of joints that rest all the time counts.
     """
 
     design: DesignMatrix
@@ -155,6 +155,7 @@ class Repeat:
     settings: DiscoverySettings
     everyday: bool = False
     part: int | None = None
+    at_rest: bool = True
 
     def __repr__(self) -> str:
         return f"Repeat({self.experiment!r})"
@@ -168,6 +169,11 @@ class Repeat:
     def halves(self) -> tuple[Self, Self]:
         """The same fit on each half of the log alone."""
         return replace(self, part=0), replace(self, part=1)
+
+    @cached_property
+    def crowded(self) -> Self:
+        """The same fit beside all everyday effects."""
+        return replace(self, everyday=True)
 
     def settled(self) -> Self:
         """Return the repeat with its normal equations, and without the regressors that they were computed from."""
@@ -215,6 +221,17 @@ class Repeat:
         expected = np.sqrt(scaled @ np.linalg.solve(relative, scaled) / len(scaled))
         return bool(expected >= self.settings.confidence.power * self.settings.confidence.least_certainty)
 
+    def needs(self, term: Term) -> bool:
+        """Tell whether an effect is visible, beside all everyday effects too unless it is one or a body.
+
+        Args:
+            term: A term of the model.
+        """
+        if is_everyday(term.effect):
+            return self.is_visible(term)
+        crowded = self.crowded
+        return self.is_visible(term) and crowded.is_visible(term) and crowded.is_beyond_doubt(term)
+
     def is_beyond_doubt(self, term: Term) -> bool:
         """Tell whether an effect is as certain as its kind needs: an unusual one far more than others.
 
@@ -241,8 +258,9 @@ class Repeat:
             term: A term of the model.
         """
         x, one, rule = self.experiment, self._at[term.label], self.settings.changes
-        fits, use = self._beside(one), x.informative
-        gain, torque = float(fits.gain[one]), self.torque(term, fits.theta[one])
+        fits, use = self._beside(one), self._used
+        gain = float(fits.gain[one])
+        torque = np.where(use.any(axis=0), self.torque(term, fits.theta[one]), 0.0)
         measured = np.maximum(rms(x.measured, use), 1e-12)
         return rule.is_sure(fits.certainty[one], gain) and rule.is_visible(
             gain, torque, self._size, measured, use.sum(axis=0)
@@ -289,6 +307,12 @@ class Repeat:
         return self._evidence.estimate(range(len(self._evidence.effects)))
 
     @cached_property
+    def _used(self) -> NDArray[np.bool_]:
+        """True for the samples that count, shape (K, n)."""
+        x = self.experiment
+        return x.informative & (self.at_rest | ~x.resting)
+
+    @cached_property
     def _prediction(self) -> Prediction:
         return self.experiment.predict(self.model)
 
@@ -323,7 +347,7 @@ class Repeat:
         regression = SharedRegression.of(
             [*common, *own],
             response,
-            lambda j, part: np.where(x.informative[:, [j]], part / self._size[j], 0.0),
+            lambda j, part: np.where(self._used[:, [j]], part / self._size[j], 0.0),
         )
         return BlockEvidence.of(effects, regression, self._blocks(), robot)
 

@@ -7,10 +7,14 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from cdia_pin import Log
 from cdia_pin.discovery import add_effect
 from cdia_pin.dynamics import Dynamics, Sensors, exciting_trajectory, simulate
-from cdia_pin.effects import JointEffect, JointState, Parameter, Signal, State, Term, Traits
+from cdia_pin.effects import JointEffect, JointState, Parameter, Signal, State, Term, Traits, parse_term
 from cdia_pin.robot import load_robot
+from cdia_pin.selection import DiscoverySettings, Problem
+from cdia_pin.selection.shapes import with_shapes_fitted
+from tests.made_logs import motion
 
 
 @dataclass(frozen=True)
@@ -49,3 +53,35 @@ def test_every_shape_of_an_effect_is_refined():
     found = add_effect(Dynamics(robot), Bump(robot.joints[0]), log).steps[0].term
     assert found is not None
     assert found.effect.shape_values == pytest.approx(true.shape_values, rel=0.05)
+
+
+RIPPLE = "position_ripple@joint1: frequency={}, sine={}, cosine={}"
+
+
+@pytest.fixture(scope="module")
+def rippled():
+    """The equations of a log with a ripple and an offset of one joint."""
+    robot = load_robot("double_pendulum")
+    t, q, v, a = motion(robot.n, 5, duration=24.0)
+    terms = (parse_term(RIPPLE.format(5.0, 0.4, 0.2)), parse_term("torque_offset@joint1: offset=0.3"))
+    effort = Dynamics(robot, terms).inverse_dynamics(q, v, a)
+    effort += np.random.default_rng(0).normal(0.0, 0.02, effort.shape)
+    logs = Problem.conditioned(robot, [Log(robot.joints, t, q, effort)], [], DiscoverySettings())
+    return robot, logs.around(Dynamics(robot)).with_first_noise(Dynamics(robot)).regression
+
+
+@pytest.mark.parametrize("frequency", [4.9, 5.1])
+def test_shapes_and_parameters_are_fitted_together(rippled, frequency):
+    robot, regression = rippled
+    start = (parse_term(RIPPLE.format(frequency, 0.1, 0.1)), parse_term("torque_offset@joint1: offset=0.0"))
+    ripple, offset = with_shapes_fitted(regression, Dynamics(robot, start), [start[0].label]).terms
+    assert ripple.effect.shape_values["frequency"] == pytest.approx(5.0, abs=0.01)
+    assert ripple.theta == pytest.approx((0.4, 0.2), abs=0.02)
+    assert offset.theta == pytest.approx((0.3,), abs=0.01)
+
+
+def test_shapes_that_are_not_asked_for_stay(rippled):
+    robot, regression = rippled
+    start = (parse_term(RIPPLE.format(4.9, 0.1, 0.1)),)
+    (ripple,) = with_shapes_fitted(regression, Dynamics(robot, start), []).terms
+    assert ripple.effect.shape_values["frequency"] == 4.9
