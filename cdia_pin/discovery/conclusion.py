@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -18,10 +19,13 @@ from cdia_pin.discovery.trace import trace
 from cdia_pin.discovery.trust import trust_in
 from cdia_pin.discovery.verdict import stands_out, verdict_on
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.identifiability.alternatives import Alternatives
+from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.identifiability.rival_names import has_another_name
 from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
 from cdia_pin.selection.problem import Problem, WhitenedProblem
+from cdia_pin.selection.replacement import refitting
 from cdia_pin.version import __version__
 
 
@@ -49,6 +53,7 @@ def concluded(
     final, steps = trace(problem, base, found, forced)
     report("repeating the decisions", 0.9)
     trust = trust_in(problem.problem, final, base)
+    rivals = _rivals(problem, final)
     final = with_total_intervals(final, trust)
 
     def repeated(step: Step) -> Step:
@@ -56,14 +61,35 @@ def concluded(
             return step
         term = final.find(step.term.label)  # without a parameter that is surely not zero, a name says nothing
         confidence = Confidence.DESCRIPTIVE if term.may_be_nothing else trust[term.label].confidence
-        if confidence is Confidence.ESTABLISHED and has_another_name(term, step.confusions, final.robot):
+        confusions = rivals(term.label, confidence)
+        if confidence is Confidence.ESTABLISHED and has_another_name(term, confusions, final.robot):
             confidence = Confidence.LIKELY
-        return replace(step, term=term, confidence=confidence)
+        return replace(step, term=term, confidence=confidence, confusions=confusions)
 
     steps = tuple(map(repeated, steps))
     return conclusion(
         problem.problem, final, steps, report, ranking=taken_first(ranking, steps), findings=findings
     )
+
+
+def _rivals(
+    problem: WhitenedProblem, final: Dynamics
+) -> Callable[[str, Confidence], tuple[Confusion, ...]]:
+    """Return a function that tells what else could explain what an effect does, by its label and confidence.
+
+    A descriptive effect may be anything, so its rivals are taken to first order: to fit each of them takes longer than
+    all the rest of a conclusion.
+    """
+    beside = problem.evidence(final)
+    present = {t.effect for t in final.terms}
+    index = {e.label: i for i, e in enumerate(beside.effects) if e in present}
+    roughly = Alternatives(beside, list(index.values()), settings=problem.settings.alternatives)
+    closely = replace(roughly, refit=refitting(problem, final, beside))
+
+    def rivals(label: str, confidence: Confidence) -> tuple[Confusion, ...]:
+        return (roughly if confidence is Confidence.DESCRIPTIVE else closely).of(index[label])
+
+    return rivals
 
 
 def conclusion(

@@ -12,14 +12,11 @@ from cdia_pin.discovery.discovery_result import Step
 from cdia_pin.discovery.one_by_one import ITERATIONS, added, before, heldout_error, is_no_worse, ordered
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
-from cdia_pin.identifiability.alternatives import Alternatives
-from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.gauss_newton import fitted_together, refit
 from cdia_pin.regression.intervals import with_intervals
 from cdia_pin.selection.problem import Problem, WhitenedProblem
-from cdia_pin.selection.replacement import refitting
 from cdia_pin.selection.shapes import with_shapes_fitted
 
 Array = NDArray[np.float64]
@@ -60,15 +57,10 @@ def trace(
     final = with_intervals(final, equations)
     if doubtful := _doubtful(final, {*known, *forced}):
         return trace(problem, base, found.remove(min(doubtful, key=_certainty).label), forced)
-    beside = problem.evidence(final)
-    index = {e.label: i for i, e in enumerate(beside.effects) if e in {t.effect for t in final.terms}}
-    alternatives = Alternatives(
-        beside, list(index.values()), refitting(problem, final, beside), problem.settings.alternatives
-    )
     steps = [step_of(problem, None, base)]
     for m in models[1:]:
         shown = final if m is models[-1] else m.model
-        steps.append(step_of(problem, final.find(m.label), shown, alternatives.of(index[m.label])))
+        steps.append(step_of(problem, final.find(m.label), shown))
     return final, tuple(steps)
 
 
@@ -90,23 +82,17 @@ def _certainty(term: Term) -> float:
     return abs(low + high) / max(high - low, 1e-300)
 
 
-def step_of(
-    problem: WhitenedProblem,
-    term: Term | None,
-    model: Dynamics,
-    confusions: tuple[Confusion, ...] = (),
-) -> Step:
+def step_of(problem: WhitenedProblem, term: Term | None, model: Dynamics) -> Step:
     """Return the errors of a model as a step of the trace.
 
     Args:
         problem: Logs, candidates and noise.
         term: The term that the step adds; None for the model as given.
         model: The model with all steps up to this one.
-        confusions: Other explanations of what the term explains.
     """
     prediction = problem.experiment.predict(model)
     by_blocks = None if term is None else partial(held_out_rms, problem.regression, prediction)
-    return Step(term, *errors_of(problem.problem, model, by_blocks), confusions)
+    return Step(term, *errors_of(problem.problem, model, by_blocks))
 
 
 def errors_of(logs: Problem, model: Dynamics, by_blocks: Callable[[], Array] | None) -> tuple[Array, Array]:

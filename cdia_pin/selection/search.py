@@ -104,10 +104,9 @@ def search(
         then = None  # most additions that are rejected would not be seen, to first order already
         if not grew or _is_seen(problem, now.errors, now.errors_with(better)):
             then = _refitted(problem, trial, _labels(now.model))
-        if then is not None and _carries_its_load(now.model) and not _carries_its_load(then.model):
-            continue  # it says nothing of the other moves
         if (
             then is None
+            or (_carries_its_load(now.model) and not _carries_its_load(then.model))
             or not then.fit.physical
             or (grew and not _is_seen(problem, now.errors, then.errors))
             or then.cost > now.cost + _sacrifice(now.evidence, now.fit, better)

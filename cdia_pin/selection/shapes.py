@@ -9,7 +9,7 @@ import numpy as np
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.regression.bounded_fit import bounded_fit
-from cdia_pin.regression.gauss_newton import fitted_together, with_parameters
+from cdia_pin.regression.gauss_newton import CONVERGED, fitted_together, with_parameters
 from cdia_pin.regression.regression import Regression
 from cdia_pin.regression.shape_slopes import slopes
 
@@ -18,7 +18,7 @@ SWEEPS = (
     3  # times [1] that several shapes of one effect are refined by turns, because each depends on the others
 )
 NARROWER = 0.35  # step of a round over that of the round before [1]
-STEPS = 4  # joint steps [1] of shapes and parameters; after the parabolas, two are enough to converge
+STEPS = 10  # joint steps [1] of shapes and parameters; a guard, because most converge in two or three
 FARTHEST = 1.5  # largest move of one round over its step [1], because a parabola is only local
 
 
@@ -61,6 +61,8 @@ def with_shapes_fitted(regression: Regression, model: Dynamics, labels: Collecti
             break
         best, least = model, left
         fit = bounded_fit(equations, every, bodies=True)
+        if left - fit.chi2 < CONVERGED**2 * max(1.0, fit.chi2 / max(equations.samples, 1)):
+            break
         model = with_parameters(model, fit.theta[: len(theta) - len(moving)])
         for slope, step in zip(moving, fit.theta[len(theta) - len(moving) :], strict=True):
             model = _reshaped(model, slope.effect.label, slope.of_shape, step)
