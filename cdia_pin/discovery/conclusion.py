@@ -19,7 +19,7 @@ from cdia_pin.discovery.trace import trace
 from cdia_pin.discovery.trust import trust_in
 from cdia_pin.discovery.verdict import stands_out, verdict_on
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.identifiability.alternatives import Alternatives
+from cdia_pin.identifiability.alternatives import FEW_REFITS, Alternatives
 from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.identifiability.rival_names import has_another_name
 from cdia_pin.progress import Progress
@@ -72,19 +72,19 @@ def concluded(
     )
 
 
-def _rivals(
-    problem: WhitenedProblem, final: Dynamics
-) -> Callable[[str, Confidence], tuple[Confusion, ...]]:
+def _rivals(problem: WhitenedProblem, final: Dynamics) -> Callable[[str, Confidence], tuple[Confusion, ...]]:
     """Return a function that tells what else could explain what an effect does, by its label and confidence.
 
-    A descriptive effect may be anything, so its rivals are taken to first order: to fit each of them takes longer than
+    A descriptive effect may be anything, so fewer of its rivals are fitted at their own optimum: it takes longer than
     all the rest of a conclusion.
     """
     beside = problem.evidence(final)
     present = {t.effect for t in final.terms}
     index = {e.label: i for i, e in enumerate(beside.effects) if e in present}
-    roughly = Alternatives(beside, list(index.values()), settings=problem.settings.alternatives)
-    closely = replace(roughly, refit=refitting(problem, final, beside))
+    closely = Alternatives(
+        beside, list(index.values()), refitting(problem, final, beside), problem.settings.alternatives
+    )
+    roughly = replace(closely, most_refits=FEW_REFITS)
 
     def rivals(label: str, confidence: Confidence) -> tuple[Confusion, ...]:
         return (roughly if confidence is Confidence.DESCRIPTIVE else closely).of(index[label])

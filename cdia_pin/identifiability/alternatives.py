@@ -21,6 +21,7 @@ from cdia_pin.selection.replacement import Refit, promising
 MOST = 4  # [1]
 # Candidates per effect [1] on its joint, and as many elsewhere, that are fitted at their own optimum, the best first.
 MOST_REFITS = 2
+FEW_REFITS = 1  # the same [1] for an effect that may be anything
 
 
 @dataclass(frozen=True)
@@ -48,12 +49,14 @@ class Alternatives:
         refit: Fits alternatives that are not linear. If None, they are taken to first order, which is enough for a
             ranking.
         settings: When another explanation counts as possible.
+        most_refits: Candidates per effect on its joint, and as many elsewhere, that are fitted so [1].
     """
 
     evidence: Evidence
     chosen: Sequence[int]
     refit: Refit | None = None
     settings: AlternativeSettings = field(default_factory=AlternativeSettings)
+    most_refits: int = MOST_REFITS
 
     def of(self, one: int) -> tuple[Confusion, ...]:
         """Return what explains as much in the place of one effect, or of it and another on its joint.
@@ -103,7 +106,7 @@ class Alternatives:
                 continue
             needs_refit = self.refit is not None and not is_exact(effect)
             refits += needs_refit
-            if needs_refit and refits > MOST_REFITS:
+            if needs_refit and refits > self.most_refits:
                 continue
             if self._cost(candidate) < self._limit(found, candidate.replaced):
                 known.append(effect)
