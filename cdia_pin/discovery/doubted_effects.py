@@ -1,14 +1,16 @@
 """Unusual effects that nobody would believe leave a model that predicts as well without them.
 
 A measured arm differs from every model a little, in all joints. A fluid, a steady wrench or a tilt of the base follows
-some of that. Such an effect is not certain, but while it is in the model it bends the effects that are there.
+some of that. Such an effect is not certain, but while it is in the model it bends the effects that are there. Effects
+of any kind that make the model predict worse than the given one are doubted too.
 """
 
 from __future__ import annotations
 
-from cdia_pin.discovery.one_by_one import added, before, heldout_error, is_no_worse, ordered
+from cdia_pin.discovery.one_by_one import heldout_error, is_no_worse, kept
 from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.regression.gauss_newton import DIVERGED
 from cdia_pin.selection.problem import WhitenedProblem
 
 
@@ -29,7 +31,7 @@ def doubted(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[s
 
 
 def predicts_as_well(problem: WhitenedProblem, plain: Dynamics, found: Dynamics) -> bool:
-    """Tell whether a model without doubted effects has the same error on blocks of time that were not fitted.
+    """Tell whether a model without some effects has the same error on blocks of time that were not fitted.
 
     Args:
         problem: The logs.
@@ -41,7 +43,7 @@ def predicts_as_well(problem: WhitenedProblem, plain: Dynamics, found: Dynamics)
 
 
 def harmful(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[str]:
-    """Return the labels of the effects that make a found model predict worse than the model before it.
+    """Return the labels of the effects that make a found model predict worse than the model before it, fitted again.
 
     The log moves too little to tell what each of them is of: together they fit it, and say nothing of other motions.
 
@@ -50,8 +52,10 @@ def harmful(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[s
         found: The model that a search has found.
         given: The model before it.
     """
-    first = before(problem, given, found)
-    if is_no_worse(problem, heldout_error(problem, found), first.error):
+    if is_no_worse(problem, heldout_error(problem, found), heldout_error(problem, given)):
         return set()
-    terms = ordered(problem, given, found)
-    return {t.label for t in terms} - {a.label for a in added(problem, first, terms, lambda _: False)}
+    try:
+        stay = {m.label for m in kept(problem, given, found)}
+    except DIVERGED:  # a part of the model that no search has fitted
+        return set()
+    return {t.label for t in found.terms} - {t.label for t in given.terms} - stay

@@ -133,13 +133,14 @@ def _searched(
 ) -> tuple[WhitenedProblem, Dynamics]:
     """Search from a model several times, each time with the noise that the search before left."""
     futile = Swaps()
-    needed: set[str] = set()  # unusual effects without which no model predicts as well
+    needed: set[str] = set()  # doubted effects without which no model predicts as well
     for k in range(PASSES):
         before = {t.label for t in found.terms}
         now = part(report, k / PASSES, (k + 1) / PASSES)
         problem = problem.with_drift(found)
         found = search(problem, found, futile, now, keep)
-        if doubt := (doubted(problem, found, model) | harmful(problem, found, model)) - needed:
+        harm = harmful(problem, found, model)
+        if doubt := (doubted(problem, found, model) | harm) - needed:
             rest = problem.without(doubt)
             kept = tuple(t for t in found.terms if t.label not in doubt)
             try:
@@ -150,7 +151,7 @@ def _searched(
             if plain is not found and predicts_as_well(problem, plain, found):
                 problem, found = rest, plain
             else:
-                needed |= doubt
+                needed |= doubt - harm
         problem = problem.with_noise_left_by(found)
         if k > 0 and {t.label for t in found.terms} == before:
             break

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from cdia_pin.dynamics import Dynamics
@@ -23,7 +23,7 @@ class Added:
     Attributes:
         label: Label of the effect; empty for the first model.
         model: The model, roughly at its optimum.
-        error: Its relative held-out RMS residual, mean over the joints [1].
+        error: Its relative held-out RMS residual, mean over the joints [1]; of the first model that of the base.
     """
 
     label: str
@@ -31,29 +31,47 @@ class Added:
     error: float
 
 
-def before(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> Added:
-    """Return a found model without the effects that were added.
+def kept(
+    problem: WhitenedProblem, base: Dynamics, found: Dynamics, forced: Collection[str] = ()
+) -> list[Added]:
+    """Return the model without the effects that were found, and one more for each effect that is worth keeping.
+
+    An effect is left out if it raises the held-out error beside those before it and beside all others. Where the last
+    model predicts worse than an earlier one, those after the best stay only if they lower the error step by step.
 
     Args:
         problem: Logs, candidates and noise.
         base: The model at the start of the discovery.
         found: The model at its end.
+        forced: Labels of effects that stay in any case.
     """
+    terms, whole = _ordered(problem, base, found), heldout_error(problem, found)
+
+    def helps_at_last(term: Term) -> bool:
+        without = fitted_together(problem.regression, found.remove(term.label), ITERATIONS)
+        return whole < heldout_error(problem, without)
+
+    models = [_without_found(problem, base, found)]
+    models += _added(problem, models[0], terms, lambda t: t.label in forced or helps_at_last(t))
+    best = min(range(len(models)), key=lambda k: models[k].error)
+    if is_no_worse(problem, models[-1].error, models[best].error):
+        return models
+    models = models[: best + 1]
+    rest = [t for t in terms if t.label not in {m.label for m in models}]
+    return [*models, *_added(problem, models[-1], rest, lambda t: t.label in forced)]
+
+
+def _without_found(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> Added:
+    """Return a found model without the effects that were added, with the error of the base and all its effects."""
     known = {t.label for t in base.terms}
     model = Dynamics(base.robot, tuple(t for t in found.terms if t.label in known))
     return Added("", model, heldout_error(problem, base))
 
 
-def ordered(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> list[Term]:
-    """Return the terms that were found; each explains most after those before it.
-
-    Args:
-        problem: Logs, candidates and noise.
-        base: The model at the start of the discovery.
-        found: The model at its end.
-    """
+def _ordered(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> list[Term]:
+    """Return the terms that were found; each explains most after those before it."""
     known = {t.label for t in base.terms}
-    beside = problem.evidence(found)
+    beside = problem.evidence(found, candidates=False)
     index = {e: i for i, e in enumerate(beside.effects)}
     chosen = [index[t.effect] for t in found.terms if t.label in known]
     pending, out = [t for t in found.terms if t.label not in known], []
@@ -66,17 +84,10 @@ def ordered(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> list[T
     return out
 
 
-def added(
+def _added(
     problem: WhitenedProblem, first: Added, terms: Sequence[Term], stays: Callable[[Term], bool]
 ) -> Iterator[Added]:
-    """Yield models with one term after another, without terms that raise the held-out error.
-
-    Args:
-        problem: Logs, candidates and noise.
-        first: The model without them.
-        terms: The terms, in their order.
-        stays: Tells whether a term that raises the error stays all the same.
-    """
+    """Yield models with one term after another; a term that raises the error stays only if it is told to."""
     now = first
     for term in terms:
         trial = fitted_together(problem.regression, now.model.add(term), ITERATIONS)
@@ -87,18 +98,20 @@ def added(
 
 
 def is_no_worse(problem: WhitenedProblem, error: float, other: float) -> bool:
-    """Tell whether an error is below another one, or above it by no more than an effect may raise it.
+    """Tell whether an error is at most another one, or above it by no more than an effect may raise it.
 
     Args:
         problem: Its criterion says how much that is.
         error: Relative error [1].
         other: Relative error [1].
     """
-    return error < other * (1 + problem.settings.criterion.most_harm)
+    return error <= other * (1 + problem.settings.criterion.most_harm)
 
 
 def heldout_error(problem: WhitenedProblem, model: Dynamics) -> float:
     """Return the relative RMS residual on blocks of time that were not fitted, mean over the joints [1].
+
+    All terms of the model are fitted again without each block.
 
     Args:
         problem: Logs, candidates and noise.

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.discovery.discovery_result import Step
-from cdia_pin.discovery.one_by_one import ITERATIONS, added, before, heldout_error, is_no_worse, ordered
+from cdia_pin.discovery.one_by_one import kept
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.experiment import rms
-from cdia_pin.regression.gauss_newton import fitted_together, refit
+from cdia_pin.regression.gauss_newton import refit
 from cdia_pin.regression.intervals import with_intervals
 from cdia_pin.selection.problem import Problem, WhitenedProblem
 from cdia_pin.selection.shapes import with_shapes_fitted
@@ -27,10 +27,8 @@ def trace(
 ) -> tuple[Dynamics, tuple[Step, ...]]:
     """Fit a found model again with intervals, and measure how each of its effects changes the error.
 
-    An effect that raises the held-out error, beside those before it and beside all others, is left out, because the log
-    moves too little to identify it. Where all together predict worse than the first few did, each effect that raises it
-    beside those before it is left out. An effect whose only parameter has an interval that contains zero is left out
-    too.
+    An effect that raises the held-out error is left out, because the log moves too little to identify it: see `kept`.
+    An effect whose only parameter has an interval that contains zero is left out too.
 
     Args:
         problem: Logs, candidates and noise.
@@ -44,13 +42,7 @@ def trace(
     known = {t.label for t in base.terms}
     while doubtful := _doubtful(with_intervals(*refit(problem.regression, found)), {*known, *forced}):
         found = found.remove(min(doubtful, key=_certainty).label)
-    terms, first = ordered(problem, base, found), before(problem, base, found)
-    models = [
-        first,
-        *added(problem, first, terms, lambda t: t.label in forced or not _harms(problem, found, t)),
-    ]
-    if not is_no_worse(problem, models[-1].error, min(m.error for m in models)):
-        models = [first, *added(problem, first, terms, lambda t: t.label in forced)]
+    models = kept(problem, base, found, forced)
     shaped = [t.label for t in models[-1].model.terms if t.effect.shape and t.label not in known]
     final = with_shapes_fitted(problem.regression, models[-1].model, shaped)
     final, equations = refit(problem.regression, final)
@@ -62,12 +54,6 @@ def trace(
         shown = final if m is models[-1] else m.model
         steps.append(step_of(problem, final.find(m.label), shown))
     return final, tuple(steps)
-
-
-def _harms(problem: WhitenedProblem, found: Dynamics, term: Term) -> bool:
-    """Return True if the held-out error of a model is no larger without one of its terms."""
-    without = fitted_together(problem.regression, found.remove(term.label), ITERATIONS)
-    return heldout_error(problem, found) >= heldout_error(problem, without)
 
 
 def _doubtful(model: Dynamics, kept: Collection[str]) -> list[Term]:

@@ -88,7 +88,7 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         torque = whole.torque(term, np.array(term.theta))
         scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
         systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
-        firm = alone and whole.stands_out(term) and (moving is whole or moving.needs(term))
+        firm = alone and whole.stands_out(term) and moving.needs(term)
         confidence = _confidence(whole.needs(term) and shown, firm, survived, settings.confidence)
         out[term.label] = Trust(confidence, systematic)
     return out
@@ -147,7 +147,7 @@ class Repeat:
         settings: What an effect must show.
         everyday: Whether all everyday effects are fitted beside the model's, each with a prior.
         part: Half of the blocks of time that is used, 0 or 1; all blocks if None.
-        at_rest: Whether the torque of joints that rest all the time counts.
+        at_rest: Whether the torque of joints that are near rest for most of every log counts.
     """
 
     design: DesignMatrix
@@ -259,8 +259,7 @@ class Repeat:
         """
         x, one, rule = self.experiment, self._at[term.label], self.settings.changes
         fits, use = self._beside(one), self._used
-        gain = float(fits.gain[one])
-        torque = np.where(use.any(axis=0), self.torque(term, fits.theta[one]), 0.0)
+        gain, torque = float(fits.gain[one]), self.torque(term, fits.theta[one])
         measured = np.maximum(rms(x.measured, use), 1e-12)
         return rule.is_sure(fits.certainty[one], gain) and rule.is_visible(
             gain, torque, self._size, measured, use.sum(axis=0)
@@ -273,8 +272,7 @@ class Repeat:
             term: A term of the model.
             theta: Values of its parameters, shape (p,).
         """
-        x = self.experiment
-        return rms(self._columns[term.label].torque(theta, x.robot.n), x.informative)
+        return rms(self._columns[term.label].torque(theta, self.experiment.robot.n), self._used)
 
     def _beside(self, one: int) -> BlockFits:
         """Return the fits beside all terms but one."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Signal
 from cdia_pin.errors import EffectError
-from cdia_pin.regression.bounded_fit import bounded_fit
+from cdia_pin.regression.bounded_fit import BoundedFit, bounded_fit
 from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.regression import Regression
@@ -89,12 +89,23 @@ def _iterated(regression: Regression, model: Dynamics, iterations: int) -> tuple
         fit = bounded_fit(equations, every, bodies=True)
         model, kept = with_parameters(model, fit.theta), theta
         limit = before if k else max(before, MOST_LEFT * fit.chi2)
-        variance = max(
-            1.0, fit.chi2 / max(equations.samples, 1)
-        )  # of the residual, in variances of the noise
-        if abs(before - fit.chi2) < CONVERGED**2 * variance:
+        if has_converged(before, fit, equations):
             break
     return model, equations
+
+
+def has_converged(before: float, fit: BoundedFit, equations: NormalEquations) -> bool:
+    """Tell whether a step changes the sum of squares by next to nothing.
+
+    Args:
+        before: Residual sum of squares before the step, in variances of the noise [1].
+        fit: The fit that the step leads to.
+        equations: Normal equations of the fit.
+    """
+    variance = max(
+        1.0, fit.chi2 / max(equations.samples, 1)
+    )  # of the residual, in variances of the noise [1]
+    return abs(before - fit.chi2) < CONVERGED**2 * variance
 
 
 def with_parameters(model: Dynamics, theta: Array) -> Dynamics:

@@ -28,11 +28,13 @@ class Slope(WrappedEffect):
         effect: The term's effect.
         theta: The term's parameters.
         of_shape: Name of the shape parameter s.
+        limits: Least and largest Δs, in the unit of the shape.
     """
 
     effect: Effect
     theta: tuple[float, ...]
     of_shape: str
+    limits: tuple[float, float] = (-np.inf, np.inf)
 
     name = "slope"
     equation = "∂(Φ θ)/∂s Δs"
@@ -48,7 +50,8 @@ class Slope(WrappedEffect):
     def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]
         """Δs, in the unit of the shape."""
         unit = next(p.unit for p in self.effect.shape if p.name == self.of_shape)
-        return (Parameter(self.of_shape, unit),)
+        lower, upper = self.limits
+        return (Parameter(self.of_shape, unit, lower=lower, upper=upper),)
 
     @property
     def label(self) -> str:
@@ -80,7 +83,7 @@ class Slope(WrappedEffect):
         """
         return np.array([self._size])
 
-    # the other methods are those of a linear effect without bounds
+    # the other methods are those of a linear effect
     torque, jacobian, bounds, units = Effect.torque, Effect.jacobian, Effect.bounds, Effect.units
     is_physical, nearest_physical = Effect.is_physical, Effect.nearest_physical
     is_distinct, shift, gravity_change = Effect.is_distinct, Effect.shift, Effect.gravity_change

@@ -131,7 +131,7 @@ class Found:
         model: The model.
         fit: Fit of its effects, which come first in its evidence.
         cost: Cost of the model as it is [1]. That of the fit is what its linearisation promises, and is lower where
-            an effect is not linear and the model not at its optimum.
+            the model is not at its optimum.
         errors: RMS residual of each joint [N·m or N], shape (n,).
         problem: Logs, candidates and noise.
     """
@@ -170,7 +170,7 @@ class Found:
 
 
 def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:
-    """Return a model with the fit of its effects, and with the evidence for all candidates if that is asked for.
+    """Return a model with the fit of its effects; its evidence for all candidates is formed when it is asked for.
 
     Args:
         problem: Logs, candidates and noise.

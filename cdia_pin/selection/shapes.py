@@ -1,25 +1,30 @@
-"""Shapes: the grid finds a ripple's frequency or a Stribeck speed roughly; parabolas refine it."""
+"""Shapes: the grid finds a ripple's frequency or a Stribeck speed roughly, parabolas find it nearly.
+
+Then shapes and all parameters are fitted together.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Term
 from cdia_pin.regression.bounded_fit import bounded_fit
-from cdia_pin.regression.gauss_newton import CONVERGED, fitted_together, with_parameters
+from cdia_pin.regression.gauss_newton import DIVERGED, fitted_together, has_converged, with_parameters
 from cdia_pin.regression.regression import Regression
-from cdia_pin.regression.shape_slopes import slopes
+from cdia_pin.regression.shape_slopes import Slope, slopes
 
 ROUNDS = 7  # parabolas [1] through three shapes; the last step is about a thousandth of the first
 SWEEPS = (
     3  # times [1] that several shapes of one effect are refined by turns, because each depends on the others
 )
 NARROWER = 0.35  # step of a round over that of the round before [1]
-STEPS = 10  # joint steps [1] of shapes and parameters; a guard, because most converge in two or three
 FARTHEST = 1.5  # largest move of one round over its step [1], because a parabola is only local
+STEPS = 10  # steps [1] of shapes and parameters together; a guard, because most converge in two or three
 
 
 def refine_shapes(regression: Regression, model: Dynamics, known: Collection[str] = ()) -> Dynamics:
@@ -41,6 +46,8 @@ def refine_shapes(regression: Regression, model: Dynamics, known: Collection[str
 def with_shapes_fitted(regression: Regression, model: Dynamics, labels: Collection[str]) -> Dynamics:
     """Return the model with shapes and the parameters of all terms fitted together by the Gauss-Newton method.
 
+    A step that leaves more than there was before it was too long for the linearisation, and is halved.
+
     Args:
         regression: The conditioned logs and their noise.
         model: A model whose shapes are near the best fit.
@@ -48,34 +55,74 @@ def with_shapes_fitted(regression: Regression, model: Dynamics, labels: Collecti
     """
     if not labels:
         return model
+    limits = {
+        (t.label, name): _limits(regression, model, t, name)
+        for t in model.terms
+        if t.label in labels
+        for name in t.effect.shape_values
+    }
     best, least = model, np.inf
-    model = fitted_together(regression, model, 1)
-    for _ in range(STEPS):
-        effects = [t.effect for t in model.terms]
-        moving = [s for s in slopes(model) if s.effect.label in labels]
-        equations = regression.normal_equations(model, [*effects, *moving])
-        theta = np.concatenate([*(t.theta for t in model.terms), np.zeros(len(moving))])
-        every = range(len(effects) + len(moving))
-        left = equations.chi2(equations.columns(every), theta)
-        if left >= least:  # the step was too long for the linearisation
-            break
-        best, least = model, left
-        fit = bounded_fit(equations, every, bodies=True)
-        if left - fit.chi2 < CONVERGED**2 * max(1.0, fit.chi2 / max(equations.samples, 1)):
-            break
-        model = with_parameters(model, fit.theta[: len(theta) - len(moving)])
-        for slope, step in zip(moving, fit.theta[len(theta) - len(moving) :], strict=True):
-            model = _reshaped(model, slope.effect.label, slope.of_shape, step)
+    with suppress(*DIVERGED):
+        model = fitted_together(regression, model, 1)
+        for _ in range(STEPS):
+            moving = list(_moving(model, limits))
+            equations = regression.normal_equations(model, [*(t.effect for t in model.terms), *moving])
+            theta = np.concatenate([*(t.theta for t in model.terms), np.zeros(len(moving))])
+            every = range(len(equations.effects))
+            left = equations.chi2(equations.columns(every), theta)
+            if left >= least:
+                model = _halfway(best, model)
+                continue
+            best, least = model, left
+            fit = bounded_fit(equations, every, bodies=True)
+            if has_converged(left, fit, equations):
+                break
+            model = with_parameters(model, fit.theta[: len(theta) - len(moving)])
+            for slope, step in zip(moving, fit.theta[len(theta) - len(moving) :], strict=True):
+                value = slope.effect.shape_values[slope.of_shape] + float(step)
+                model = _with_shape(model, slope.effect.label, **{slope.of_shape: value})
     return best
 
 
-def _reshaped(model: Dynamics, label: str, name: str, step: float) -> Dynamics:
-    """Return the model with one shape of one term moved by a step, within the bounds of the shape."""
-    term = model.find(label)
-    limits = next(p for p in term.effect.shape if p.name == name)
-    value = float(np.clip(term.effect.shape_values[name] + step, limits.lower, limits.upper))
-    moved = replace(term, effect=term.effect.with_shape(**{name: value}))
-    return Dynamics(model.robot, tuple(moved if t is term else t for t in model.terms))
+def _moving(model: Dynamics, limits: Mapping[tuple[str, str], tuple[float, float]]) -> Iterator[Slope]:
+    """Yield the slopes of the shapes that have limits, each with the steps that stay within them."""
+    for slope in slopes(model):
+        at = (slope.effect.label, slope.of_shape)
+        if at in limits:
+            here, (low, high) = slope.effect.shape_values[slope.of_shape], limits[at]
+            yield replace(slope, limits=(min(low - here, 0.0), max(high - here, 0.0)))
+
+
+def _with_shape(model: Dynamics, label: str, **shape: float) -> Dynamics:
+    """Return the model with other shapes of one term."""
+    return Dynamics(
+        model.robot,
+        tuple(
+            replace(t, effect=t.effect.with_shape(**shape)) if t.label == label else t for t in model.terms
+        ),
+    )
+
+
+def _halfway(one: Dynamics, two: Dynamics) -> Dynamics:
+    """Return the model halfway between two models of the same terms."""
+    model = with_parameters(two, np.concatenate([np.add(a.theta, b.theta) / 2 for a, b in _pairs(one, two)]))
+    for a, b in _pairs(one, two):
+        before, after = a.effect.shape_values, b.effect.shape_values
+        if before != after:
+            model = _with_shape(model, b.label, **{k: (before[k] + after[k]) / 2 for k in before})
+    return model
+
+
+def _pairs(one: Dynamics, two: Dynamics) -> Iterator[tuple[Term, Term]]:
+    return zip(one.terms, two.terms, strict=True)
+
+
+def _limits(regression: Regression, model: Dynamics, term: Term, name: str) -> tuple[float, float]:
+    """Return the least and the largest value of a shape that the motion can show, in its unit."""
+    experiment = regression.experiment
+    grid = [e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))]
+    here = term.effect.shape_values[name]
+    return min(grid, default=here), max(grid, default=here)
 
 
 def _refined(regression: Regression, model: Dynamics, label: str, name: str) -> Dynamics:

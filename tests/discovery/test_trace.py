@@ -37,7 +37,7 @@ def with_errors(monkeypatch):
 
     def set_errors(coulomb, viscous, both):
         errors = {(): 1.0, (COULOMB,): coulomb, (VISCOUS,): viscous, (COULOMB, VISCOUS): both}
-        for module in (tracing, one_by_one, doubted_effects):
+        for module in (one_by_one, doubted_effects):
             monkeypatch.setattr(
                 module, "heldout_error", lambda _, m: errors[tuple(sorted(t.label for t in m.terms))]
             )

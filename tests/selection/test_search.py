@@ -47,6 +47,12 @@ def test_a_model_costs_what_it_leaves_and_not_what_its_linearisation_promises(ro
     assert away.cost > 1.5 * max(here.cost, away.fit.cost)
 
 
+def test_a_linear_model_with_old_parameters_costs_what_it_leaves(robot):
+    problem = problem_of(robot, log_of(robot, "coulomb_friction@joint2: level=0.4"))
+    old = search.fitted(problem, Dynamics(robot, (parse_term("coulomb_friction@joint2: level=0.2"),)))
+    assert old.cost > 1.5 * old.fit.cost
+
+
 @pytest.mark.parametrize("failure", [EffectError, np.linalg.LinAlgError])
 def test_a_candidate_whose_fit_diverges_is_not_the_end_of_the_run(robot, monkeypatch, failure):
     fitted = search.fitted_together

@@ -55,33 +55,45 @@ def test_every_shape_of_an_effect_is_refined():
     assert found.effect.shape_values == pytest.approx(true.shape_values, rel=0.05)
 
 
-RIPPLE = "position_ripple@joint1: frequency={}, sine={}, cosine={}"
+RIPPLE = "position_ripple@joint{}: frequency={}, sine={}, cosine={}"
 
 
-@pytest.fixture(scope="module")
-def rippled():
-    """The equations of a log with a ripple and an offset of one joint."""
+def rippled(*frequencies):
+    """Return the equations of a log with a ripple of each joint and an offset of the first one."""
     robot = load_robot("double_pendulum")
     t, q, v, a = motion(robot.n, 5, duration=24.0)
-    terms = (parse_term(RIPPLE.format(5.0, 0.4, 0.2)), parse_term("torque_offset@joint1: offset=0.3"))
+    ripples = [parse_term(RIPPLE.format(j, f, 0.4, 0.2)) for j, f in enumerate(frequencies, 1)]
+    terms = (*ripples, parse_term("torque_offset@joint1: offset=0.3"))
     effort = Dynamics(robot, terms).inverse_dynamics(q, v, a)
     effort += np.random.default_rng(0).normal(0.0, 0.02, effort.shape)
     logs = Problem.conditioned(robot, [Log(robot.joints, t, q, effort)], [], DiscoverySettings())
-    return robot, logs.around(Dynamics(robot)).with_first_noise(Dynamics(robot)).regression
+    return robot, logs.around(Dynamics(robot)).with_first_noise(Dynamics(robot, terms)).regression
 
 
-@pytest.mark.parametrize("frequency", [4.9, 5.1])
-def test_shapes_and_parameters_are_fitted_together(rippled, frequency):
-    robot, regression = rippled
-    start = (parse_term(RIPPLE.format(frequency, 0.1, 0.1)), parse_term("torque_offset@joint1: offset=0.0"))
-    ripple, offset = with_shapes_fitted(regression, Dynamics(robot, start), [start[0].label]).terms
-    assert ripple.effect.shape_values["frequency"] == pytest.approx(5.0, abs=0.01)
-    assert ripple.theta == pytest.approx((0.4, 0.2), abs=0.02)
+def together(robot, regression, *starts, moving=(0, 1)):
+    """Return the terms after a fit from other frequencies and amplitudes."""
+    ripples = [parse_term(RIPPLE.format(j, f, 0.1, 0.1)) for j, f in enumerate(starts, 1)]
+    model = Dynamics(robot, (*ripples, parse_term("torque_offset@joint1: offset=0.0")))
+    labels = [t.label for k, t in enumerate(ripples) if k in moving]
+    return with_shapes_fitted(regression, model, labels).terms
+
+
+@pytest.mark.parametrize("start", [(6.8, 10.3), (7.2, 9.7)])
+def test_shapes_and_parameters_are_fitted_together(start):
+    one, two, offset = together(*rippled(7.0, 10.0), *start)
+    for ripple, frequency in ((one, 7.0), (two, 10.0)):
+        assert ripple.effect.shape_values["frequency"] == pytest.approx(frequency, abs=0.02)
+        assert ripple.theta == pytest.approx((0.4, 0.2), abs=0.02)
     assert offset.theta == pytest.approx((0.3,), abs=0.01)
 
 
-def test_shapes_that_are_not_asked_for_stay(rippled):
-    robot, regression = rippled
-    start = (parse_term(RIPPLE.format(4.9, 0.1, 0.1)),)
-    (ripple,) = with_shapes_fitted(regression, Dynamics(robot, start), []).terms
-    assert ripple.effect.shape_values["frequency"] == 4.9
+def test_shapes_that_are_not_asked_for_stay():
+    one, two, _ = together(*rippled(7.0, 10.0), 6.8, 10.1, moving=(1,))
+    assert one.effect.shape_values["frequency"] == 6.8
+    assert two.effect.shape_values["frequency"] == pytest.approx(10.0, abs=0.02)
+
+
+def test_a_shape_stays_where_the_motion_can_show_it_and_stops_no_other():
+    one, two, _ = together(*rippled(3.0, 10.0), 5.5, 10.3)  # below 5 rad⁻¹ a ripple is a spring
+    assert one.effect.shape_values["frequency"] == pytest.approx(5.0)
+    assert two.effect.shape_values["frequency"] == pytest.approx(10.0, abs=0.02)
