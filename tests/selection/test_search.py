@@ -73,3 +73,14 @@ def test_a_drive_that_could_not_move_the_arm_is_no_name(robot, monkeypatch):
     assert "actuator_gain@joint2" in found(robot, log)
     monkeypatch.setattr(search, "WEAKEST", -0.4)
     assert "actuator_gain@joint2" not in found(robot, log)
+
+
+def test_moves_to_a_drive_that_could_not_move_the_arm_end_the_search_as_others_that_fail(robot, monkeypatch):
+    log = log_of(robot, "coulomb_friction@joint2: level=0.4", "viscous_friction@joint1: coefficient=0.3")
+    refitted, tried = search._refitted, []
+    monkeypatch.setattr(search, "_refitted", lambda *x: tried.append(x) or refitted(*x))
+    monkeypatch.setattr(search, "_carries_its_load", lambda model: not model.terms)
+    monkeypatch.setattr(search, "MOST_REJECTED", 2)
+    problem = problem_of(robot, log)
+    assert not search.search(problem, Dynamics(robot), set(), lambda *_: None).terms
+    assert len(tried) == 2
