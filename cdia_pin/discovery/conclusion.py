@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.phenomenon import Phenomenon
@@ -24,6 +25,7 @@ from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.identifiability.rival_names import has_another_name
 from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
+from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.problem import Problem, WhitenedProblem
 from cdia_pin.selection.replacement import refitting
 from cdia_pin.version import __version__
@@ -67,16 +69,18 @@ def concluded(
         return replace(step, term=term, confidence=confidence, confusions=confusions)
 
     steps = tuple(map(repeated, steps))
-    return conclusion(
+    result = conclusion(
         problem.problem, final, steps, report, ranking=taken_first(ranking, steps), findings=findings
     )
+    x = problem.experiment
+    return replace(result, resting=_where(x.resting & ~x.held, final.robot))
 
 
 def _rivals(problem: WhitenedProblem, final: Dynamics) -> Callable[[str, Confidence], tuple[Confusion, ...]]:
     """Return a function that tells what else could explain what an effect does, by its label and confidence.
 
-    A descriptive effect may be anything, so fewer of its rivals are fitted at their own optimum: it takes longer than
-    all the rest of a conclusion.
+    A descriptive effect may be anything, so fewer of its rivals are fitted at their own optimum. The fits take longer
+    than all the rest of a conclusion.
     """
     beside = problem.evidence(final)
     present = {t.effect for t in final.terms}
@@ -122,7 +126,7 @@ def conclusion(
         x / np.maximum(torque, 1e-12) for x in (misfit.floor, experiment.resolution, logs.rms(final))
     )
     structure = misfit.left | stands_out(residual, np.maximum(floor, resolution), settings.practice)
-    left = tuple(j for j, s in zip(final.robot.joints, structure, strict=True) if s)
+    left = _where(structure, final.robot)
     return Discovery(
         model=replace(final, learned_from=tuple(s.motion for s in experiment.segments)),
         verdict=verdict_on(
@@ -134,7 +138,7 @@ def conclusion(
         torque_rms=torque,
         heldout_torque_rms=unseen_torque,
         capability=able,
-        held=tuple(j for j, h in zip(final.robot.joints, experiment.held, strict=True) if h),
+        held=_where(experiment.held, final.robot),
         ranking=ranking,
         record=_record(logs),
         findings=(
@@ -142,6 +146,11 @@ def conclusion(
             *recognised(logs.with_noise_of(misfit).regression, final, left, settings.memory),
         ),
     )
+
+
+def _where(true: NDArray[np.bool_], robot: RobotModel) -> tuple[str, ...]:
+    """Return the names of the joints for which something is true, shape (n,)."""
+    return tuple(j for j, t in zip(robot.joints, true, strict=True) if t)
 
 
 def _record(logs: Problem) -> DiscoveryRecord:

@@ -89,6 +89,8 @@ class Discovery:
         capability: What the improved model lets a user notice.
         findings: Phenomena: what several effects mean together, and patterns of the residual.
         held: Names of the joints at rest that a brake or friction holds, so that their torque does not count.
+        resting: Names of the other joints that are near rest for most of every log. Static friction carries a part of
+            their load, so that what only they show is not established.
     """
 
     model: Dynamics
@@ -103,6 +105,7 @@ class Discovery:
     capability: Capability
     findings: tuple[Phenomenon, ...] = ()
     held: tuple[str, ...] = ()
+    resting: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         added = some([clipped(s.term.label, 45) for s in self.steps if s.term], 2)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,6 +43,10 @@ def short_answer(found: Discovery) -> list[tuple[str, str]]:
         named = [g.words(joints) for g in groups if g.confidence is confidence]
         if named or confidence is Confidence.ESTABLISHED:
             lines.append((str(confidence), "; ".join(named) or "nothing"))
+    if found.resting and found.steps:
+        lines.append(
+            ("at rest", f"{_few(found.resting, joints)}: what only joints at rest show is likely at most")
+        )
     able = list(noticed(found))
     lines.append(("good for", f"notices {listed(able)}" if able else "nothing: no sample counts"))
     tail = list(dict.fromkeys(g.name for g in groups if g.confidence is Confidence.DESCRIPTIVE))
@@ -50,6 +54,14 @@ def short_answer(found: Discovery) -> list[tuple[str, str]]:
         does = "lowers" if len(tail) == 1 else "they lower"
         lines.append(("only descriptive", f"{listed(tail)}: {does} the error, and may be something else"))
     return lines
+
+
+def _few(names: Sequence[str], joints: Sequence[str]) -> str:
+    """Return some joints by name, or how many there are."""
+    if len(names) > MOST_JOINTS:
+        return f"{len(names)} of the {len(joints)} joints"
+    short = short_names(joints)
+    return listed([short[j] for j in names])
 
 
 def _where(found: Discovery) -> str:

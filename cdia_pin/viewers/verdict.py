@@ -59,21 +59,28 @@ def verdict_sentences(found: Discovery) -> list[str]:
         *said,
         *_tail_sentences(found),
         *recognised,
-        *_held_sentences(found),
+        *_rest_sentences(found),
         _error_sentence(found),
         *_confusion_sentences([s for s in found.steps if s.confidence is not Confidence.DESCRIPTIVE]),
     ]
 
 
-def _held_sentences(found: Discovery) -> list[str]:
-    """Return which joints do not count: those at rest that something else than their motor holds."""
-    if not found.held:
-        return []
-    are, them, they = ("is", "it", "it does") if len(found.held) == 1 else ("are", "them", "they do")
-    return [
-        f"{listed(found.held)} {are} at rest, and the torque does not follow the load: "
-        f"a brake or friction holds {them}, and {they} not count."
-    ]
+def _rest_sentences(found: Discovery) -> list[str]:
+    """Return which joints at rest something else than their motor holds, and which show a part of their load only."""
+    out = []
+    if found.held:
+        are, them, they = ("is", "it", "it does") if len(found.held) == 1 else ("are", "them", "they do")
+        out.append(
+            f"{listed(found.held)} {are} at rest, and the torque does not follow the load: "
+            f"a brake or friction holds {them}, and {they} not count."
+        )
+    if found.resting and found.steps:
+        are, their = ("is", "its") if len(found.resting) == 1 else ("are", "their")
+        out.append(
+            f"{listed(found.resting)} {are} at rest, and static friction carries a part of {their} load: "
+            f"what only joints at rest show is likely at most."
+        )
+    return out
 
 
 def addition_sentences(found: Discovery) -> list[str]:

@@ -53,6 +53,16 @@ def test_what_a_brake_carries_is_no_payload(robot):
     assert comparison.mean_error == pytest.approx(comparison.relative_rms[0])
 
 
+def test_what_a_joint_at_rest_shows_is_likely_at_most(robot):
+    found = discover(Dynamics(robot), resting(robot, 0.5))
+    confidence = {s.term.label: s.confidence for s in found.steps}
+    assert confidence.pop("coulomb_friction@joint1") == "established"
+    assert confidence and "established" not in confidence.values()
+    assert found.resting == ("joint2",)
+    assert "at rest, and static friction carries a part of its load" in " ".join(verdict_sentences(found))
+    assert dict(short_answer(found))["at rest"].startswith("joint2")
+
+
 def test_a_joint_without_load_is_not_said_to_be_braked():
     arm, t = load_robot("ur5"), np.arange(0.0, 20.0, 0.01)
     q = np.tile([0.1, -1.0, 1.0, 0.3, 0.2, 0.1], (len(t), 1))  # the pan joint carries nothing
