@@ -9,6 +9,7 @@ import numpy as np
 
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.phenomenon import PhenomenonKind
+from cdia_pin.robot.catalogue import STANDARD_GRAVITY
 from cdia_pin.viewers.effect_groups import MOST_JOINTS, effect_groups, on_joints
 from cdia_pin.viewers.verdict import error_left, mean_share, unseen_share
 from cdia_pin.viewers.words import joint_units, listed, number, percent, short_names, with_unit
@@ -90,13 +91,16 @@ def _shape_left(found: Discovery) -> str:
 def noticed(found: Discovery) -> Iterator[str]:
     """Yield the smallest changes that the model lets a user notice: payload, push, growth of friction.
 
+    A payload as heavy as the arm, or a push as large as its weight, says that the motion shows none.
+
     Args:
         found: The outcome of ``discover``.
     """
     able, robot = found.capability, found.model.robot
-    if np.isfinite(able.payload):
+    mass = robot.total_mass
+    if able.payload < mass:
         yield f"a payload of {with_unit(number(able.payload, 2), 'kg')}"
-    if np.isfinite(able.push):
+    if able.push < mass * STANDARD_GRAVITY:
         yield f"a push of {with_unit(number(able.push, 2), 'N')}"
     units = [joint_units(robot, j)["load"] for j in robot.joints]
     for unit in dict.fromkeys(units):

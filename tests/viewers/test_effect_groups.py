@@ -137,3 +137,16 @@ def test_an_arm_of_one_joint_has_an_answer(results, tmp_path):
     )
     said = dict(short_answer(alone))
     assert said["good for"].startswith("notices friction that grows by")
+
+
+def test_a_push_as_large_as_the_weight_of_the_arm_is_no_use(results):
+    found = results.discovery
+    mass = found.model.robot.total_mass
+    small, large = (
+        replace(found, capability=replace(found.capability, payload=k * mass, push=k * mass * 9.81))
+        for k in (0.5, 2.0)
+    )
+    assert "a payload of" in dict(short_answer(small))["good for"]
+    assert "a push of" in dict(short_answer(small))["good for"]
+    assert "a payload" not in dict(short_answer(large))["good for"]
+    assert "a push" not in dict(short_answer(large))["good for"]
