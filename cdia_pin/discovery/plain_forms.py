@@ -78,7 +78,7 @@ def _is_needed(whole: Repeat, term: Term, growth: float, is_symmetric: bool) -> 
         return False
     if isinstance(term.effect, AsymmetricFriction):
         return growth > confidence.clear_asymmetry or not is_symmetric
-    return growth > confidence.clear_refinement or replace(whole, everyday=True).is_visible(term)
+    return growth > confidence.clear_refinement or whole.crowded.is_visible(term)
 
 
 def _plain(problem: WhitenedProblem, model: Dynamics, refined: Sequence[Term]) -> Dynamics:

@@ -102,9 +102,7 @@ def has_converged(before: float, fit: BoundedFit, equations: NormalEquations) ->
         fit: The fit that the step leads to.
         equations: Normal equations of the fit.
     """
-    variance = max(
-        1.0, fit.chi2 / max(equations.samples, 1)
-    )  # of the residual, in variances of the noise [1]
+    variance = max(1.0, fit.chi2 / max(equations.samples, 1))  # of the residual, over that of the noise [1]
     return abs(before - fit.chi2) < CONVERGED**2 * variance
 
 

@@ -5,7 +5,7 @@ Then shapes and all parameters are fitted together.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -56,10 +56,10 @@ def with_shapes_fitted(regression: Regression, model: Dynamics, labels: Collecti
     if not labels:
         return model
     limits = {
-        (t.label, name): _limits(regression, model, t, name)
+        (t.label, name): _limits(_grid(regression, model, t, name), value)
         for t in model.terms
         if t.label in labels
-        for name in t.effect.shape_values
+        for name, value in t.effect.shape_values.items()
     }
     best, least = model, np.inf
     with suppress(*DIVERGED):
@@ -105,32 +105,31 @@ def _with_shape(model: Dynamics, label: str, **shape: float) -> Dynamics:
 
 def _halfway(one: Dynamics, two: Dynamics) -> Dynamics:
     """Return the model halfway between two models of the same terms."""
-    model = with_parameters(two, np.concatenate([np.add(a.theta, b.theta) / 2 for a, b in _pairs(one, two)]))
-    for a, b in _pairs(one, two):
+    pairs = list(zip(one.terms, two.terms, strict=True))
+    model = with_parameters(two, np.concatenate([np.add(a.theta, b.theta) / 2 for a, b in pairs]))
+    for a, b in pairs:
         before, after = a.effect.shape_values, b.effect.shape_values
         if before != after:
             model = _with_shape(model, b.label, **{k: (before[k] + after[k]) / 2 for k in before})
     return model
 
 
-def _pairs(one: Dynamics, two: Dynamics) -> Iterator[tuple[Term, Term]]:
-    return zip(one.terms, two.terms, strict=True)
-
-
-def _limits(regression: Regression, model: Dynamics, term: Term, name: str) -> tuple[float, float]:
-    """Return the least and the largest value of a shape that the motion can show, in its unit."""
-    experiment = regression.experiment
-    grid = [e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))]
-    here = term.effect.shape_values[name]
+def _limits(grid: Sequence[float], here: float) -> tuple[float, float]:
+    """Return the least and the largest value of a grid, or the present value where the grid is empty."""
     return min(grid, default=here), max(grid, default=here)
+
+
+def _grid(regression: Regression, model: Dynamics, term: Term, name: str) -> list[float]:
+    """Return the values of a shape that the motion can show, in its unit."""
+    experiment = regression.experiment
+    return [e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))]
 
 
 def _refined(regression: Regression, model: Dynamics, label: str, name: str) -> Dynamics:
     """Return the model with one shape parameter of one term moved to the best fit."""
-    experiment = regression.experiment
-    term = next(t for t in model.terms if t.label == label)
+    term = model.find(label)
     rest = [t.effect for t in model.terms if t.label != label]
-    grid = [e.shape_values[name] for e in term.effect.shape_grid(experiment.along(experiment.predict(model)))]
+    grid = _grid(regression, model, term, name)
     start = term.effect.shape_values[name]
     bounds = next(p for p in term.effect.shape if p.name == name)
     joints, equations = term.effect.acts_on(model.robot), None
@@ -146,7 +145,7 @@ def _refined(regression: Regression, model: Dynamics, label: str, name: str) -> 
         equations = regression.normal_equations(around, [*rest, *tries], like=equations, but=joints)
         fits = [bounded_fit(equations, [*range(len(rest)), len(rest) + i]) for i in range(len(tries))]
         step = float(np.clip(_bottom(*(f.chi2 for f in fits)), -FARTHEST, FARTHEST)) * room
-        moved = float(np.clip(value + step, min(grid, default=value), max(grid, default=value)))
+        moved = float(np.clip(value + step, *_limits(grid, value)))
         theta = tuple(float(v) for v in fits[1].theta[-best.effect.size :])
         best = replace(best, effect=best.effect.with_shape(**{name: moved}), theta=theta)
         spread *= NARROWER

@@ -82,14 +82,22 @@ def on_joints(some: Sequence[str], every: Sequence[str]) -> str:
         some: Names of joints.
         every: Names of all joints of the arm.
     """
-    if not some:
-        return ""
+    return f" on {these_joints(some, every)}" if some else ""
+
+
+def these_joints(some: Sequence[str], every: Sequence[str]) -> str:
+    """Return ``all 6 joints``, ``elbow and wrist``, or how many joints there are.
+
+    Args:
+        some: Names of joints.
+        every: Names of all joints of the arm.
+    """
     if len(some) == len(every) > 1:
-        return " on both joints" if len(every) == 2 else f" on all {len(every)} joints"
+        return "both joints" if len(every) == 2 else f"all {len(every)} joints"
     if len(some) > MOST_JOINTS:
-        return f" on {len(some)} joints"
+        return f"{len(some)} joints"
     names = short_names(every)
-    return f" on {listed(names[j] for j in some)}"
+    return listed(names[j] for j in some)
 
 
 def _name(group: str, steps: Sequence[Step]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.phenomenon import PhenomenonKind
 from cdia_pin.robot.catalogue import STANDARD_GRAVITY
-from cdia_pin.viewers.effect_groups import MOST_JOINTS, effect_groups, on_joints
+from cdia_pin.viewers.effect_groups import MOST_JOINTS, effect_groups, on_joints, these_joints
 from cdia_pin.viewers.verdict import error_left, mean_share, unseen_share
 from cdia_pin.viewers.words import joint_units, listed, number, percent, short_names, with_unit
 
@@ -45,9 +45,8 @@ def short_answer(found: Discovery) -> list[tuple[str, str]]:
         if named or confidence is Confidence.ESTABLISHED:
             lines.append((str(confidence), "; ".join(named) or "nothing"))
     if found.resting and found.steps:
-        lines.append(
-            ("at rest", f"{_few(found.resting, joints)}: what only joints at rest show is likely at most")
-        )
+        resting = these_joints(found.resting, joints)
+        lines.append(("at rest", f"{resting}: what only joints at rest show is likely at most"))
     able = list(noticed(found))
     lines.append(("good for", f"notices {listed(able)}" if able else "nothing: no sample counts"))
     tail = list(dict.fromkeys(g.name for g in groups if g.confidence is Confidence.DESCRIPTIVE))
@@ -55,14 +54,6 @@ def short_answer(found: Discovery) -> list[tuple[str, str]]:
         does = "lowers" if len(tail) == 1 else "they lower"
         lines.append(("only descriptive", f"{listed(tail)}: {does} the error, and may be something else"))
     return lines
-
-
-def _few(names: Sequence[str], joints: Sequence[str]) -> str:
-    """Return some joints by name, or how many there are."""
-    if len(names) > MOST_JOINTS:
-        return f"{len(names)} of the {len(joints)} joints"
-    short = short_names(joints)
-    return listed([short[j] for j in names])
 
 
 def _where(found: Discovery) -> str:

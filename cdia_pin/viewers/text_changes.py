@@ -14,7 +14,7 @@ from cdia_pin.changes.changes_result import ChangesVerdict
 from cdia_pin.changes.overlap import NotCompared
 from cdia_pin.changes.run_to_run import as_phenomena
 from cdia_pin.viewers.cells import add_row, clean, new_table
-from cdia_pin.viewers.effect_groups import MOST_RIVALS, on_joints, rivals
+from cdia_pin.viewers.effect_groups import MOST_RIVALS, rivals, these_joints
 from cdia_pin.viewers.words import (
     advice_words,
     confusion_words,
@@ -197,7 +197,7 @@ def _bounds(found: Changes) -> RenderableType:
         sentences.append(f"{other} of one effect that these logs would not show (RMS): {', '.join(said)}.")
     unsure = [j for j in robot.joints if j not in found.bounds and j not in found.not_compared]
     if unsure:
-        where = on_joints(unsure, robot.joints).removeprefix(" on ")
+        where = these_joints(unsure, robot.joints)
         sentences.append(f"No bound for {where}: even a change as large as its torque could stay hidden.")
     if found.not_compared:
         why = {
@@ -206,9 +206,7 @@ def _bounds(found: Changes) -> RenderableType:
             NotCompared.OTHER_SPEEDS: "hardly moves at the same speeds in both",
         }
         joints = {w: [j for j, of in found.not_compared.items() if of is w] for w in NotCompared}
-        each = [
-            f"{on_joints(js, robot.joints).removeprefix(' on ')} {why[w]}" for w, js in joints.items() if js
-        ]
+        each = [f"{these_joints(js, robot.joints)} {why[w]}" for w, js in joints.items() if js]
         sentences.append(
             f"Not compared: {'; '.join(each)}. Repeat the motion of the first log to compare them."
         )

@@ -9,7 +9,14 @@ import numpy as np
 
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.regression import shares
-from cdia_pin.viewers.effect_groups import MOST_RIVALS, effect_groups, on_joints, rivals, term_of
+from cdia_pin.viewers.effect_groups import (
+    MOST_RIVALS,
+    effect_groups,
+    on_joints,
+    rivals,
+    term_of,
+    these_joints,
+)
 from cdia_pin.viewers.words import (
     NOTICEABLE,
     advice_words,
@@ -190,11 +197,7 @@ def _practice_sentence(found: Discovery, log: str) -> str:
 def _structure_sentences(found: Discovery) -> list[str]:
     left, joints = found.structure_left, found.model.robot.joints
     few, every = len(left) < NAMED, len(left) == len(joints)
-    counted = (
-        on_joints(joints, joints).removeprefix(" on ")
-        if every
-        else f"{len(left)} of the {len(joints)} joints"
-    )
+    counted = these_joints(joints, joints) if every else f"{len(left)} of the {len(joints)} joints"
     where = listed(left) if few else counted
     rest = f"the residual on {where} has structure that no effect explains."
     if found.steps:
