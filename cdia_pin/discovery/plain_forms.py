@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain
 
-from cdia_pin.discovery.asymmetry import is_asymmetric
+from cdia_pin.discovery.differing_parts import differs, tells_apart
 from cdia_pin.discovery.plain_friction import held_out_growth
 from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import AsymmetricFriction, Effect, Term
+from cdia_pin.effects import Effect, Term
 from cdia_pin.effects.drift import Drift
 from cdia_pin.effects.refinements import REFINED
 from cdia_pin.regression.gauss_newton import fitted_together
@@ -40,13 +40,13 @@ def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics)
     # Refinements of an arm that they explain wholly are no coincidence. Where structure is left on one joint, the same
     # hidden cause may act on the others, and a refinement can follow it there until nothing is left.
     beside_structure = bool(problem.problem.lack_of_fit(model).left.any())
-    symmetric = [t for t in refined if _is_symmetric(whole, t, beside_structure)]
-    doubtful = refined if beside_structure else symmetric
+    alike = [t for t in refined if tells_apart(t.effect) and not differs(whole, t, beside_structure)]
+    doubtful = refined if beside_structure else alike
     if not doubtful:
         return model
     plain = _plain(problem, model, doubtful)
     growth = held_out_growth(problem, model, plain)
-    given_up = [t for t in doubtful if not _is_needed(whole, t, growth[_joint(model, t)], t in symmetric)]
+    given_up = [t for t in doubtful if not _is_needed(whole, t, growth[_joint(model, t)], t in alike)]
     if given_up == doubtful:
         return plain
     return _plain(problem, model, given_up) if given_up else model
@@ -67,17 +67,13 @@ def _joint(model: Dynamics, term: Term) -> int:
     return model.robot.joint_index(term.effect.scope[0])
 
 
-def _is_symmetric(whole: Repeat, term: Term, beside_structure: bool) -> bool:
-    return isinstance(term.effect, AsymmetricFriction) and not is_asymmetric(whole, term, beside_structure)
-
-
-def _is_needed(whole: Repeat, term: Term, growth: float, is_symmetric: bool) -> bool:
+def _is_needed(whole: Repeat, term: Term, growth: float, is_alike: bool) -> bool:
     """Tell whether a refined effect stays, because its joint's error would grow without the refinement."""
     confidence = whole.settings.confidence
     if growth <= confidence.worth_of_refinement:
         return False
-    if isinstance(term.effect, AsymmetricFriction):
-        return growth > confidence.clear_asymmetry or not is_symmetric
+    if tells_apart(term.effect):
+        return growth > confidence.clear_difference or not is_alike
     return growth > confidence.clear_refinement or whole.crowded.is_visible(term)
 
 

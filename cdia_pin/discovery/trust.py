@@ -3,7 +3,8 @@
 Nobody knows the right cut-off, the right links, or what else acts. An effect that is real does not depend on them.
 The repeats: both halves of the log, 0.7 and 1.4 of the cut-off, and links that are five percent wrong. An established
 effect is besides larger than what the model leaves, half of the log shows it by itself, unless every joint has it, and
-the joints that move show it: static friction carries an unknown part of the load of a joint at rest.
+the joints that move show it: static friction carries an unknown part of the load of a joint at rest. Several blocks of
+time show it, for one short motion says nothing of the next.
 An effect that is not everyday must be certain beside all everyday ones, for these are on every arm. A body is asked for
 beside the other links too, because the mass of a link is hard to tell from that of the next one.
 """
@@ -88,7 +89,8 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         torque = whole.torque(term, np.array(term.theta))
         scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
         systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
-        firm = alone and whole.stands_out(term) and moving.needs(term)
+        lasting = whole.blocks_showing(term) >= settings.confidence.least_blocks
+        firm = alone and lasting and whole.stands_out(term) and moving.needs(term)
         confidence = _confidence(whole.needs(term) and shown, firm, survived, settings.confidence)
         out[term.label] = Trust(confidence, systematic)
     return out
@@ -201,6 +203,20 @@ class Repeat:
         """
         own = self.torque(term, np.array(term.theta))
         return bool(np.any(own >= self.settings.confidence.least_over_left * self._size))
+
+    def blocks_showing(self, term: Term) -> float:
+        """Return over how many blocks of time the torque of an effect is spread [1].
+
+        It is the square of the sum over the sum of the squares of what the blocks show: one if a single block shows all
+        of it, and the number of blocks if each shows as much.
+
+        Args:
+            term: A term of the model.
+        """
+        torque = self._columns[term.label].torque(np.array(term.theta), self.experiment.robot.n)
+        shown = ((np.where(self._used, torque, 0.0) / self._size) ** 2).sum(axis=1)
+        power = np.array([shown[start:stop].sum() for start, stop in self._blocks()])
+        return float(power.sum() ** 2 / max(power @ power, TINY))
 
     def could_show(self, term: Term, theta: Array) -> bool:
         """Tell whether an effect of some size would be certain here. A joint that hardly moves shows nothing.

@@ -118,3 +118,15 @@ def test_what_every_joint_has_stays_as_it_is():
     coulomb = CoulombFriction("joint1")
     assert is_plain(coulomb) and is_plain(ViscousFriction("joint1"))
     assert not is_plain(Drift(coulomb, 0.0, 10.0, 3.0)) and not is_plain(LoadFriction("joint1"))
+
+
+@pytest.mark.parametrize(("moving", "said"), [(24.0, "established"), (2.0, "likely")])
+def test_what_one_short_motion_shows_is_not_established(robot, moving, said):
+    t, q, v, a = motion(robot.n, 5, duration=24.0)
+    late = t > moving
+    q[late, 1], v[late, 1], a[late, 1] = q[~late][-1, 1], 0.0, 0.0
+    effort = Dynamics(robot).inverse_dynamics(q, v, a)
+    effort[:, 1] += 0.3 * np.sign(v[:, 1])
+    log = Log(robot.joints, t, q, effort + np.random.default_rng(0).normal(0.0, 0.03, effort.shape))
+    logs = Problem.conditioned(robot, [log], [], DiscoverySettings())
+    assert trust_in(logs, Dynamics(robot, (FRICTION,)), Dynamics(robot))[FRICTION.label].confidence == said
