@@ -204,6 +204,11 @@ class Dynamics(ModelTerms):
         """
         return sum((t.gravity_change(x) for t in self._turning), np.zeros((len(x), 3)))
 
+    @property
+    def theta(self) -> Array:
+        """Parameters of all terms, one after another, in their units, shape (P,)."""
+        return np.concatenate([np.zeros(0), *(t.theta for t in self.terms)])
+
     # ------------------------------------------------------------- effects with memory
 
     @cached_property

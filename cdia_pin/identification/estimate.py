@@ -59,7 +59,7 @@ class Estimate:
     @property
     def theta(self) -> Array:
         """Parameters of all terms, one after another, shape (P,)."""
-        return np.concatenate([t.theta for t in self.model.terms])
+        return self.model.theta
 
 
 class Fitter:
@@ -117,7 +117,7 @@ class Fitter:
         effects = [t.effect for t in model.terms]
         exact = all(map(is_exact, effects))
         regression = Regression(self.design, whitening)
-        before = np.concatenate([t.theta for t in model.terms])
+        before = model.theta
         for _ in range(MOST_ITERATIONS):
             equations = regression.normal_equations(model, effects)
             prior = precision(equations, self.experiment, whitening, strength)

@@ -28,7 +28,7 @@ def held_out_rms(regression: Regression, prediction: Prediction) -> Array:
     if not terms:
         return rms(prediction.residual, experiment.informative)
     equations = regression.normal_equations(prediction, [t.effect for t in terms])
-    theta = np.concatenate([t.theta for t in terms])
+    theta = prediction.model.theta
     every = range(len(terms))
     out = prediction.residual.copy()
     columns = [regression.design.of(t.effect, prediction, np.array(t.theta)) for t in terms]

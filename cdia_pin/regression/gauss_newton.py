@@ -81,7 +81,7 @@ def _iterated(regression: Regression, model: Dynamics, iterations: int) -> tuple
     kept, limit = np.zeros(0), np.inf
     for k in range(1 if all(map(is_exact, effects)) else iterations):
         equations = regression.normal_equations(model, effects)
-        theta = np.concatenate([t.theta for t in model.terms]) if model.terms else np.zeros(0)
+        theta = model.theta
         before = equations.chi2(equations.columns(every), theta)
         if before > limit:
             model = with_parameters(model, (theta + kept) / 2)

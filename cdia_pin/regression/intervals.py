@@ -39,7 +39,7 @@ def with_intervals(model: Dynamics, equations: NormalEquations) -> Dynamics:
 
     if not model.terms:
         return model
-    theta = np.concatenate([t.theta for t in model.terms])
+    theta = model.theta
     gram = equations.total[:-1, :-1] + np.diag(equations.prior)
     inverse = ScaledGram.of(gram).pseudo_inverse(RANK_CUTOFF)
     scores = equations.blocks[:, :-1, -1] - equations.blocks[:, :-1, : len(theta)] @ theta

@@ -178,7 +178,7 @@ def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:
     """
     evidence, every = problem.evidence(model, candidates=False), range(len(model.terms))
     fit = evidence.fit(every, bodies=True)
-    theta = np.concatenate([np.zeros(0), *(t.theta for t in model.terms)])
+    theta = model.theta
     left = evidence.equations.chi2(evidence.equations.columns(every), theta)
     cost = fit.cost + max(0.0, left - fit.chi2)  # parameters that are not physical yet may leave less
     return Found(model, fit, cost, problem.problem.rms(model), problem)

@@ -67,7 +67,7 @@ def with_shapes_fitted(regression: Regression, model: Dynamics, labels: Collecti
         for _ in range(STEPS):
             moving = list(_moving(model, limits))
             equations = regression.normal_equations(model, [*(t.effect for t in model.terms), *moving])
-            theta = np.concatenate([*(t.theta for t in model.terms), np.zeros(len(moving))])
+            theta = np.append(model.theta, np.zeros(len(moving)))
             every = range(len(equations.effects))
             left = equations.chi2(equations.columns(every), theta)
             if left >= least:
