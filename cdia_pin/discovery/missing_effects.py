@@ -12,6 +12,7 @@ from cdia_pin.discovery.beyond_model import discover_beyond, is_known
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
 from cdia_pin.discovery.doubted_effects import doubted, harmful, predicts_as_well
+from cdia_pin.discovery.plain_bodies import with_plain_bodies
 from cdia_pin.discovery.plain_forms import with_plain_forms
 from cdia_pin.discovery.plain_friction import with_plain_friction
 from cdia_pin.discovery.ranking import rank
@@ -117,7 +118,7 @@ def _answer(
     report: Progress,
     findings: tuple[Phenomenon, ...],
 ) -> Discovery:
-    for plainer in (with_plain_friction, with_plain_forms):
+    for plainer in (with_plain_friction, with_plain_forms, with_plain_bodies):
         with suppress(*DIVERGED):  # then the model stays as it is
             found = plainer(problem, found, model)
     report("ranking the effects", 0.85)

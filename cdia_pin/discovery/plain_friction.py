@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.run_to_run import is_friction_of_joint
+from cdia_pin.discovery.certain_effects import with_certain
 from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import (
@@ -64,15 +65,8 @@ def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynami
     ]
     if not doubtful:
         return model
-    kept = [t for t in model.terms if t not in doubtful]
-    added = _of_each_joint(doubtful, [t.effect for t in kept])
-    plain = fitted_together(
-        problem.regression, replace(model, terms=(*kept, *(Term(e, (0.0,)) for e in added)))
-    )
-    repeat = Repeat(problem.problem.design, plain, problem.problem.settings)
-    unsure = {t.label for t in plain.terms if t.effect in added and not repeat.survives(t)}
-    certain = replace(plain, terms=tuple(t for t in plain.terms if t.label not in unsure))
-    return fitted_together(problem.regression, certain) if unsure else plain
+    kept = replace(model, terms=tuple(t for t in model.terms if t not in doubtful))
+    return with_certain(problem, kept, _of_each_joint(doubtful, [t.effect for t in kept.terms]))
 
 
 def held_out_growth(problem: WhitenedProblem, model: Dynamics, plain: Dynamics) -> Array:

@@ -40,8 +40,7 @@ def trace(
         The model at its optimum, and the steps from the base to it.
     """
     known = {t.label for t in base.terms}
-    while doubtful := _doubtful(with_intervals(*refit(problem.regression, found)), {*known, *forced}):
-        found = found.remove(min(doubtful, key=_certainty).label)
+    found = without_doubtful(problem, found, {*known, *forced})
     models = kept(problem, base, found, forced)
     shaped = [t.label for t in models[-1].model.terms if t.effect.shape and t.label not in known]
     final = with_shapes_fitted(problem.regression, models[-1].model, shaped)
@@ -54,6 +53,19 @@ def trace(
         shown = final if m is models[-1] else m.model
         steps.append(step_of(problem, final.find(m.label), shown))
     return final, tuple(steps)
+
+
+def without_doubtful(problem: WhitenedProblem, found: Dynamics, kept: Collection[str]) -> Dynamics:
+    """Return a found model without the effects whose only parameter has an interval that contains zero.
+
+    Args:
+        problem: Logs, candidates and noise.
+        found: The model, at its optimum or near it.
+        kept: Labels of effects that stay in any case.
+    """
+    while doubtful := _doubtful(with_intervals(*refit(problem.regression, found)), kept):
+        found = found.remove(min(doubtful, key=_certainty).label)
+    return found
 
 
 def _doubtful(model: Dynamics, kept: Collection[str]) -> list[Term]:

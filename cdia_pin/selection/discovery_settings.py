@@ -199,8 +199,8 @@ class ConfidenceSettings:
             which the plain one is named [1].
         clear_refinement: The same ratio above which a refinement stays even if the plain effects of all joints together
             could stand for it [1].
-        clear_difference: The same ratio above which asymmetric friction or a drift stays even if the halves of the log do
-            not agree on what differs [1].
+        clear_difference: The same ratio above which asymmetric friction or a drift stays even if the halves of the log
+            do not agree on what differs [1].
         least_blocks: Number of blocks of time over which the torque of an established effect is spread [1]. A variance
             from fewer is hardly one. On logs of seven arms it is 6 or more; in a log with one short motion, 3.
         least_over_left: RMS torque of an established effect over what the model leaves on the joint [1]. What is left

@@ -1,0 +1,31 @@
+"""Effects that are added to a model together, of which the certain ones stay."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from cdia_pin.discovery.trust import Repeat
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Effect, Term
+from cdia_pin.regression.gauss_newton import fitted_together
+from cdia_pin.selection.problem import WhitenedProblem
+
+
+def with_certain(problem: WhitenedProblem, model: Dynamics, added: Sequence[Effect]) -> Dynamics:
+    """Return a fitted model with those of some effects that are certain beside all others.
+
+    Args:
+        problem: The logs and their noise.
+        model: A model without these effects; its own terms stay.
+        added: The effects.
+    """
+    whole = replace(model, terms=(*model.terms, *(Term(e, (0.0,) * e.size) for e in added)))
+    whole = fitted_together(problem.regression, whole)
+    repeat = Repeat(problem.problem.design, whole, problem.problem.settings)
+    terms = tuple(t for t in whole.terms if t.effect not in added or repeat.survives(t))
+    return (
+        fitted_together(problem.regression, replace(whole, terms=terms))
+        if len(terms) < len(whole.terms)
+        else whole
+    )

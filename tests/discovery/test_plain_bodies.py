@@ -1,0 +1,52 @@
+"""Plain bodies: a body gives way to rotors and offsets that predict as well, and stays where masses are wrong."""
+
+import numpy as np
+import pytest
+
+from cdia_pin import Dynamics, Log, load_robot
+from cdia_pin.discovery.plain_bodies import with_plain_bodies
+from cdia_pin.effects import parse_term
+from cdia_pin.regression.gauss_newton import fitted_together
+from cdia_pin.selection import DiscoverySettings
+from cdia_pin.selection.problem import Problem
+from tests.made_logs import motion
+
+LINK = "link_inertia@joint2: mass=0.1"
+ROTORS = ("rotor_inertia@joint1", "rotor_inertia@joint2")
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("double_pendulum")
+
+
+def named(robot, hidden, found=(LINK,), given=(), effects=None):
+    """Return the effects that a found model ends with, on an arm with hidden effects."""
+    t, q, v, a = motion(robot.n, 5, duration=24.0)
+    arm = Dynamics(robot, tuple(parse_term(h) for h in hidden))
+    effort = arm.inverse_dynamics(q, v, a)
+    effort += np.random.default_rng(0).normal(0.0, 0.01, effort.shape)
+    logs = Problem.conditioned(
+        robot, [Log(robot.joints, t, q, effort)], [], DiscoverySettings(effects=effects)
+    )
+    before = Dynamics(robot, tuple(parse_term(g) for g in given))
+    problem = logs.around(before).with_first_noise(before)
+    model = fitted_together(problem.regression, Dynamics(robot, tuple(map(parse_term, (*given, *found)))))
+    return {t.label for t in with_plain_bodies(problem, model, before).terms}
+
+
+def test_a_body_that_follows_rotors_gives_way_to_them(robot):
+    hidden = [f"{ROTORS[0]}: inertia=0.2", f"{ROTORS[1]}: inertia=0.1"]
+    assert named(robot, hidden) == set(ROTORS)
+
+
+def test_a_link_that_is_wrong_stays(robot):
+    assert named(robot, ["link_inertia@joint2: mass=0.5, first_moment_x=0.1, first_moment_z=-0.2"]) == {
+        "link_inertia@joint2"
+    }
+
+
+def test_what_the_model_had_or_nobody_asked_for_stays(robot):
+    hidden = [f"{ROTORS[0]}: inertia=0.2"]
+    assert named(robot, hidden, found=(), given=(LINK,)) == {"link_inertia@joint2"}
+    assert named(robot, hidden, effects=("link_inertia",)) == {"link_inertia@joint2"}
