@@ -95,6 +95,25 @@ class ChangeSearch:
         group = x.changes[self.evidence.effects[change]]
         return rms(group.torque(theta, x.experiment.robot.n), x.counted)
 
+    def least_visible(self, chosen: Sequence[int], change: int) -> float:
+        """Return the least size of a change of one parameter that is visible beside a set, in its unit.
+
+        Args:
+            chosen: Indices of the set.
+            change: Index of a change with one parameter.
+        """
+        x, share = self.differing, self.settings.least_share
+        (joint,) = self.evidence.effects[change].acts_on(x.experiment.robot)
+        felt = (
+            share / (1.0 - share) * float(x.samples[joint])
+        )  # least sum of squares that it must explain [1]
+        large = (
+            self.settings.least_torque
+            * float(x.torque[joint])
+            / float(self.torque(change, np.ones(1))[joint])
+        )
+        return max(large, float(np.sqrt(felt / self.evidence.power(chosen, change))))
+
     def unseen_torque(self, chosen: Sequence[int]) -> Array:
         """Return the torque of a set in the logs after; each block of time is left out of the fit that predicts it.
 

@@ -92,7 +92,7 @@ class Bound:
     """The largest change of one effect that these logs would not show.
 
     Attributes:
-        term: The effect; its parameter is the end of the 95 % interval that is further from zero.
+        term: The effect; its parameter is the largest that is too uncertain to be named, or not visible.
         torque: RMS torque of such a change in the logs after [N·m or N].
     """
 

@@ -26,6 +26,7 @@ from cdia_pin.logs.conditioning import Motion, condition
 from cdia_pin.logs.log import Log
 from cdia_pin.progress import Progress, silent
 from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.regression.intervals import NORMAL_95
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.threads import on_one_thread
@@ -227,7 +228,10 @@ def _confusions(term: Term, rivals: Sequence[Effect], robot: RobotModel) -> Iter
 
 
 def _bounds(found: FoundChanges, run_to_run: RunToRun) -> dict[str, Bound]:
-    """Return for each joint that is compared the largest change of one parameter that would not be named."""
+    """Return for each joint that is compared the largest change of one parameter that would not be named.
+
+    Such a change is not as certain as it must be, though the logs differ besides by what they do, or not visible.
+    """
     search, chosen = found.search, found.chosen
     differing, effects = search.differing, search.evidence.effects
     robot = differing.experiment.robot
@@ -237,9 +241,9 @@ def _bounds(found: FoundChanges, run_to_run: RunToRun) -> dict[str, Bound]:
         if c in chosen or difference.size > 1 or difference.shape or len(joints) > 1:
             continue
         term = sized(FoundChanges.as_searched(search, (*chosen, c)))[-1]
-        assert term.ci95 is not None
-        furthest = max(term.ci95[0], key=abs)
-        limit = replace(term, theta=(furthest,), ci95=None)
+        unsure = search.settings.least_certainty * float(term.half_widths[0]) / NORMAL_95
+        unseen = max(abs(term.theta[0]) + unsure, search.least_visible(chosen, c))
+        limit = replace(term, theta=(float(np.copysign(unseen, term.theta[0])),), ci95=None)
         torque = float(search.torque(c, np.array(limit.theta))[joints[0]])
         if is_friction_of_joint(difference.effect) and 0.0 < torque < run_to_run.size(joints[0]):
             limit = limit.with_theta(np.array(limit.theta) * run_to_run.size(joints[0]) / torque)

@@ -31,6 +31,9 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 E = TypeVar("E", bound=Effect)
 
+LEAST_POWER = (
+    1e-12  # sum of squares of an effect beside others over that without them [1]; it must not be zero
+)
 NEGLIGIBLE = 1e-9  # added to a covariance, over its mean variance [1], so that it can be inverted
 
 
@@ -179,6 +182,16 @@ class BlockEvidence(Generic[E]):
         """
         at = self.parameters.indices(chosen)
         return np.array([self._solved(t, at) for t in self.training])
+
+    def power(self, chosen: Sequence[int], one: int) -> float:
+        """Return the sum of squares of an effect of one parameter beside a set, for one unit [1/unit²].
+
+        Args:
+            chosen: Indices of the set.
+            one: Index of the effect.
+        """
+        own = self.parameters.indices([one])[0]
+        return max(float(self._beside(chosen)[2][own, own]), LEAST_POWER * float(self.norms[own]))
 
     def _solved(self, equations: Array, at: NDArray[np.intp]) -> Array:
         ridge = np.diag(RIDGE * self.norms[at] + self.prior[at])

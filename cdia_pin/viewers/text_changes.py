@@ -201,13 +201,13 @@ def _bounds(found: Changes) -> RenderableType:
         sentences.append(f"No bound for {where}: even a change as large as its torque could stay hidden.")
     if found.not_compared:
         why = {
-            NotCompared.RESTS_BEFORE: f"rests in {listed(found.before)}",
-            NotCompared.RESTS_AFTER: f"rests in {listed(found.after)}",
-            NotCompared.OTHER_SPEEDS: "hardly moves at the same speeds in both",
+            NotCompared.RESTS_BEFORE: f"at rest in {listed(found.before)}",
+            NotCompared.RESTS_AFTER: f"at rest in {listed(found.after)}",
+            NotCompared.OTHER_SPEEDS: "hardly ever at the same speeds in both",
         }
         joints = {w: [j for j, of in found.not_compared.items() if of is w] for w in NotCompared}
-        each = [f"{these_joints(js, robot.joints)} {why[w]}" for w, js in joints.items() if js]
+        each = [f"{these_joints(js, robot.joints)}, {why[w]}" for w, js in joints.items() if js]
         sentences.append(
-            f"Not compared: {'; '.join(each)}. Repeat the motion of the first log to compare them."
+            f"Not compared: {'; '.join(each)}. To compare them, record one motion twice in which they move."
         )
     return Group(*(Padding(clean(s), (0, 1)) for s in sentences))

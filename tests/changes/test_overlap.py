@@ -51,8 +51,8 @@ def test_joints_that_move_alike_in_no_log_are_not_compared_and_the_reason_is_sai
     assert not found.bounds
     assert "cannot be told" in changes_sentence(found)
     said = plain(changes_table(found))
-    assert "joint2 rests in slow.csv" in said
-    assert "joint1 hardly moves at the same speeds in both" in said
+    assert "joint2, at rest in slow.csv" in said
+    assert "joint1, hardly ever at the same speeds in both" in said
 
 
 def test_a_joint_that_moves_alike_is_compared_though_another_one_rests(robot):
