@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 BINS = 10  # regions of each signal [1]
 FEWEST = 12  # samples [1] below which a region is not reported, because its mean is noise
+CONSTANT = 1e-9  # range of a signal, in its unit, up to which it is the same everywhere but for rounding
 REGIONS = 3  # worst regions that are reported per joint [1]
 
 
@@ -237,7 +238,7 @@ def signal_units(prismatic: bool) -> dict[str, str]:
 
 def _shape(signal: Array, residual: Array) -> ResidualShape:
     low, high = np.percentile(signal, [0.5, 99.5]) if len(signal) else (0.0, 1.0)
-    edges = np.linspace(low, high if high > low else low + 1e-9, BINS + 1)
+    edges = np.linspace(low, max(high, low + CONSTANT), BINS + 1)
     at = np.clip(np.digitize(signal, edges) - 1, 0, BINS - 1)
     count = np.bincount(at, minlength=BINS)
     enough = count >= FEWEST
@@ -255,7 +256,9 @@ def _shape(signal: Array, residual: Array) -> ResidualShape:
 
 
 def _regions(joint: str, signal: str, shape: ResidualShape, whole: float, unit: str) -> list[ResidualRegion]:
-    out = []
+    out: list[ResidualRegion] = []
+    if shape.edges[-1] - shape.edges[0] <= 1.001 * CONSTANT:
+        return out
     for k in np.flatnonzero(np.isfinite(shape.mean)):
         here = float(np.hypot(shape.mean[k], shape.spread[k]))
         lower, upper = float(shape.edges[k]), float(shape.edges[k + 1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
@@ -170,7 +171,7 @@ def joint_units(robot: RobotModel, joint: str) -> dict[str, str]:
 
 
 def short_names(joints: Sequence[str]) -> dict[str, str]:
-    """Return names without the words that all of them begin or end with, such as ``panda_`` or ``_joint``.
+    """Return names without the words that all of them begin or end with, such as ``panda_``, ``wam/`` or ``_joint``.
 
     Args:
         joints: Names.
@@ -178,7 +179,7 @@ def short_names(joints: Sequence[str]) -> dict[str, str]:
     Returns:
         Full name → short name.
     """
-    words = [j.split("_") for j in joints]
+    words = [re.findall(r"[^_/]*[_/]?", j)[:-1] for j in joints]
     first = last = 0
     if len(joints) > 1:
         most = min(map(len, words)) - 1
@@ -186,7 +187,7 @@ def short_names(joints: Sequence[str]) -> dict[str, str]:
             first += 1
         while last < most - first and len({w[-1 - last] for w in words}) == 1:
             last += 1
-    return {j: "_".join(w[first : len(w) - last]) for j, w in zip(joints, words, strict=True)}
+    return {j: "".join(w[first : len(w) - last]).rstrip("_/") for j, w in zip(joints, words, strict=True)}
 
 
 def effect_name(effect: Effect) -> str:

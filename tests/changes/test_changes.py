@@ -1,5 +1,7 @@
 """What changed between two logs: found on a plant that is not our model, and nothing where nothing did."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -294,3 +296,15 @@ def test_blocks_of_a_short_log_establish_nothing(seconds, confidence):
     ]
     change = the_only(what_changed(Dynamics(plant.robot), *logs))
     assert (change.term.label, change.confidence) == ("coulomb_friction@elbow_joint", confidence)
+
+
+@pytest.mark.parametrize("wrong", [(), WRONG], ids=["clean", "wrong"])
+def test_a_change_above_its_bound_is_named(wrong):
+    plant = plant_of("ur5")
+    before, after = (plant.run(wrong, duration=SECONDS, seed=s).log for s in (3, 1003))
+    model = Dynamics(plant.robot)
+    for joint, bound in what_changed(model, before, after).bounds.items():
+        offset = np.zeros_like(after.effort)
+        offset[:, plant.robot.joint_index(joint)] = 1.2 * bound.torque
+        found = what_changed(model, before, dataclasses.replace(after, effort=after.effort + offset))
+        assert found.changes, f"{joint}: {bound!r}"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, compare, load_robot
-from cdia_pin.discovery.comparison import REGIONS
+from cdia_pin.discovery.comparison import REGIONS, _regions, _shape
 from cdia_pin.effects import Term, parse_effect
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import condition
@@ -132,6 +132,11 @@ def test_each_joint_has_its_regions_and_the_worst_come_first(pendulum, compared)
 
 def _of(compared, region):
     return compared.rms[compared.model.robot.joint_index(region.joint)]
+
+
+def test_a_signal_that_is_only_rounding_has_no_regions():
+    shape = _shape(np.linspace(-1e-17, 1e-17, 200), np.sin(np.arange(200.0)))
+    assert not _regions("joint1", "load", shape, 1.0, "N·m")
 
 
 def test_a_joint_that_slides_has_regions_in_metres_and_newtons():

@@ -76,6 +76,7 @@ def test_the_ends_of_a_region_are_told_apart():
     [
         (["panda_joint1", "panda_joint2"], ["joint1", "joint2"]),
         (["shoulder_pan_joint", "elbow_joint"], ["shoulder_pan", "elbow"]),
+        (["wam/base_yaw_joint", "wam/elbow_pitch_joint"], ["base_yaw", "elbow_pitch"]),
         (["joint1", "joint2"], ["joint1", "joint2"]),
         (["a_b", "a_b_c"], ["b", "b_c"]),
         (["only_joint"], ["only_joint"]),

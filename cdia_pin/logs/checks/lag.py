@@ -28,6 +28,7 @@ CUTOFFS = (5.0, 15.0)  # [Hz], two, because friction at reversals shifts the est
 LONGEST = BLOCK  # samples by which the lag of a log is judged [1]: two minutes at 1 kHz hold some ten motions
 BLOCKS = 6  # parts of the log that are left out in turn, for the standard error
 WIDEST = 0.06  # [s], width of the interval above which it tells nothing: a third of the range that is tried
+LEAST = 5e-3  # [s], distance of the interval from zero above which a delay is proved; the cut-off shifts it by less
 
 
 @dataclass(frozen=True)
@@ -126,7 +127,8 @@ def check_lag(log: Log, robot: RobotModel, conventions: Conventions) -> Iterator
         )
         return
     said = f"{_when(estimate.lag)} (between {_when(estimate.low)} and {_when(estimate.high)})"
-    if nearest_zero > max(5e-3, 1.0 / log.rate):
+    least = max(LEAST, 1.0 / log.rate)
+    if nearest_zero > least:
         yield Finding(
             Topic.LAG,
             Severity.WARNING,
@@ -139,8 +141,8 @@ def check_lag(log: Log, robot: RobotModel, conventions: Conventions) -> Iterator
         yield Finding(
             Topic.LAG,
             Severity.INFO,
-            f"the efforts are {said}: no delay is proved; so small a delay looks like viscous friction or rotor "
-            "inertia",
+            f"the efforts are {said}: no delay above {1e3 * least:g} ms is proved; so small a delay looks like viscous "
+            "friction or rotor inertia",
             value=value,
         )
 
