@@ -95,24 +95,28 @@ class ChangeSearch:
         group = x.changes[self.evidence.effects[change]]
         return rms(group.torque(theta, x.experiment.robot.n), x.counted)
 
-    def least_visible(self, chosen: Sequence[int], change: int) -> float:
-        """Return the least size of a change of one parameter that is visible beside a set, in its unit.
+    def visible_sizes(self, chosen: Sequence[int]) -> dict[int, float]:
+        """Return from which size on a change of one parameter of one joint is visible beside a set, in its unit.
 
         Args:
             chosen: Indices of the set.
-            change: Index of a change with one parameter.
+
+        Returns:
+            By index of the change; those are left out of which the logs after say nothing.
         """
-        x, share = self.differing, self.settings.least_share
-        (joint,) = self.evidence.effects[change].acts_on(x.experiment.robot)
-        felt = (
-            share / (1.0 - share) * float(x.samples[joint])
-        )  # least sum of squares that it must explain [1]
-        large = (
-            self.settings.least_torque
-            * float(x.torque[joint])
-            / float(self.torque(change, np.ones(1))[joint])
-        )
-        return max(large, float(np.sqrt(felt / self.evidence.power(chosen, change))))
+        x, rule = self.differing, self.settings
+        out: dict[int, float] = {}
+        powers = self.evidence.powers(chosen)
+        for c, change in enumerate(self.evidence.effects):
+            joints = change.acts_on(x.experiment.robot)
+            if c in chosen or change.size > 1 or change.shape or len(joints) > 1:
+                continue
+            per_unit = float(self.torque(c, np.ones(1))[joints[0]])
+            if per_unit > 0.0:
+                large = rule.least_torque * float(x.torque[joints[0]]) / per_unit
+                left = rule.least_share / (1.0 - rule.least_share) * float(x.samples[joints[0]])
+                out[c] = max(large, float(np.sqrt(left / powers[self.evidence.parameters[c].start])))
+        return out
 
     def unseen_torque(self, chosen: Sequence[int]) -> Array:
         """Return the torque of a set in the logs after; each block of time is left out of the fit that predicts it.

@@ -26,7 +26,6 @@ from cdia_pin.logs.conditioning import Motion, condition
 from cdia_pin.logs.log import Log
 from cdia_pin.progress import Progress, silent
 from cdia_pin.regression.experiment import Experiment, rms
-from cdia_pin.regression.intervals import NORMAL_95
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.threads import on_one_thread
@@ -230,20 +229,19 @@ def _confusions(term: Term, rivals: Sequence[Effect], robot: RobotModel) -> Iter
 def _bounds(found: FoundChanges, run_to_run: RunToRun) -> dict[str, Bound]:
     """Return for each joint that is compared the largest change of one parameter that would not be named.
 
-    Such a change is not as certain as it must be, though the logs differ besides by what they do, or not visible.
+    It is too small to be visible, or too uncertain to be named where the logs already differ by a little the other way.
     """
     search, chosen = found.search, found.chosen
-    differing, effects = search.differing, search.evidence.effects
+    differing = search.differing
     robot = differing.experiment.robot
     out: dict[str, Bound] = {}
-    for c, difference in enumerate(effects):
+    for c, visible in search.visible_sizes(chosen).items():
+        difference = search.evidence.effects[c]
         joints = difference.acts_on(robot)
-        if c in chosen or difference.size > 1 or difference.shape or len(joints) > 1:
-            continue
-        term = sized(FoundChanges.as_searched(search, (*chosen, c)))[-1]
-        unsure = search.settings.least_certainty * float(term.half_widths[0]) / NORMAL_95
-        unseen = max(abs(term.theta[0]) + unsure, search.least_visible(chosen, c))
-        limit = replace(term, theta=(float(np.copysign(unseen, term.theta[0])),), ci95=None)
+        one = FoundChanges.as_searched(search, (*chosen, c))
+        there, unsure = float(one.theta[-1]), float(np.sqrt(one.covariance[-1, -1]))
+        unseen = max(abs(there) + search.settings.least_certainty * unsure, visible)
+        limit = Term(difference.effect, (float(np.copysign(unseen, -there)),))
         torque = float(search.torque(c, np.array(limit.theta))[joints[0]])
         if is_friction_of_joint(difference.effect) and 0.0 < torque < run_to_run.size(joints[0]):
             limit = limit.with_theta(np.array(limit.theta) * run_to_run.size(joints[0]) / torque)

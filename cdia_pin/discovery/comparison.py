@@ -74,7 +74,7 @@ class ResidualShape:
 
     Attributes:
         edges: Ends of the regions [unit of the signal], shape (R + 1,).
-        mean: Mean residual [N·m or N], NaN where a region has too few samples, shape (R,).
+        mean: Mean residual [N·m or N], NaN where a region has too few samples or the signal is constant, shape (R,).
         spread: Standard deviation of the residual [N·m or N], shape (R,).
         count: Number of samples, shape (R,).
         share: Share of the residual's variance that the means explain [1].
@@ -241,7 +241,7 @@ def _shape(signal: Array, residual: Array) -> ResidualShape:
     edges = np.linspace(low, max(high, low + CONSTANT), BINS + 1)
     at = np.clip(np.digitize(signal, edges) - 1, 0, BINS - 1)
     count = np.bincount(at, minlength=BINS)
-    enough = count >= FEWEST
+    enough = (count >= FEWEST) & (high - low > CONSTANT)
     safe = np.maximum(count, 1)
     mean = np.bincount(at, residual, BINS) / safe
     spread = np.sqrt(np.maximum(np.bincount(at, residual**2, BINS) / safe - mean**2, 0.0))
@@ -256,9 +256,7 @@ def _shape(signal: Array, residual: Array) -> ResidualShape:
 
 
 def _regions(joint: str, signal: str, shape: ResidualShape, whole: float, unit: str) -> list[ResidualRegion]:
-    out: list[ResidualRegion] = []
-    if shape.edges[-1] - shape.edges[0] <= 1.001 * CONSTANT:
-        return out
+    out = []
     for k in np.flatnonzero(np.isfinite(shape.mean)):
         here = float(np.hypot(shape.mean[k], shape.spread[k]))
         lower, upper = float(shape.edges[k]), float(shape.edges[k + 1])

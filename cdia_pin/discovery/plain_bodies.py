@@ -7,6 +7,9 @@ these joints and a little of whatever else is there. It then names a link that i
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
 
 from cdia_pin.discovery.certain_effects import with_certain
 from cdia_pin.discovery.one_by_one import heldout_error
@@ -16,7 +19,7 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, RotorInertia, Term, TorqueOffset
 from cdia_pin.effects.body import Body
 from cdia_pin.effects.refinements import REFINED
-from cdia_pin.regression.gauss_newton import fitted_together
+from cdia_pin.regression.gauss_newton import DIVERGED, fitted_together
 from cdia_pin.selection.every_link import has_every_link
 from cdia_pin.selection.problem import WhitenedProblem
 
@@ -26,7 +29,8 @@ PARTS = (RotorInertia, TorqueOffset)  # what a body is to a single joint: inerti
 def with_plain_bodies(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
     """Return a model without the bodies that rotors and offsets of their joints replace, the least certain first.
 
-    They do if blocks of time that were not fitted are predicted better with them.
+    They do if blocks of time that were not fitted are predicted as well with them, also without the effects of either
+    model that may be nothing. Where every link may be wrong, bodies stay as they are.
 
     Args:
         problem: The logs and their noise.
@@ -40,25 +44,42 @@ def with_plain_bodies(problem: WhitenedProblem, model: Dynamics, given: Dynamics
     if not bodies or has_every_link(model):
         return model
     repeat = Repeat(problem.problem.design, model, problem.problem.settings)
+    now = _Judged(problem, model, known)
     for body in sorted(bodies, key=repeat.certainty):
-        others = model.remove(body.label)
-        plain = with_certain(problem, others, list(_parts(problem, others, body)))
-        if _predicts_as_well(problem, plain, model, known):
-            model = plain
-    return model
+        others = now.model.remove(body.label)
+        with suppress(*DIVERGED):  # then the body stays
+            plain = _Judged(
+                problem, with_certain(problem, others, list(_parts(problem, others, body))), known
+            )
+            if plain.error <= now.error and plain.settled_error <= now.settled_error:
+                now = plain
+    return now.model
 
 
-def _predicts_as_well(
-    problem: WhitenedProblem, plain: Dynamics, model: Dynamics, known: Collection[str]
-) -> bool:
-    """Tell whether a plain model has no larger held-out error, also without the effects that may be nothing."""
+@dataclass(frozen=True)
+class _Judged:
+    """A model with its error on blocks of time that were not fitted, which is computed when it is asked for.
 
-    def settled(model: Dynamics) -> Dynamics:
-        return fitted_together(problem.regression, without_doubtful(problem, model, known))
+    Attributes:
+        problem: The logs and their noise.
+        model: The model.
+        known: Labels of effects that stay in any case.
+    """
 
-    return heldout_error(problem, plain) <= heldout_error(problem, model) and (  # most fail here
-        heldout_error(problem, settled(plain)) <= heldout_error(problem, settled(model))
-    )
+    problem: WhitenedProblem
+    model: Dynamics
+    known: Collection[str]
+
+    @cached_property
+    def error(self) -> float:
+        """Relative error [1]."""
+        return heldout_error(self.problem, self.model)
+
+    @cached_property
+    def settled_error(self) -> float:
+        """The same without the effects that may be nothing [1]."""
+        settled = without_doubtful(self.problem, self.model, self.known)
+        return heldout_error(self.problem, fitted_together(self.problem.regression, settled))
 
 
 def _parts(problem: WhitenedProblem, others: Dynamics, body: Term) -> Iterator[Effect]:

@@ -40,6 +40,7 @@ from cdia_pin.selection.problem import Problem
 Array = NDArray[np.float64]
 Blocks = list[tuple[int, int]]
 
+NO_POWER = 1e-300  # of a torque, squared [1], so that none is not divided by zero
 TINY = 1e-150  # least standard deviation, whose square is still above zero
 
 
@@ -89,7 +90,7 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         torque = whole.torque(term, np.array(term.theta))
         scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
         systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
-        lasting = whole.blocks_showing(term) >= settings.confidence.least_blocks
+        lasting = whole.spread(term) >= settings.confidence.least_spread
         firm = alone and lasting and whole.stands_out(term) and moving.needs(term)
         confidence = _confidence(whole.needs(term) and shown, firm, survived, settings.confidence)
         out[term.label] = Trust(confidence, systematic)
@@ -204,11 +205,11 @@ class Repeat:
         own = self.torque(term, np.array(term.theta))
         return bool(np.any(own >= self.settings.confidence.least_over_left * self._size))
 
-    def blocks_showing(self, term: Term) -> float:
-        """Return over how many blocks of time the torque of an effect is spread [1].
+    def spread(self, term: Term) -> float:
+        """Return over which share of the blocks of time the squared torque of an effect is spread [1].
 
-        It is the square of the sum over the sum of the squares of what the blocks show: one if a single block shows all
-        of it, and the number of blocks if each shows as much.
+        It is the square of the sum over the sum of the squares of what the blocks show, over their number: one if each
+        shows as much, and one block's share if a single block shows all of it.
 
         Args:
             term: A term of the model.
@@ -216,7 +217,7 @@ class Repeat:
         torque = self._columns[term.label].torque(np.array(term.theta), self.experiment.robot.n)
         shown = ((np.where(self._used, torque, 0.0) / self._size) ** 2).sum(axis=1)
         power = np.array([shown[start:stop].sum() for start, stop in self._blocks()])
-        return float(power.sum() ** 2 / max(power @ power, TINY))
+        return float(power.sum() ** 2 / (len(power) * max(power @ power, NO_POWER)))
 
     def could_show(self, term: Term, theta: Array) -> bool:
         """Tell whether an effect of some size would be certain here. A joint that hardly moves shows nothing.

@@ -183,15 +183,17 @@ class BlockEvidence(Generic[E]):
         at = self.parameters.indices(chosen)
         return np.array([self._solved(t, at) for t in self.training])
 
-    def power(self, chosen: Sequence[int], one: int) -> float:
-        """Return the sum of squares of an effect of one parameter beside a set, for one unit [1/unit²].
+    def powers(self, chosen: Sequence[int]) -> Array:
+        """Return the sum of squares of each column beside a set [1/unit²], shape (P,).
 
         Args:
             chosen: Indices of the set.
-            one: Index of the effect.
         """
-        own = self.parameters.indices([one])[0]
-        return max(float(self._beside(chosen)[2][own, own]), LEAST_POWER * float(self.norms[own]))
+        at = self.parameters.indices(chosen)
+        ridge = np.diag(RIDGE * self.norms[at] + self.prior[at])
+        inner, across = self.total[np.ix_(at, at)] + ridge, self.total[at, :-1]
+        shared = (across * ScaledGram.of(inner).solve(across)).sum(axis=0) if len(at) else 0.0
+        return np.maximum(np.diag(self.total)[:-1] - shared, LEAST_POWER * self.norms)
 
     def _solved(self, equations: Array, at: NDArray[np.intp]) -> Array:
         ridge = np.diag(RIDGE * self.norms[at] + self.prior[at])

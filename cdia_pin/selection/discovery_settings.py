@@ -200,9 +200,10 @@ class ConfidenceSettings:
         clear_refinement: The same ratio above which a refinement stays even if the plain effects of all joints together
             could stand for it [1].
         clear_difference: The same ratio above which asymmetric friction or a drift stays even if the halves of the log
-            do not agree on what differs [1].
-        least_blocks: Number of blocks of time over which the torque of an established effect is spread [1]. A variance
-            from fewer is hardly one. On logs of seven arms it is 6 or more; in a log with one short motion, 3.
+            do not agree on what differs [1]. On measured arms it is 1.7 at most where they do not.
+        least_spread: Share of the blocks of time over which the squared torque of an established effect is spread [1].
+            A variance from fewer is hardly one. On logs of six arms it is 0.17 or more, in a log with one short motion
+            0.09.
         least_over_left: RMS torque of an established effect over what the model leaves on the joint [1]. What is left
             could be mistaken for a smaller one.
     """
@@ -220,7 +221,7 @@ class ConfidenceSettings:
     worth_of_refinement: float = 1.1
     clear_refinement: float = 1.5
     clear_difference: float = 2.0
-    least_blocks: float = 4.0
+    least_spread: float = 0.125
     least_over_left: float = 1.0
 
     __repr__ = settings_repr

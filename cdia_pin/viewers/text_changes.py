@@ -208,6 +208,6 @@ def _bounds(found: Changes) -> RenderableType:
         joints = {w: [j for j, of in found.not_compared.items() if of is w] for w in NotCompared}
         each = [f"{these_joints(js, robot.joints)}, {why[w]}" for w, js in joints.items() if js]
         sentences.append(
-            f"Not compared: {'; '.join(each)}. To compare them, record one motion twice in which they move."
+            f"Not compared: {'; '.join(each)}. To compare them, record a motion twice in which each of them moves."
         )
     return Group(*(Padding(clean(s), (0, 1)) for s in sentences))

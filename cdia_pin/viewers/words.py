@@ -187,7 +187,9 @@ def short_names(joints: Sequence[str]) -> dict[str, str]:
             first += 1
         while last < most - first and len({w[-1 - last] for w in words}) == 1:
             last += 1
-    return {j: "".join(w[first : len(w) - last]).rstrip("_/") for j, w in zip(joints, words, strict=True)}
+    short = ["".join(w[first : len(w) - last]) for w in words]
+    short = [s.rstrip("_/") for s in short] if last else short
+    return dict(zip(joints, short if all(short) and len(set(short)) == len(joints) else joints, strict=True))
 
 
 def effect_name(effect: Effect) -> str:

@@ -298,13 +298,31 @@ def test_blocks_of_a_short_log_establish_nothing(seconds, confidence):
     assert (change.term.label, change.confidence) == ("coulomb_friction@elbow_joint", confidence)
 
 
+BEYOND = (
+    1.2  # size of a change over its bound [1]: its own torque adds to what is left, and so to the uncertainty
+)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("wrong", [(), WRONG], ids=["clean", "wrong"])
-def test_a_change_above_its_bound_is_named(wrong):
+def test_a_change_above_its_bound_is_named(wrong, sign):
     plant = plant_of("ur5")
     before, after = (plant.run(wrong, duration=SECONDS, seed=s).log for s in (3, 1003))
     model = Dynamics(plant.robot)
-    for joint, bound in what_changed(model, before, after).bounds.items():
+    unchanged = what_changed(model, before, after)
+    assert not unchanged.changes
+    assert set(unchanged.bounds) == set(plant.robot.joints)
+    for joint in plant.robot.joints[1:4:2]:
         offset = np.zeros_like(after.effort)
-        offset[:, plant.robot.joint_index(joint)] = 1.2 * bound.torque
+        offset[:, plant.robot.joint_index(joint)] = sign * BEYOND * unchanged.bounds[joint].torque
         found = what_changed(model, before, dataclasses.replace(after, effort=after.effort + offset))
-        assert found.changes, f"{joint}: {bound!r}"
+        named = {plant.robot.joints[j] for c in found.changes for j in c.term.effect.acts_on(plant.robot)}
+        assert joint in named
+
+
+def test_an_effect_that_the_later_log_never_shows_has_no_bound():
+    plant = plant_of("ur5")
+    before, after = (plant.run((), duration=SECONDS, seed=s).log for s in (3, 1003))
+    nowhere = parse_effect("maximum(q - 50, 0)@elbow_joint")
+    found = what_changed(Dynamics(plant.robot), before, after, settings=DiscoverySettings(extra=(nowhere,)))
+    assert nowhere.label not in {b.term.label for b in found.bounds.values()}

@@ -137,6 +137,7 @@ def _of(compared, region):
 def test_a_signal_that_is_only_rounding_has_no_regions():
     shape = _shape(np.linspace(-1e-17, 1e-17, 200), np.sin(np.arange(200.0)))
     assert not _regions("joint1", "load", shape, 1.0, "N·m")
+    assert shape.share == 0.0
 
 
 def test_a_joint_that_slides_has_regions_in_metres_and_newtons():

@@ -5,7 +5,8 @@ import pytest
 
 from cdia_pin import Dynamics, Log, load_robot
 from cdia_pin.discovery.plain_forms import with_plain_forms
-from cdia_pin.effects import parse_term
+from cdia_pin.effects import CoulombFriction, Term, parse_term
+from cdia_pin.effects.drift import Drift
 from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection import DiscoverySettings
 from cdia_pin.selection.problem import Problem
@@ -21,6 +22,12 @@ def robot():
 
 def named(robot, refined, torque, effects=None, *, bump=0.0, bumpy=1, noise=0.01):
     """Return the names that a refined effect ends with, beside a torque and perhaps a bump that has no name."""
+    terms = plain(robot, parse_term(refined), torque, effects, bump=bump, bumpy=bumpy, noise=noise).terms
+    return {t.effect.name for t in terms}
+
+
+def plain(robot, refined, torque, effects=None, *, bump=0.0, bumpy=1, noise=0.01):
+    """Return the model that a term ends in, on a log with a torque and perhaps a bump that has no name."""
     t, q, v, a = motion(robot.n, 5, duration=24.0)
     effort = Dynamics(robot).inverse_dynamics(q, v, a)
     effort[:, 1] += torque(v[:, 1])
@@ -29,8 +36,8 @@ def named(robot, refined, torque, effects=None, *, bump=0.0, bumpy=1, noise=0.01
     settings = DiscoverySettings(effects=effects)
     logs = Problem.conditioned(robot, [Log(robot.joints, t, q, effort)], [], settings)
     problem = logs.around(Dynamics(robot)).with_first_noise(Dynamics(robot))
-    found = fitted_together(problem.regression, Dynamics(robot, (parse_term(refined),)))
-    return {t.effect.name for t in with_plain_forms(problem, found, Dynamics(robot)).terms}
+    found = fitted_together(problem.regression, Dynamics(robot, (refined,)))
+    return with_plain_forms(problem, found, Dynamics(robot))
 
 
 def symmetric(v):
@@ -80,6 +87,16 @@ def test_a_small_refinement_stays_if_it_leaves_nothing(robot):
     plain = {"coulomb_friction", "torque_offset"}
     assert named(robot, ASYMMETRIC, little, noise=0.4, bump=1.5) == plain
     assert named(robot, ASYMMETRIC, little, noise=0.4, bump=1.5, bumpy=0) == plain  # on another joint
+
+
+@pytest.mark.parametrize(("fall", "noise", "drifts"), [(0.2, 0.1, True), (0.2, 0.3, True), (0.0, 0.1, False)])
+def test_friction_that_falls_within_the_log_drifts_and_constant_friction_does_not(robot, fall, noise, drifts):
+    def falling(v):
+        return np.linspace(2.0, 2.0 * (1 - fall), len(v)) * np.sign(v)
+
+    drift = Term(Drift(CoulombFriction("joint2"), 0.0, 24.0, 48.0), (2.0, 2.0))
+    (term,) = plain(robot, drift, falling, noise=noise).terms
+    assert (term.label == drift.label) is drifts
 
 
 def test_nothing_is_named_that_the_user_did_not_ask_for(robot):

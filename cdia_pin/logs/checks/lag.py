@@ -141,8 +141,8 @@ def check_lag(log: Log, robot: RobotModel, conventions: Conventions) -> Iterator
         yield Finding(
             Topic.LAG,
             Severity.INFO,
-            f"the efforts are {said}: no delay above {1e3 * least:g} ms is proved; so small a delay looks like viscous "
-            "friction or rotor inertia",
+            f"the efforts are {said}: no delay above {1e3 * least:.1f} ms is proved; so small a delay looks like "
+            "viscous friction or rotor inertia",
             value=value,
         )
 
