@@ -30,7 +30,8 @@ def with_plain_bodies(problem: WhitenedProblem, model: Dynamics, given: Dynamics
     """Return a model without the bodies that rotors and offsets of their joints replace, the least certain first.
 
     They do if blocks of time that were not fitted are predicted as well with them, also without the effects of either
-    model that may be nothing. Where every link may be wrong, bodies stay as they are.
+    model that may be nothing. Bodies of an arm that they explain wholly stay, for they are no coincidence. So do they
+    where every link may be wrong.
 
     Args:
         problem: The logs and their noise.
@@ -41,7 +42,7 @@ def with_plain_bodies(problem: WhitenedProblem, model: Dynamics, given: Dynamics
     if asked is not None and not {kind.name for kind in PARTS} <= set(asked):
         return model
     bodies = [t for t in model.terms if isinstance(t.effect, Body) and t.label not in known]
-    if not bodies or has_every_link(model):
+    if not bodies or has_every_link(model) or not problem.problem.lack_of_fit(model).left.any():
         return model
     repeat = Repeat(problem.problem.design, model, problem.problem.settings)
     now = _Judged(problem, model, known)
