@@ -104,7 +104,7 @@ class ChangeSearch:
         Returns:
             By index of the change; those are left out of which the logs after say nothing.
         """
-        x, rule = self.differing, self.settings
+        x = self.differing
         out: dict[int, float] = {}
         powers = self.evidence.powers(chosen)
         for c, change in enumerate(self.evidence.effects):
@@ -113,9 +113,8 @@ class ChangeSearch:
                 continue
             per_unit = float(self.torque(c, np.ones(1))[joints[0]])
             if per_unit > 0.0:
-                large = rule.least_torque * float(x.torque[joints[0]]) / per_unit
-                left = rule.least_share / (1.0 - rule.least_share) * float(x.samples[joints[0]])
-                out[c] = max(large, float(np.sqrt(left / powers[self.evidence.parameters[c].start])))
+                power, j = powers[self.evidence.parameters[c].start], joints[0]
+                out[c] = self.settings.visible_from(per_unit, power, float(x.torque[j]), float(x.samples[j]))
         return out
 
     def unseen_torque(self, chosen: Sequence[int]) -> Array:

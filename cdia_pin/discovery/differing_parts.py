@@ -13,8 +13,8 @@ from cdia_pin.effects import AsymmetricFriction, Effect, Term
 from cdia_pin.effects.drift import Drift
 
 CERTAIN = 3.0  # difference between the parts over its standard deviation [1], above which it is real
-# RMS torque of half the difference over that of the effect [1], up to which nobody names it. Directions of a real gear
-# differ by 20 % anyway. A drift needs less, because a plain effect and its offset do not follow a part of it.
+# RMS torque of half the difference over that of the effect [1], up to which nobody names it: directions of a real gear
+# that differ by less than a fifth, friction that changes by less than a tenth from start to end.
 NOTABLE: dict[type[Effect], float] = {AsymmetricFriction: 0.1, Drift: 0.05}
 
 

@@ -26,7 +26,7 @@ def doubted(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[s
     unusual = [t for t in found.terms if t.label not in known and problem.settings.is_unusual(t.effect)]
     if not unusual:
         return set()
-    crowded = Repeat(problem.problem.design, found, problem.settings, everyday=True)
+    crowded = Repeat.of(problem.problem, found).crowded
     return {t.label for t in unusual if not crowded.is_beyond_doubt(t)}
 
 

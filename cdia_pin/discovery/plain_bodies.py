@@ -38,13 +38,13 @@ def with_plain_bodies(problem: WhitenedProblem, model: Dynamics, given: Dynamics
         model: The fitted model.
         given: The model before the discovery; its terms stay as they are.
     """
-    known, asked = {t.label for t in given.terms}, problem.settings.effects
-    if asked is not None and not {kind.name for kind in PARTS} <= set(asked):
+    known = {t.label for t in given.terms}
+    if not problem.settings.may_find(kind.name for kind in PARTS):
         return model
     bodies = [t for t in model.terms if isinstance(t.effect, Body) and t.label not in known]
     if not bodies or has_every_link(model) or not problem.problem.lack_of_fit(model).left.any():
         return model
-    repeat = Repeat(problem.problem.design, model, problem.problem.settings)
+    repeat = Repeat.of(problem.problem, model)
     now = _Judged(problem, model, known)
     for body in sorted(bodies, key=repeat.certainty):
         others = now.model.remove(body.label)

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain
 
+from cdia_pin.discovery.certain_effects import with_certain
 from cdia_pin.discovery.differing_parts import differs, tells_apart
 from cdia_pin.discovery.plain_friction import held_out_growth
 from cdia_pin.discovery.trust import Repeat
@@ -18,7 +19,6 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
 from cdia_pin.effects.drift import Drift
 from cdia_pin.effects.refinements import REFINED
-from cdia_pin.regression.gauss_newton import fitted_together
 from cdia_pin.selection.problem import WhitenedProblem
 
 
@@ -32,11 +32,10 @@ def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics)
     """
     known = {t.label for t in given.terms}
     refined = [t for t in model.terms if t.label not in known and plain_forms(t.effect)]
-    asked = problem.settings.effects
     plain_kinds = {plain.name for t in refined for plain in plain_forms(t.effect)}
-    if not refined or (asked is not None and not plain_kinds <= set(asked)):
+    if not refined or not problem.settings.may_find(plain_kinds):
         return model
-    whole = Repeat(problem.problem.design, model, problem.settings)
+    whole = Repeat.of(problem.problem, model)
     # Refinements of an arm that they explain wholly are no coincidence. Where structure is left on one joint, the same
     # hidden cause may act on the others, and a refinement can follow it there until nothing is left.
     beside_structure = bool(problem.problem.lack_of_fit(model).left.any())
@@ -79,18 +78,8 @@ def _is_needed(whole: Repeat, term: Term, growth: float, is_alike: bool) -> bool
 
 def _plain(problem: WhitenedProblem, model: Dynamics, refined: Sequence[Term]) -> Dynamics:
     """Return a fitted model with the plain forms of some terms: the certain ones, or the first where none is."""
-    kept = [t for t in model.terms if t not in refined]
-    present = {t.label for t in kept}
+    kept = replace(model, terms=tuple(t for t in model.terms if t not in refined))
+    present = {t.label for t in kept.terms}
     forms = [plain_forms(t.effect) for t in refined]
     added = [e for e in dict.fromkeys(chain(*forms)) if e.label not in present]
-    plain = replace(model, terms=(*kept, *(Term(e, (0.0,) * e.size) for e in added)))
-    plain = fitted_together(problem.regression, plain)
-    repeat = Repeat(problem.problem.design, plain, problem.settings)
-    certain = present | {t.label for t in plain.terms if repeat.survives(t)}
-    stays = certain | {form[0].label for form in forms if not certain & {e.label for e in form}}
-    terms = tuple(t for t in plain.terms if t.label in stays)
-    return (
-        fitted_together(problem.regression, replace(plain, terms=terms))
-        if len(terms) < len(plain.terms)
-        else plain
-    )
+    return with_certain(problem, kept, added, forms)

@@ -47,13 +47,12 @@ def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynami
         model: The fitted model.
         given: The model before the discovery; its terms stay as they are.
     """
-    asked = problem.problem.settings.effects
-    if asked is not None and not {kind.name for kind in PLAIN_FRICTION} <= set(asked):
+    if not problem.settings.may_find(kind.name for kind in PLAIN_FRICTION):
         return model
     known = {t.label for t in given.terms}
     for term in [t for t in model.terms if t.label not in known and _is_under_load_alone(t, model)]:
         model = _with_dry_friction(problem, model, term)
-    crowded = Repeat(problem.problem.design, model, problem.problem.settings, everyday=True)
+    crowded = Repeat.of(problem.problem, model).crowded
     rubbing = {t.effect.scope[0] for t in model.terms if is_friction_of_joint(t.effect)}
     doubtful = [
         t
@@ -100,13 +99,13 @@ def _with_dry_friction(problem: WhitenedProblem, model: Dynamics, load: Term) ->
 
     Where only one of the two dry frictions can be told, it is Coulomb friction if that predicts about as well.
     """
-    design, settings = problem.problem.design, problem.settings
+    logs = problem.problem
     added = _of_each_joint([load], [t.effect for t in model.terms])
     plain = replace(model, terms=(*model.terms, *(Term(e, (0.0,)) for e in added)))
     plain = fitted_together(problem.regression, plain)
-    if not Repeat(design, plain, settings).is_visible(plain.find(load.label)):
+    if not Repeat.of(logs, plain).is_visible(plain.find(load.label)):
         plain = fitted_together(problem.regression, plain.remove(load.label))
-    repeat = Repeat(design, plain, settings)
+    repeat = Repeat.of(logs, plain)
     unsure = {e.label for e in added if not repeat.survives(plain.find(e.label))}
     if CoulombFriction(*load.effect.scope).label in unsure:
         return _with_coulomb_alone(problem, model, load)

@@ -70,7 +70,7 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     if not found:
         return {}
     settings = logs.settings
-    whole = Repeat(logs.design, model, settings)
+    whole = Repeat.of(logs, model)
     moving = replace(whole, at_rest=False) if logs.experiment.resting.any() else whole
     logs.experiment.forget()
     others = [
@@ -162,6 +162,16 @@ class Repeat:
 
     def __repr__(self) -> str:
         return f"Repeat({self.experiment!r})"
+
+    @classmethod
+    def of(cls, logs: Problem, model: Dynamics) -> Self:
+        """Return the decision on logs as they are.
+
+        Args:
+            logs: The logs and settings.
+            model: A fitted model.
+        """
+        return cls(logs.design, model, logs.settings)
 
     @property
     def experiment(self) -> Experiment:

@@ -31,9 +31,8 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 E = TypeVar("E", bound=Effect)
 
-LEAST_POWER = (
-    1e-12  # sum of squares of an effect beside others over that without them [1]; it must not be zero
-)
+# Sum of squares of an effect beside others over that without them [1], at least; a division by zero is none.
+LEAST_POWER = 1e-12
 NEGLIGIBLE = 1e-9  # added to a covariance, over its mean variance [1], so that it can be inverted
 
 

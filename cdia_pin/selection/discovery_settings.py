@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
@@ -154,6 +154,18 @@ class ChangeSettings:
         large = np.max(torque / measured) >= self.least_torque
         return bool(large and gain >= self.least_share * (gain + felt))
 
+    def visible_from(self, torque: float, power: float, measured: float, samples: float) -> float:
+        """Return the size from which on a change of one parameter of one joint is visible in any case, in its unit.
+
+        Args:
+            torque: RMS of its torque for one unit [N·m or N], above zero.
+            power: What it explains for one unit, in units of what is left on the joint [1/unit²].
+            measured: RMS of the measured torque [N·m or N].
+            samples: Number of samples of the joint that count [1].
+        """
+        felt = self.least_share / (1.0 - self.least_share) * samples  # the least that it must explain [1]
+        return max(self.least_torque * measured / torque, float(np.sqrt(felt / power)))
+
 
 @dataclass(frozen=True, repr=False)
 class RunToRunSettings:
@@ -297,6 +309,14 @@ class DiscoverySettings:
     confidence: ConfidenceSettings = field(default_factory=ConfidenceSettings)
     noise: NoiseSettings = field(default_factory=NoiseSettings)
     rest: RestSettings = field(default_factory=RestSettings)
+
+    def may_find(self, names: Iterable[str]) -> bool:
+        """Tell whether effects may be found: the user asked for all of them, or for no effects in particular.
+
+        Args:
+            names: Names of the effects.
+        """
+        return self.effects is None or set(names) <= set(self.effects)
 
     def is_unusual(self, effect: Effect) -> bool:
         """Tell whether an arm in use hardly ever has an effect, and the user does not expect it.

@@ -30,8 +30,7 @@ def with_every_link(problem: WhitenedProblem, found: Dynamics) -> Dynamics | Non
         found: The model that a search ended with.
     """
     links = possible_links(found.robot)
-    asked = problem.settings.effects is None or LinkInertias.name in problem.settings.effects
-    if links is None or not asked or has_every_link(found):
+    if links is None or not problem.settings.may_find([LinkInertias.name]) or has_every_link(found):
         return None
     settings = problem.settings.every_link
     effects = [t.effect for t in found.terms]

@@ -298,9 +298,8 @@ def test_blocks_of_a_short_log_establish_nothing(seconds, confidence):
     assert (change.term.label, change.confidence) == ("coulomb_friction@elbow_joint", confidence)
 
 
-BEYOND = (
-    1.2  # size of a change over its bound [1]: its own torque adds to what is left, and so to the uncertainty
-)
+# Size of a change over its bound [1]: its own torque adds to what is left, and so to the uncertainty.
+BEYOND = 1.2
 
 
 @pytest.mark.parametrize("sign", [1, -1])
