@@ -38,12 +38,14 @@ class Capability:
     """What a model lets a user notice on motions such as the log's.
 
     A change is noticed where its RMS torque stands out from what the model leaves: with the shares of `ChangeSettings`,
-    a third of the error, and three percent of the torque.
+    a third of the error, and three percent of the torque. A joint at rest shows nothing for certain, because static
+    friction carries a part of its load.
 
     Attributes:
         payload: Smallest payload at the tool [kg]; infinite if the motion shows none.
         push: Smallest steady push at the tool, whatever its direction [N]; infinite if the motion shows none.
-        friction: Smallest growth of friction of each joint [N·m or N], infinite where no sample counts, shape (n,).
+        friction: Smallest growth of friction of each joint [N·m or N], infinite where it rests or no sample counts,
+            shape (n,).
         feedforward_error: Error of the torque on data that was not fitted, over the torque [1], shape (n,).
     """
 
@@ -82,7 +84,7 @@ def capability_of(
     """
     ratio = np.sqrt(settings.least_share / (1 - settings.least_share))
     noticed = np.maximum(ratio * error, settings.least_torque * torque)
-    noticed[noticed == 0] = np.inf  # no sample counts
+    noticed[(noticed == 0) | ~experiment.joints_that_move] = np.inf  # no sample counts
     states = [s.state for s in experiment.segments]
     body = np.vstack([Payload().basis(x)[:, :, 0] for x in states])
     jacobian = np.vstack([np.asarray(experiment.robot.tool_jacobian(x.q))[:, :3, :] for x in states])

@@ -69,11 +69,9 @@ def concluded(
         return replace(step, term=term, confidence=confidence, confusions=confusions)
 
     steps = tuple(map(repeated, steps))
-    result = conclusion(
+    return conclusion(
         problem.problem, final, steps, report, ranking=taken_first(ranking, steps), findings=findings
     )
-    x = problem.experiment
-    return replace(result, resting=_where(x.resting & ~x.held, final.robot))
 
 
 def _rivals(problem: WhitenedProblem, final: Dynamics) -> Callable[[str, Confidence], tuple[Confusion, ...]]:
@@ -126,6 +124,9 @@ def conclusion(
         x / np.maximum(torque, 1e-12) for x in (misfit.floor, experiment.resolution, logs.rms(final))
     )
     structure = misfit.left | stands_out(residual, np.maximum(floor, resolution), settings.practice)
+    structure &= (
+        experiment.joints_that_move
+    )  # static friction carries an unknown part of the load of the others
     left = _where(structure, final.robot)
     return Discovery(
         model=replace(final, learned_from=tuple(s.motion for s in experiment.segments)),
@@ -139,6 +140,7 @@ def conclusion(
         heldout_torque_rms=unseen_torque,
         capability=able,
         held=_where(experiment.held, final.robot),
+        resting=_where(experiment.resting & ~experiment.held, final.robot),
         ranking=ranking,
         record=_record(logs),
         findings=(

@@ -111,6 +111,7 @@ class DiscoveryJson(TypedDict):
     torque_rms: ByJoint
     heldout_torque_rms: ByJoint
     structure_left: list[str]
+    resting: list[str]
     ranking: list[RankedJson]
     capability: Mapping[str, Any]
     findings: list[PhenomenonJson]

@@ -90,7 +90,7 @@ class Discovery:
         findings: Phenomena: what several effects mean together, and patterns of the residual.
         held: Names of the joints at rest that a brake or friction holds, so that their torque does not count.
         resting: Names of the other joints that are near rest for most of every log. Static friction carries a part of
-            their load, so that what only they show is not established.
+            their load, so that what only they show is not established, and their errors are in no mean.
     """
 
     model: Dynamics
@@ -110,10 +110,17 @@ class Discovery:
     def __repr__(self) -> str:
         added = some([clipped(s.term.label, 45) for s in self.steps if s.term], 2)
         errors = (
-            100 * mean_share(s.heldout_rms, self.heldout_torque_rms) for s in (self.trace[0], self.trace[-1])
+            100 * mean_share(s.heldout_rms, self.heldout_torque_rms, self.counted)
+            for s in (self.trace[0], self.trace[-1])
         )
         error = " → ".join(f"{e:.3g} %" for e in errors)
         return f"Discovery({self.verdict}{': ' if added else ''}{added}; held-out error {error})"
+
+    @property
+    def counted(self) -> NDArray[np.bool_]:
+        """True for the joints of which a mean is taken, shape (n,): those that move, or all where none moves."""
+        moving = np.array([j not in (*self.resting, *self.held) for j in self.model.robot.joints])
+        return moving if moving.any() else ~moving
 
     @property
     def steps(self) -> tuple[Step, ...]:
@@ -150,6 +157,7 @@ class Discovery:
             "torque_rms": robot.by_joint(self.torque_rms),
             "heldout_torque_rms": robot.by_joint(self.heldout_torque_rms),
             "structure_left": list(self.structure_left),
+            "resting": list(self.resting),
             "ranking": [
                 {
                     **_entry(r.term, r.confusions, robot),

@@ -3,8 +3,9 @@
 Nobody knows the right cut-off, the right links, or what else acts. An effect that is real does not depend on them.
 The repeats: both halves of the log, 0.7 and 1.4 of the cut-off, and links that are five percent wrong. An established
 effect is besides larger than what the model leaves, half of the log shows it by itself, unless every joint has it, and
-the joints that move show it: static friction carries an unknown part of the load of a joint at rest. Several blocks of
-time show it, for one short motion says nothing of the next.
+several blocks of time show it, for one short motion says nothing of the next.
+What only joints at rest show is descriptive, because static friction carries an unknown part of their load; it is
+likely at most where no joint moves.
 An effect that is not everyday must be certain beside all everyday ones, for these are on every arm. A body is asked for
 beside the other links too, because the mass of a link is hard to tell from that of the next one.
 """
@@ -71,7 +72,8 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         return {}
     settings = logs.settings
     whole = Repeat.of(logs, model)
-    moving = replace(whole, at_rest=False) if logs.experiment.resting.any() else whole
+    resting = logs.experiment.resting
+    moving = replace(whole, at_rest=False) if resting.any() else whole
     logs.experiment.forget()
     others = [
         Repeat(DesignMatrix(x), replace(model, robot=x.robot), settings).settled() for x in variations(logs)
@@ -91,8 +93,10 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
         systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
         lasting = whole.spread(term) >= settings.confidence.least_spread
-        firm = alone and lasting and whole.stands_out(term) and moving.needs(term)
-        confidence = _confidence(whole.needs(term) and shown, firm, survived, settings.confidence)
+        moves = moving.needs(term)
+        needed = whole.needs(term) and shown and (moves or bool(resting.all()))
+        firm = alone and lasting and whole.stands_out(term) and moves
+        confidence = _confidence(needed, firm, survived, settings.confidence)
         out[term.label] = Trust(confidence, systematic)
     return out
 

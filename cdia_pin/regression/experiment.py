@@ -160,6 +160,11 @@ class Experiment:
         return np.asarray(self.resting & ~follows & (load > NO_LOAD))
 
     @property
+    def joints_that_move(self) -> NDArray[np.bool_]:
+        """True for a joint that is not near rest for most of every log, shape (n,); for all where none moves."""
+        return ~self.resting if not self.resting.all() else np.ones_like(self.resting)
+
+    @property
     def logs(self) -> tuple[str, ...]:
         """Names of the logs or conditions, each once."""
         return tuple(dict.fromkeys(s.state.log for s in self.segments))

@@ -11,7 +11,7 @@ from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.phenomenon import PhenomenonKind
 from cdia_pin.robot.catalogue import STANDARD_GRAVITY
 from cdia_pin.viewers.effect_groups import MOST_JOINTS, effect_groups, on_joints, these_joints
-from cdia_pin.viewers.verdict import error_left, mean_share, unseen_share
+from cdia_pin.viewers.verdict import error_left, mean_share, rest_words, unseen_share
 from cdia_pin.viewers.words import joint_units, listed, number, percent, short_names, with_unit
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def short_answer(found: Discovery) -> list[tuple[str, str]]:
             lines.append((str(confidence), "; ".join(named) or "nothing"))
     if found.resting and found.steps:
         resting = these_joints(found.resting, joints)
-        lines.append(("at rest", f"{resting}: what only joints at rest show is likely at most"))
+        lines.append(("at rest", f"{resting}: {rest_words(found)}"))
     able = list(noticed(found))
     lines.append(("good for", f"notices {listed(able)}" if able else "nothing: no sample counts"))
     tail = list(dict.fromkeys(g.name for g in groups if g.confidence is Confidence.DESCRIPTIVE))

@@ -93,8 +93,8 @@ def _errors(found: Discovery) -> Table:
         rows.append(("with what was found", last.rms, torque))
         rows.append(("on data not fitted", last.heldout_rms, found.heldout_torque_rms))
     for name, error, over in (*rows, ("noise floor", found.noise_floor, torque)):
-        by_joint = error / np.maximum(over, 1e-12)
-        table.add_row(clean(name), *map(_figure, by_joint), _figure(shares.mean_share(error, over)))
+        by_joint, mean = error / np.maximum(over, 1e-12), shares.mean_share(error, over, found.counted)
+        table.add_row(clean(name), *map(_figure, by_joint), _figure(mean))
     return table
 
 
@@ -102,7 +102,7 @@ def _error_table(found: Discovery, *more: str) -> Table:
     """Return a table without rows, with a column for each joint."""
     joints = found.model.robot.joints
     names = short_names(joints)
-    heads = [names[j].replace("_", "\n", 1) for j in joints]
+    heads = [names[j].replace("_", "\n", 1) + "\nrests" * (j in found.resting) for j in joints]
     return new_table("error, % of torque RMS", *heads, *more, left=(0,))
 
 

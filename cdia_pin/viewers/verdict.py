@@ -85,9 +85,20 @@ def _rest_sentences(found: Discovery) -> list[str]:
         are, their = ("is", "its") if len(found.resting) == 1 else ("are", "their")
         out.append(
             f"{listed(found.resting)} {are} at rest, and static friction carries a part of {their} load: "
-            f"what only joints at rest show is likely at most."
+            f"{rest_words(found)}."
         )
     return out
+
+
+def rest_words(found: Discovery) -> str:
+    """Return what joints at rest are good for: next to nothing beside joints that move.
+
+    Args:
+        found: The outcome of ``discover``, with joints at rest.
+    """
+    if len(found.resting) == len(found.model.robot.joints):
+        return "what they show is likely at most"
+    return "what only joints at rest show is descriptive, and their error is in no mean"
 
 
 def addition_sentences(found: Discovery) -> list[str]:
@@ -125,23 +136,23 @@ def comparison_sentence(found: Comparison) -> str:
 
 
 def mean_share(errors: Sequence[float] | np.ndarray, found: Discovery) -> float:
-    """Return error over torque RMS, mean over the joints [1].
+    """Return error over torque RMS, mean over the joints that move [1].
 
     Args:
         errors: RMS of each joint [N·m or N], shape (n,).
         found: The outcome of ``discover``.
     """
-    return shares.mean_share(errors, found.torque_rms)
+    return shares.mean_share(errors, found.torque_rms, found.counted)
 
 
 def unseen_share(errors: Sequence[float] | np.ndarray, found: Discovery) -> float:
-    """Return error over torque RMS on data that was not fitted, mean over the joints [1].
+    """Return error over torque RMS on data that was not fitted, mean over the joints that move [1].
 
     Args:
         errors: Held-out RMS of each joint [N·m or N], shape (n,).
         found: The outcome of ``discover``.
     """
-    return shares.mean_share(errors, found.heldout_torque_rms)
+    return shares.mean_share(errors, found.heldout_torque_rms, found.counted)
 
 
 def error_falls(found: Discovery) -> bool:

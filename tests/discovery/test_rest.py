@@ -7,6 +7,7 @@ from cdia_pin.discovery import discover
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.regression.experiment import Experiment
+from cdia_pin.viewers.short_answer import short_answer
 
 POSE = np.array([0.1, -1.0, 1.0, 0.3, 0.2, 0.1])
 
@@ -18,6 +19,8 @@ def test_an_arm_at_rest_under_a_constant_torque_gets_an_answer():
     log = Log(arm.joints, t, np.tile(POSE, (len(t), 1)), effort=np.tile(torque, (len(t), 1)))
     found = discover(Dynamics(arm), log)
     assert found.verdict == "explained"
+    assert found.counted.all()
+    assert dict(short_answer(found))["at rest"] == "all 6 joints: what they show is likely at most"
     assert all(t.effect.is_physical(np.array(t.theta), arm) for t in found.model.terms)
 
 

@@ -8,7 +8,7 @@ from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.viewers.short_answer import short_answer
-from cdia_pin.viewers.verdict import verdict_sentences
+from cdia_pin.viewers.verdict import mean_share, verdict_sentences
 from tests.made_logs import motion
 
 
@@ -53,12 +53,16 @@ def test_what_a_brake_carries_is_no_payload(robot):
     assert comparison.mean_error == pytest.approx(comparison.relative_rms[0])
 
 
-def test_what_a_joint_at_rest_shows_is_likely_at_most(robot):
+def test_what_only_a_joint_at_rest_shows_is_descriptive_and_in_no_mean(robot):
     found = discover(Dynamics(robot), resting(robot, 0.5))
     confidence = {s.term.label: s.confidence for s in found.steps}
     assert confidence.pop("coulomb_friction@joint1") == "established"
-    assert confidence and "established" not in confidence.values()
-    assert found.resting == ("joint2",)
+    assert confidence and set(confidence.values()) == {"descriptive"}
+    assert found.resting == ("joint2",) == tuple(found.to_dict()["resting"])
+    first = found.trace[0]
+    assert mean_share(first.rms, found) == pytest.approx(first.rms[0] / found.torque_rms[0])
+    assert "joint2" not in found.structure_left
+    assert list(found.to_dict()["capability"]["friction"]) == ["joint1"]
     assert "at rest, and static friction carries a part of its load" in " ".join(verdict_sentences(found))
     assert dict(short_answer(found))["at rest"].startswith("joint2")
 
