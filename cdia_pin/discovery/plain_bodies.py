@@ -1,4 +1,4 @@
-"""Rotors and offsets of joints come before a body that predicts no better than they do.
+"""Rotors and offsets of joints come before a body that predicts hardly better than they do.
 
 A body has ten parameters and acts on several joints. Where a motion tells little of masses, it follows the rotors of
 these joints and a little of whatever else is there. It then names a link that is as it was, another one in each log.
@@ -29,8 +29,8 @@ PARTS = (RotorInertia, TorqueOffset)  # what a body is to a single joint: inerti
 def with_plain_bodies(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
     """Return a model without the bodies that rotors and offsets of their joints replace, the least certain first.
 
-    They do if blocks of time that were not fitted are predicted as well with them, also without the effects of either
-    model that may be nothing. Bodies of an arm that they explain wholly stay, for they are no coincidence. So do they
+    They do if blocks of time that were not fitted are predicted about as well with them as with all bodies, also without
+    the effects of either model that may be nothing. Bodies of an arm that they explain wholly stay, for they are no coincidence. So do they
     where every link may be wrong.
 
     Args:
@@ -45,14 +45,15 @@ def with_plain_bodies(problem: WhitenedProblem, model: Dynamics, given: Dynamics
     if not bodies or has_every_link(model) or not problem.problem.lack_of_fit(model).left.any():
         return model
     repeat = Repeat.of(problem.problem, model)
-    now = _Judged(problem, model, known)
+    now = with_bodies = _Judged(problem, model, known)
+    worth = problem.settings.confidence.worth_of_bodies
     for body in sorted(bodies, key=repeat.certainty):
         others = now.model.remove(body.label)
         with suppress(*DIVERGED):  # then the body stays
             plain = _Judged(
                 problem, with_certain(problem, others, list(_parts(problem, others, body))), known
             )
-            if plain.error <= now.error and plain.settled_error <= now.settled_error:
+            if plain.predicts_as_well_as(with_bodies, worth):
                 now = plain
     return now.model
 
@@ -81,6 +82,15 @@ class _Judged:
         """The same without the effects that may be nothing [1]."""
         settled = without_doubtful(self.problem, self.model, self.known)
         return heldout_error(self.problem, fitted_together(self.problem.regression, settled))
+
+    def predicts_as_well_as(self, other: _Judged, worth: float) -> bool:
+        """Tell whether neither error is more than a factor above that of another model.
+
+        Args:
+            other: The other model.
+            worth: The factor [1].
+        """
+        return self.error <= worth * other.error and self.settled_error <= worth * other.settled_error
 
 
 def _parts(problem: WhitenedProblem, others: Dynamics, body: Term) -> Iterator[Effect]:
