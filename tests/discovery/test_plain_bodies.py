@@ -49,6 +49,12 @@ def test_a_body_stays_on_an_arm_that_it_explains_wholly(robot):
     assert named(robot, hidden, found, bump=0.3) >= {ROTORS[0]}
 
 
+@pytest.mark.parametrize(("mass", "stays"), [(0.015, False), (0.03, True)])
+def test_a_body_must_predict_three_percent_better(robot, mass, stays):
+    wrong = f"link_inertia@joint2: mass={mass}, first_moment_x={mass / 5}, first_moment_z={-mass / 3}"
+    assert ("link_inertia@joint2" in named(robot, [wrong])) == stays
+
+
 def test_a_link_that_is_wrong_stays(robot):
     assert named(robot, ["link_inertia@joint2: mass=0.5, first_moment_x=0.1, first_moment_z=-0.2"]) == {
         "link_inertia@joint2"
