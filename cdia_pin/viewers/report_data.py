@@ -53,6 +53,7 @@ class JointReport(TypedDict):
     heldout: float | None
     floor: float | None
     structure_left: bool
+    rests: bool
     time: OverTime
     cloud: Cloud
     against: dict[str, Against]
@@ -224,6 +225,7 @@ def joint_data(
         "heldout": None if found is None else compact_one(found.trace[-1].heldout_rms[j]),
         "floor": None if found is None else compact_one(found.noise_floor[j]),
         "structure_left": found is not None and joint in found.structure_left,
+        "rests": found is not None and not bool(found.counted[j]),
         "time": over_time(before, after, j, points),
         "cloud": cloud(before, after, j, points),
         "against": {s: against(s, before, after, joint, j) for s in SIGNALS},

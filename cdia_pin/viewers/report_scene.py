@@ -78,7 +78,7 @@ def _name(step: Step) -> str:
 
 def _label(step: Step, found: Discovery) -> str:
     share = step.rms / np.maximum(found.torque_rms, 1e-12)
-    worst = int(np.argmax(share))
+    worst = int(np.argmax(np.where(found.counted, share, -1.0)))
     joint = short_names(found.model.robot.joints)[found.model.robot.joints[worst]]
     mean = percent(mean_share(step.rms, found))
     return f"error {mean} of the torque, most on {joint}: {percent(float(share[worst]))}"

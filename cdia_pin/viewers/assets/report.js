@@ -5,7 +5,7 @@ const IMPROVED = DATA.joints.some((j) => j.after);
 const share = (j, rms) => rms / Math.max(j.torque_rms, 1e-12);
 
 function mostTelling() {
-  const gains = DATA.joints.map((j) => share(j, j.before.rms) - (j.after ? share(j, j.after.rms) : 0));
+  const gains = DATA.joints.map((j) => (j.rests ? -Infinity : share(j, j.before.rms) - (j.after ? share(j, j.after.rms) : 0)));
   return DATA.joints[gains.indexOf(Math.max(...gains))].name;
 }
 
@@ -156,7 +156,7 @@ function errors() {
   const bar = (s, style) => h("i", { class: style, style: "width:" + (100 * s) / largest + "%" });
   const both = (j, rms, style, torque = j.torque_rms) => [right("td", withUnit(rms, j.units.load), style), right("td", rms === null ? "–" : percent(rms / Math.max(torque, 1e-12)), style)];
   const rows = DATA.joints.map((j) => [
-    h("td", {}, j.name, j.structure_left ? h("div", { class: "soft" }, "structure is left") : null),
+    h("td", {}, j.name, j.rests ? h("div", { class: "soft" }, "rests: in no mean") : j.structure_left ? h("div", { class: "soft" }, "structure is left") : null),
     right("td", withUnit(j.torque_rms, j.units.load)),
     ...both(j, j.before.rms, "b"),
     ...(j.after ? both(j, j.after.rms, "a") : []),
