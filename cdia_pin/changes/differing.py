@@ -86,14 +86,12 @@ class Differing:
         logs = tuple(s.state.log for s in experiment.segments[before:])
         changes: dict[Difference, ColumnGroup] = {}
         searched: dict[str, int] = {}
-        asked = (*(settings.effects or ()), *settings.expected)
         # a change is a difference between the logs, so no candidate has parameters per log besides
         present = {t.label: t.effect for t in model.terms}
         for every in enumerate_candidates(experiment, prediction, replace(settings, per_log=())):
             label, joints = every[0].label, every[0].acts_on(robot)
             # a model may have an unusual effect only because it describes its log
-            unusual = every[0].plausibility.unusual and every[0].name not in asked
-            if unusual or not used[:, list(joints)].any():
+            if settings.is_unusual(every[0]) or not used[:, list(joints)].any():
                 continue
             # what the model has may change its size, not its shape
             family = [present[label]] if label in present else every

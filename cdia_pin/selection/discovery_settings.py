@@ -323,12 +323,12 @@ class DiscoverySettings:
         return self.effects is None or set(names) <= set(self.effects)
 
     def is_unusual(self, effect: Effect) -> bool:
-        """Tell whether an arm in use hardly ever has an effect, and the user does not expect it.
+        """Tell whether an arm in use hardly ever has an effect, and the user neither expects it nor asks for it.
 
         Args:
             effect: The effect.
         """
-        return effect.plausibility.unusual and effect.name not in self.expected
+        return effect.plausibility.unusual and effect.name not in (*self.expected, *(self.effects or ()))
 
     __repr__ = settings_repr
 
