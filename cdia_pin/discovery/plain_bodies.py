@@ -29,9 +29,9 @@ PARTS = (RotorInertia, TorqueOffset)  # what a body is to a single joint: inerti
 def with_plain_bodies(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
     """Return a model without the bodies that rotors and offsets of their joints replace, the least certain first.
 
-    They do if blocks of time that were not fitted are predicted about as well with them as with all bodies, also without
-    the effects of either model that may be nothing. Bodies of an arm that they explain wholly stay, for they are no coincidence. So do they
-    where every link may be wrong.
+    They do if blocks of time that were not fitted are predicted about as well with them as with all bodies, also
+    without the effects of either model that may be nothing. Bodies of an arm that they explain wholly stay, for they
+    are no coincidence. So do they where every link may be wrong.
 
     Args:
         problem: The logs and their noise.
