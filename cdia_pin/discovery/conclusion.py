@@ -124,9 +124,8 @@ def conclusion(
         x / np.maximum(torque, 1e-12) for x in (misfit.floor, experiment.resolution, logs.rms(final))
     )
     structure = misfit.left | stands_out(residual, np.maximum(floor, resolution), settings.practice)
-    structure &= (
-        experiment.joints_that_move
-    )  # static friction carries an unknown part of the load of the others
+    # static friction carries an unknown part of the load of the other joints
+    structure &= experiment.joints_that_move
     left = _where(structure, final.robot)
     return Discovery(
         model=replace(final, learned_from=tuple(s.motion for s in experiment.segments)),
