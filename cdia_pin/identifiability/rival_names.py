@@ -21,6 +21,17 @@ FINER: dict[type[Effect], tuple[type[Effect], ...]] = {**REFINED, QuadraticFrict
 def has_another_name(term: Term, confusions: Iterable[Confusion], robot: RobotModel) -> bool:
     """Tell whether other effects explain the logs as well as a term, and say something else of the arm.
 
+    Args:
+        term: The term.
+        confusions: What the logs hardly distinguish from it.
+        robot: The arm.
+    """
+    return bool(other_names(term, confusions, robot))
+
+
+def other_names(term: Term, confusions: Iterable[Confusion], robot: RobotModel) -> list[Confusion]:
+    """Return the other explanations of a term that say something else of the arm.
+
     Coulomb and viscous friction have no other name: every joint has them, and whatever resembles them is rarer.
 
     Args:
@@ -29,8 +40,8 @@ def has_another_name(term: Term, confusions: Iterable[Confusion], robot: RobotMo
         robot: The arm.
     """
     if is_plain(term.effect):
-        return False
-    return any(len(c.effects) > 1 or not _same(term.effect, c.effects[0], robot) for c in confusions)
+        return []
+    return [c for c in confusions if len(c.effects) > 1 or not _same(term.effect, c.effects[0], robot)]
 
 
 def _same(named: Effect, other: Effect, robot: RobotModel) -> bool:

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.discovery.groups import group_of
+from cdia_pin.identifiability.rival_names import other_names
 from cdia_pin.viewers.words import effect_name, listed, short_names
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Discovery, Step
     from cdia_pin.effects import Effect, Term
     from cdia_pin.identifiability import Confusion
+    from cdia_pin.robot.model import RobotModel
 
 MOST_RIVALS = 2  # other explanations of an effect that are named before they are counted
 MOST_JOINTS = 3  # joints that a line names before it counts the others
@@ -46,6 +48,20 @@ class EffectGroup:
         """
         where = list(dict.fromkeys(j for s in self.steps for j in term_of(s).effect.scope))
         return f"{self.name}{' changed' if self.changed else ''}{on_joints(where, joints)}"
+
+    def words_with_rival(self, robot: RobotModel) -> str:
+        """Return ``link inertia on elbow (or joint spring)``: of a single effect also what else it may be.
+
+        Args:
+            robot: The arm.
+        """
+        said, term = self.words(robot.joints), term_of(self.steps[0])
+        others = rivals(term.effect, other_names(term, self.steps[0].confusions, robot))
+        if len(self.steps) > 1 or not others:
+            return said
+        scope = others[0].effects[0].scope
+        where = "" if scope == term.effect.scope else on_joints(scope, robot.joints)
+        return f"{said} (or {' with '.join(map(effect_name, others[0].effects))}{where})"
 
 
 def term_of(step: Step) -> Term:
@@ -113,4 +129,9 @@ def rivals(effect: Effect, confusions: Sequence[Confusion]) -> list[Confusion]:
         effect: The effect.
         confusions: Its other explanations.
     """
-    return sorted(confusions, key=lambda c: not all(set(e.scope) <= set(effect.scope) for e in c.effects))
+
+    def elsewhere(confusion: Confusion) -> bool:
+        scopes = [e.scope for e in confusion.effects]
+        return not all(s == effect.scope or (s and set(s) <= set(effect.scope)) for s in scopes)
+
+    return sorted(confusions, key=elsewhere)

@@ -41,7 +41,7 @@ def short_answer(found: Discovery) -> list[tuple[str, str]]:
     lines = [(VERDICTS[found.verdict], fell), ("where it fails", _where(found))]
     groups, joints = effect_groups(found), found.model.robot.joints
     for confidence in (Confidence.ESTABLISHED, Confidence.LIKELY):
-        named = [g.words(joints) for g in groups if g.confidence is confidence]
+        named = [g.words_with_rival(found.model.robot) for g in groups if g.confidence is confidence]
         if named or confidence is Confidence.ESTABLISHED:
             lines.append((str(confidence), "; ".join(named) or "nothing"))
     if found.resting and found.steps:

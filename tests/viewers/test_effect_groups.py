@@ -7,7 +7,8 @@ import pytest
 
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import CoulombFriction, Payload, Term, TorqueOffset, ViscousFriction
+from cdia_pin.effects import CoulombFriction, Payload, Term, TorqueOffset, ViscousFriction, parse_effect
+from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.robot import load_robot
 from cdia_pin.viewers import verdict_sentences
 from cdia_pin.viewers.effect_groups import effect_groups, on_joints, rivals
@@ -47,6 +48,23 @@ def test_groups_come_in_the_order_of_trust(mixed):
         ("likely", "torque offset on joint2"),
         ("descriptive", "payload"),
     ]
+
+
+@pytest.mark.parametrize(
+    ("rivals", "said"),
+    [
+        (("payload",), "torque offset on joint2 (or payload)"),
+        (("payload", "actuator_gain@joint2"), "torque offset on joint2 (or actuator gain)"),
+        (("joint_spring@joint3",), "torque offset on joint2 (or joint spring on joint3)"),
+        (("joint_spring@joint2",), "torque offset on joint2"),  # a finer drawing of the same
+        ((), "torque offset on joint2"),
+    ],
+)
+def test_a_likely_effect_is_said_with_what_else_it_may_be(mixed, rivals, said):
+    confusions = tuple(Confusion((parse_effect(r),), "sweep the joint slowly") for r in rivals)
+    steps = [replace(s, confusions=confusions) if s.confidence is LIKELY else s for s in mixed.steps]
+    found = replace(mixed, trace=(mixed.trace[0], *steps))
+    assert dict(short_answer(found))["likely"] == said
 
 
 def test_every_effect_is_in_one_group(mixed):
