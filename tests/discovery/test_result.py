@@ -28,7 +28,7 @@ KEYS = {
         "torque_rms",
         "heldout_torque_rms",
     ),
-    *("structure_left", "ranking", "findings", "record"),
+    *("structure_left", "resting", "ranking", "findings", "record"),
 }
 
 
