@@ -84,7 +84,7 @@ def capability_of(
     """
     ratio = np.sqrt(settings.least_share / (1 - settings.least_share))
     noticed = np.maximum(ratio * error, settings.least_torque * torque)
-    noticed[(noticed == 0) | ~experiment.joints_that_move] = np.inf  # no sample counts
+    noticed[(noticed == 0) | ~experiment.joints_that_move] = np.inf  # no sample counts, or it rests
     states = [s.state for s in experiment.segments]
     body = np.vstack([Payload().basis(x)[:, :, 0] for x in states])
     jacobian = np.vstack([np.asarray(experiment.robot.tool_jacobian(x.q))[:, :3, :] for x in states])

@@ -96,7 +96,7 @@ def rest_words(found: Discovery) -> str:
     Args:
         found: The outcome of ``discover``, with joints at rest.
     """
-    if len(found.resting) == len(found.model.robot.joints):
+    if found.counted.all():  # none moves
         return "what they show is likely at most"
     return "what only joints at rest show is descriptive, and their error is in no mean"
 

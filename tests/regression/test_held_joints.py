@@ -1,5 +1,7 @@
 """A joint at rest tells its load only if its motor carries it: a brake or static friction says nothing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.viewers.short_answer import short_answer
-from cdia_pin.viewers.verdict import mean_share, verdict_sentences
+from cdia_pin.viewers.verdict import mean_share, rest_words, verdict_sentences
 from tests.made_logs import motion
 
 
@@ -62,6 +64,10 @@ def test_what_only_a_joint_at_rest_shows_is_descriptive_and_in_no_mean(robot):
     first = found.trace[0]
     assert mean_share(first.rms, found) == pytest.approx(first.rms[0] / found.torque_rms[0])
     assert "joint2" not in found.structure_left
+    assert "descriptive" in rest_words(found)
+    none_moves = replace(found, held=("joint1",))  # one rests, a brake holds the other
+    assert none_moves.counted.all()
+    assert rest_words(none_moves) == "what they show is likely at most"
     assert list(found.to_dict()["capability"]["friction"]) == ["joint1"]
     assert "at rest, and static friction carries a part of its load" in " ".join(verdict_sentences(found))
     assert dict(short_answer(found))["at rest"].startswith("joint2")
