@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 
 CHROMIUM = shutil.which("chromium")
+# Pages are put together without a graphics card; only what WebGL draws goes through its substitute. If the whole page
+# did, each picture of a moving arm would hold up all that the page does, by seconds on a slow machine.
 OPTIONS = (
     "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--disable-background-networking",
     "--disable-component-update",
