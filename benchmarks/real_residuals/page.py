@@ -39,11 +39,8 @@ def page(
     """
     by_name = {b.id: b for b in bases}
     rows = [*targets(PARTS, outcomes), *truths(outcomes, by_name), *stability(by_name, repeats)]
-    sample = "" if whole else "**Some of the cases only, not the results.** "
     parts = [
-        f"# Known effects on real residuals\n\n{sample}{made_by(command, PACKAGES)}",
-        f"{_how(outcomes, suite)} The logs have licences of their own and do not ship. The monitor with an effect from "
-        "the middle of B on is in [its own page](results-monitored-logs.md).",
+        *(_opening(outcomes, command, suite, whole) if outcomes else _opening_of_untouched(command)),
         "## Must show",
         table(MUST_SHOW, [r for r in rows if whole or r[-2]]),  # of so many cases
         *_tables(outcomes),
@@ -51,6 +48,24 @@ def page(
         *fell_short(outcomes),
     ]
     return "\n\n".join(parts) + "\n"
+
+
+def _opening(outcomes: Sequence[Outcome], command: str, suite: str, whole: bool) -> tuple[str, str]:
+    sample = "" if whole else "**Some of the cases only, not the results.** "
+    return (
+        f"# Known effects on real residuals\n\n{sample}{made_by(command, PACKAGES)}",
+        f"{_how(outcomes, suite)} The logs have licences of their own and do not ship. The monitor with an effect from "
+        "the middle of B on is in [its own page](results-monitored-logs.md).",
+    )
+
+
+def _opening_of_untouched(command: str) -> tuple[str, str]:
+    return (
+        f"# What is found in measured logs as they are\n\n{made_by(command, PACKAGES)}",
+        "`discover` on each measured log, on its halves, and on the log as if it had been recorded otherwise; nothing "
+        "is put into them. The logs have licences of their own and do not ship. Known effects that are put into them "
+        "are in [a page of their own](results-real-residuals.md).",
+    )
 
 
 def page_of_arm(arm: str, outcomes: Sequence[Outcome], command: str, suite: str) -> str:

@@ -24,6 +24,7 @@ from cdia_pin.diagnosis.joint_gram import symmetric
 from cdia_pin.diagnosis.kernel_cache import first_call
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.effects import Effect
+from cdia_pin.regression.intervals import NORMAL_95
 from cdia_pin.regression.scaled_gram import ScaledGram
 
 Array = NDArray[np.float64]
@@ -33,7 +34,6 @@ RANK_CUTOFF = 1e-15  # eigenvalues of the scaled normal equations that count as 
 # On measured arms the right names of joints explained 0.94 and more, and a push that was taken for one 0.58. A payload
 # that was none explained 0.65; it was named at a limit of 0.5.
 LEAST_EXPLAINED = 0.75  # [1], share of the residual's mean square that a name must explain
-NORMAL_95 = 1.96  # [1], standard deviations to either side of a 95 % interval
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from cdia_pin.discovery.beyond_model import discover_beyond, is_known
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
 from cdia_pin.discovery.doubted_effects import doubted, harmful, predicts_as_well
+from cdia_pin.discovery.drive_gains import costs_less, with_drive_gains
 from cdia_pin.discovery.plain_bodies import with_plain_bodies
 from cdia_pin.discovery.plain_forms import with_plain_forms
 from cdia_pin.discovery.plain_friction import with_plain_friction
@@ -100,7 +101,12 @@ def discover_in(
     model = with_parameters_per_log(model, problem.experiment.logs, apart)
     report("estimating the noise", 0.05)
     first = problem.without_rest_of(t.effect for t in model.terms).with_first_noise(model)
-    whitened, found = _searched(first, model, start or model, part(report, 0.1, 0.6), keep)
+    whitened, found = _searched(first, model, start or model, part(report, 0.1, 0.5), keep)
+    with_gains = with_drive_gains(whitened, found, model)
+    if with_gains is not None:
+        again, other = _searched(whitened, model, with_gains, part(report, 0.5, 0.6), keep)
+        if costs_less(whitened, other, found):
+            whitened, found = again, other
     with_links = with_every_link(whitened, found)
     if with_links is not None:
         answer = _answer(

@@ -14,13 +14,13 @@ from cdia_pin.fleet.onset import find_onset
 from cdia_pin.fleet.regressors import regressor_columns
 from cdia_pin.fleet.robust_fit import robust_fit, usual_deviations
 from cdia_pin.fleet.step_search import FEWEST_BEFORE, CourseStep, deviations_to_pass, find_steps
+from cdia_pin.regression.intervals import NORMAL_95
 
 Array = NDArray[np.float64]
 
 MOST_LOOKS = 200  # times [1] at which a long course is looked at; each look is a fit
 NOTICED_AFTER = 7  # logs [1] after which it is asked how large a change must be to be noticed
 DISAGREEMENT = 0.01  # probability [1] below which a few logs do not agree
-INTERVAL = 1.96  # half width of a 95 % interval over the standard deviation [1]
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ class CourseTrend:
         from scipy.special import chdtrc
 
         value, half = self.course.value[self.compared], self.course.half_width[self.compared]
-        weight = (INTERVAL / np.maximum(half, 1e-300)) ** 2
+        weight = (NORMAL_95 / np.maximum(half, 1e-300)) ** 2
         mean = np.sum(weight * value) / np.sum(weight)
         return bool(chdtrc(len(value) - 1, float(np.sum(weight * (value - mean) ** 2))) > DISAGREEMENT)
 
@@ -168,14 +168,14 @@ def trend_of(course: Course, limit: float, *, temperature: bool = True) -> Cours
             course.logs[last],
             course.recorded[last],
             onset.size,
-            INTERVAL * onset.deviation,
+            NORMAL_95 * onset.deviation,
             float(onset.fit.coefficients[0]),
             max(abs(s.z) for _, s in looks),
             lasts,
             onset.logs,
         )
         fit = onset.fit if lasts else fit
-    half_widths = INTERVAL * fit.deviations
+    half_widths = NORMAL_95 * fit.deviations
     regressors = tuple(
         Regressor(name, unit, float(fit.coefficients[k]), float(half_widths[k]))
         for k, (name, unit) in enumerate(units.items(), start=1)
@@ -212,4 +212,4 @@ def _mean(value: Array, deviation: Array) -> tuple[float, float]:
     weight = 1.0 / (usual_deviations(deviation) ** 2 + 1e-300)
     mean = float(np.sum(weight * value) / np.sum(weight))
     excess = float(np.sum(weight * (value - mean) ** 2)) / max(len(value) - 1, 1)
-    return mean, INTERVAL * float(np.sqrt(max(excess, 1.0) / np.sum(weight)))
+    return mean, NORMAL_95 * float(np.sqrt(max(excess, 1.0) / np.sum(weight)))

@@ -23,6 +23,7 @@ from cdia_pin.fleet.fleet_settings import FleetFitSettings
 from cdia_pin.logs.motion import Motion
 from cdia_pin.regression.block_evidence import BlockEvidence
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
+from cdia_pin.regression.intervals import NORMAL_95
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from cdia_pin.robot.model import RobotModel
@@ -33,7 +34,6 @@ ROUNDS = 2  # rounds of weighting [1], because weights and residuals depend on e
 NEGLIGIBLE = (
     1e-6  # torque of one unit of a parameter over the joint's [1], below which rounding decides its value
 )
-DEVIATIONS = 1.96  # half width of a 95 % interval of a normal distribution over its standard deviation [1]
 
 
 @dataclass(frozen=True, repr=False)
@@ -216,7 +216,7 @@ class LogFit:
         """Columns of what may move within its interval only; what has no interval stays as it is."""
         out = []
         for term in self.effects.held:
-            scale = term.half_widths / DEVIATIONS
+            scale = term.half_widths / NORMAL_95
             if (scale > 0).any():
                 columns = self._columns_of(term.effect) * (scale > 0)
                 out.append(

@@ -20,11 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.bank import Bank
-from cdia_pin.diagnosis.isolation import LEAST_EXPLAINED, NORMAL_95
+from cdia_pin.diagnosis.isolation import LEAST_EXPLAINED
 from cdia_pin.diagnosis.joint_gram import ridge_inverse
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.whole_arm import isolation_kernel
 from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
+from cdia_pin.regression.intervals import NORMAL_95
 
 Array = NDArray[np.float64]
 
