@@ -159,7 +159,7 @@ def test_a_place_that_cannot_be_written_is_an_error_of_ours(results, tmp_path):
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 QUIET = (
-    "--headless --no-sandbox --enable-unsafe-swiftshader "
+    "--headless --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader "
     "--disable-background-networking --disable-component-update --disable-sync --no-first-run "
     "--enable-logging=stderr --dump-dom"
 )
