@@ -11,9 +11,9 @@ from dataclasses import replace
 
 from cdia_pin.discovery.certain_effects import with_certain
 from cdia_pin.discovery.one_by_one import heldout_error
+from cdia_pin.discovery.plain_bodies import found_bodies
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ActuatorGain, Effect
-from cdia_pin.effects.body import Body
 from cdia_pin.regression.gauss_newton import DIVERGED
 from cdia_pin.selection.problem import WhitenedProblem
 from cdia_pin.selection.search import fitted
@@ -32,8 +32,7 @@ def with_drive_gains(problem: WhitenedProblem, found: Dynamics, given: Dynamics)
         found: The model that a search ended with.
         given: The model before it; its terms stay.
     """
-    known = {t.label for t in given.terms}
-    bodies = [t for t in found.terms if isinstance(t.effect, Body) and t.label not in known]
+    bodies = found_bodies(found, given)
     gains = _gains_beside(problem, found)
     if not bodies or len(gains) < FEWEST or not problem.problem.lack_of_fit(found).left.any():
         return None

@@ -41,7 +41,7 @@ def with_plain_bodies(problem: WhitenedProblem, model: Dynamics, given: Dynamics
     known = {t.label for t in given.terms}
     if not problem.settings.may_find(kind.name for kind in PARTS):
         return model
-    bodies = [t for t in model.terms if isinstance(t.effect, Body) and t.label not in known]
+    bodies = found_bodies(model, given)
     if not bodies or has_every_link(model) or not problem.problem.lack_of_fit(model).left.any():
         return model
     repeat = Repeat.of(problem.problem, model)
@@ -56,6 +56,17 @@ def with_plain_bodies(problem: WhitenedProblem, model: Dynamics, given: Dynamics
             if plain.predicts_as_well_as(with_bodies, worth):
                 now = plain
     return now.model
+
+
+def found_bodies(model: Dynamics, given: Dynamics) -> list[Term]:
+    """Return the bodies of a model that the model before the discovery has not.
+
+    Args:
+        model: The model.
+        given: The model before.
+    """
+    known = {t.label for t in given.terms}
+    return [t for t in model.terms if isinstance(t.effect, Body) and t.label not in known]
 
 
 @dataclass(frozen=True)

@@ -211,7 +211,7 @@ class ConfidenceSettings:
             the bodies, up to which rotors and offsets are named [1]. On measured arms it is 1.01 to 1.03 for links that
             are as the maker says, and 1.05 to 2.6 for a hand, a tool, or a link that is wrong. The same ratio decides
             whether drive gains are tried in the place of bodies: it is 0.86 where two gains are known to be wrong, and
-            1.2 to 3.1 on arms whose gains are right.
+            1.2 to 3.1 on arms whose gains nobody doubts.
         worth_of_refinement: Held-out error of a joint with a plain effect, over that with a refined form of it, up to
             which the plain one is named [1].
         clear_refinement: The same ratio above which a refinement stays even if the plain effects of all joints together

@@ -3,13 +3,9 @@
 import numpy as np
 import pytest
 
-from cdia_pin import Dynamics, Log, load_robot
+from cdia_pin import load_robot
 from cdia_pin.discovery.drive_gains import costs_less, with_drive_gains
-from cdia_pin.effects import parse_term
-from cdia_pin.regression.gauss_newton import fitted_together
-from cdia_pin.selection import DiscoverySettings
-from cdia_pin.selection.problem import Problem
-from tests.made_logs import motion
+from tests.bumped_arms import bumped
 
 LINKS = ("link_inertia@joint1: mass=0.1", "link_inertia@joint2: mass=0.1")
 UNLIKE = (0.6, 1.5)  # what the drives report over what they give [1]; no masses do that
@@ -23,16 +19,7 @@ def robot():
 
 def found_and_gains(robot, scale, hidden=(), found=LINKS, given=(), effects=None, bump=0.15):
     """Return the problem, a found model with bodies, and what takes its place on an arm with a bump without a name."""
-    t, q, v, a = motion(robot.n, 5, duration=24.0)
-    effort = Dynamics(robot, tuple(parse_term(h) for h in hidden)).inverse_dynamics(q, v, a)
-    effort[:, 1] += bump * np.exp(-(((q[:, 1] - np.median(q[:, 1])) / 0.15) ** 2))
-    effort = effort * scale + np.random.default_rng(0).normal(0.0, 0.01, effort.shape)
-    logs = Problem.conditioned(
-        robot, [Log(robot.joints, t, q, effort)], [], DiscoverySettings(effects=effects)
-    )
-    before = Dynamics(robot, tuple(parse_term(g) for g in given))
-    problem = logs.around(before).with_first_noise(before)
-    model = fitted_together(problem.regression, Dynamics(robot, tuple(map(parse_term, (*given, *found)))))
+    problem, model, before = bumped(robot, hidden, found, given, effects, bump, scale)
     return problem, model, with_drive_gains(problem, model, before)
 
 

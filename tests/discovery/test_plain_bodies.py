@@ -1,15 +1,10 @@
 """Plain bodies: a body gives way to rotors and offsets that predict as well, and stays where masses are wrong."""
 
-import numpy as np
 import pytest
 
-from cdia_pin import Dynamics, Log, load_robot
+from cdia_pin import load_robot
 from cdia_pin.discovery.plain_bodies import with_plain_bodies
-from cdia_pin.effects import parse_term
-from cdia_pin.regression.gauss_newton import fitted_together
-from cdia_pin.selection import DiscoverySettings
-from cdia_pin.selection.problem import Problem
-from tests.made_logs import motion
+from tests.bumped_arms import bumped
 
 LINK = "link_inertia@joint2: mass=0.1"
 ROTORS = ("rotor_inertia@joint1", "rotor_inertia@joint2")
@@ -22,18 +17,7 @@ def robot():
 
 def named(robot, hidden, found=(LINK,), given=(), effects=None, bump=0.3):
     """Return the effects that a found model ends with, on an arm with hidden effects and a bump that has no name."""
-    t, q, v, a = motion(robot.n, 5, duration=24.0)
-    arm = Dynamics(robot, tuple(parse_term(h) for h in hidden))
-    effort = arm.inverse_dynamics(q, v, a)
-    effort[:, 1] += bump * np.exp(-(((q[:, 1] - np.median(q[:, 1])) / 0.15) ** 2))
-    effort += np.random.default_rng(0).normal(0.0, 0.01, effort.shape)
-    logs = Problem.conditioned(
-        robot, [Log(robot.joints, t, q, effort)], [], DiscoverySettings(effects=effects)
-    )
-    before = Dynamics(robot, tuple(parse_term(g) for g in given))
-    problem = logs.around(before).with_first_noise(before)
-    model = fitted_together(problem.regression, Dynamics(robot, tuple(map(parse_term, (*given, *found)))))
-    return {t.label for t in with_plain_bodies(problem, model, before).terms}
+    return {t.label for t in with_plain_bodies(*bumped(robot, hidden, found, given, effects, bump)).terms}
 
 
 def test_a_body_that_follows_rotors_gives_way_to_them(robot):
