@@ -1,17 +1,24 @@
 """Unusual effects that nobody would believe leave a model that predicts as well without them.
 
 A measured arm differs from every model a little, in all joints. A fluid, a steady wrench or a tilt of the base follows
-some of that. Such an effect is not certain, but while it is in the model it bends the effects that are there. Effects
-of any kind that make the model predict worse than the given one are doubted too.
+some of that. Such an effect is not certain, but while it is in the model it bends the effects that are there, or takes
+their place, as a steady wrench that of a payload. Effects of any kind that make the model predict worse than the given
+one are doubted too.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from contextlib import suppress
+from dataclasses import replace
+
 from cdia_pin.discovery.one_by_one import heldout_error, is_no_worse, kept
 from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.progress import Progress
 from cdia_pin.regression.gauss_newton import DIVERGED
 from cdia_pin.selection.problem import WhitenedProblem
+from cdia_pin.selection.search import Swaps, search
 
 
 def doubted(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[str]:
@@ -28,6 +35,31 @@ def doubted(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[s
         return set()
     crowded = Repeat.of(problem.problem, found).crowded
     return {t.label for t in unusual if not crowded.is_beyond_doubt(t)}
+
+
+def plain_model(
+    problem: WhitenedProblem, model: Dynamics, found: Dynamics, doubt: Collection[str], report: Progress
+) -> Dynamics | None:
+    """Return a model without doubted effects that predicts as well as the one with them; None if there is none.
+
+    What was found beside a doubted effect may be there for that alone. So where a search from the others leads to no
+    such model, another one begins at the model as it is known.
+
+    Args:
+        problem: The logs and their noise.
+        model: The model as it is known.
+        found: The model with the doubted effects.
+        doubt: Their labels.
+        report: Called with what changed and the share done [1].
+    """
+    rest = problem.without(doubt)
+    others = replace(found, terms=tuple(t for t in found.terms if t.label not in doubt))
+    for start in (others, model):
+        with suppress(*DIVERGED):  # such a search leads nowhere
+            plain = search(rest, start, Swaps(), report)
+            if predicts_as_well(problem, plain, found):
+                return plain
+    return None
 
 
 def predicts_as_well(problem: WhitenedProblem, plain: Dynamics, found: Dynamics) -> bool:

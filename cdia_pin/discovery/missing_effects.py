@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import replace
 
 from cdia_pin.changes.conditions import changes_between, effects_that_differ, with_parameters_per_log
 from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.beyond_model import discover_beyond, is_known
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
-from cdia_pin.discovery.doubted_effects import doubted, harmful, predicts_as_well
+from cdia_pin.discovery.doubted_effects import doubted, harmful, plain_model
 from cdia_pin.discovery.drive_gains import costs_less, with_drive_gains
 from cdia_pin.discovery.plain_bodies import with_plain_bodies
 from cdia_pin.discovery.plain_forms import with_plain_forms
@@ -20,7 +19,7 @@ from cdia_pin.discovery.ranking import rank
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.log import Log, listed
 from cdia_pin.progress import Progress, part, silent
-from cdia_pin.regression.gauss_newton import DIVERGED, fitted_together
+from cdia_pin.regression.gauss_newton import DIVERGED
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.every_link import has_every_link, with_every_link
 from cdia_pin.selection.problem import Problem, WhitenedProblem
@@ -148,17 +147,11 @@ def _searched(
         found = search(problem, found, futile, now, keep)
         harm = harmful(problem, found, model)
         if doubt := (doubted(problem, found, model) | harm) - needed:
-            rest = problem.without(doubt)
-            kept = tuple(t for t in found.terms if t.label not in doubt)
-            try:
-                plain = fitted_together(rest.regression, replace(found, terms=kept))
-                plain = search(rest, plain, futile, now, keep)
-            except DIVERGED:
-                plain = found
-            if plain is not found and predicts_as_well(problem, plain, found):
-                problem, found = rest, plain
-            else:
+            plain = plain_model(problem, model, found, doubt, now)
+            if plain is None:
                 needed |= doubt - harm
+            else:
+                problem, found = problem.without(doubt), plain
         problem = problem.with_noise_left_by(found)
         if k > 0 and {t.label for t in found.terms} == before:
             break

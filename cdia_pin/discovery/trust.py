@@ -264,14 +264,19 @@ class Repeat:
         return self.is_visible(term) and crowded.is_visible(term) and crowded.is_beyond_doubt(term)
 
     def is_beyond_doubt(self, term: Term) -> bool:
-        """Tell whether an effect is as certain as its kind needs: an unusual one far more than others.
+        """Tell whether an effect is as certain as its kind needs, or clear of all others.
+
+        An unusual effect needs far more certainty than others, unless the others leave far more of its joints' torque.
 
         Args:
             term: A term of the model.
         """
-        settings = self.settings
-        least = settings.confidence.unusual_certainty if settings.is_unusual(term.effect) else 0.0
-        return self.certainty(term) >= least
+        rule = self.settings.confidence
+        if not self.settings.is_unusual(term.effect) or self.certainty(term) >= rule.unusual_certainty:
+            return True
+        one, joints = self._at[term.label], list(term.effect.acts_on(self.experiment.robot))
+        left = float(self._used[:, joints].sum())  # in units of what the model leaves
+        return float(self._beside(one).gain[one]) >= (rule.clear_of_others**2 - 1) * left
 
     def certainty(self, term: Term) -> float:
         """Return the estimate of an effect over its standard deviation [1], root mean square over the parameters.

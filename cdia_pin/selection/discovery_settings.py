@@ -204,9 +204,12 @@ class ConfidenceSettings:
         likely_share: Share of those repeats that a likely effect survives [1].
         unusual_certainty: The same certainty that a fluid, a steady wrench or a tilt needs beside all everyday effects
             unless the user expects it [1]. Such effects take in what everyday ones leave.
+        clear_of_others: Error that all others leave, everyday effects included, on the joints of an unusual effect and
+            on blocks of time that were not fitted, over the error with it, from which on it needs no such certainty
+            [1]. It is 2.4 or more for the springs of a Baxter, and 1.0 to 1.5 for what nobody believes on other arms.
         worth_of_doubted: Held-out error of a model without unusual effects that are not that certain, over the error
-            with them, up to which they are left out [1]. On measured arms it is 0.98 to 1.04; an elasticity that is
-            there, and hard to tell from a payload, is worth 1.08.
+            with them, up to which they are left out [1]. On measured arms it is 0.8 to 1.04, on an LWR4+ 1.06; an
+            elasticity that is there, and hard to tell from a payload, is worth 1.08.
         worth_of_bodies: Held-out error of a model with rotors and offsets in the place of bodies, over the error with
             the bodies, up to which rotors and offsets are named [1]. On measured arms it is 1.01 to 1.03 for links that
             are as the maker says, and 1.05 to 2.6 for a hand, a tool, or a link that is wrong. The same ratio decides
@@ -234,6 +237,7 @@ class ConfidenceSettings:
     least_shown: float = 0.5
     likely_share: float = 0.7
     unusual_certainty: float = 20.0
+    clear_of_others: float = 2.0
     worth_of_doubted: float = 1.05
     worth_of_bodies: float = 1.03
     worth_of_refinement: float = 1.1
