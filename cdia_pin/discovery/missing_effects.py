@@ -16,6 +16,7 @@ from cdia_pin.discovery.plain_bodies import with_plain_bodies
 from cdia_pin.discovery.plain_forms import with_plain_forms
 from cdia_pin.discovery.plain_friction import with_plain_friction
 from cdia_pin.discovery.ranking import rank
+from cdia_pin.discovery.weighed_payload import with_weighed_payload
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.log import Log, listed
 from cdia_pin.progress import Progress, part, silent
@@ -123,7 +124,7 @@ def _answer(
     report: Progress,
     findings: tuple[Phenomenon, ...],
 ) -> Discovery:
-    for plainer in (with_plain_friction, with_plain_forms, with_plain_bodies):
+    for plainer in (with_plain_friction, with_plain_forms, with_plain_bodies, with_weighed_payload):
         with suppress(*DIVERGED):  # then the model stays as it is
             found = plainer(problem, found, model)
     report("ranking the effects", 0.85)

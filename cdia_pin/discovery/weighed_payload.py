@@ -1,0 +1,38 @@
+"""A body at the end of the arm is a payload where the log shows its mass; where it does not, it is the last link.
+
+Makers often give the last link an inertia that nobody has measured. The body that mends it weighs nothing, and whoever
+reads of a payload looks for a load.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cdia_pin.discovery.plain_bodies import found_bodies
+from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import LinkInertia, Payload, Term
+from cdia_pin.regression.gauss_newton import fitted_together, refit
+from cdia_pin.regression.intervals import with_intervals
+from cdia_pin.selection.problem import WhitenedProblem
+
+
+def with_weighed_payload(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
+    """Return a model in which a payload whose mass may be nothing is part of the last link.
+
+    Args:
+        problem: The logs and their noise.
+        model: The fitted model.
+        given: The model before the discovery; its terms stay as they are.
+    """
+    robot = model.robot
+    link = LinkInertia(robot.tool_joint)
+    loads = [t for t in found_bodies(model, given) if isinstance(t.effect, Payload)]
+    if not loads or link.label not in {f[0].label for f in problem.problem.families}:
+        return model
+    fitted = with_intervals(*refit(problem.regression, model))
+    payload = fitted.find(loads[0].label)
+    if abs(payload.theta[0]) > payload.half_widths[0]:
+        return model
+    same = Term(link, tuple(Payload().in_joint_frame(np.array(payload.theta), robot)))
+    terms = (same if t is payload else t for t in fitted.terms)
+    return fitted_together(problem.regression, Dynamics(robot, tuple(terms)))
