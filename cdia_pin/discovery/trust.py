@@ -261,22 +261,29 @@ class Repeat:
         if is_everyday(term.effect):
             return self.is_visible(term)
         crowded = self.crowded
-        return self.is_visible(term) and crowded.is_visible(term) and crowded.is_beyond_doubt(term)
+        beside = crowded.is_clear(term) or (crowded.is_visible(term) and crowded.is_beyond_doubt(term))
+        return self.is_visible(term) and beside
 
     def is_beyond_doubt(self, term: Term) -> bool:
-        """Tell whether an effect is as certain as its kind needs, or clear of all others.
-
-        An unusual effect needs far more certainty than others, unless the others leave far more of its joints' torque.
+        """Tell whether an effect is as certain as its kind needs, an unusual one far more than others, or is clear.
 
         Args:
             term: A term of the model.
         """
-        rule = self.settings.confidence
-        if not self.settings.is_unusual(term.effect) or self.certainty(term) >= rule.unusual_certainty:
-            return True
+        usual = not self.settings.is_unusual(term.effect)
+        least = self.settings.confidence.unusual_certainty
+        return usual or self.certainty(term) >= least or self.is_clear(term)
+
+    def is_clear(self, term: Term) -> bool:
+        """Tell whether all others leave far more torque of its joints on blocks of time that were not fitted.
+
+        Args:
+            term: A term of the model.
+        """
         one, joints = self._at[term.label], list(term.effect.acts_on(self.experiment.robot))
         left = float(self._used[:, joints].sum())  # in units of what the model leaves
-        return float(self._beside(one).gain[one]) >= (rule.clear_of_others**2 - 1) * left
+        explained = float(self._beside(one).gain[one])
+        return self.survives(term) and explained >= (self.settings.confidence.clear_of_others**2 - 1) * left
 
     def certainty(self, term: Term) -> float:
         """Return the estimate of an effect over its standard deviation [1], root mean square over the parameters.

@@ -1,4 +1,4 @@
-"""A body at the end of the arm is a payload where the log shows its mass; where it does not, it is the last link.
+"""A body at the end of the arm is a payload where the log shows its weight; where it does not, it is the last link.
 
 Makers often give the last link an inertia that nobody has measured. The body that mends it weighs nothing, and whoever
 reads of a payload looks for a load.
@@ -15,9 +15,13 @@ from cdia_pin.regression.gauss_newton import fitted_together, refit
 from cdia_pin.regression.intervals import with_intervals
 from cdia_pin.selection.problem import WhitenedProblem
 
+PARAMETERS_OF_WEIGHT = (
+    4  # parameters of a body [1] that gravity acts on: its mass and its first moments, which come first
+)
+
 
 def with_weighed_payload(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
-    """Return a model in which a payload whose mass may be nothing is part of the last link.
+    """Return a model in which a payload whose weight may be nothing is part of the last link.
 
     Args:
         problem: The logs and their noise.
@@ -31,7 +35,8 @@ def with_weighed_payload(problem: WhitenedProblem, model: Dynamics, given: Dynam
         return model
     fitted = with_intervals(*refit(problem.regression, model))
     payload = fitted.find(loads[0].label)
-    if abs(payload.theta[0]) > payload.half_widths[0]:
+    weight = slice(PARAMETERS_OF_WEIGHT)
+    if np.any(np.abs(payload.theta[weight]) > payload.half_widths[weight]):
         return model
     same = Term(link, tuple(Payload().in_joint_frame(np.array(payload.theta), robot)))
     terms = (same if t is payload else t for t in fitted.terms)

@@ -204,9 +204,10 @@ class ConfidenceSettings:
         likely_share: Share of those repeats that a likely effect survives [1].
         unusual_certainty: The same certainty that a fluid, a steady wrench or a tilt needs beside all everyday effects
             unless the user expects it [1]. Such effects take in what everyday ones leave.
-        clear_of_others: Error that all others leave, everyday effects included, on the joints of an unusual effect and
-            on blocks of time that were not fitted, over the error with it, from which on it needs no such certainty
-            [1]. It is 2.4 or more for the springs of a Baxter, and 1.0 to 1.5 for what nobody believes on other arms.
+        clear_of_others: Error that all others leave, everyday effects included, on the joints of an effect and on
+            blocks of time that were not fitted, over the error with it, from which on it is visible beside them, and
+            an unusual one needs no such certainty [1]. It is 2.2 to 3.4 for the springs of a Baxter, and 1.0 to 1.5
+            for unusual effects that nobody believes on other arms.
         worth_of_doubted: Held-out error of a model without unusual effects that are not that certain, over the error
             with them, up to which they are left out [1]. On measured arms it is 0.8 to 1.04, on an LWR4+ 1.06; an
             elasticity that is there, and hard to tell from a payload, is worth 1.08.

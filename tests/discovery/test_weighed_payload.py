@@ -1,4 +1,4 @@
-"""A body at the end of the arm: a payload where its mass shows, the last link where only its inertia does."""
+"""A body at the end of the arm: a payload where its weight shows, the last link where only its inertia does."""
 
 import pytest
 
@@ -30,7 +30,7 @@ def test_a_load_is_a_payload(robot):
     assert named(robot, LOAD) == {"payload"}
 
 
-def test_an_inertia_without_a_mass_is_the_links(robot):
+def test_an_inertia_without_a_weight_is_the_links(robot):
     assert named(robot, INERTIA) == {"link_inertia@joint2"}
 
 
