@@ -261,8 +261,9 @@ class Repeat:
         if is_everyday(term.effect):
             return self.is_visible(term)
         crowded = self.crowded
-        beside = crowded.is_clear(term) or (crowded.is_visible(term) and crowded.is_beyond_doubt(term))
-        return self.is_visible(term) and beside
+        if crowded.is_clear(term):
+            return self.is_visible(term) and crowded.survives(term)
+        return self.is_visible(term) and crowded.is_visible(term) and crowded.is_beyond_doubt(term)
 
     def is_beyond_doubt(self, term: Term) -> bool:
         """Tell whether an effect is as certain as its kind needs, an unusual one far more than others, or is clear.
@@ -282,8 +283,7 @@ class Repeat:
         """
         one, joints = self._at[term.label], list(term.effect.acts_on(self.experiment.robot))
         left = float(self._used[:, joints].sum())  # in units of what the model leaves
-        explained = float(self._beside(one).gain[one])
-        return self.survives(term) and explained >= (self.settings.confidence.clear_of_others**2 - 1) * left
+        return float(self._beside(one).gain[one]) >= (self.settings.confidence.clear_of_others**2 - 1) * left
 
     def certainty(self, term: Term) -> float:
         """Return the estimate of an effect over its standard deviation [1], root mean square over the parameters.
