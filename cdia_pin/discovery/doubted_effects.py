@@ -38,23 +38,23 @@ def doubted(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[s
 
 
 def plain_model(
-    problem: WhitenedProblem, model: Dynamics, found: Dynamics, doubt: Collection[str], report: Progress
+    problem: WhitenedProblem, found: Dynamics, given: Dynamics, doubt: Collection[str], report: Progress
 ) -> Dynamics | None:
     """Return a model without doubted effects that predicts as well as the one with them; None if there is none.
 
     What was found beside a doubted effect may be there for that alone. So where a search from the others leads to no
-    such model, another one begins at the model as it is known.
+    such model, another one begins at the given model.
 
     Args:
-        problem: The logs and their noise.
-        model: The model as it is known.
+        problem: Logs, candidates and noise.
         found: The model with the doubted effects.
+        given: The model before the search.
         doubt: Their labels.
         report: Called with what changed and the share done [1].
     """
     rest = problem.without(doubt)
     others = replace(found, terms=tuple(t for t in found.terms if t.label not in doubt))
-    for start in (others, model):
+    for start in (others, given):
         with suppress(*DIVERGED):  # such a search leads nowhere
             plain = search(rest, start, Swaps(), report)
             if predicts_as_well(problem, plain, found):

@@ -148,7 +148,7 @@ def _searched(
         found = search(problem, found, futile, now, keep)
         harm = harmful(problem, found, model)
         if doubt := (doubted(problem, found, model) | harm) - needed:
-            plain = plain_model(problem, model, found, doubt, now)
+            plain = plain_model(problem, found, model, doubt, now)
             if plain is None:
                 needed |= doubt - harm
             else:

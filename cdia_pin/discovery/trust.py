@@ -258,12 +258,13 @@ class Repeat:
         Args:
             term: A term of the model.
         """
-        if is_everyday(term.effect):
-            return self.is_visible(term)
+        visible = self.is_visible(term)
+        if not visible or is_everyday(term.effect):
+            return visible
         crowded = self.crowded
         if crowded.is_clear(term):
-            return self.is_visible(term) and crowded.survives(term)
-        return self.is_visible(term) and crowded.is_visible(term) and crowded.is_beyond_doubt(term)
+            return crowded.survives(term)
+        return crowded.is_visible(term) and crowded.is_beyond_doubt(term)
 
     def is_beyond_doubt(self, term: Term) -> bool:
         """Tell whether an effect is as certain as its kind needs, an unusual one far more than others, or is clear.

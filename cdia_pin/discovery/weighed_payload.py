@@ -15,9 +15,8 @@ from cdia_pin.regression.gauss_newton import fitted_together, refit
 from cdia_pin.regression.intervals import with_intervals
 from cdia_pin.selection.problem import WhitenedProblem
 
-PARAMETERS_OF_WEIGHT = (
-    4  # parameters of a body [1] that gravity acts on: its mass and its first moments, which come first
-)
+# Parameters of a body [1] that gravity acts on: its mass and its first moments, which come first.
+PARAMETERS_OF_WEIGHT = 4
 
 
 def with_weighed_payload(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:

@@ -68,13 +68,13 @@ def test_what_no_other_effect_replaces_is_not_doubted_however_uncertain(robot):
     assert is_doubted(np.zeros_like, 1.5)
 
 
-def test_a_second_search_begins_at_the_model_as_it_is_known(robot, monkeypatch):
+def test_a_second_search_begins_at_the_given_model(robot, monkeypatch):
     """What was found beside a doubted effect may lead nowhere without it."""
     problem, found, plain = fitted(robot, ())
     monkeypatch.setattr(doubted_effects, "search", lambda problem, start, *_: start)
     doubt = {t.label for t in found.terms}
-    assert plain_model(problem, plain, found, doubt, silent) is plain
-    assert plain_model(problem, Dynamics(robot), found, doubt, silent) is None
+    assert plain_model(problem, found, plain, doubt, silent) is plain
+    assert plain_model(problem, found, Dynamics(robot), doubt, silent) is None
 
 
 def test_what_the_user_expects_or_has_given_is_not_doubted(robot):

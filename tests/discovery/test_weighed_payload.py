@@ -8,9 +8,8 @@ from tests.bumped_arms import bumped
 
 FOUND = ("payload: mass=0.1",)
 LOAD = "payload: mass=0.5, first_moment_z=-0.1, inertia_xx=0.03, inertia_yy=0.03, inertia_zz=0.01"
-INERTIA = (
-    "payload: inertia_xx=0.05, inertia_yy=0.05, inertia_zz=0.05"  # as of a link that nobody has measured
-)
+# as of a link that nobody has measured
+INERTIA = "payload: inertia_xx=0.05, inertia_yy=0.05, inertia_zz=0.05"
 
 
 @pytest.fixture(scope="module")
