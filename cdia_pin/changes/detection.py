@@ -156,7 +156,9 @@ def sized_changes(
     usual = run_to_run.usual(search, chosen, terms)
     slight = {u.joint for u in usual}
     out: list[Change] = []
-    for one, term in zip(chosen, terms, strict=True):
+    for one, fitted in zip(chosen, terms, strict=True):
+        torque = search.torque(one, np.array(fitted.theta))
+        term = run_to_run.allowed_for(fitted, torque)
         if term.may_be_nothing or (is_friction_of_joint(term.effect) and term.effect.scope[0] in slight):
             continue
         rest = [c for c in chosen if c != one]
@@ -166,17 +168,8 @@ def sized_changes(
         confidence = search.confidence(rest, one)
         if has_another_name(term, confusions, search.differing.experiment.robot):
             confidence = Confidence.LIKELY
-        torque = search.torque(one, np.array(term.theta))
-        out.append(
-            Change(
-                run_to_run.allowed_for(term, torque),
-                earlier.get(effects[one]),
-                torque,
-                (without - with_all) / 2,
-                confusions,
-                confidence,
-            )
-        )
+        lost = (without - with_all) / 2
+        out.append(Change(term, earlier.get(effects[one]), torque, lost, confusions, confidence))
     parts = _parts_of_others(found, out)
     if parts:
         whole = tuple(c for c in chosen if effects[c].effect.label not in parts)

@@ -1,4 +1,4 @@
-"""What several changes mean together: friction that falls on many joints at once is a warm arm, not many faults."""
+"""What changes mean: friction that falls on many joints is a warm arm, torques that all come later are a recorder."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from cdia_pin.changes.changes_result import Change
 from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
+from cdia_pin.effects import EffortDelay
 from cdia_pin.robot.model import RobotModel
 
 FEWEST = 3  # joints [1]; a change on fewer may be a fault of each of them
@@ -16,12 +17,17 @@ MOST_JOINTS = 0.5
 
 
 def findings_of(changes: Sequence[Change], robot: RobotModel) -> tuple[Phenomenon, ...]:
-    """Return the phenomena that explain several changes together.
+    """Return the phenomena behind changes: a cause of several of them, or one that is not in the arm.
 
     Args:
         changes: The changes.
         robot: The arm.
     """
+    return (*_temperature(changes, robot), *_recorder(changes, robot))
+
+
+def _temperature(changes: Sequence[Change], robot: RobotModel) -> tuple[Phenomenon, ...]:
+    """Return that the drives are warmer or colder, if friction fell or rose on most joints."""
     change_of: dict[str, float] = {}  # friction torque of each joint, relative to before where that is known
     for c in changes:
         if c.term.effect.traits.dissipative and c.term.effect.scope:
@@ -43,3 +49,18 @@ def findings_of(changes: Sequence[Change], robot: RobotModel) -> tuple[Phenomeno
         sentence = sentence.replace("rose on none", "fell on none")
     kind = PhenomenonKind.WARMING if fell else PhenomenonKind.COOLING
     return (Phenomenon(kind, tuple(change_of), sentence, {"median_growth": mean} if growth else {}),)
+
+
+def _recorder(changes: Sequence[Change], robot: RobotModel) -> tuple[Phenomenon, ...]:
+    """Return that the torques of all joints are recorded later or earlier, if one delay of them all changed."""
+    out = []
+    for c in changes:
+        if isinstance(c.term.effect, EffortDelay) and not c.term.effect.scope:
+            delay = c.term.theta[0]
+            sentence = (
+                f"the torques of all joints are recorded {1e3 * abs(delay):.2g} ms "
+                f"{'later' if delay > 0 else 'earlier'} beside the positions than before: that is how the logs were "
+                "recorded, or another controller, and not the arm"
+            )
+            out.append(Phenomenon(PhenomenonKind.RECORDER, robot.joints, sentence, {"delay": delay}))
+    return tuple(out)

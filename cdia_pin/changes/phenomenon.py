@@ -17,6 +17,7 @@ class PhenomenonKind(StrEnum):
     DRIFT = "drift"
     MEMORY = "memory"
     RUN_TO_RUN = "run-to-run"
+    RECORDER = "recorder"
 
 
 class PhenomenonJson(TypedDict):

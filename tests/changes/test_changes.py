@@ -142,6 +142,17 @@ def test_friction_that_falls_here_and_rises_there_is_no_temperature(ur5):
     assert findings_of(falls[:2], ur5) == ()
 
 
+def test_torques_that_all_come_later_are_said_to_be_the_recorders(ur5):
+    later = Change(Term(parse_effect("effort_delay"), (0.012,)), None, np.ones(ur5.n), 50.0)
+    (found,) = findings_of([later], ur5)
+    assert found.kind == "recorder"
+    assert "12 ms later" in found.sentence
+    of_one_joint = Change(
+        Term(parse_effect(f"effort_delay@{ur5.joints[0]}"), (0.012,)), None, np.ones(ur5.n), 50.0
+    )
+    assert findings_of([of_one_joint], ur5) == ()
+
+
 def regression(rng, scale=np.inf):
     parts = [
         ColumnGroup({0: rng.standard_normal((80, 3)), 1: rng.standard_normal((80, 3))}, np.full(3, scale)),

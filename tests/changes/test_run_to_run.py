@@ -62,15 +62,23 @@ def test_what_is_no_friction_differs_by_nothing_from_run_to_run(effect):
     assert arm(0.1, 0.1).allowed_for(seen, np.ones(2)) == seen
 
 
+def friction(*growth):
+    """Coulomb friction of all joints of a UR5, each with its growth [1]."""
+    levels = (6.0, 12.0, 6.0, 0.8, 0.8, 0.6)  # [N·m], enough for a few percent to be seen
+    pairs = zip(plant_of("ur5").joints, levels, growth, strict=True)
+    return tuple(Fault("coulomb_friction", joint=j, level=x * (1 + g)) for j, x, g in pairs)
+
+
+def test_friction_between_two_joints_is_no_change_where_it_is_no_more_than_is_usual():
+    before = friction(*[0.0] * 6)
+    for level, named in ((0.15, 0), (0.4, 1)):
+        between = Fault("coupled_friction", joint="elbow_joint", other="wrist_1_joint", level=level)
+        assert len(changed(before, (*before, between)).changes) == named
+
+
 def test_friction_of_all_joints_that_differs_a_little_is_no_change_and_wear_is():
     plant = plant_of("ur5")
-    levels = (6.0, 12.0, 6.0, 0.8, 0.8, 0.6)  # [N·m], enough for a few percent to be seen
     drift = (0.05, 0.06, -0.05, 0.06, 0.05, 0.05)
-
-    def friction(*growth):
-        pairs = zip(plant.joints, levels, growth, strict=True)
-        return tuple(Fault("coulomb_friction", joint=j, level=x * (1 + g)) for j, x, g in pairs)
-
     worn = (*drift[:2], 0.6, *drift[3:])
     found = changed(friction(*[0.0] * 6), friction(*worn))
     (change,) = found.changes
