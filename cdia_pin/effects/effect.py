@@ -195,6 +195,11 @@ class Effect(Scoped, ABC):
         """
         return True
 
+    @property
+    def simpler(self) -> Effect | None:
+        """The effect that it is where its parameters do not make it distinct; None if it always is."""
+        return None
+
     # ------------------------------------------------------------- on a robot and a motion
 
     def acts_on(self, robot: RobotModel) -> tuple[int, ...]:

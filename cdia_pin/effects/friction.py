@@ -148,6 +148,11 @@ class StribeckFriction(JointEffect):
         level, breakaway = theta
         return bool(breakaway >= LEAST_BREAKAWAY * level)
 
+    @property
+    def simpler(self) -> CoulombFriction:
+        """Friction of one level, where the breakaway does not count."""
+        return CoulombFriction(self.joint)
+
     def shape_grid(self, x: State) -> Sequence[Self]:
         """Return decays wide beside the smoothing of sgn and narrow beside the speeds driven.
 

@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects.friction import LARGEST_DECAY, LEAST_BREAKAWAY, stribeck_decays
+from cdia_pin.effects.friction import LARGEST_DECAY, LEAST_BREAKAWAY, LoadFriction, stribeck_decays
 from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.parameter import Parameter
 from cdia_pin.effects.plausibility import Plausibility
@@ -63,6 +63,11 @@ class LoadStribeckFriction(JointEffect):
         """
         coefficient, breakaway = theta
         return bool(breakaway >= LEAST_BREAKAWAY * coefficient)
+
+    @property
+    def simpler(self) -> LoadFriction:
+        """Friction of one coefficient, where the fall with speed does not count."""
+        return LoadFriction(self.joint)
 
     def shape_grid(self, x: State) -> Sequence[Self]:
         """Return decays that the motion can show, see `stribeck_decays`.

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cdia_pin.effects import Effect
 from cdia_pin.regression.bounded_fit import bounded_fit
 from cdia_pin.regression.normal_equations import NormalEquations
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.scaled_gram import ScaledGram
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.criterion import SelectionCriterion
@@ -145,6 +146,25 @@ class Evidence:
             self._fits[key, bodies] = SetFit(key, fit.theta, fit.chi2, cost, fit.possible, fit.physical)
         return self._fits[key, bodies]
 
+    def simpler_set(self, fit: SetFit) -> tuple[int, ...] | None:
+        """Return the set of a fit with simpler effects in the place of those that its parameters reduce to them.
+
+        Args:
+            fit: Fit of a set.
+
+        Returns:
+            Indices of the set; None if no effect reduces to another candidate.
+        """
+        effects = [self.effects[c] for c in fit.chosen]
+        simpler = {
+            c: self._index[e.simpler]
+            for c, e, part in zip(
+                fit.chosen, effects, ParameterBlocks.of(effects).split(fit.theta), strict=True
+            )
+            if not e.is_distinct(part) and e.simpler in self._index
+        }
+        return tuple(sorted({simpler.get(c, c) for c in fit.chosen})) if simpler else None
+
     def penalty_of(self, chosen: Sequence[int]) -> float:
         """Return the penalty of a set [1].
 
@@ -230,6 +250,10 @@ class Evidence:
         if key not in self._gains:
             self._gains[key] = self.equations.gains(key)
         return self._gains[key]
+
+    @cached_property
+    def _index(self) -> dict[Effect | None, int]:
+        return {e: i for i, e in enumerate(self.effects)}
 
     @cached_property
     def _bounded(self) -> dict[tuple[tuple[int, ...], tuple[int, ...]], float]:

@@ -9,6 +9,7 @@ import numpy as np
 from cdia_pin.selection.evidence import Evidence, SetFit
 
 Names = frozenset[str]
+Allowed = Callable[[tuple[int, ...]], bool]
 
 # Joints [1] that an effect may act on to be split or merged; all pairs of larger effects would take long.
 LOCAL = 2
@@ -18,9 +19,7 @@ TRIED = 5
 TRIED_IN_PAIRS = 3
 
 
-def improve(
-    evidence: Evidence, chosen: Sequence[int], allowed: Callable[[tuple[int, ...]], bool], *, most: int
-) -> SetFit | None:
+def improve(evidence: Evidence, chosen: Sequence[int], allowed: Allowed, *, most: int) -> SetFit | None:
     """Return the best set that one move leads to, or None if no move lowers the cost.
 
     Dropping comes before the other moves, so that an effect which has become needless never guides the search.
@@ -38,11 +37,11 @@ def improve(
     if needless:
         return min(needless, key=lambda f: f.cost)
     if len(now.chosen) < most:
-        additions = filter(allowed, _additions(evidence, now.chosen))
-        better = _cheapest(evidence, now, additions, now.cost - criterion.margin)
+        additions = _additions(evidence, now.chosen)
+        better = _cheapest(evidence, now, additions, allowed, now.cost - criterion.margin)
         if better is not None and (not now.physical or holds(evidence, now, better)):
             return better
-    exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
+    exchanges = list(_exchanges(evidence, now.chosen))
     # far above the noise, a small gain does not count
     margin = max(criterion.margin, criterion.exchange_share * (now.chi2 - evidence.samples))
 
@@ -50,28 +49,37 @@ def improve(
         return float(evidence.effective_parameters[list(chosen)].sum())
 
     simpler = [m for m in exchanges if len(m) <= len(now.chosen) or count(m) < count(now.chosen)]
-    better = _cheapest(evidence, now, simpler, now.cost - margin)
+    better = _cheapest(evidence, now, simpler, allowed, now.cost - margin)
     if better is not None:
         return better
     # two effects for one, with more parameters, must explain enough for the additional name
     least = float(np.max(evidence.least_gain[list(now.chosen)], initial=0.0))
-    return _cheapest(evidence, now, exchanges, now.cost - margin - least)
+    return _cheapest(evidence, now, exchanges, allowed, now.cost - margin - least)
 
 
 def _cheapest(
-    evidence: Evidence, now: SetFit, sets: Iterable[tuple[int, ...]], limit: float
+    evidence: Evidence, now: SetFit, sets: Iterable[tuple[int, ...]], allowed: Allowed, limit: float
 ) -> SetFit | None:
-    """Return the physical fit of least cost below a limit; sets whose bound is above the best are not fitted."""
+    """Return the physical fit of least cost below a limit; sets whose bound is above the best are not fitted.
+
+    A set that makes an effect reduce to a simpler one is tried with that one in its place: a friction that fell with
+    the speed may be plain once another effect is there.
+    """
     best = None
-    for bound, chosen in sorted((evidence.bound(c), c) for c in {tuple(sorted(c)) for c in sets}):
+    for bound, chosen in sorted(
+        (evidence.bound(c), c) for c in {tuple(sorted(c)) for c in filter(allowed, sets)}
+    ):
         if bound >= (best.cost if best else limit):
             break
         below = best.cost if best else limit
         if evidence.bounded_chi2(chosen, now) + evidence.penalty_of(chosen) >= below:
             continue
         rough = evidence.fit(chosen)
+        plainer = None if rough.physical else evidence.simpler_set(rough)
+        if plainer is not None and allowed(plainer):
+            rough = evidence.fit(plainer)
         if rough.physical and rough.cost < below:
-            fit = evidence.fit(chosen, bodies=True)
+            fit = evidence.fit(rough.chosen, bodies=True)
             best = fit if fit.physical and fit.cost < below else best
     return best
 

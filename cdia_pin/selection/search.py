@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 
@@ -17,14 +17,13 @@ from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.gauss_newton import DIVERGED, fitted_together, is_exact
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.evidence import Evidence, SetFit
-from cdia_pin.selection.moves import Names, improve, names
+from cdia_pin.selection.moves import Allowed, Names, improve, names
 from cdia_pin.selection.problem import WhitenedProblem
 from cdia_pin.selection.replacement import promising, refitting
 from cdia_pin.selection.shapes import refine_shapes
 
 Array = NDArray[np.float64]
 Swaps = set[tuple[str, str]]
-Allowed = Callable[[tuple[int, ...]], bool]
 # Cost of an exchange at its optimum less that to first order [1], by the labels of both effects.
 Errors = dict[tuple[str, str], float]
 
@@ -63,10 +62,8 @@ def search(
     Returns:
         The model that no move improves.
     """
-    regression = problem.regression
-    model = fitted_together(regression, model)
     # a shape depends on the other terms and on the noise
-    now = fitted(problem, refine_shapes(regression, model))
+    now = _fitted_simply(problem, fitted_together(problem.regression, model))
     failed: set[Names] = set()
     worse: Errors = {}
     rejected = 0
@@ -193,10 +190,33 @@ def _refitted(problem: WhitenedProblem, model: Dynamics, known: Collection[str])
         known: Labels of terms whose shape stays as it is.
     """
     try:
-        trial = fitted_together(problem.regression, model, ROUGHLY)
-        return fitted(problem, refine_shapes(problem.regression, trial, known=known))
+        return _fitted_simply(problem, fitted_together(problem.regression, model, ROUGHLY), known)
     except DIVERGED:
         return None
+
+
+def _fitted_simply(problem: WhitenedProblem, model: Dynamics, known: Collection[str] = ()) -> Found:
+    """Return a fitted model with its best shapes, and simpler effects where its parameters reduce to them.
+
+    Args:
+        problem: Logs, candidates and noise.
+        model: A model at its optimum, or near it.
+        known: Labels of terms whose shape stays as it is.
+    """
+    found = fitted(problem, refine_shapes(problem.regression, model, known=known))
+    simplified = {t.effect: t for t in map(_simplified, found.model.terms)}
+    if found.fit.physical or all(t.effect in simplified for t in found.model.terms):
+        return found
+    plainer = replace(found.model, terms=tuple(simplified.values()))
+    return fitted(problem, fitted_together(problem.regression, plainer, ROUGHLY))
+
+
+def _simplified(term: Term) -> Term:
+    """Return the term of the simpler effect that a term reduces to, or the term itself."""
+    simpler = term.effect.simpler
+    if simpler is None or term.effect.is_distinct(np.array(term.theta)):
+        return term
+    return Term(simpler, term.theta[: simpler.size], term.profile)
 
 
 def _exchanges(problem: WhitenedProblem, now: Found, allowed: Allowed, worse: Errors) -> Iterator[SetFit]:
