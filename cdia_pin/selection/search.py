@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
 
@@ -21,6 +21,7 @@ from cdia_pin.selection.moves import Allowed, Names, improve, names
 from cdia_pin.selection.problem import WhitenedProblem
 from cdia_pin.selection.replacement import promising, refitting
 from cdia_pin.selection.shapes import refine_shapes
+from cdia_pin.selection.simpler import simplified
 
 Array = NDArray[np.float64]
 Swaps = set[tuple[str, str]]
@@ -204,19 +205,10 @@ def _fitted_simply(problem: WhitenedProblem, model: Dynamics, known: Collection[
         known: Labels of terms whose shape stays as it is.
     """
     found = fitted(problem, refine_shapes(problem.regression, model, known=known))
-    simplified = {t.effect: t for t in map(_simplified, found.model.terms)}
-    if found.fit.physical or all(t.effect in simplified for t in found.model.terms):
+    plainer = simplified(found.model)
+    if found.fit.physical or plainer is found.model:
         return found
-    plainer = replace(found.model, terms=tuple(simplified.values()))
     return fitted(problem, fitted_together(problem.regression, plainer, ROUGHLY))
-
-
-def _simplified(term: Term) -> Term:
-    """Return the term of the simpler effect that a term reduces to, or the term itself."""
-    simpler = term.effect.simpler
-    if simpler is None or term.effect.is_distinct(np.array(term.theta)):
-        return term
-    return Term(simpler, term.theta[: simpler.size], term.profile)
 
 
 def _exchanges(problem: WhitenedProblem, now: Found, allowed: Allowed, worse: Errors) -> Iterator[SetFit]:
