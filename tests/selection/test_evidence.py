@@ -15,6 +15,7 @@ from cdia_pin.effects import (
     Payload,
     PositionRipple,
     QuadraticFriction,
+    StribeckFriction,
     TorqueOffset,
     ViscousFriction,
 )
@@ -23,6 +24,7 @@ from cdia_pin.regression.physical_consistency import consistent_parameters
 from cdia_pin.robot.inertia import parameters_of, pseudo_inertia
 from cdia_pin.selection.criterion import SelectionCriterion
 from cdia_pin.selection.evidence import Evidence, needed_gain
+from cdia_pin.selection.moves import improve
 
 JOINT = "joint1"
 LEAST_SHARE = SelectionCriterion().least_share
@@ -257,3 +259,25 @@ def test_fits_with_bodies_return_possible_ones(pendulum):
     evidence = Evidence(NormalEquations(pendulum, [effect], (whole.T @ whole)[None], 500))
     fit = evidence.fit([0], bodies=True)
     assert effect.is_physical(fit.theta, pendulum)
+
+
+def test_an_addition_may_turn_an_effect_into_the_simpler_one_that_it_reduces_to(pendulum):
+    rng = np.random.default_rng(4)
+    level, offset = rng.standard_normal((2, SAMPLES))
+    breakaway = 0.7 * offset + 0.3 * rng.standard_normal(
+        SAMPLES
+    )  # it stands for the offset until that is there
+    y = 2.0 * level + 5.0 * offset + 0.1 * rng.standard_normal(SAMPLES)
+    whole = np.column_stack([level, breakaway, level, offset, y])
+    blocks = np.array([whole[a:b].T @ whole[a:b] for a, b in pairwise(EDGES)])
+    effects = [StribeckFriction(JOINT), CoulombFriction(JOINT), TorqueOffset(JOINT)]
+    evidence = Evidence(NormalEquations(pendulum, effects, blocks, SAMPLES))
+    falls, plain, constant = range(3)
+    assert evidence.fit((falls,)).physical
+    assert not evidence.fit((falls, constant)).physical
+    assert evidence.simpler_set(evidence.fit((falls,))) is None
+    assert evidence.simpler_set(evidence.fit((falls, constant))) == (plain, constant)
+    better = improve(evidence, (falls,), lambda _: True, most=5)
+    assert better.chosen == (plain, constant)
+    forbidden = improve(evidence, (falls,), lambda c: c != (plain, constant), most=5)
+    assert forbidden is None or forbidden.chosen != (plain, constant)

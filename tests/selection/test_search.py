@@ -7,6 +7,7 @@ from cdia_pin import Dynamics, Log, discover, load_robot
 from cdia_pin.effects import parse_term
 from cdia_pin.errors import EffectError
 from cdia_pin.selection import DiscoverySettings, Problem, search
+from cdia_pin.selection.simpler import simplified
 from tests.made_logs import motion
 
 
@@ -84,3 +85,22 @@ def test_moves_to_a_drive_that_could_not_move_the_arm_end_the_search_as_others_t
     problem = problem_of(robot, log)
     assert not search.search(problem, Dynamics(robot), set(), lambda *_: None).terms
     assert len(tried) == 2
+
+
+def test_a_friction_that_does_not_fall_with_the_speed_is_plain_from_the_start(robot):
+    log = log_of(robot, "coulomb_friction@joint2: level=0.4")
+    start = Dynamics(robot, (parse_term("stribeck_friction@joint2: level=0.3, breakaway=0.1"),))
+    nothing_is_tried = search._refitted(problem_of(robot, log), start, {"stribeck_friction@joint2"})
+    assert [t.label for t in nothing_is_tried.model.terms] == ["coulomb_friction@joint2"]
+    assert nothing_is_tried.fit.physical
+
+
+def test_a_model_of_distinct_effects_is_not_simplified(robot):
+    falls = Dynamics(robot, (parse_term("stribeck_friction@joint2: level=0.3, breakaway=0.1"),))
+    assert simplified(falls) is falls
+    plain = simplified(Dynamics(robot, (parse_term("stribeck_friction@joint2: level=0.3, breakaway=0.01"),)))
+    assert [(t.label, t.theta) for t in plain.terms] == [("coulomb_friction@joint2", (0.3,))]
+    of_load = simplified(
+        Dynamics(robot, (parse_term("load_stribeck_friction@joint2: coefficient=0.1, breakaway=0.0"),))
+    )
+    assert [(t.label, t.theta) for t in of_load.terms] == [("load_friction@joint2", (0.1,))]
