@@ -197,7 +197,7 @@ class Effect(Scoped, ABC):
 
     @property
     def simpler(self) -> Effect | None:
-        """The effect that it is where its parameters do not make it distinct; None if it always is."""
+        """The effect that it is where its parameters do not make it distinct; None if there is no such effect."""
         return None
 
     # ------------------------------------------------------------- on a robot and a motion

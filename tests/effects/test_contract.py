@@ -493,6 +493,21 @@ def test_an_effect_made_of_another_has_all_of_its_contract():
     assert contract - DERIVED <= vars(WrappedEffect).keys()
 
 
+@each(
+    lambda effect: (
+        type(effect).is_distinct is not Effect.is_distinct and not isinstance(effect, WrappedEffect)
+    )
+)
+def test_an_effect_that_may_not_be_distinct_is_the_simpler_one_then(name, effect):
+    robot, x = robot_of(name), state_of(name)
+    theta = drawn(effect, robot)
+    theta[effect.simpler.size :] = 0.0
+    assert not effect.is_distinct(theta)
+    np.testing.assert_allclose(
+        effect.torque(x, theta), effect.simpler.torque(x, theta[: effect.simpler.size]), atol=1e-12
+    )
+
+
 @each(lambda effect: isinstance(effect, WrappedEffect))
 def test_an_effect_made_of_another_acts_where_that_one_does(name, effect):
     robot, inner = robot_of(name), effect.effect
