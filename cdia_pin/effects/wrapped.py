@@ -170,6 +170,11 @@ class WrappedEffect(Effect):
         """
         return self.effect.is_distinct(theta)
 
+    @property
+    def simpler(self) -> Effect | None:
+        """None: parameters that vary may reduce to those of a simpler effect in some of the logs alone."""
+        return None
+
     # ------------------------------------------------------------- scope and names
 
     @property
