@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cdia_pin.changes.both_sides import certain_beside_both
 from cdia_pin.changes.change_search import ChangeSearch, FoundChanges
 from cdia_pin.changes.changes_result import Bound, Change, Changes
 from cdia_pin.changes.confidence import Confidence
@@ -133,7 +134,8 @@ def searched(
     tell("leaving out one block of time at a time", 0.4)
     search = ChangeSearch(differing, differing.evidence(), settings.changes)
     tell("looking for changes", 0.6)
-    return sized_about_themselves(search, search.changes(settings.most_effects))
+    chosen = certain_beside_both(search, search.changes(settings.most_effects))
+    return sized_about_themselves(search, chosen)
 
 
 def sized_changes(

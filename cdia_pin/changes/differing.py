@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -201,8 +201,25 @@ class Differing:
     def evidence(self) -> BlockEvidence[Difference]:
         """Return the evidence for all changes by blocks of time."""
         effects = self.screened()
-        edges = list(zip(self.edges[:-1], self.edges[1:], strict=True))
-        return BlockEvidence.of(effects, self.together(effects), edges, self.experiment.robot)
+        return BlockEvidence.of(effects, self.together(effects), self._blocks, self.experiment.robot)
+
+    def beside_both(self, changes: list[Difference], both: Sequence[Effect]) -> BlockEvidence[Difference]:
+        """Return the evidence for some changes beside effects of any size that all logs have.
+
+        Args:
+            changes: The changes.
+            both: The effects.
+        """
+        robot = self.experiment.robot
+        columns = (self.columns.of(e, self.prediction, np.zeros(e.size)) for e in both)
+        own = [ColumnGroup.of(e, x, robot) for e, x in zip(both, columns, strict=True)]
+        regression = replace(self, common=(*self.common, *own)).together(changes)
+        return BlockEvidence.of(changes, regression, self._blocks, robot)
+
+    @property
+    def _blocks(self) -> list[tuple[int, int]]:
+        """First and last sample of each block of time, the last excluded."""
+        return list(zip(self.edges[:-1].tolist(), self.edges[1:].tolist(), strict=True))
 
     def screened(self) -> list[Difference]:
         """Return the changes; of large families on one joint only the shapes that fit best."""

@@ -128,6 +128,20 @@ def test_logs_of_one_condition_on_both_sides_are_refused():
 # ------------------------------------------------------------------ the parts
 
 
+def ripple(size):
+    return (Fault("position_ripple", joint="wrist_1_joint", sine=size, cosine=0.5 * size, frequency=3.0),)
+
+
+def test_a_ripple_that_both_logs_have_and_the_model_has_not_is_no_change():
+    assert changed(ripple(2.0), ripple(2.0)).changes == ()
+
+
+def test_a_ripple_that_both_logs_have_and_that_grew_is_a_change():
+    grown = the_only(changed(ripple(2.0), ripple(4.0)))
+    assert grown.term.label == "position_ripple@wrist_1_joint"
+    assert grown.term.values["sine"] == pytest.approx(2.0, rel=0.1)
+
+
 def friction(joint, robot, difference):
     torque = np.zeros(robot.n)
     torque[robot.joint_index(joint)] = abs(difference)
