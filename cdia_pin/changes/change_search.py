@@ -129,8 +129,7 @@ class ChangeSearch:
         x = self.differing
         f = np.zeros_like(x.prediction.residual)
         parts = ParameterBlocks.of([self.evidence.effects[c] for c in chosen])
-        edges = zip(x.edges[:-1], x.edges[1:], strict=True)
-        for theta, (start, stop) in zip(self.evidence.estimates(chosen), edges, strict=True):
+        for theta, (start, stop) in zip(self.evidence.estimates(chosen), x.blocks, strict=True):
             for c, own in zip(chosen, parts, strict=True):
                 for j, columns in x.changes[self.evidence.effects[c]].columns.items():
                     f[start:stop, j] += columns[start:stop] @ theta[own]

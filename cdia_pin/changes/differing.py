@@ -201,7 +201,7 @@ class Differing:
     def evidence(self) -> BlockEvidence[Difference]:
         """Return the evidence for all changes by blocks of time."""
         effects = self.screened()
-        return BlockEvidence.of(effects, self.together(effects), self._blocks, self.experiment.robot)
+        return BlockEvidence.of(effects, self.together(effects), self.blocks, self.experiment.robot)
 
     def beside_both(self, changes: list[Difference], both: Sequence[Effect]) -> BlockEvidence[Difference]:
         """Return the evidence for some changes beside effects of any size that all logs have.
@@ -214,10 +214,10 @@ class Differing:
         columns = (self.columns.of(e, self.prediction, np.zeros(e.size)) for e in both)
         own = [ColumnGroup.of(e, x, robot) for e, x in zip(both, columns, strict=True)]
         regression = replace(self, common=(*self.common, *own)).together(changes)
-        return BlockEvidence.of(changes, regression, self._blocks, robot)
+        return BlockEvidence.of(changes, regression, self.blocks, robot)
 
     @property
-    def _blocks(self) -> list[tuple[int, int]]:
+    def blocks(self) -> list[tuple[int, int]]:
         """First and last sample of each block of time, the last excluded."""
         return list(zip(self.edges[:-1].tolist(), self.edges[1:].tolist(), strict=True))
 

@@ -37,11 +37,11 @@ def improve(evidence: Evidence, chosen: Sequence[int], allowed: Allowed, *, most
     if needless:
         return min(needless, key=lambda f: f.cost)
     if len(now.chosen) < most:
-        additions = _additions(evidence, now.chosen)
+        additions = filter(allowed, _additions(evidence, now.chosen))
         better = _cheapest(evidence, now, additions, allowed, now.cost - criterion.margin)
         if better is not None and (not now.physical or holds(evidence, now, better)):
             return better
-    exchanges = list(_exchanges(evidence, now.chosen))
+    exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
     # far above the noise, a small gain does not count
     margin = max(criterion.margin, criterion.exchange_share * (now.chi2 - evidence.samples))
 
@@ -62,13 +62,11 @@ def _cheapest(
 ) -> SetFit | None:
     """Return the physical fit of least cost below a limit; sets whose bound is above the best are not fitted.
 
-    A set that makes an effect reduce to a simpler one is tried with that one in its place: a friction that fell with
-    the speed may be plain once another effect is there.
+    A set that makes an effect reduce to a simpler one is tried with that one in its place, if that is allowed: a
+    friction that fell with the speed may be plain once another effect is there.
     """
     best = None
-    for bound, chosen in sorted(
-        (evidence.bound(c), c) for c in {tuple(sorted(c)) for c in filter(allowed, sets)}
-    ):
+    for bound, chosen in sorted((evidence.bound(c), c) for c in {tuple(sorted(c)) for c in sets}):
         if bound >= (best.cost if best else limit):
             break
         below = best.cost if best else limit

@@ -264,9 +264,8 @@ def test_fits_with_bodies_return_possible_ones(pendulum):
 def test_an_addition_may_turn_an_effect_into_the_simpler_one_that_it_reduces_to(pendulum):
     rng = np.random.default_rng(4)
     level, offset = rng.standard_normal((2, SAMPLES))
-    breakaway = 0.7 * offset + 0.3 * rng.standard_normal(
-        SAMPLES
-    )  # it stands for the offset until that is there
+    # it stands for the offset until that is there
+    breakaway = 0.7 * offset + 0.3 * rng.standard_normal(SAMPLES)
     y = 2.0 * level + 5.0 * offset + 0.1 * rng.standard_normal(SAMPLES)
     whole = np.column_stack([level, breakaway, level, offset, y])
     blocks = np.array([whole[a:b].T @ whole[a:b] for a, b in pairwise(EDGES)])
