@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from cdia_pin.discovery.trust import Repeat
+from cdia_pin.discovery.decision import Repeat
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
 from cdia_pin.regression.gauss_newton import fitted_together

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.discovery.trust import Repeat
+from cdia_pin.discovery.decision import Repeat
 from cdia_pin.effects import AsymmetricFriction, Effect, Term
 from cdia_pin.effects.drift import Drift
 

@@ -12,8 +12,8 @@ from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import replace
 
+from cdia_pin.discovery.decision import Repeat
 from cdia_pin.discovery.one_by_one import heldout_error, is_no_worse, kept
-from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.progress import Progress
 from cdia_pin.regression.gauss_newton import DIVERGED

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from cdia_pin.discovery.certain_effects import with_certain
+from cdia_pin.discovery.decision import Repeat
 from cdia_pin.discovery.one_by_one import heldout_error
 from cdia_pin.discovery.trace import without_doubtful
-from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, RotorInertia, Term, TorqueOffset
 from cdia_pin.effects.body import Body

@@ -12,9 +12,9 @@ from dataclasses import replace
 from itertools import chain
 
 from cdia_pin.discovery.certain_effects import with_certain
+from cdia_pin.discovery.decision import Repeat
 from cdia_pin.discovery.differing_parts import differs, tells_apart
 from cdia_pin.discovery.plain_friction import held_out_growth
-from cdia_pin.discovery.trust import Repeat
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
 from cdia_pin.effects.drift import Drift

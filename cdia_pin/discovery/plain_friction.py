@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.changes.run_to_run import is_friction_of_joint
 from cdia_pin.discovery.certain_effects import with_certain
-from cdia_pin.discovery.trust import Repeat
+from cdia_pin.discovery.decision import Repeat
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import (
     AsymmetricFriction,

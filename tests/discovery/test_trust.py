@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, load_robot
-from cdia_pin.discovery.trust import Repeat, trust_in
+from cdia_pin.discovery.decision import Repeat
+from cdia_pin.discovery.trust import trust_in
 from cdia_pin.effects import CoulombFriction, Drift, LoadFriction, ViscousFriction, parse_term
 from cdia_pin.effects.refinements import is_plain
 from cdia_pin.logs import Log
