@@ -27,12 +27,14 @@ class BoundedFit:
     Attributes:
         theta: Parameters of the set, one effect after another, shape (p,).
         chi2: Residual sum of squares, in variances of the noise [1].
+        objective: What the fit minimised: chi2, and how far the parameters are from their prior [1].
         possible: True if the parameters are within their bounds.
         physical: True if, besides, no parameter repeats the others, and no effect reduces to a simpler one.
     """
 
     theta: Array
     chi2: float
+    objective: float
     possible: bool
     physical: bool
 
@@ -64,7 +66,8 @@ def bounded_fit(equations: NormalEquations, chosen: Sequence[int], *, bodies: bo
         and not equations.is_redundant(chosen, MOST_INFLATION)
         and _are_distinct(equations, chosen, theta)
     )
-    return BoundedFit(theta, equations.chi2(equations.columns(chosen), theta), possible, physical)
+    chi2 = equations.chi2(equations.columns(chosen), theta)
+    return BoundedFit(theta, chi2, chi2 + equations.from_prior(chosen, theta), possible, physical)
 
 
 def _bounds(equations: NormalEquations, chosen: Sequence[int]) -> tuple[Array, Array]:

@@ -24,6 +24,7 @@ MOST_ITERATIONS = 20  # iterations [1]; a guard against slow convergence
 CONVERGED = 0.1
 # Sum of squares that the first step leaves, over what the linearisation promises [1]; above, it diverges.
 MOST_LEFT = 30.0
+MOST_HALVED = 8  # times [1] that a step is halved; if the shortest one still leaves more, the fit has ended
 
 
 def is_exact(effect: Effect) -> bool:
@@ -77,33 +78,36 @@ def _iterated(regression: Regression, model: Dynamics, iterations: int) -> tuple
     """
     effects = [t.effect for t in model.terms]
     every = range(len(effects))
-    # parameters before the last step, and the squares that it may leave [1]
-    kept, limit = np.zeros(0), np.inf
+    # parameters before the last step, what may be left after it [1], and how often it was halved
+    kept, limit, halved = np.zeros(0), np.inf, 0
     for k in range(1 if all(map(is_exact, effects)) else iterations):
         equations = regression.normal_equations(model, effects)
         theta = model.theta
-        before = equations.chi2(equations.columns(every), theta)
+        before = equations.chi2(equations.columns(every), theta) + equations.from_prior(every, theta)
         if before > limit:
-            model = with_parameters(model, (theta + kept) / 2)
+            if halved == MOST_HALVED:
+                return with_parameters(model, kept), equations
+            model, halved = with_parameters(model, (theta + kept) / 2), halved + 1
             continue
         fit = bounded_fit(equations, every, bodies=True)
-        model, kept = with_parameters(model, fit.theta), theta
-        limit = before if k else max(before, MOST_LEFT * fit.chi2)
-        if has_converged(before, fit, equations):
+        model, kept, halved = with_parameters(model, fit.theta), theta, 0
+        limit = before if k else max(before, MOST_LEFT * fit.objective)
+        # bodies are made possible to a tolerance: a step from possible ones may even promise a little more
+        if has_converged(before - fit.objective if k else abs(before - fit.objective), fit, equations):
             break
     return model, equations
 
 
-def has_converged(before: float, fit: BoundedFit, equations: NormalEquations) -> bool:
-    """Tell whether a step changes the sum of squares by next to nothing.
+def has_converged(gained: float, fit: BoundedFit, equations: NormalEquations) -> bool:
+    """Tell whether a step lowers what a fit minimises by next to nothing.
 
     Args:
-        before: Residual sum of squares before the step, in variances of the noise [1].
+        gained: By how much, in variances of the noise [1].
         fit: The fit that the step leads to.
         equations: Normal equations of the fit.
     """
     variance = max(1.0, fit.chi2 / max(equations.samples, 1))  # of the residual, over that of the noise [1]
-    return abs(before - fit.chi2) < CONVERGED**2 * variance
+    return gained < CONVERGED**2 * variance
 
 
 def with_parameters(model: Dynamics, theta: Array) -> Dynamics:

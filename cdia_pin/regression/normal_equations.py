@@ -163,6 +163,15 @@ class NormalEquations:
         at = np.append(columns, len(gram) - 1)
         return float(v @ gram[np.ix_(at, at)] @ v)
 
+    def from_prior(self, chosen: Sequence[int], theta: Array) -> float:
+        """Return the squared distance of parameters from their prior [1], which a fit minimises besides chi2.
+
+        Args:
+            chosen: Indices of the effects.
+            theta: Their parameters, one effect after another, shape (p,).
+        """
+        return float(self.prior[self.columns(chosen)] @ theta**2)
+
     def covariance(self, chosen: Sequence[int], one: int) -> Array:
         """Return the covariance of the parameters of one effect of a set.
 

@@ -69,13 +69,13 @@ def with_shapes_fitted(regression: Regression, model: Dynamics, labels: Collecti
             equations = regression.normal_equations(model, [*(t.effect for t in model.terms), *moving])
             theta = np.append(model.theta, np.zeros(len(moving)))
             every = range(len(equations.effects))
-            left = equations.chi2(equations.columns(every), theta)
+            left = equations.chi2(equations.columns(every), theta) + equations.from_prior(every, theta)
             if left >= least:
                 model = _halfway(best, model)
                 continue
             best, least = model, left
             fit = bounded_fit(equations, every, bodies=True)
-            if has_converged(left, fit, equations):
+            if has_converged(left - fit.objective, fit, equations):
                 break
             model = with_parameters(model, fit.theta[: len(theta) - len(moving)])
             for slope, step in zip(moving, fit.theta[len(theta) - len(moving) :], strict=True):

@@ -399,7 +399,7 @@ def test_a_step_that_diverges_is_halved_until_it_no_longer_does(pendulum, monkey
         np.testing.assert_allclose(one.theta, other.theta, atol=1e-3)
 
 
-@dataclass(frozen=True)
+@dataclass
 class Overshooting:
     """A regression of one delay whose linearisation is wrong: each step goes beyond the optimum at zero."""
 
@@ -410,13 +410,59 @@ class Overshooting:
             samples=100,
             columns=lambda every: None,
             chi2=lambda columns, theta: 1 + 1e6 * theta[0] ** 2,
+            from_prior=lambda every, theta: 0.0,
         )
+
+
+@dataclass
+class Counted(Overshooting):
+    """The same, with the number of times that its equations were formed."""
+
+    formed: int = 0
+
+    def normal_equations(self, model, effects):
+        self.formed += 1
+        return super().normal_equations(model, effects)
+
+
+def test_a_step_that_promises_no_more_ends_a_fit(pendulum, monkeypatch):
+    """Bodies are made possible to a tolerance: at the optimum a step may promise a little more than there is."""
+
+    def promised(equations, every, bodies):
+        now = 1 + 1e6 * equations.delay**2
+        if equations.delay == 0.003:  # the first step comes near the optimum
+            return SimpleNamespace(theta=[1e-4], chi2=1.01, objective=1.01)
+        return SimpleNamespace(theta=[1.01 * equations.delay], chi2=now + 0.3, objective=now + 0.3)
+
+    monkeypatch.setattr(gauss_newton, "bounded_fit", promised)
+    regression = Counted()
+    (delay,) = (
+        fitted_together(regression, Dynamics(pendulum, (Term(EffortDelay(), (0.003,)),))).terms[0].theta
+    )
+    assert abs(delay) < 1.1e-4
+    assert regression.formed == 2
+
+
+def test_a_direction_that_leads_nowhere_ends_a_fit(pendulum, monkeypatch):
+    """Each step promises less and leaves more, however short it is: the fit ends where it was."""
+
+    def promised(equations, every, bodies):
+        return SimpleNamespace(theta=[equations.delay + 0.01], chi2=0.0, objective=0.0)
+
+    monkeypatch.setattr(gauss_newton, "bounded_fit", promised)
+    monkeypatch.setattr(gauss_newton, "MOST_LEFT", 0.0)
+    regression = Counted()
+    (delay,) = (
+        fitted_together(regression, Dynamics(pendulum, (Term(EffortDelay(), (0.003,)),))).terms[0].theta
+    )
+    assert delay == 0.003
+    assert regression.formed == gauss_newton.MOST_HALVED + 2
 
 
 @pytest.mark.parametrize("beyond", [0.5, 1.3, 3.0])
 def test_a_fit_never_ends_worse_than_it_was(pendulum, monkeypatch, beyond):
     def promised(equations, every, bodies):
-        return SimpleNamespace(theta=[-beyond * equations.delay], chi2=1.0)
+        return SimpleNamespace(theta=[-beyond * equations.delay], chi2=1.0, objective=1.0)
 
     monkeypatch.setattr(gauss_newton, "bounded_fit", promised)
     model = Dynamics(pendulum, (Term(EffortDelay(), (0.003,)),))
