@@ -27,7 +27,7 @@ class BoundedFit:
     Attributes:
         theta: Parameters of the set, one effect after another, shape (p,).
         chi2: Residual sum of squares, in variances of the noise [1].
-        objective: What the fit minimised: chi2, and how far the parameters are from their prior [1].
+        objective: What the fit minimised: chi2 and the distance from the prior [1].
         possible: True if the parameters are within their bounds.
         physical: True if, besides, no parameter repeats the others, and no effect reduces to a simpler one.
     """

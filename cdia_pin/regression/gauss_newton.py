@@ -83,7 +83,7 @@ def _iterated(regression: Regression, model: Dynamics, iterations: int) -> tuple
     for k in range(1 if all(map(is_exact, effects)) else iterations):
         equations = regression.normal_equations(model, effects)
         theta = model.theta
-        before = equations.chi2(equations.columns(every), theta) + equations.from_prior(every, theta)
+        before = equations.objective(every, theta)
         if before > limit:
             if halved == MOST_HALVED:
                 return with_parameters(model, kept), equations

@@ -163,8 +163,17 @@ class NormalEquations:
         at = np.append(columns, len(gram) - 1)
         return float(v @ gram[np.ix_(at, at)] @ v)
 
+    def objective(self, chosen: Sequence[int], theta: Array) -> float:
+        """Return what a fit minimises [1]: the residual sum of squares and the distance from the prior.
+
+        Args:
+            chosen: Indices of the effects.
+            theta: Their parameters, one effect after another, shape (p,).
+        """
+        return self.chi2(self.columns(chosen), theta) + self.from_prior(chosen, theta)
+
     def from_prior(self, chosen: Sequence[int], theta: Array) -> float:
-        """Return the squared distance of parameters from their prior [1], which a fit minimises besides chi2.
+        """Return the squared distance of parameters from their prior, in its standard deviations [1].
 
         Args:
             chosen: Indices of the effects.

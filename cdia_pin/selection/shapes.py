@@ -69,7 +69,7 @@ def with_shapes_fitted(regression: Regression, model: Dynamics, labels: Collecti
             equations = regression.normal_equations(model, [*(t.effect for t in model.terms), *moving])
             theta = np.append(model.theta, np.zeros(len(moving)))
             every = range(len(equations.effects))
-            left = equations.chi2(equations.columns(every), theta) + equations.from_prior(every, theta)
+            left = equations.objective(every, theta)
             if left >= least:
                 model = _halfway(best, model)
                 continue

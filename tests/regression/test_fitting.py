@@ -408,9 +408,7 @@ class Overshooting:
         return SimpleNamespace(
             delay=delay,
             samples=100,
-            columns=lambda every: None,
-            chi2=lambda columns, theta: 1 + 1e6 * theta[0] ** 2,
-            from_prior=lambda every, theta: 0.0,
+            objective=lambda every, theta: 1 + 1e6 * theta[0] ** 2,
         )
 
 
