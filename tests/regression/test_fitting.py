@@ -403,7 +403,10 @@ def test_a_step_that_diverges_is_halved_until_it_no_longer_does(pendulum, monkey
 class Overshooting:
     """A regression of one delay whose linearisation is wrong: each step goes beyond the optimum at zero."""
 
+    formed: int = 0
+
     def normal_equations(self, model, effects):
+        self.formed += 1
         (delay,) = model.terms[0].theta
         return SimpleNamespace(
             delay=delay,
@@ -412,15 +415,9 @@ class Overshooting:
         )
 
 
-@dataclass
-class Counted(Overshooting):
-    """The same, with the number of times that its equations were formed."""
-
-    formed: int = 0
-
-    def normal_equations(self, model, effects):
-        self.formed += 1
-        return super().normal_equations(model, effects)
+def fitted_delay(pendulum, regression):
+    model = Dynamics(pendulum, (Term(EffortDelay(), (0.003,)),))
+    return fitted_together(regression, model).terms[0].theta[0]
 
 
 def test_a_step_that_promises_no_more_ends_a_fit(pendulum, monkeypatch):
@@ -433,10 +430,8 @@ def test_a_step_that_promises_no_more_ends_a_fit(pendulum, monkeypatch):
         return SimpleNamespace(theta=[1.01 * equations.delay], chi2=now + 0.3, objective=now + 0.3)
 
     monkeypatch.setattr(gauss_newton, "bounded_fit", promised)
-    regression = Counted()
-    (delay,) = (
-        fitted_together(regression, Dynamics(pendulum, (Term(EffortDelay(), (0.003,)),))).terms[0].theta
-    )
+    regression = Overshooting()
+    delay = fitted_delay(pendulum, regression)
     assert abs(delay) < 1.1e-4
     assert regression.formed == 2
 
@@ -449,10 +444,8 @@ def test_a_direction_that_leads_nowhere_ends_a_fit(pendulum, monkeypatch):
 
     monkeypatch.setattr(gauss_newton, "bounded_fit", promised)
     monkeypatch.setattr(gauss_newton, "MOST_LEFT", 0.0)
-    regression = Counted()
-    (delay,) = (
-        fitted_together(regression, Dynamics(pendulum, (Term(EffortDelay(), (0.003,)),))).terms[0].theta
-    )
+    regression = Overshooting()
+    delay = fitted_delay(pendulum, regression)
     assert delay == 0.003
     assert regression.formed == gauss_newton.MOST_HALVED + 2
 
@@ -463,8 +456,7 @@ def test_a_fit_never_ends_worse_than_it_was(pendulum, monkeypatch, beyond):
         return SimpleNamespace(theta=[-beyond * equations.delay], chi2=1.0, objective=1.0)
 
     monkeypatch.setattr(gauss_newton, "bounded_fit", promised)
-    model = Dynamics(pendulum, (Term(EffortDelay(), (0.003,)),))
-    (delay,) = fitted_together(Overshooting(), model).terms[0].theta
+    delay = fitted_delay(pendulum, Overshooting())
     assert abs(delay) < 0.003 * max(beyond, 1.0)
     if beyond < 3.0:
         assert abs(delay) < 2e-4
