@@ -266,6 +266,11 @@ class FoundChanges:
     def __repr__(self) -> str:
         return f"FoundChanges({len(self.chosen)})"
 
+    @property
+    def effects(self) -> list[Difference]:
+        """The changes."""
+        return [self.search.evidence.effects[c] for c in self.chosen]
+
     @classmethod
     def as_searched(cls, search: ChangeSearch, chosen: tuple[int, ...]) -> Self:
         """Return changes with the sizes that they have with the columns of the search.

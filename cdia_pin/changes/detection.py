@@ -13,6 +13,7 @@ from cdia_pin.changes.changes_result import Bound, Change, Changes
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.interpretation import findings_of
+from cdia_pin.changes.late_torque import put_right
 from cdia_pin.changes.linearisation import sized_about_themselves
 from cdia_pin.changes.run_to_run import RunToRun, UsualFriction, is_friction_of_joint
 from cdia_pin.changes.sizes import covering, friction_before, sized
@@ -90,7 +91,7 @@ def what_changed(
         torque_rms=differing.torque,
         not_compared={model.robot.joints[j]: why for j, why in differing.overlap.reasons.items()},
         bounds=_bounds(found, run_to_run),
-        findings=findings_of(changes, model.robot),
+        findings=findings_of(changes, run_to_run),
         rms_before=errors[0],
         rms_after=errors[1],
         record={
@@ -131,9 +132,18 @@ def searched(
         raise LogError(
             f"logs before and after must be of different conditions, both have {', '.join(earlier)}"
         )
-    tell("leaving out one block of time at a time", 0.4)
-    search = ChangeSearch(differing, differing.evidence(), settings.changes)
+    late = put_right(differing)
+    if late is not None:
+        tell("looking for changes beside the late torque", 0.4)
+        found = _searched(late, settings)
+        if late.put_right.keys() & set(found.effects):
+            return found
     tell("looking for changes", 0.6)
+    return _searched(differing, settings)
+
+
+def _searched(differing: Differing, settings: DiscoverySettings) -> FoundChanges:
+    search = ChangeSearch(differing, differing.evidence(), settings.changes)
     chosen = certain_beside_both(search, search.changes(settings.most_effects))
     return sized_about_themselves(search, chosen)
 

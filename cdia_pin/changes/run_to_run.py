@@ -65,9 +65,10 @@ class RunToRun:
 
     Attributes:
         joints: Names of the joints.
-        friction: RMS torque of the friction before, along the logs after [N·m or N], shape (n,).
-        growth: Share by which the friction differs, without what its uncertainty explains; NaN where it is not known
-            [1], shape (n,).
+        friction: RMS torque of the friction that both sides have in common, along the logs after [N·m or N], shape
+            (n,).
+        growth: Share by which the friction differs, without what its uncertainty explains, negative where it fell; NaN
+            where it is not known [1], shape (n,).
         settings: How much an unchanged arm shows.
     """
 
@@ -100,7 +101,7 @@ class RunToRun:
         """
         rule, others = self.settings, np.delete(self.growth, joint)
         others = others[np.isfinite(others)]
-        seen = float(np.median(others)) / MEDIAN_OF_NORMAL if len(others) else 0.0
+        seen = float(np.median(np.abs(others))) / MEDIAN_OF_NORMAL if len(others) else 0.0
         known = rule.weight * rule.spread**2 + len(others) * seen**2
         return min(float(np.sqrt(known / (rule.weight + len(others)))), rule.largest_spread)
 
@@ -175,7 +176,7 @@ def _friction_before(x: Differing) -> Array:
 
 
 def _growth(search: ChangeSearch, chosen: Sequence[int], friction: Array) -> Array:
-    """Return the share by which friction differs, less its variance; NaN where it is not known [1], shape (n,)."""
+    """Return the share by which friction differs, less its variance, with its sign; NaN if unknown [1], shape (n,)."""
     x, evidence = search.differing, search.evidence
     out = np.full(friction.shape[1], np.nan)
     plain = [c for c, e in enumerate(evidence.effects) if is_plain(e.effect)]
@@ -198,7 +199,7 @@ def _growth(search: ChangeSearch, chosen: Sequence[int], friction: Array) -> Arr
             per_unit[parts[k]] = along @ x.changes[evidence.effects[asked[k]]].columns[j] / power
         share, moved = float(per_unit @ best), (without - best) @ per_unit
         variance = (len(moved) - 1) / len(moved) * float(moved @ moved)  # of the jackknife
-        out[j] = np.sqrt(max(share**2 - variance, 0.0))
+        out[j] = np.copysign(np.sqrt(max(share**2 - variance, 0.0)), share)
     return out
 
 

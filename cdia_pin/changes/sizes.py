@@ -106,6 +106,7 @@ def friction_before(
     columns = DesignMatrix(differing.experiment)
     groups = [ColumnGroup.of(e, columns.of(e, prediction), robot, e.prior_scale(robot)) for e in effects]
     groups += [differing.changes[d] for d in changed]
-    theta = SharedRegression.of(groups, differing.given.residual, differing.scaled).theta()
+    left = differing.experiment.predict(differing.given.model).residual
+    theta = SharedRegression.of(groups, left, differing.scaled).theta()
     parts = ParameterBlocks.of([*effects, *changed]).split(theta)
     return {d: tuple(map(float, parts[i])) for i, d in enumerate(asked)}

@@ -46,7 +46,8 @@ def discover_beyond(model: Dynamics, logs: Problem, report: Progress) -> Discove
     before = [_remembered(m, k) for k, m in enumerate(model.learned_from)]
     found = searched(model, before, after, logs.settings, part(report, 0.0, 0.8))
     search, chosen = found.search, found.chosen
-    changes, usual = sized_changes(found, RunToRun.of(search, chosen))
+    run_to_run = RunToRun.of(search, chosen)
+    changes, usual = sized_changes(found, run_to_run)
     at = {search.evidence.effects[c].effect: c for c in chosen}
     known = {t.label for t in model.terms}
     later, steps, so_far = model, [Step(None, *errors_of(logs, model, None))], []
@@ -56,7 +57,7 @@ def discover_beyond(model: Dynamics, logs: Problem, report: Progress) -> Discove
         errors = errors_of(logs, later, partial(_left_by_blocks, logs, model, search, tuple(so_far)))
         of_model = change.term.label in known
         steps.append(Step(change.term, *errors, change.confusions, of_model, change.confidence))
-    findings = (*findings_of(changes, model.robot), *as_phenomena(usual))
+    findings = (*findings_of(changes, run_to_run), *as_phenomena(usual))
     return conclusion(logs, later, tuple(steps), part(report, 0.8, 1.0), findings=findings)
 
 

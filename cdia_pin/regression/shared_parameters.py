@@ -130,16 +130,17 @@ class SharedRegression:
         used = [np.sum((x[:, :-1].T @ x[:, :-1]) * inverse[np.ix_(at[:-1], at[:-1])]) for x, at in own]
         return left, np.array(used, float)
 
-    def explained_by(self, first: int) -> Array:
-        """Return the values of the first parameters that explain each other column best.
+    def beside(self, first: int) -> Array:
+        """Return XᵀX of the other columns after the first are taken out, the response last.
 
         Args:
             first: Number of the first parameters.
 
         Returns:
-            Shape (first, P − first + 1).
+            Shape (P − first + 1, P − first + 1).
         """
-        return self._inverse(first) @ self.gram[:first, first:]
+        explained = self._inverse(first) @ self.gram[:first, first:]
+        return np.asarray(self.gram[first:, first:] - self.gram[first:, :first] @ explained)
 
     def _inverse(self, first: int) -> Array:
         """Return the inverse of the normal equations of the first parameters."""

@@ -14,13 +14,14 @@ from cdia_pin.changes.changes_result import Change
 from cdia_pin.changes.common_structure import common_effects
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.interpretation import findings_of
+from cdia_pin.changes.run_to_run import RunToRun
 from cdia_pin.effects import Term, parse_effect
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
-from cdia_pin.selection.discovery_settings import DiscoverySettings
+from cdia_pin.selection.discovery_settings import DiscoverySettings, RunToRunSettings
 from tests.hidden_plants import plant_of
 
 SECONDS = 24.0
@@ -142,29 +143,36 @@ def test_a_ripple_that_both_logs_have_and_that_grew_is_a_change():
     assert grown.term.values["sine"] == pytest.approx(2.0, rel=0.1)
 
 
-def friction(joint, robot, difference):
-    torque = np.zeros(robot.n)
-    torque[robot.joint_index(joint)] = abs(difference)
-    return Change(Term(parse_effect(f"viscous_friction@{joint}"), (difference,)), (2.0,), torque, 50.0)
+def friction(*growth):
+    """Friction of an arm whose joints differ by some shares."""
+    joints = tuple(f"joint{k}" for k in range(len(growth)))
+    return RunToRun(joints, np.ones(len(growth)), np.array(growth), RunToRunSettings())
 
 
-def test_friction_that_falls_here_and_rises_there_is_no_temperature(ur5):
-    falls = [friction(j, ur5, -0.5) for j in ur5.joints[:4]]
-    assert [f.kind for f in findings_of(falls, ur5)] == ["warming"]
-    assert [f.kind for f in findings_of([friction(j, ur5, 0.5) for j in ur5.joints], ur5)] == ["cooling"]
-    assert findings_of([*falls, friction(ur5.joints[4], ur5, 0.5)], ur5) == ()
-    assert findings_of(falls[:2], ur5) == ()
+@pytest.mark.parametrize(
+    ("growth", "kinds"),
+    [
+        ((-0.1, -0.05, -0.2, -0.05, 0.02, np.nan), ["warming"]),
+        ((0.1, 0.05, 0.2), ["cooling"]),
+        ((-0.1, -0.1, -0.1, -0.1, 0.1, 0.0), []),  # rises on one
+        ((-0.5, -0.5, 0.0), []),  # wear of two
+        ((-0.1, -0.1, -0.1, 0.0, 0.0, 0.0, 0.0), []),  # most stay
+        ((-0.02,) * 6, []),
+    ],
+)
+def test_friction_of_most_joints_in_one_direction_is_temperature(growth, kinds):
+    assert [f.kind for f in findings_of([], friction(*growth))] == kinds
 
 
 def test_torques_that_all_come_later_are_said_to_be_the_recorders(ur5):
-    later = Change(Term(parse_effect("effort_delay"), (0.012,)), None, np.ones(ur5.n), 50.0)
-    (found,) = findings_of([later], ur5)
-    assert found.kind == "recorder"
-    assert "12 ms later" in found.sentence
-    of_one_joint = Change(
-        Term(parse_effect(f"effort_delay@{ur5.joints[0]}"), (0.012,)), None, np.ones(ur5.n), 50.0
-    )
-    assert findings_of([of_one_joint], ur5) == ()
+    def found(effect):
+        change = Change(Term(parse_effect(effect), (0.012,)), None, np.ones(ur5.n), 50.0)
+        return findings_of([change], friction(*[0.0] * 6))
+
+    (finding,) = found("effort_delay")
+    assert finding.kind == "recorder"
+    assert "12 ms later" in finding.sentence
+    assert found(f"effort_delay@{ur5.joints[0]}") == ()
 
 
 def regression(rng, scale=np.inf):
@@ -196,7 +204,7 @@ def test_what_is_common_is_projected_away():
     """Frisch, Waugh and Lovell: the rest regressed on the rest gives the same parameters."""
     parts, y = regression(np.random.default_rng(2))
     shared = SharedRegression.of(parts, y, lambda j, x: x)
-    gram = shared.gram[3:, 3:] - shared.gram[3:, :3] @ shared.explained_by(3)
+    gram = shared.beside(3)
     theta = np.linalg.solve(gram[:-1, :-1], gram[:-1, -1])
     np.testing.assert_allclose(theta, np.linalg.lstsq(dense(parts), y.T.ravel())[0][3:], atol=1e-8)
 
