@@ -16,7 +16,7 @@ from cdia_pin.effects.sensing import LATEST
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, check_log, read_log, write_log
 from cdia_pin.logs.checks.another_arm import check_arm
-from cdia_pin.logs.checks.conventions import ConventionChange, Conventions, Trial, commonest
+from cdia_pin.logs.checks.conventions import CERTAIN, ConventionChange, Conventions, Trial, commonest
 from cdia_pin.logs.checks.effort_kind import GravityGain, check_effort_kind
 from cdia_pin.logs.checks.lag import SPAN, LagEstimate, check_lag
 from cdia_pin.logs.checks.motion import motion_of
@@ -202,6 +202,25 @@ def test_joints_that_move_in_step_are_reported(ur5, ur5_log):
     (found,) = (f for f in check_log(log, ur5).about("excitation") if f.severity == "warning")
     assert "in step" in found.message
     assert all("in step" not in f.message for f in check_log(ur5_log, ur5).about("excitation"))
+
+
+def exchanged(log, robot, q):
+    """A log of some positions whose columns are exchanged; gravity and friction make its efforts."""
+    friction = np.diff(q, axis=0, append=q[-1:]) * log.rate * np.linspace(2.0, 20.0, robot.n)
+    right = replace(log, position=q, velocity=q, effort=robot.gravity(q) + friction)
+    return replace(columns(right, (2, 1, 0, 3, 4, 5)), velocity=None)
+
+
+@pytest.mark.parametrize("in_step", [True, False])
+def test_joints_in_step_and_single_strokes_prove_no_exchange(ur5, ur5_log, in_step):
+    part = np.linspace(0.0, 1.0, len(ur5_log.time))[:, None]
+    course = part if in_step else np.clip((part - np.arange(ur5.n) / 12) / 0.5, 0.0, 1.0)
+    swing = np.cos((5 if in_step else 1) * np.pi * course)
+    log = exchanged(ur5_log, ur5, ur5_log.position[0] + swing * np.linspace(0.3, 0.6, ur5.n))
+    orders = check_log(log, ur5).about("joint_order")
+    (found,) = (f for f in orders if f.severity == "warning")
+    assert "perhaps" in found.message and found.value["gain"] > CERTAIN
+    assert all("no exchange" not in f.message for f in orders)
 
 
 def test_what_cannot_be_determined_is_reported(ur5, ur5_log):
@@ -500,6 +519,20 @@ def test_clipped_efforts_are_found_and_plain_peaks_are_not(ur5, ur5_log):
     assert found.value["level"] == pytest.approx(bound)
     rounded = replace(ur5_log, effort=np.round(ur5_log.effort, 1))
     assert not [f for f in problems(rounded, ur5) if f.topic == "saturation"]
+
+
+@pytest.mark.parametrize(("beyond", "count"), [(1.01, 1), (1.06, 0)])
+def test_an_effort_that_exceeds_its_limit_is_not_clipped_there(ur5, ur5_log, beyond, count):
+    effort = ur5_log.effort.copy()
+    effort[:, 2] *= beyond * ur5.limits.effort[2] / np.abs(effort[:, 2]).max()
+    found = check_log(replace(ur5_log, effort=effort), ur5).about("saturation")
+    assert len([f for f in found if f.joint == "elbow_joint"]) == count
+
+
+def test_a_late_row_is_not_missing(ur5, ur5_log):
+    time = ur5_log.time.copy()
+    time[1000] += 0.7 * (time[1] - time[0])
+    assert check_log(replace(ur5_log, time=time), ur5).about("gaps")[0].message == "no gaps"
 
 
 @pytest.mark.parametrize("step", [1e-4, 1e-3, 0.0357])

@@ -39,6 +39,17 @@ class ConventionChange(StrEnum):
     MOUNTING = "mounting"
 
 
+# Changes that neither joints in step nor single strokes can tell from missing physics: what one joint does looks like
+# what another does.
+BY_INDEPENDENT_JOINTS = {
+    ConventionChange.POSITION_SIGN,
+    ConventionChange.BOTH_SIGNS,
+    ConventionChange.ORDER,
+    ConventionChange.EFFORT_ORDER,
+    ConventionChange.MOUNTING,
+}
+
+
 @dataclass(frozen=True)
 class Conventions:
     """An assumption of what the log's columns mean.
@@ -154,15 +165,16 @@ def search_conventions(
     Returns:
         Adopted changes, rivals and the last conventions.
     """
+    unsure = BY_INDEPENDENT_JOINTS if motion.is_in_step or motion.is_of_single_strokes else set()
     shares = _Shares(motion, robot)
     start = current = start or Conventions.assumed(robot.n)
     share = before = shares.of(current)
     steps: list[tuple[Trial, tuple[Trial, ...]]] = []
     while True:
         trials = _trials(current, shares, share)
-        if not trials or trials[0].gain < CERTAIN or len(steps) >= 2 * robot.n:
+        first = next((t for t in trials if t.gain >= CERTAIN and t.kind not in unsure), None)
+        if first is None or len(steps) >= 2 * robot.n:
             return ConventionSearch(start, tuple(steps), tuple(trials), current, before, share)
-        first = trials[0]
         alike = [t for t in trials if t.gain > first.gain - LIKELY and set(t.joints) & set(first.joints)]
         best = commonest(alike)
         rivals = tuple(t for t in alike if t is not best)

@@ -18,11 +18,6 @@ if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 
-# Share of the first principal component in the joints' speeds [1] above which they move in step. Exciting motions and
-# work of measured arms have at most 0.84, motions in which all joints follow one course 0.997 and more.
-IN_STEP = 0.95
-
-
 def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None) -> Iterator[Finding]:
     """Report range, speeds, reversals, accelerations and gravity of every joint.
 
@@ -94,12 +89,8 @@ def check_excitation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
 
 def _in_step(motion: SmoothedMotion) -> Iterator[Finding]:
     """Report joints that all follow one course, so that every effect of one looks like an effect of another."""
-    speed = motion.v[:, motion.moves]
-    if speed.shape[1] < 2:
-        return
-    shares = np.linalg.svd(speed / speed.std(axis=0), compute_uv=False) ** 2
-    share = float(shares[0] / shares.sum())
-    if share > IN_STEP:
+    if motion.is_in_step:
+        share = motion.common_course
         yield Finding(
             Topic.EXCITATION,
             Severity.WARNING,

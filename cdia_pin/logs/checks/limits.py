@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
 
 TOLERANCE = 0.01  # [rad or m], beyond a limit of position: encoder noise at a hard stop
+# Distance of an effort from its limit over it [1]; a drive that goes beyond it by more is not clipped there.
+AT_LIMIT = 0.02
 SLACK = 1.1  # [1], speed or effort over its limit: noise and overshoot stay below it
 
 
@@ -92,7 +94,7 @@ def check_saturation(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
         effort = log.effort[:, k]
         ratio = np.abs(effort)
         ratio /= robot.limits.effort[k]
-        at_limit = float(np.mean(ratio > 0.98)) if ratio.max() < SLACK else 0.0
+        at_limit = float(np.mean(ratio > 1 - AT_LIMIT)) if ratio.max() < 1 + AT_LIMIT else 0.0
         del ratio  # as large as the signal
         clipped, level = 0.0, 0.0
         if motion is not None and motion.moves[k]:

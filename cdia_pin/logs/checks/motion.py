@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cdia_pin.errors import LogError
 from cdia_pin.logs.derivatives import LONGEST_GAP, differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.reversals import reversals
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -20,6 +21,9 @@ STANDSTILL = 0.02  # [rad], a joint that covers less is held by its brake or its
 STANDSTILL_PRISMATIC = 0.005  # [m], the same for a prismatic joint
 SLOWEST = 0.02  # [rad/s or m/s], smoothing width of the velocity's sign, well below working speeds
 SHORTEST = 2.0  # [s], a shorter stretch has too few reversals and accelerations
+# Share of the first principal component in the joints' speeds [1] above which they move in step. Exciting motions and
+# work of measured arms have at most 0.84, motions in which all joints follow one course 0.97 and more.
+IN_STEP = 0.95
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,25 @@ class SmoothedMotion:
     a: Array
     effort: Array
     moves: Mask
+
+    @property
+    def common_course(self) -> float:
+        """Share of the speeds of the joints that move that is one common course [1]; 0 if fewer than two move."""
+        speed = self.v[:, self.moves]
+        if speed.shape[1] < 2:
+            return 0.0
+        shares = np.linalg.svd(speed / speed.std(axis=0), compute_uv=False) ** 2
+        return float(shares[0] / shares.sum())
+
+    @property
+    def is_in_step(self) -> bool:
+        """True if all joints follow one course, so that what one of them does looks like what another does."""
+        return self.common_course > IN_STEP
+
+    @property
+    def is_of_single_strokes(self) -> bool:
+        """True if no joint that moves ever turns back, so that friction and offsets look like anything else."""
+        return not any(reversals(v) for v in self.v[:, self.moves].T)
 
     def thin(self, samples: int) -> SmoothedMotion:
         """Return the motion with fewer samples.

@@ -142,11 +142,12 @@ def _order(log: Log, search: ConventionSearch) -> Finding:
     if not pairs:
         message = "no exchange of two joints fits as well as the order of the log"
         return Finding(Topic.JOINT_ORDER, Severity.OK, message, value=value)
+    none = "" if open_pairs[0].gain > UNDECIDED else "no exchange of two joints fits better; "
     shown = ", ".join(pairs[:4]) + (f" and {len(pairs) - 4} more" if len(pairs) > 4 else "")
     return Finding(
         Topic.JOINT_ORDER,
         Severity.INFO,
-        f"no exchange of two joints fits better; this motion cannot exclude {shown}",
+        f"{none}this motion cannot exclude {shown}",
         advice="the names of the columns decide; move these joints by different amounts to test it",
         value=value,
     )
