@@ -222,15 +222,18 @@ class NormalEquations:
 
     # ------------------------------------------------------------- blocks that are left out
 
-    def held_out(self, chosen: Sequence[int]) -> float:
+    def held_out(self, chosen: Sequence[int], fitted: Array) -> float:
         """Return the held-out sum of squares, in variances of the noise [1]: each block is predicted from the others.
 
+        Without a block, parameters that limits hold move as if they were free.
+
         Args:
-            chosen: Indices of the set.
+            chosen: Indices of the set, in increasing order.
+            fitted: Its parameters, fitted to all blocks, shape (p,).
         """
-        columns = self.columns(sorted(chosen))
+        columns, (best, _) = self.columns(chosen), self.optimum(chosen)
         return float(
-            np.sum([self.chi2(columns, self.without(b, sorted(chosen)), gram=b) for b in self.blocks])
+            np.sum([self.chi2(columns, fitted + self.without(b, chosen) - best, gram=b) for b in self.blocks])
         )
 
     def without(self, block: Array, chosen: Sequence[int]) -> Array:
@@ -257,11 +260,12 @@ class NormalEquations:
 
     # ------------------------------------------------------------- every effect added to a set
 
-    def gains(self, chosen: Sequence[int]) -> Array:
+    def gains(self, chosen: Sequence[int], held: Array | None = None) -> Array:
         """Return the gain of each effect: by how much it would lower the residual sum of squares of a set.
 
         Args:
             chosen: Indices of the set.
+            held: Parameters of the set where limits hold them, with a steady force, shape (p,); the best if omitted.
 
         Returns:
             In variances of the noise [1], zero for effects of the set, shape (number of effects,).
@@ -269,7 +273,7 @@ class NormalEquations:
         at, across = self.columns(chosen), self.total[self.columns(chosen)]
         # what is left of XᵀX is XᵀX − acrossᵀ explained; only the block of each effect is needed
         explained = ScaledGram.of(self.with_prior(chosen)).solve(across) if len(at) else across
-        right = self.total[:, -1] - across.T @ explained[:, -1]
+        right = self.total[:, -1] - across.T @ (explained[:, -1] if held is None else held)
         out = np.zeros(len(self.effects))
         for members, spans, own, diagonal in self._by_size:
             of_effects = np.moveaxis(across[:, spans], 0, 2)  # (C, p, number of the set's parameters)

@@ -35,11 +35,11 @@ def with_every_link(problem: WhitenedProblem, found: Dynamics) -> Dynamics | Non
     settings = problem.settings.every_link
     effects = [t.effect for t in found.terms]
     before = problem.regression.normal_equations(found, effects)
-    unseen = before.held_out(range(len(effects)))
+    unseen = before.held_out(range(len(effects)), found.theta)
     for bare in _without_bodies(found):
         trial = bare.add(Term(links, (0.0,) * links.size))
         trial, after = refit(problem.regression, trial)
-        gain = unseen - after.held_out(range(len(trial.terms)))
+        gain = unseen - after.held_out(range(len(trial.terms)), trial.theta)
         if (
             gain > settings.least_fall * unseen
             and _is_slight(trial, settings.largest_error)

@@ -207,18 +207,29 @@ class Evidence:
 
     def _bounded_chi2(self, chosen: Sequence[int], near: SetFit) -> float:
         equations = self.equations
-        columns = equations.columns(chosen)
         held = [c for c in near.chosen if c in set(chosen) and self.effects[c].bodies]
         if not held:
             return self.free_chi2(chosen)
+        pull, start = self._pull(chosen, near)
+        theta = self._pulled(chosen, pull)
+        return equations.chi2(equations.columns(chosen), theta) - 2.0 * float(pull @ (theta - start))
+
+    def _pull(self, chosen: Sequence[int], near: SetFit) -> tuple[Array, Array]:
+        """Return the force by which limits hold the bodies of a similar set, and where, shape (p,) each."""
+        equations = self.equations
+        columns = equations.columns(chosen)
         pull, start = np.zeros(len(columns)), np.zeros(len(columns))
         gradient = self._gradient(near)
-        for c in held:
-            own, of_near = equations.own(chosen, c), equations.own(near.chosen, c)
-            pull[own], start[own] = gradient[of_near], near.theta[of_near]
-        right = equations.total[columns, -1] + pull
-        theta = ScaledGram.of(equations.with_prior(chosen)).solve(right)
-        return equations.chi2(columns, theta) - 2.0 * float(pull @ (theta - start))
+        for c in near.chosen:
+            if c in set(chosen) and self.effects[c].bodies:
+                own, of_near = equations.own(chosen, c), equations.own(near.chosen, c)
+                pull[own], start[own] = gradient[of_near], near.theta[of_near]
+        return pull, start
+
+    def _pulled(self, chosen: Sequence[int], pull: Array) -> Array:
+        """Return the best parameters of a set under a steady force on them, shape (p,)."""
+        right = self.equations.total[self.equations.columns(chosen), -1] + pull
+        return ScaledGram.of(self.equations.with_prior(chosen)).solve(right)
 
     def _gradient(self, fit: SetFit) -> Array:
         """Return the gradient of half of chi2 and prior at a fit, shape (p,)."""
@@ -237,18 +248,23 @@ class Evidence:
         deviation = np.sqrt(np.abs(np.diag(self.equations.covariance(fit.chosen, one))))
         return int(np.sum(np.abs(fit.theta[self.equations.own(fit.chosen, one)]) > SURELY * deviation))
 
-    def gains(self, chosen: Sequence[int]) -> Array:
+    def gains(self, chosen: Sequence[int], near: SetFit | None = None) -> Array:
         """Return the gain of each candidate: by how much it would lower chi2 of a set [1].
+
+        A body that must become impossible to explain the residual hides what does explain it. So bodies stay where the
+        limits of a physical fit hold them, see `bounded_chi2`.
 
         Args:
             chosen: Indices of the set.
+            near: Physical fit of a similar set; bodies are free if omitted.
 
         Returns:
             Shape (number of candidates,).
         """
-        key = tuple(sorted(chosen))
+        key = (tuple(sorted(chosen)), () if near is None else near.chosen)
         if key not in self._gains:
-            self._gains[key] = self.equations.gains(key)
+            theta = None if near is None else self._pulled(key[0], self._pull(key[0], near)[0])
+            self._gains[key] = self.equations.gains(key[0], theta)
         return self._gains[key]
 
     @cached_property
@@ -260,7 +276,7 @@ class Evidence:
         return {}
 
     @cached_property
-    def _gains(self) -> dict[tuple[int, ...], Array]:
+    def _gains(self) -> dict[tuple[tuple[int, ...], tuple[int, ...]], Array]:
         return {}
 
     @cached_property
