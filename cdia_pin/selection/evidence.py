@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 # Prior standard deviation [unit of the parameter] that replaces an infinite one in a spectrum.
 LARGEST_PRIOR = 1e6
 RANK_CUTOFF = 1e-9  # eigenvalues, over the largest [1], that are rounding
+HELD = 1e-3  # share of what a free fit leaves [1] by which one with possible bodies leaves more, where limits hold them
 SURELY = 2.0  # standard deviations from zero [1] at which a parameter counts as identifiable: 95 %
 
 
@@ -207,29 +208,18 @@ class Evidence:
 
     def _bounded_chi2(self, chosen: Sequence[int], near: SetFit) -> float:
         equations = self.equations
+        columns = equations.columns(chosen)
         held = [c for c in near.chosen if c in set(chosen) and self.effects[c].bodies]
         if not held:
             return self.free_chi2(chosen)
-        pull, start = self._pull(chosen, near)
-        theta = self._pulled(chosen, pull)
-        return equations.chi2(equations.columns(chosen), theta) - 2.0 * float(pull @ (theta - start))
-
-    def _pull(self, chosen: Sequence[int], near: SetFit) -> tuple[Array, Array]:
-        """Return the force by which limits hold the bodies of a similar set, and where, shape (p,) each."""
-        equations = self.equations
-        columns = equations.columns(chosen)
         pull, start = np.zeros(len(columns)), np.zeros(len(columns))
         gradient = self._gradient(near)
-        for c in near.chosen:
-            if c in set(chosen) and self.effects[c].bodies:
-                own, of_near = equations.own(chosen, c), equations.own(near.chosen, c)
-                pull[own], start[own] = gradient[of_near], near.theta[of_near]
-        return pull, start
-
-    def _pulled(self, chosen: Sequence[int], pull: Array) -> Array:
-        """Return the best parameters of a set under a steady force on them, shape (p,)."""
-        right = self.equations.total[self.equations.columns(chosen), -1] + pull
-        return ScaledGram.of(self.equations.with_prior(chosen)).solve(right)
+        for c in held:
+            own, of_near = equations.own(chosen, c), equations.own(near.chosen, c)
+            pull[own], start[own] = gradient[of_near], near.theta[of_near]
+        right = equations.total[columns, -1] + pull
+        theta = ScaledGram.of(equations.with_prior(chosen)).solve(right)
+        return equations.chi2(columns, theta) - 2.0 * float(pull @ (theta - start))
 
     def _gradient(self, fit: SetFit) -> Array:
         """Return the gradient of half of chi2 and prior at a fit, shape (p,)."""
@@ -251,21 +241,36 @@ class Evidence:
     def gains(self, chosen: Sequence[int], near: SetFit | None = None) -> Array:
         """Return the gain of each candidate: by how much it would lower chi2 of a set [1].
 
-        A body that must become impossible to explain the residual hides what does explain it. So bodies stay where the
-        limits of a physical fit hold them, see `bounded_chi2`.
+        A body that must become impossible to explain the residual hides what does explain it. So it is also asked what
+        a candidate explains while the bodies stay as they are.
 
         Args:
             chosen: Indices of the set.
-            near: Physical fit of a similar set; bodies are free if omitted.
+            near: Physical fit of a similar set, for its bodies; all are free if omitted.
 
         Returns:
             Shape (number of candidates,).
         """
         key = (tuple(sorted(chosen)), () if near is None else near.chosen)
         if key not in self._gains:
-            theta = None if near is None else self._pulled(key[0], self._pull(key[0], near)[0])
-            self._gains[key] = self.equations.gains(key[0], theta)
+            free = self.equations.gains(key[0])
+            held = None if near is None else self._gains_beside_bodies(key[0], near)
+            self._gains[key] = free if held is None else np.maximum(free, held)
         return self._gains[key]
+
+    def _gains_beside_bodies(self, chosen: tuple[int, ...], near: SetFit) -> Array | None:
+        """Return the gains while the bodies of a similar set stay; None if no limit holds them."""
+        bodies = [c for c in near.chosen if self.effects[c].bodies]
+        if not set(bodies) & set(chosen) or near.chi2 <= self.free_chi2(near.chosen) * (1 + HELD):
+            return None
+        free, held = (
+            np.ones(len(self.equations.columns(chosen)), bool),
+            np.zeros(len(self.equations.columns(chosen))),
+        )
+        for c in set(bodies) & set(chosen):
+            own = self.equations.own(chosen, c)
+            free[own], held[own] = False, near.theta[self.equations.own(near.chosen, c)]
+        return self.equations.gains(chosen, free, held)
 
     @cached_property
     def _index(self) -> dict[Effect | None, int]:

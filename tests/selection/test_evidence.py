@@ -151,7 +151,44 @@ def test_a_candidate_that_the_set_spans_gains_nothing(pendulum):
     assert evidence.gains([0, 2])[1] < 1e-3 * evidence.gains([])[1]
 
 
+def at_its_limit(robot):
+    """Evidence in which a payload of negative mass would explain what an offset does."""
+    rng = np.random.default_rng(7)
+    x = rng.standard_normal((SAMPLES, 11))
+    x[:, 10] = -x[:, 0] + 0.1 * rng.standard_normal(SAMPLES)
+    whole = np.column_stack([x, 5.0 * x[:, 10] + rng.standard_normal(SAMPLES)])
+    blocks = np.array([whole[a:b].T @ whole[a:b] for a, b in pairwise(EDGES)])
+    return Evidence(NormalEquations(robot, [Payload(), TorqueOffset(JOINT)], blocks, SAMPLES))
+
+
+def test_a_body_that_would_be_impossible_hides_no_other_effect(pendulum):
+    evidence = at_its_limit(pendulum)
+    held = evidence.fit([0], bodies=True)
+    assert evidence.gains([0])[1] < 0.02 * held.chi2
+    right = evidence.fit([0, 1], bodies=True)
+    assert 0.9 * (held.chi2 - right.chi2) < evidence.gains([0], held)[1] < held.chi2 - right.chi2
+    assert improve(evidence, [0], lambda _: True, most=5).chosen == (1,)
+
+
+def test_gains_beside_possible_bodies_are_those_beside_free_ones(pendulum):
+    evidence, *_ = problem(pendulum, [*FREE, Payload()], theta=[1.0] * 6 + [2.0] + [0.0] * 9, mix=0.0)
+    possible = evidence.fit([0, 1, 2], bodies=True)
+    np.testing.assert_allclose(evidence.gains([0, 1, 2], possible), evidence.gains([0, 1, 2]), rtol=1e-9)
+
+
 # ---------------------------------------------------------------- held-out blocks
+
+
+def test_a_body_that_is_held_at_its_limit_predicts_no_better_than_it_fits(pendulum):
+    evidence = at_its_limit(pendulum)
+    held = evidence.fit([0], bodies=True)
+    assert evidence.equations.held_out([0], held.theta) > 0.99 * held.chi2
+    free = evidence.fit([0])  # within its bounds
+    assert evidence.equations.held_out([0], evidence.equations.optimum([0])[0]) < 0.1 * held.chi2 < free.chi2
+
+
+def held_out(evidence, chosen):
+    return evidence.equations.held_out(chosen, evidence.fit(chosen).theta)
 
 
 @pytest.mark.parametrize("chosen", [[0], [0, 1], [0, 1, 2, 3]], ids=str)
@@ -162,14 +199,14 @@ def test_held_out_error_is_that_of_fits_to_the_other_blocks(pendulum, chosen):
         rest = np.r_[0:start, stop:SAMPLES]
         theta = np.linalg.lstsq(x[np.ix_(rest, at)], y[rest], rcond=None)[0]
         expected += float(np.sum((y[start:stop] - x[start:stop][:, at] @ theta) ** 2))
-    assert evidence.equations.held_out(chosen) == pytest.approx(expected, rel=1e-6)
+    assert held_out(evidence, chosen) == pytest.approx(expected, rel=1e-6)
 
 
 def test_an_effect_of_noise_alone_does_not_pay_on_held_out_blocks(pendulum):
     worse = 0
     for seed in range(20):
         evidence, *_ = problem(pendulum, FREE, theta=[2.0, 0, 0, 0, 0, 0], seed=seed, mix=0.0)
-        worse += evidence.equations.held_out([0, 1, 2, 3]) > evidence.equations.held_out([0])
+        worse += held_out(evidence, [0, 1, 2, 3]) > held_out(evidence, [0])
     assert worse >= 15
 
 
