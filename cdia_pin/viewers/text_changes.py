@@ -84,7 +84,7 @@ def changes_sentence(found: Changes) -> str:
     Args:
         found: The outcome of ``what_changed``.
     """
-    before, after = listed(found.before), listed(found.after)
+    before, after = (listed(dict.fromkeys(names)) for names in (found.before, found.after))
     if found.verdict is ChangesVerdict.NOT_COMPARABLE:
         return (
             f"Whether anything changed from {before} to {after} cannot be told: no joint moves alike in both."

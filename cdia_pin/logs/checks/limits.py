@@ -49,7 +49,8 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
             },
             outside,
             "check unit and sign of the position (--convert angle=deg, flip_position=…), the order of the "
-            "joints (--joint-map), and that this is the robot",
+            "joints (--joint-map), and that this is the robot; a joint that turns without end is of type "
+            "'continuous' in a URDF",
         ),
         "speeds": (
             {k: f"{speed[k]:.4g} of {limits.velocity[k]:.4g} {units[k][0]}/s" for k in range(robot.n)},
