@@ -23,7 +23,9 @@ Array = NDArray[np.float64]
 # Prior standard deviation [unit of the parameter] that replaces an infinite one in a spectrum.
 LARGEST_PRIOR = 1e6
 RANK_CUTOFF = 1e-9  # eigenvalues, over the largest [1], that are rounding
-HELD = 1e-3  # share of what a free fit leaves [1] by which one with possible bodies leaves more, where limits hold them
+# Share of what a free fit leaves [1] by which one with possible bodies leaves more, where limits hold them. Less is the
+# tolerance of the solver.
+HELD = 1e-3
 SURELY = 2.0  # standard deviations from zero [1] at which a parameter counts as identifiable: 95 %
 
 
@@ -260,14 +262,12 @@ class Evidence:
 
     def _gains_beside_bodies(self, chosen: tuple[int, ...], near: SetFit) -> Array | None:
         """Return the gains while the bodies of a similar set stay; None if no limit holds them."""
-        bodies = [c for c in near.chosen if self.effects[c].bodies]
-        if not set(bodies) & set(chosen) or near.chi2 <= self.free_chi2(near.chosen) * (1 + HELD):
+        bodies = [c for c in near.chosen if c in set(chosen) and self.effects[c].bodies]
+        if not bodies or near.chi2 <= self.free_chi2(near.chosen) * (1 + HELD):
             return None
-        free, held = (
-            np.ones(len(self.equations.columns(chosen)), bool),
-            np.zeros(len(self.equations.columns(chosen))),
-        )
-        for c in set(bodies) & set(chosen):
+        size = len(self.equations.columns(chosen))
+        free, held = np.ones(size, bool), np.zeros(size)
+        for c in bodies:
             own = self.equations.own(chosen, c)
             free[own], held[own] = False, near.theta[self.equations.own(near.chosen, c)]
         return self.equations.gains(chosen, free, held)
