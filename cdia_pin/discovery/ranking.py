@@ -39,8 +39,7 @@ def rank(problem: WhitenedProblem, model: Dynamics) -> tuple[Ranked, ...]:
     beside = problem.evidence(model)
     present = [i for i, e in enumerate(beside.effects) if e in {t.effect for t in model.terms}]
     before = step_of(problem, None, model)
-    now = beside.fit(present, bodies=True)
-    possible = [c for c in ranked(beside, present, now, LOOKED_AT) if _is_plausible(beside, [*present, c])]
+    possible = [c for c in ranked(beside, present, LOOKED_AT) if _is_plausible(beside, [*present, c])]
     out = []
     for c in _shortlist(beside, possible):
         effect = beside.effects[c]

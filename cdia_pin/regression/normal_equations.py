@@ -260,23 +260,19 @@ class NormalEquations:
 
     # ------------------------------------------------------------- every effect added to a set
 
-    def gains(self, chosen: Sequence[int], free: Mask | None = None, held: Array | None = None) -> Array:
+    def gains(self, chosen: Sequence[int]) -> Array:
         """Return the gain of each effect: by how much it would lower the residual sum of squares of a set.
 
         Args:
             chosen: Indices of the set.
-            free: True for parameters of the set that are fitted together with the effect, shape (p,); all if omitted.
-            held: Values of the others, shape (p,); entries of free ones are ignored.
 
         Returns:
             In variances of the noise [1], zero for effects of the set, shape (number of effects,).
         """
-        columns = self.columns(chosen)
-        at = columns if free is None else columns[free]
-        across = self.total[at]
+        at, across = self.columns(chosen), self.total[self.columns(chosen)]
         # what is left of XᵀX is XᵀX − acrossᵀ explained; only the block of each effect is needed
-        explained = ScaledGram.of(self.total[np.ix_(at, at)] + np.diag(self.prior[at])).solve(across)
-        right = self.total[:, -1] - self.total[columns].T @ self.solve(columns, free, held)
+        explained = ScaledGram.of(self.with_prior(chosen)).solve(across) if len(at) else across
+        right = self.total[:, -1] - across.T @ explained[:, -1]
         out = np.zeros(len(self.effects))
         for members, spans, own, diagonal in self._by_size:
             of_effects = np.moveaxis(across[:, spans], 0, 2)  # (C, p, number of the set's parameters)

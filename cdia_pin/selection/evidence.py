@@ -23,9 +23,6 @@ Array = NDArray[np.float64]
 # Prior standard deviation [unit of the parameter] that replaces an infinite one in a spectrum.
 LARGEST_PRIOR = 1e6
 RANK_CUTOFF = 1e-9  # eigenvalues, over the largest [1], that are rounding
-# Share of what a free fit leaves [1] by which one with possible bodies leaves more, where limits hold them. Less is the
-# tolerance of the solver.
-HELD = 1e-3
 SURELY = 2.0  # standard deviations from zero [1] at which a parameter counts as identifiable: 95 %
 
 
@@ -240,37 +237,19 @@ class Evidence:
         deviation = np.sqrt(np.abs(np.diag(self.equations.covariance(fit.chosen, one))))
         return int(np.sum(np.abs(fit.theta[self.equations.own(fit.chosen, one)]) > SURELY * deviation))
 
-    def gains(self, chosen: Sequence[int], near: SetFit | None = None) -> Array:
+    def gains(self, chosen: Sequence[int]) -> Array:
         """Return the gain of each candidate: by how much it would lower chi2 of a set [1].
-
-        A body that must become impossible to explain the residual hides what does explain it. So it is also asked what
-        a candidate explains while the bodies stay as they are.
 
         Args:
             chosen: Indices of the set.
-            near: Physical fit of a similar set, for its bodies; all are free if omitted.
 
         Returns:
             Shape (number of candidates,).
         """
-        key = (tuple(sorted(chosen)), () if near is None else near.chosen)
+        key = tuple(sorted(chosen))
         if key not in self._gains:
-            free = self.equations.gains(key[0])
-            held = None if near is None else self._gains_beside_bodies(key[0], near)
-            self._gains[key] = free if held is None else np.maximum(free, held)
+            self._gains[key] = self.equations.gains(key)
         return self._gains[key]
-
-    def _gains_beside_bodies(self, chosen: tuple[int, ...], near: SetFit) -> Array | None:
-        """Return the gains while the bodies of a similar set stay; None if no limit holds them."""
-        bodies = [c for c in near.chosen if c in set(chosen) and self.effects[c].bodies]
-        if not bodies or near.chi2 <= self.free_chi2(near.chosen) * (1 + HELD):
-            return None
-        size = len(self.equations.columns(chosen))
-        free, held = np.ones(size, bool), np.zeros(size)
-        for c in bodies:
-            own = self.equations.own(chosen, c)
-            free[own], held[own] = False, near.theta[self.equations.own(near.chosen, c)]
-        return self.equations.gains(chosen, free, held)
 
     @cached_property
     def _index(self) -> dict[Effect | None, int]:
@@ -281,7 +260,7 @@ class Evidence:
         return {}
 
     @cached_property
-    def _gains(self) -> dict[tuple[tuple[int, ...], tuple[int, ...]], Array]:
+    def _gains(self) -> dict[tuple[int, ...], Array]:
         return {}
 
     @cached_property

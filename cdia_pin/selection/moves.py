@@ -37,11 +37,11 @@ def improve(evidence: Evidence, chosen: Sequence[int], allowed: Allowed, *, most
     if needless:
         return min(needless, key=lambda f: f.cost)
     if len(now.chosen) < most:
-        additions = filter(allowed, _additions(evidence, now))
+        additions = filter(allowed, _additions(evidence, now.chosen))
         better = _cheapest(evidence, now, additions, allowed, now.cost - criterion.margin)
         if better is not None and (not now.physical or holds(evidence, now, better)):
             return better
-    exchanges = [m for m in _exchanges(evidence, now) if allowed(m)]
+    exchanges = [m for m in _exchanges(evidence, now.chosen) if allowed(m)]
     # far above the noise, a small gain does not count
     margin = max(criterion.margin, criterion.exchange_share * (now.chi2 - evidence.samples))
 
@@ -133,19 +133,16 @@ def names(evidence: Evidence, chosen: Sequence[int]) -> Names:
     return frozenset(evidence.labels[c] for c in chosen)
 
 
-def ranked(
-    evidence: Evidence, chosen: Sequence[int], near: SetFit, count: int, spare: float = 0.0
-) -> list[int]:
+def ranked(evidence: Evidence, chosen: Sequence[int], count: int, spare: float = 0.0) -> list[int]:
     """Return the effects whose gain exceeds their penalty most when they are added to a set, each in its best shape.
 
     Args:
         evidence: Evidence for the candidates.
         chosen: Indices of the set.
-        near: Physical fit of a similar set.
         count: Largest number of effects to return [1].
         spare: Cost by which the penalty may exceed the gain [1].
     """
-    gains = evidence.gains(chosen, near)
+    gains = evidence.gains(chosen)
     profit = np.where(gains > evidence.least_gain - spare, gains - evidence.penalty, -np.inf)
     taken = {evidence.labels[c] for c in chosen}
     out: list[int] = []
@@ -159,29 +156,28 @@ def ranked(
     return out
 
 
-def _additions(evidence: Evidence, now: SetFit) -> Iterator[tuple[int, ...]]:
-    for c in ranked(evidence, now.chosen, now, TRIED):
-        with_it = (*now.chosen, c)
+def _additions(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    for c in ranked(evidence, chosen, TRIED):
+        with_it = (*chosen, c)
         yield with_it
         # an effect that the addition makes needless or unphysical is dropped in the same move
-        yield from (tuple(x for x in with_it if x != other) for other in now.chosen)
+        yield from (tuple(x for x in with_it if x != other) for other in chosen)
 
 
-def _exchanges(evidence: Evidence, now: SetFit) -> Iterator[tuple[int, ...]]:
+def _exchanges(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
     """Yield sets with one effect for another and, within a joint, two for one and one for two."""
-    chosen = now.chosen
     local = [c for c in chosen if len(evidence.effects[c].acts_on(evidence.robot)) <= LOCAL]
     for c in chosen:
         rest = tuple(x for x in chosen if x != c)
-        lost = evidence.bound(rest) - now.cost
-        for other in ranked(evidence, rest, now, TRIED, spare=-min(lost, 0.0)):
+        lost = evidence.bound(rest) - evidence.fit(chosen, bodies=True).cost
+        for other in ranked(evidence, rest, TRIED, spare=-min(lost, 0.0)):
             if other == c:
                 continue
             yield (*rest, other)
             if c in local and evidence.effects[c].size > 1:
                 yield from (
                     (*rest, other, third)
-                    for third in ranked(evidence, (*rest, other), now, TRIED_IN_PAIRS)
+                    for third in ranked(evidence, (*rest, other), TRIED_IN_PAIRS)
                     if third != c
                 )
         for second in local:
@@ -189,7 +185,7 @@ def _exchanges(evidence: Evidence, now: SetFit) -> Iterator[tuple[int, ...]]:
                 fewer = tuple(x for x in rest if x != second)
                 yield from (
                     (*fewer, other)
-                    for other in ranked(evidence, fewer, now, TRIED_IN_PAIRS)
+                    for other in ranked(evidence, fewer, TRIED_IN_PAIRS)
                     if other not in {c, second}
                 )
 

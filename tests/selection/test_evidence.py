@@ -161,21 +161,6 @@ def at_its_limit(robot):
     return Evidence(NormalEquations(robot, [Payload(), TorqueOffset(JOINT)], blocks, SAMPLES))
 
 
-def test_a_body_that_would_be_impossible_hides_no_other_effect(pendulum):
-    evidence = at_its_limit(pendulum)
-    held = evidence.fit([0], bodies=True)
-    assert evidence.gains([0])[1] < 0.02 * held.chi2
-    right = evidence.fit([0, 1], bodies=True)
-    assert 0.9 * (held.chi2 - right.chi2) < evidence.gains([0], held)[1] < held.chi2 - right.chi2
-    assert improve(evidence, [0], lambda _: True, most=5).chosen == (1,)
-
-
-def test_gains_beside_possible_bodies_are_those_beside_free_ones(pendulum):
-    evidence, *_ = problem(pendulum, [*FREE, Payload()], theta=[1.0] * 6 + [2.0] + [0.0] * 9, mix=0.0)
-    possible = evidence.fit([0, 1, 2], bodies=True)
-    np.testing.assert_allclose(evidence.gains([0, 1, 2], possible), evidence.gains([0, 1, 2]), rtol=1e-9)
-
-
 # ---------------------------------------------------------------- held-out blocks
 
 
