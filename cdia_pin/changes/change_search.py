@@ -120,6 +120,8 @@ class ChangeSearch:
     def unseen_torque(self, chosen: Sequence[int]) -> Array:
         """Return the torque of a set in the logs after; each block of time is left out of the fit that predicts it.
 
+        Of changes of which the logs are free already, it is the torque of the rest.
+
         Args:
             chosen: Indices of the set.
 
@@ -131,8 +133,10 @@ class ChangeSearch:
         parts = ParameterBlocks.of([self.evidence.effects[c] for c in chosen])
         for theta, (start, stop) in zip(self.evidence.estimates(chosen), x.blocks, strict=True):
             for c, own in zip(chosen, parts, strict=True):
-                for j, columns in x.changes[self.evidence.effects[c]].columns.items():
-                    f[start:stop, j] += columns[start:stop] @ theta[own]
+                change = self.evidence.effects[c]
+                rest = theta[own] - x.put_right.get(change, 0.0)
+                for j, columns in x.changes[change].columns.items():
+                    f[start:stop, j] += columns[start:stop] @ rest
         return f[x.after]
 
     def _moves(self, now: tuple[int, ...]) -> Iterator[tuple[int, ...]]:

@@ -24,9 +24,8 @@ from cdia_pin.regression.shared_parameters import ColumnGroup
 
 Array = NDArray[np.float64]
 
-DELAYS = np.linspace(
-    -LATEST, LATEST, 21
-)  # [s]; a delay's column is right within such a step on measured arms
+# Delays that are tried [s]; on measured arms a delay's column is right within such a step.
+DELAYS = np.linspace(-LATEST, LATEST, 21)
 # Share of what the common structure leaves [1] that a delay must explain for the torques to be put right by it.
 # Delays of 47 to 94 ms that were put into logs of a UR3 and a Kinova Gen3 explain 29 to 58 % there, other changes of a
 # quarter of a joint's torque up to 12 %.

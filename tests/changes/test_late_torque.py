@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.plant import Fault
-from cdia_pin import Dynamics, what_changed
+from cdia_pin import Dynamics, discover, what_changed
 from tests.changes.test_changes import SECONDS, WRONG, the_only
 from tests.hidden_plants import plant_of
 
@@ -40,3 +40,15 @@ def test_a_payload_is_weighed_though_its_log_is_late():
     terms = {c.term.label: c.term for c in changed(0.08, (PAYLOAD,)).changes}
     assert terms.keys() == {"effort_delay", "payload"}
     assert terms["payload"].values["mass"] == pytest.approx(2.0, rel=0.1)
+
+
+def test_a_model_says_of_a_late_log_that_it_is_late():
+    plant = plant_of("ur5")
+    robot, before = plant.robot, plant.run((), duration=SECONDS, seed=3).log
+    known = discover(Dynamics(robot), before).model
+    after = recorded_late(plant.run((), duration=SECONDS, seed=1003).log, 0.08)
+    found = discover(known, after)
+    assert [step.term.label for step in found.steps] == ["effort_delay"]
+    assert np.mean(found.trace[-1].heldout_rms / found.torque_rms) < 0.2 * np.mean(
+        found.trace[0].heldout_rms / found.torque_rms
+    )
