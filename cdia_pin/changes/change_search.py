@@ -120,20 +120,19 @@ class ChangeSearch:
     def unseen_torque(self, chosen: Sequence[int]) -> Array:
         """Return the torque of a set in the logs after; each block of time is left out of the fit that predicts it.
 
-        Of changes of which the logs are free already, it is the torque of the rest.
-
         Args:
             chosen: Indices of the set.
 
         Returns:
             In N·m or N, shape (samples after, n).
         """
-        x = self.differing
+        x, effects = self.differing, [self.evidence.effects[c] for c in chosen]
         f = np.zeros_like(x.prediction.residual)
-        parts = ParameterBlocks.of([self.evidence.effects[c] for c in chosen])
+        if x.put_right.keys() & set(effects):  # that torque is known as it is, columns are those of the rest
+            f += x.given.residual - x.experiment.predict(x.given.model).residual
+        parts = ParameterBlocks.of(effects)
         for theta, (start, stop) in zip(self.evidence.estimates(chosen), x.blocks, strict=True):
-            for c, own in zip(chosen, parts, strict=True):
-                change = self.evidence.effects[c]
+            for change, own in zip(effects, parts, strict=True):
                 rest = theta[own] - x.put_right.get(change, 0.0)
                 for j, columns in x.changes[change].columns.items():
                     f[start:stop, j] += columns[start:stop] @ rest

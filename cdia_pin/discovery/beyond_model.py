@@ -63,12 +63,8 @@ def discover_beyond(model: Dynamics, logs: Problem, report: Progress) -> Discove
 
 def _left_by_blocks(logs: Problem, model: Dynamics, search: ChangeSearch, chosen: Sequence[int]) -> Array:
     """Return the RMS residual of a model with some changes, each block of time left out of their fit, shape (n,)."""
-    differing, informative = search.differing, logs.experiment.informative
-    if differing.put_right.keys() & {search.evidence.effects[c] for c in chosen}:
-        left = differing.experiment.predict(model).residual[differing.after]
-    else:
-        left = logs.experiment.predict(model).residual
-    return rms(left - search.unseen_torque(chosen), informative)
+    x = logs.experiment
+    return rms(x.predict(model).residual - search.unseen_torque(chosen), x.informative)
 
 
 def is_known(experiment: Experiment, model: Dynamics) -> bool:

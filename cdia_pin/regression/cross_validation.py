@@ -15,7 +15,7 @@ def held_out_rms(regression: Regression, prediction: Prediction) -> Array:
     """Return the held-out RMS residual of each joint: every block of time is predicted by a fit to the other blocks.
 
     Blocks are contiguous, because a splice of raw motion would create false accelerations. Nonlinear effects are
-    linearised at the fit to all blocks. Without a block, parameters that limits hold move as if they were free.
+    linearised at the fit to all blocks.
 
     Args:
         regression: The conditioned logs and their noise.
@@ -29,11 +29,10 @@ def held_out_rms(regression: Regression, prediction: Prediction) -> Array:
         return rms(prediction.residual, experiment.informative)
     equations = regression.normal_equations(prediction, [t.effect for t in terms])
     every = range(len(terms))
-    best, _ = equations.optimum(every)
     out = prediction.residual.copy()
     columns = [regression.design.of(t.effect, prediction, np.array(t.theta)) for t in terms]
     for block, samples in zip(equations.blocks, regression.whitening.blocks, strict=True):
-        change = equations.without(block, every) - best
+        change = equations.change_without(block, every)
         for term, own, x in zip(terms, equations.parameters, columns, strict=True):
             for i, j in enumerate(term.effect.acts_on(experiment.robot)):
                 out[samples, j] -= x[samples, i, :] @ change[own]

@@ -225,19 +225,19 @@ class NormalEquations:
     def held_out(self, chosen: Sequence[int], fitted: Array) -> float:
         """Return the held-out sum of squares, in variances of the noise [1]: each block is predicted from the others.
 
-        Without a block, parameters that limits hold move as if they were free.
-
         Args:
             chosen: Indices of the set, in increasing order.
             fitted: Its parameters, fitted to all blocks, shape (p,).
         """
-        columns, (best, _) = self.columns(chosen), self.optimum(chosen)
+        at = self.columns(chosen)
         return float(
-            np.sum([self.chi2(columns, fitted + self.without(b, chosen) - best, gram=b) for b in self.blocks])
+            np.sum([self.chi2(at, fitted + self.change_without(b, chosen), gram=b) for b in self.blocks])
         )
 
-    def without(self, block: Array, chosen: Sequence[int]) -> Array:
-        """Return the parameters of a set fitted to all but one block.
+    def change_without(self, block: Array, chosen: Sequence[int]) -> Array:
+        """Return by how much the parameters of a set change if one block is left out of their fit.
+
+        Parameters that limits hold change as if they were free.
 
         Args:
             block: Normal equations of the block, shape (P + 1, P + 1).
@@ -246,7 +246,8 @@ class NormalEquations:
         Returns:
             Shape (p,).
         """
-        return self.solve(self.columns(chosen), gram=self.total - block)
+        best, _ = self.optimum(chosen)
+        return self.solve(self.columns(chosen), gram=self.total - block) - best
 
     def restricted(self, chosen: Sequence[int]) -> NormalEquations:
         """Return the normal equations of some of the effects alone.

@@ -90,10 +90,10 @@ def changes_sentence(found: Changes) -> str:
             f"Whether anything changed from {before} to {after} cannot be told: no joint moves alike in both."
         )
     said = [f.sentence for f in found.findings]
-    if said and not found.changes:
-        return f"From {before} to {after}: {'; '.join(said)}. Beside that, these logs show no change."
-    if not found.changes:
+    if not found.changes and not said:
         return f"These logs show no change from {before} to {after}."
+    if not found.changes:
+        return f"From {before} to {after}: {'; '.join(said)}. Beside that, these logs show no change."
     described = [change_words(c, found) for c in found.changes]
     few = (
         listed(described)

@@ -151,6 +151,9 @@ def test_a_candidate_that_the_set_spans_gains_nothing(pendulum):
     assert evidence.gains([0, 2])[1] < 1e-3 * evidence.gains([])[1]
 
 
+# ---------------------------------------------------------------- held-out blocks
+
+
 def at_its_limit(robot):
     """Evidence in which a payload of negative mass would explain what an offset does."""
     rng = np.random.default_rng(7)
@@ -159,9 +162,6 @@ def at_its_limit(robot):
     whole = np.column_stack([x, 5.0 * x[:, 10] + rng.standard_normal(SAMPLES)])
     blocks = np.array([whole[a:b].T @ whole[a:b] for a, b in pairwise(EDGES)])
     return Evidence(NormalEquations(robot, [Payload(), TorqueOffset(JOINT)], blocks, SAMPLES))
-
-
-# ---------------------------------------------------------------- held-out blocks
 
 
 def test_a_body_that_is_held_at_its_limit_predicts_no_better_than_it_fits(pendulum):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,9 @@ STANDSTILL = 0.02  # [rad], a joint that covers less is held by its brake or its
 STANDSTILL_PRISMATIC = 0.005  # [m], the same for a prismatic joint
 SLOWEST = 0.02  # [rad/s or m/s], smoothing width of the velocity's sign, well below working speeds
 SHORTEST = 2.0  # [s], a shorter stretch has too few reversals and accelerations
-# Share of the first principal component in the joints' speeds [1] above which they move in step. Exciting motions and
-# work of measured arms have at most 0.84, motions in which all joints follow one course 0.97 and more.
+# Share of the first principal component in the joints' speeds [1], above which they move in step. Exciting motions and
+# work of measured arms have at most 0.84, motions in which all joints follow one course 0.97 and more: values between
+# decide alike there.
 IN_STEP = 0.95
 
 
@@ -46,7 +48,7 @@ class SmoothedMotion:
     effort: Array
     moves: Mask
 
-    @property
+    @cached_property
     def common_course(self) -> float:
         """Share of the speeds of the joints that move that is one common course [1]; 0 if fewer than two move."""
         speed = self.v[:, self.moves]
