@@ -10,6 +10,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.changes.common_structure import EVERYWHERE
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
@@ -170,8 +171,9 @@ class ChangeSearch:
         comparable = [*nameable, *self._better(chosen, nameable, fits)]
         alike = self._alike(max(comparable, key=lambda c: gain[c]), comparable, fits)
 
-        def simplicity(c: int) -> tuple[float, float, float]:
-            return (self._parameters(c), effects[c].plausibility.penalty, -gain[c])
+        def simplicity(c: int) -> tuple[bool, float, float, float]:
+            loss = self._is_loss(c, fits.theta[c])
+            return (loss, self._parameters(c), effects[c].plausibility.penalty, -gain[c])
 
         return min(alike, key=simplicity), alike
 
@@ -244,6 +246,19 @@ class ChangeSearch:
         """
         lower, upper = self.evidence.effects[change].bounds(self.differing.experiment.robot)
         return bool(np.all((lower <= fits.theta[change]) & (fits.theta[change] <= upper)))
+
+    def _is_loss(self, change: int, theta: Array) -> bool:
+        """Return True if a change takes away what neither every arm nor the model has, as a spring that grew weaker.
+
+        Args:
+            change: Index of the change.
+            theta: Its parameters, shape (p,).
+        """
+        x, effect = self.differing, self.evidence.effects[change].effect
+        if isinstance(effect, EVERYWHERE) or effect in {t.effect for t in x.given.model.terms}:
+            return False
+        lower, upper = effect.bounds(x.experiment.robot)
+        return not bool(np.all((lower <= theta) & (theta <= upper)))
 
     def _is_visible(self, change: int, fits: BlockFits) -> bool:
         x, torque = self.differing, self.torque(change, fits.theta[change])

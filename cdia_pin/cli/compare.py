@@ -20,6 +20,7 @@ from cdia_pin.cli.console import progress, stdout
 from cdia_pin.cli.inputs import Reading, load_inputs, read_logs, show_inputs
 from cdia_pin.cli.next_command import follow_checks, free, show_next, ways_of
 from cdia_pin.cli.options import (
+    OUTPUT,
     Check,
     Columns,
     Convert,
@@ -58,6 +59,14 @@ def compare(
             help="With several logs, list what changed from the first to each other.",
         ),
     ] = True,
+    everything: Annotated[
+        bool,
+        typer.Option(
+            "--all",
+            help="With several logs, show also in which regions the model fails in them.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = False,
     environment: Environment = Surroundings.AIR,
     contact: Contact = False,
     mounted: Mounted = Mounting.UPRIGHT,
@@ -77,7 +86,7 @@ def compare(
 ) -> None:
     """Show where a model fails: joint, and region of position, speed, acceleration, load and time.
 
-    With several logs of one arm, show the error in each and what changed from the first to the others: a payload,
+    With several logs of one arm, show what changed from the first to the others, and the error in each: a payload,
     friction that grew, drives that warmed up. Their motions may differ.
     """
     require_report(report)
@@ -113,12 +122,15 @@ def compare(
     from cdia_pin.viewers import changes_table, comparison_table, errors_by_log, where_it_fails, write_report
 
     show_inputs(console, known, given)
-    if by_log:
-        console.print(errors_by_log(by_log))
-    console.print(comparison_table(found))
-    console.print(where_it_fails(found))
     for each in changed:
         console.print(changes_table(each))
+    if by_log:
+        console.print(errors_by_log(by_log))
+    if everything or not changed:
+        console.print(comparison_table(found))
+        console.print(where_it_fails(found))
+    else:
+        console.print("--all shows where the model fails.", style="dim")
     document: dict[str, object] = {**found.to_dict()}
     if by_log:
         document["by_log"] = [c.to_dict() for c in by_log]
