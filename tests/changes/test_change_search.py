@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from cdia_pin import Dynamics
 from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.difference import Difference
 from cdia_pin.effects import (
@@ -13,7 +14,10 @@ from cdia_pin.effects import (
     AsymmetricFriction,
     CoulombFriction,
     EncoderOffset,
+    JointSpring,
+    LinkInertia,
     LoadFriction,
+    Term,
     TorqueOffset,
 )
 from cdia_pin.regression.block_evidence import BlockFits
@@ -46,8 +50,10 @@ class Search(ChangeSearch):
         return True
 
 
-def search(**offered):
-    logs = SimpleNamespace(experiment=SimpleNamespace(robot=load_robot("panda")))
+def search(known=(), **offered):
+    robot = load_robot("panda")
+    given = SimpleNamespace(model=Dynamics(robot, known))
+    logs = SimpleNamespace(experiment=SimpleNamespace(robot=robot), given=given)
     return Search(logs, Evidence(**offered), ChangeSettings())
 
 
@@ -88,6 +94,26 @@ def test_nothing_is_named_where_nothing_is_certain():
 def test_an_effect_with_more_parameters_has_to_explain_more_than_chance(effect, deviations, name):
     plain = (CoulombFriction("joint1"), 10.0, gains(90.0))
     assert named(search(plain=plain, other=(effect, 10.0, gains(90.0, 5.0, deviations)))) == [name]
+
+
+SPRING = JointSpring("panda_joint2")
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "known", "name"),
+    [
+        (-1.0, (), "link_inertia"),  # no spring pushes away from its rest; a weight above the joint does
+        (1.0, (), "joint_spring"),
+        (-1.0, (Term(SPRING, (2.0, 0.0)),), "joint_spring"),  # it can have grown weaker
+    ],
+)
+def test_a_spring_that_the_arm_had_not_does_not_grow_weaker(stiffness, known, name):
+    spring, link = (SPRING, 12.0, gains(80.0)), (LinkInertia("panda_joint2"), 9.0, gains(80.5))
+    assert named(search(known, size=stiffness, spring=spring, link=link)) == [name]
+
+
+def test_what_the_model_lacks_may_have_gone_if_nothing_else_explains_as_much():
+    assert named(search(size=-1.0, spring=(SPRING, 12.0, gains(80.0)))) == ["joint_spring"]
 
 
 def test_what_explains_as_much_and_is_certain_is_a_rival():

@@ -8,6 +8,8 @@ import pinocchio as pin
 import pytest
 
 from cdia_pin.logs import check_log
+from cdia_pin.logs.checks.motion import motion_of
+from cdia_pin.logs.checks.mounting import gravity_elsewhere
 
 WALL, CEILING, TILTED = (9.81, 0.0, 0.0), (0.0, 0.0, 9.81), (4.9, 0.0, -8.5)
 
@@ -35,6 +37,14 @@ def test_gravity_that_is_compensated_is_not_another_mounting(panda, panda_log):
     check = check_log(without, panda)
     assert not check.about("mounting")
     assert "gravity-compensated" in check.about("effort_kind")[0].message
+
+
+@pytest.mark.parametrize("reversed_joints", [(1, 2), (1, 2, 3), (0, 1, 2)])
+def test_efforts_of_other_signs_are_not_another_mounting(ur5, ur5_log, reversed_joints):
+    effort = ur5_log.effort.copy()
+    effort[:, reversed_joints] *= -1
+    motion = motion_of(replace(ur5_log, effort=effort), ur5.is_prismatic)
+    assert gravity_elsewhere(motion, ur5) is None
 
 
 def test_a_payload_is_not_another_mounting(ur5, ur5_log):

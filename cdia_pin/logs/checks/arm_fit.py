@@ -118,5 +118,16 @@ def scaled_fit(robot: RobotModel, motion: SmoothedMotion) -> ArmFit:
     return arm_fit(robot, motion, robot.inverse_dynamics(motion.q, motion.v, motion.a)[:, :, None])
 
 
+def scaled_by_joint(robot: RobotModel, motion: SmoothedMotion) -> ArmFit:
+    """Explain efforts by the arm with a gain for each joint, of either sign; its shared coefficients are these less 1.
+
+    Args:
+        robot: The arm.
+        motion: Signals in SI units.
+    """
+    rigid = robot.inverse_dynamics(motion.q, motion.v, motion.a)
+    return arm_fit(robot, motion, rigid[:, :, None] * np.eye(robot.n))
+
+
 def _outside(basis: Array, signal: Array) -> Array:
     return np.asarray(signal - basis @ (basis.T @ signal))
