@@ -22,8 +22,8 @@ MOST_SIZE = (
 )
 # [1], fall of the misfit by which a turned gravity must be ahead of a gain: a factor of e in unexplained shares
 AHEAD_OF_GAIN = 1.0
-# [1], the same by which it may be behind what has more parameters: a body on the tool, or gains of the joints. On an arm
-# with three reversed efforts it is 5 behind gains; turned by 23 to 180°, a UR10e is 10 ahead of them to 0.3 behind.
+# [1], the same by which it may be behind what has more parameters: a body on the tool, or a gain of each joint. On an
+# arm with three reversed efforts it is 5 behind gains; turned by 23 to 180°, a UR10e is 10 ahead of them to 0.3 behind.
 MOST_BEHIND = 1.0
 
 
