@@ -132,11 +132,11 @@ class ChangeSearch:
         if x.put_right.keys() & set(effects):  # that torque is known as it is, columns are those of the rest
             f += x.given.residual - x.experiment.predict(x.given.model).residual
         parts = ParameterBlocks.of(effects)
-        for theta, (start, stop) in zip(self.evidence.estimates(chosen), x.blocks, strict=True):
+        for theta, block in zip(self.evidence.estimates(chosen), x.blocks, strict=True):
             for change, own in zip(effects, parts, strict=True):
                 rest = theta[own] - x.put_right.get(change, 0.0)
                 for j, columns in x.changes[change].columns.items():
-                    f[start:stop, j] += columns[start:stop] @ rest
+                    f[block, j] += columns[block] @ rest
         return f[x.after]
 
     def _moves(self, now: tuple[int, ...]) -> Iterator[tuple[int, ...]]:

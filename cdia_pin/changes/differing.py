@@ -20,6 +20,7 @@ from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.normal_equations import REPEATED
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
+from cdia_pin.regression.time_blocks import Block, distinct_samples, time_blocks
 from cdia_pin.selection.candidates import LARGE_FAMILY, SCREENED, enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 
@@ -45,7 +46,7 @@ class Differing:
         common: Columns of what the logs may have in common.
         changes: Columns of what may differ, zero before, without a prior.
         searched: Number of shapes in which each change is looked for, by label.
-        edges: First sample of each block of time and the end, shape (B + 1,). No block has samples of both sides.
+        blocks: Samples of each block of time. No block has samples of both sides.
         settings: What may have changed, and what it must explain.
         size: RMS torque of each joint that no effect explains, the weight of its rows [N·m or N], shape (n,).
         put_right: Changes of which the logs are free already, and their parameters, shape (p,) each.
@@ -61,7 +62,7 @@ class Differing:
     common: tuple[ColumnGroup, ...]
     changes: dict[Difference, ColumnGroup]
     searched: dict[str, int]
-    edges: NDArray[np.intp]
+    blocks: list[Block]
     settings: DiscoverySettings
     size: Array
     put_right: Mapping[Difference, Array] = field(default_factory=dict)
@@ -101,8 +102,8 @@ class Differing:
             for effect in family:
                 change = Difference(effect, logs)
                 changes[change] = ColumnGroup.of(change, columns.of(change, prediction), robot)
-        sides = ((0, ends[before]), (ends[before], ends[-1]))
-        edges = [np.linspace(start, stop, settings.changes.blocks + 1) for start, stop in sides]
+        count, segments = settings.changes.blocks, experiment.segments
+        later = time_blocks(segments[before:], count, first=int(ends[before]))
         differing = cls(
             experiment,
             before,
@@ -114,7 +115,7 @@ class Differing:
             tuple(common_effects(experiment, prediction, columns, rare=settings.changes.rare)),
             changes,
             searched,
-            np.concatenate([edges[0][:-1], edges[1]]).astype(int),
+            [*time_blocks(segments[:before], count), *later],
             settings,
             np.maximum(rms(prediction.residual, used), 1e-12),
         )
@@ -177,8 +178,10 @@ class Differing:
 
     @property
     def block_time(self) -> float:
-        """Duration of a block of the shorter side [s]."""
-        spans = [float(np.ptp(s.motion.time)) for s in self.experiment.segments]
+        """Duration of a block of the shorter side, without repeats [s]."""
+        parts = [distinct_samples(s) / len(s.measured) for s in self.experiment.segments]
+        times = [float(np.ptp(s.motion.time)) for s in self.experiment.segments]
+        spans = [part * time for part, time in zip(parts, times, strict=True)]
         return min(sum(spans[: self.before]), sum(spans[self.before :])) / self.settings.changes.blocks
 
     @property
@@ -242,11 +245,6 @@ class Differing:
         own = [ColumnGroup.of(e, x, robot) for e, x in zip(both, columns, strict=True)]
         regression = replace(self, common=(*self.common, *own)).together(changes)
         return BlockEvidence.of(changes, regression, self.blocks, robot)
-
-    @property
-    def blocks(self) -> list[tuple[int, int]]:
-        """First and last sample of each block of time, the last excluded."""
-        return list(zip(self.edges[:-1].tolist(), self.edges[1:].tolist(), strict=True))
 
     def screened(self) -> list[Difference]:
         """Return the changes; of large families on one joint only the shapes that fit best."""

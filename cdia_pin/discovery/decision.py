@@ -18,11 +18,11 @@ from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
+from cdia_pin.regression.time_blocks import Block, time_blocks
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.problem import Problem
 
 Array = NDArray[np.float64]
-Blocks = list[tuple[int, int]]
 
 NO_POWER = 1e-300  # of a torque, squared [1], so that none is not divided by zero
 TINY = 1e-150  # least standard deviation, whose square is still above zero
@@ -124,7 +124,7 @@ class Repeat:
         """
         torque = self._columns[term.label].torque(np.array(term.theta), self.experiment.robot.n)
         shown = ((np.where(self._used, torque, 0.0) / self._size) ** 2).sum(axis=1)
-        power = np.array([shown[start:stop].sum() for start, stop in self._blocks()])
+        power = np.array([shown[block].sum() for block in self._blocks()])
         return float(power.sum() ** 2 / (len(power) * max(power @ power, NO_POWER)))
 
     def could_show(self, term: Term, theta: Array) -> bool:
@@ -287,9 +287,8 @@ class Repeat:
         )
         return BlockEvidence.of(effects, regression, self._blocks(), robot)
 
-    def _blocks(self) -> Blocks:
-        """Return first and last sample of each block of time."""
-        edges = np.linspace(0, len(self.experiment.measured), self.settings.confidence.blocks + 1).astype(int)
-        every = list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
+    def _blocks(self) -> list[Block]:
+        """Return the samples of each block of time."""
+        every = time_blocks(self.experiment.segments, self.settings.confidence.blocks)
         middle = len(every) // 2
         return every if self.part is None else (every[:middle] if self.part == 0 else every[middle:])

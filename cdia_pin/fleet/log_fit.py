@@ -26,6 +26,7 @@ from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.intervals import NORMAL_95
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
+from cdia_pin.regression.time_blocks import time_blocks
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -245,8 +246,7 @@ class LogFit:
     @cached_property
     def _evidence(self) -> BlockEvidence[Effect]:
         every = (*self.effects.fitted, *self.effects.searched)
-        edges = np.linspace(0, len(self.experiment.measured), self.settings.blocks + 1).astype(int)
-        blocks = list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
+        blocks = time_blocks(self.experiment.segments, self.settings.blocks)
         return BlockEvidence.of(every, self._regression(every, self._weights), blocks, self.robot)
 
     @cached_property

@@ -89,9 +89,8 @@ def held_out_rms(fitter: Fitter, estimate: Estimate) -> Array:
     prediction = experiment.predict(estimate.model)
     out = prediction.residual.copy()
     columns = [fitter.design.of(t.effect, prediction, np.array(t.theta)) for t in estimate.model.terms]
-    for k, block in enumerate(equations.blocks):
+    for rows, block in zip(fitter.blocks, equations.blocks, strict=True):
         change = constrained(equations, equations.total - block, estimate.prior) - estimate.theta
-        rows = slice(fitter.edges[k], fitter.edges[k + 1])
         for effect, span, x in zip(equations.effects, equations.parameters, columns, strict=True):
             out[rows, list(effect.acts_on(experiment.robot))] -= x[rows] @ change[span]
     return rms(out, experiment.informative)

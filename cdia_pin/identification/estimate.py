@@ -19,6 +19,7 @@ from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.physical_consistency import consistent_parameters
 from cdia_pin.regression.regression import Regression
 from cdia_pin.regression.scaled_gram import ScaledGram
+from cdia_pin.regression.time_blocks import time_blocks
 from cdia_pin.regression.whitening import Whitening
 
 Array = NDArray[np.float64]
@@ -76,10 +77,10 @@ class Fitter:
         self.design = DesignMatrix(experiment)
         self.moving = moving_joints(experiment, settings.least_motion)
         self.used = experiment.moving | ~self.moving
-        self.edges = np.linspace(0, len(experiment.measured), settings.blocks + 1).astype(int)
+        self.blocks = time_blocks(experiment.segments, settings.blocks)
 
     def __repr__(self) -> str:
-        return f"Fitter({self.experiment!r}, {len(self.edges) - 1} blocks)"
+        return f"Fitter({self.experiment!r}, {len(self.blocks)} blocks)"
 
     def weights(self, residual: Array) -> Whitening:
         """Weight every joint by its own error, so that a wrist counts as much as the shoulder.
@@ -94,7 +95,7 @@ class Fitter:
         share = np.where(self.moving, FINEST_ERROR, STUCK_ERROR * np.sqrt(len(residual)))
         sigma = np.maximum(rms(residual, self.used), share * rms(e.measured, self.used) + 1e-12)
         noise = [NoiseModel(np.zeros(0), np.full(len(residual), s), tuple(e.runs)) for s in sigma]
-        return Whitening(tuple(noise), self.used, self.edges)
+        return Whitening(tuple(noise), self.used, self.blocks)
 
     def fit(self, model: Dynamics, strength: float, whitening: Whitening | None = None) -> Estimate:
         """Fit all parameters of a model.

@@ -1,4 +1,4 @@
-r"""Evidence by contiguous blocks of time: each block is predicted from all others.
+r"""Evidence by blocks of time: each block is predicted from all others.
 
 Residuals of measured arms are not noise: they repeat with the posture, and neighbouring samples tell the same thing.
 Blocks of time are nearly independent of each other. So what an effect explains is measured on blocks that its fit did
@@ -26,6 +26,7 @@ from cdia_pin.regression.normal_equations import REPEATED
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.scaled_gram import ScaledGram
 from cdia_pin.regression.shared_parameters import RIDGE, SharedRegression
+from cdia_pin.regression.time_blocks import Block
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -88,7 +89,7 @@ class BlockEvidence(Generic[E]):
         cls,
         effects: Sequence[E],
         regression: SharedRegression,
-        edges: Sequence[tuple[int, int]],
+        blocks: Sequence[Block],
         robot: RobotModel,
     ) -> Self:
         """Compute the normal equations without each block.
@@ -96,15 +97,15 @@ class BlockEvidence(Generic[E]):
         Args:
             effects: The effects that are asked for; their columns are the last of the regression.
             regression: Columns of the common structure, then of the effects.
-            edges: First and last sample of each block, the last excluded.
+            blocks: Samples of each block.
             robot: The arm, for the prior of each effect.
         """
         first = len(regression.precision) - sum(e.size for e in effects)
-        blocks = [regression.gram_of(slice(start, stop)) for start, stop in edges]
-        whole = np.sum(blocks, axis=0)
+        grams = [regression.gram_of(block) for block in blocks]
+        whole = np.sum(grams, axis=0)
         prior = np.diag(regression.precision[:first])
         training, unseen = [], []
-        for block in blocks:
+        for block in grams:
             rest = whole - block
             common = ScaledGram.of(rest[:first, :first] + prior, RIDGE).solve(rest[:first, first:])
             training.append(rest[first:, first:] - rest[first:, :first] @ common)

@@ -106,7 +106,7 @@ class SharedRegression:
         """XᵀX of all joints with the response as last column, shape (P + 1, P + 1)."""
         return self.gram_of(slice(None))
 
-    def gram_of(self, samples: slice) -> Array:
+    def gram_of(self, samples: slice | NDArray[np.intp]) -> Array:
         """Return XᵀX of some samples of all joints with the response as last column, shape (P + 1, P + 1).
 
         Args:

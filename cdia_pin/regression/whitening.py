@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,47 +10,43 @@ from numpy.typing import NDArray
 
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.regression.noise import NoiseModel
+from cdia_pin.regression.time_blocks import Block
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)
 class Whitening:
-    """The noise of each joint, the samples that count, and contiguous blocks of time.
+    """The noise of each joint, the samples that count, and blocks of time.
 
     Attributes:
         noise: One model per joint.
         used: Samples that count, shape (K, n).
-        edges: First sample of each block and the end, shape (B + 1,).
+        blocks: Samples of each block of time.
     """
 
     noise: tuple[NoiseModel, ...]
     used: NDArray[np.bool_]
-    edges: NDArray[np.intp]
+    blocks: Sequence[Block]
 
     def __repr__(self) -> str:
-        return f"Whitening({len(self.noise)} joints, {len(self.used)} samples, {len(self.edges) - 1} blocks)"
+        return f"Whitening({len(self.noise)} joints, {len(self.used)} samples, {len(self.blocks)} blocks)"
 
     @classmethod
-    def of(cls, experiment: Experiment, noise: Sequence[NoiseModel], edges: NDArray[np.intp]) -> Whitening:
+    def of(cls, experiment: Experiment, noise: Sequence[NoiseModel], blocks: Sequence[Block]) -> Whitening:
         """Combine an experiment's informative samples with the noise of its joints.
 
         Args:
             experiment: The conditioned logs, K compared samples.
             noise: One model per joint.
-            edges: First sample of each block and the end, shape (B + 1,).
+            blocks: Samples of each block of time.
         """
-        return cls(tuple(noise), experiment.informative, edges)
+        return cls(tuple(noise), experiment.informative, blocks)
 
     @property
     def samples(self) -> int:
         """Number of innovations that count, over all joints."""
         return sum(int((self.used[:, j] & m.kept).sum()) for j, m in enumerate(self.noise))
-
-    @property
-    def blocks(self) -> Iterator[slice]:
-        """The samples of each block of time."""
-        return (slice(int(start), int(stop)) for start, stop in itertools.pairwise(self.edges))
 
     def joint(self, j: int, signal: Array) -> Array:
         """Whiten a signal of one joint.

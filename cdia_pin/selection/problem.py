@@ -17,6 +17,7 @@ from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.lack_of_fit import LackOfFit, lack_of_fit
 from cdia_pin.regression.regression import Regression
+from cdia_pin.regression.time_blocks import Block, time_blocks
 from cdia_pin.regression.whitening import Whitening
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.candidates import drifting, enumerate_candidates, per_log, screen
@@ -155,7 +156,7 @@ class Problem:
         generic = [f[0] for f in common if f[0].size < GENERIC_SIZE and len(f) < GENERIC_SHAPES]
         effects = list(dict.fromkeys([*(t.effect for t in model.terms), *generic]))
         left = self._lack_of_fit(self.experiment.predict(model), effects)
-        return WhitenedProblem(self, Whitening.of(self.experiment, left.innermost, self.edges))
+        return WhitenedProblem(self, Whitening.of(self.experiment, left.innermost, self.blocks))
 
     def with_noise_of(self, left: LackOfFit) -> WhitenedProblem:
         """Return the problem with the noise that follows from the lack of fit of a model.
@@ -163,7 +164,7 @@ class Problem:
         Args:
             left: Lack of fit of the model.
         """
-        return WhitenedProblem(self, Whitening.of(self.experiment, left.noise, self.edges))
+        return WhitenedProblem(self, Whitening.of(self.experiment, left.noise, self.blocks))
 
     def lack_of_fit(self, model: Dynamics) -> LackOfFit:
         """Look for structure in the residual of a fitted model.
@@ -191,6 +192,11 @@ class Problem:
             In N·m or N, shape (n,).
         """
         return rms(self.experiment.predict(model).residual, self.experiment.informative)
+
+    @cached_property
+    def blocks(self) -> list[Block]:
+        """Samples of each block of time."""
+        return time_blocks(self.experiment.segments, self.settings.blocks)
 
     @property
     def edges(self) -> NDArray[np.intp]:
