@@ -20,7 +20,7 @@ from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.normal_equations import REPEATED
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
-from cdia_pin.regression.time_blocks import Block, distinct_samples, time_blocks
+from cdia_pin.regression.time_blocks import Block, time_blocks
 from cdia_pin.selection.candidates import LARGE_FAMILY, SCREENED, enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 
@@ -179,7 +179,7 @@ class Differing:
     @property
     def block_time(self) -> float:
         """Duration of a block of the shorter side, without repeats [s]."""
-        parts = [distinct_samples(s) / len(s.measured) for s in self.experiment.segments]
+        parts = [s.distinct / len(s.measured) for s in self.experiment.segments]
         times = [float(np.ptp(s.motion.time)) for s in self.experiment.segments]
         spans = [part * time for part, time in zip(parts, times, strict=True)]
         return min(sum(spans[: self.before]), sum(spans[self.before :])) / self.settings.changes.blocks

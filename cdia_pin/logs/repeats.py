@@ -7,12 +7,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# RMS difference of each joint's position from itself one period later, over that of two unrelated positions [1], below
-# which the motion repeats. Motions that a controller repeats are below 0.08, those that are driven once above 0.17.
-ALIKE = 0.1
-UNLIKE = (
-    0.5  # the same [1], above which a joint has left where it was: a slow motion is like itself for a while
-)
+# Difference of a joint's position from that one period earlier, over the RMS difference of unrelated positions [1],
+# below which the joint is back. Motions that a controller repeats differ by 0.08 RMS at most, others by 0.17 or more.
+ALIKE = 0.25
+MOSTLY = 0.6  # share of the samples [1] at which all joints must be back: a log may begin and end with a ramp
+UNLIKE = 0.5  # RMS difference [1] above which a joint has left where it was: a slow motion is like itself for a while
 LEAST_REPEATED = 0.2  # share of the samples [1] that must repeat earlier ones for a period to be seen
 MOVING = 0.02  # [rad or m], a joint with a smaller range rests, and repeats nothing
 
@@ -27,14 +26,19 @@ def period_of(q: Array) -> int | None:
     longest = int((1.0 - LEAST_REPEATED) * len(q))
     if not moved.size or longest < 1:
         return None
+    size = np.sqrt(2.0) * moved.std(axis=0)
     different = np.max([_difference(x)[:longest] for x in moved.T], axis=0)
     left = np.flatnonzero(different > UNLIKE)
-    back = np.flatnonzero(different[left[0] :] < ALIKE) + left[0] if len(left) else left
-    if not len(back):
-        return None
-    leaves = np.flatnonzero(np.diff(back) > 1)
-    once = back[: leaves[0] + 1] if len(leaves) else back
-    return int(once[np.argmin(different[once])])
+    for lag in _minima(different, int(left[0]), longest) if len(left) else ():
+        back = (np.abs(moved[lag:] - moved[:-lag]) < ALIKE * size).all(axis=1)
+        if back.mean() >= MOSTLY:
+            return lag
+    return None
+
+
+def _minima(x: Array, start: int, stop: int) -> list[int]:
+    """Return where a signal is lower than before and no higher than after, between two samples."""
+    return [k for k in range(max(start, 1), stop - 1) if x[k] < x[k - 1] and x[k] <= x[k + 1]]
 
 
 def _difference(x: Array) -> Array:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.effects import State
 from cdia_pin.logs.motion import Motion
+from cdia_pin.logs.repeats import period_of
 from cdia_pin.logs.side_evidence import SideEvidence, side_evidence
 from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import clipped
@@ -34,6 +36,12 @@ class Segment:
 
     def __repr__(self) -> str:
         return f"Segment({clipped(self.state.log)}, {len(self.measured)} compared samples)"
+
+    @cached_property
+    def distinct(self) -> int:
+        """Number of compared samples before the motion repeats [1]; all of them if it does not, one at least."""
+        period = None if self.motion.stretches else period_of(self.motion.q[self.motion.kept])
+        return max(len(self.measured) if period is None else period, 1)
 
     @property
     def measured_side(self) -> TorqueSide:

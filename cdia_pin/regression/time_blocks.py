@@ -12,7 +12,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.logs.repeats import period_of
 from cdia_pin.regression.segment import Segment
 
 Block = slice | NDArray[np.intp]
@@ -29,7 +28,7 @@ def time_blocks(segments: Sequence[Segment], count: int, first: int = 0) -> list
     Returns:
         Compared samples of each block: a slice if no motion repeats.
     """
-    lengths = [distinct_samples(s) for s in segments]
+    lengths = [s.distinct for s in segments]
     starts = np.cumsum([0, *lengths])
     at = np.concatenate(
         [a + np.arange(len(s.measured)) % n for a, n, s in zip(starts[:-1], lengths, segments, strict=True)]
@@ -39,14 +38,3 @@ def time_blocks(segments: Sequence[Segment], count: int, first: int = 0) -> list
         return [slice(first + int(a), first + int(b)) for a, b in itertools.pairwise(edges)]
     block = np.searchsorted(edges, at, side="right") - 1
     return [first + np.flatnonzero(block == b) for b in range(count)]
-
-
-def distinct_samples(segment: Segment) -> int:
-    """Return the number of compared samples of a log before its motion repeats; all if it does not.
-
-    Args:
-        segment: The log.
-    """
-    motion, samples = segment.motion, len(segment.measured)
-    period = None if motion.stretches else period_of(motion.q[motion.kept])
-    return max(samples if period is None else period, 1)

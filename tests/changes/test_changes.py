@@ -44,11 +44,19 @@ OUTSIDE = (  # and has physics that the vocabulary does not know
 )
 
 
-def changed(before, after, seed=3):
+FAR_OUTSIDE = (  # as much of it as measured arms have
+    Fault("speed_bump", joint="shoulder_lift_joint", level=12.0, speed=0.3, width=0.12),
+    Fault("speed_bump", joint="elbow_joint", level=6.0, speed=0.3, width=0.12),
+    Fault("speed_bump", joint="wrist_1_joint", level=0.6, speed=0.4, width=0.12),
+    Fault("presliding", joint="elbow_joint", level=8.0, reach=0.2),
+)
+
+
+def changed(before, after, seed=3, motion=None):
     """What changed between two logs of different motions."""
     plant = plant_of("ur5")
     logs = [
-        plant.run(faults, duration=SECONDS, seed=s).log
+        plant.run(faults, motion=motion, duration=SECONDS, seed=s).log
         for faults, s in ((before, seed), (after, seed + 1000))
     ]
     return what_changed(Dynamics(plant.robot), *logs)
@@ -73,6 +81,12 @@ def test_nothing_changed_though_motion_and_noise_did(common):
     noise = 0.01 * np.maximum(torque, 0.02 * torque.max())  # of the plant, on each sample
     for j, joint in enumerate(found.model.robot.joints):
         assert found.bounds[joint].torque < max(0.2 * torque[j], noise[j])  # and more would have been seen
+
+
+@pytest.mark.parametrize("seed", [5, 6])
+def test_a_motion_that_is_driven_three_times_does_not_confirm_what_it_follows_by_chance(seed):
+    common = (*WRONG, *FAR_OUTSIDE)
+    assert changed(common, common, seed, Fourier(base=3 / SECONDS)).verdict == "unchanged"
 
 
 def test_a_payload_is_distinguished_from_a_wrong_model():

@@ -1,0 +1,63 @@
+"""Blocks of time: every sample in one, and what a motion repeats with its repeats."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cdia_pin import load_robot
+from cdia_pin.regression.experiment import Experiment
+from cdia_pin.regression.time_blocks import time_blocks
+from tests.made_logs import conditioned, make
+
+BLOCKS = 8
+PERIOD = 6.0  # [s]
+
+
+@pytest.fixture(scope="module")
+def pendulum():
+    return load_robot("double_pendulum")
+
+
+def segments(robot, *durations):
+    """Logs of a motion that repeats after six seconds, of some durations."""
+    made = []
+    for k, duration in enumerate(durations):
+        log = make(robot, duration=duration).log
+        phase = 2 * np.pi * log.time[:, None] / PERIOD
+        q = np.column_stack([np.sin(phase) + 0.4 * np.cos(2 * phase), 0.7 * np.cos(phase + k)])
+        made.append(conditioned(robot, replace(make(robot, duration=duration), log=replace(log, position=q))))
+    return Experiment.of(robot, made).segments
+
+
+def members(blocks, count):
+    return [np.arange(count)[b] for b in blocks]
+
+
+@pytest.mark.parametrize("durations", [(20.0,), (20.0, 5.0), (13.0, 25.0)])
+def test_every_sample_is_in_one_block(pendulum, durations):
+    given = segments(pendulum, *durations)
+    count = sum(len(s.measured) for s in given)
+    inside = members(time_blocks(given, BLOCKS), count)
+    assert sorted(np.concatenate(inside)) == list(range(count))
+    assert len(inside) == BLOCKS
+
+
+def test_what_is_driven_again_is_in_the_same_block(pendulum):
+    (log,) = segments(pendulum, 20.0)
+    count = len(log.measured)
+    number = np.empty(count, int)
+    for b, inside in enumerate(members(time_blocks([log], BLOCKS), count)):
+        number[inside] = b
+    time = log.motion.time[log.motion.kept]
+    assert log.distinct * (time[1] - time[0]) == pytest.approx(PERIOD, abs=0.1)
+    later = number[log.distinct :]
+    assert np.array_equal(later, number[: len(later)])
+
+
+def test_a_motion_that_is_driven_once_has_contiguous_blocks(pendulum):
+    log = Experiment.of(pendulum, [conditioned(pendulum, make(pendulum, seed=3))]).segments[0]
+    blocks = time_blocks([log], BLOCKS, first=100)
+    assert all(isinstance(b, slice) for b in blocks)
+    assert [b.start for b in blocks[1:]] == [b.stop for b in blocks[:-1]]
+    assert (blocks[0].start, blocks[-1].stop) == (100, 100 + len(log.measured))
