@@ -9,7 +9,7 @@ from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from cdia_pin.robot import load_robot
 
 EFFECTS = [CoulombFriction("joint1"), ViscousFriction("joint1"), TorqueOffset("joint1")]
-EDGES = [(k, k + 25) for k in range(0, 200, 25)]
+BLOCKS = [slice(k, k + 25) for k in range(0, 200, 25)]
 PRIOR = 0.5  # standard deviation of each parameter of the common structure
 
 
@@ -28,7 +28,7 @@ def evidence(rows):
     groups = [ColumnGroup({0: common}, np.full(4, PRIOR))]
     groups += [ColumnGroup({0: x[:, [k]]}, np.full(1, np.inf)) for k in range(3)]
     regression = SharedRegression.of(groups, y[:, None], lambda _, part: part)
-    return BlockEvidence.of(EFFECTS, regression, EDGES, load_robot("double_pendulum"))
+    return BlockEvidence.of(EFFECTS, regression, BLOCKS, load_robot("double_pendulum"))
 
 
 def fitted(rows, chosen, seen):
@@ -43,11 +43,10 @@ def left(rows, chosen):
     """Sum of squares of each block, predicted from all others."""
     common, x, y = rows
     out = []
-    for start, stop in EDGES:
-        seen = np.r_[0:start, stop:200]
-        theta = fitted(rows, chosen, seen)
-        block = np.column_stack([common, x[:, chosen]])[start:stop]
-        out.append(np.sum((y[start:stop] - block @ theta) ** 2))
+    for block in BLOCKS:
+        theta = fitted(rows, chosen, np.delete(np.arange(200), block))
+        unseen = np.column_stack([common, x[:, chosen]])[block]
+        out.append(np.sum((y[block] - unseen @ theta) ** 2))
     return np.array(out)
 
 
@@ -66,7 +65,7 @@ def test_a_gain_is_what_the_effect_lowers_on_blocks_that_were_left_out(rows, evi
 
 def test_the_covariance_is_the_jackknife_over_blocks(rows, evidence):
     theta, covariance = evidence.estimate([0, 1])
-    without = [fitted(rows, [0, 1], np.r_[0:a, b:200])[4:] for a, b in EDGES]
+    without = [fitted(rows, [0, 1], np.delete(np.arange(200), b))[4:] for b in BLOCKS]
     whole = fitted(rows, [0, 1], np.arange(200))[4:]
     np.testing.assert_allclose(theta, whole, rtol=1e-6)
     moved = np.array(without) - whole
