@@ -17,7 +17,7 @@ class IdentificationSettings:
         strength: Strength of the prior on bodies around the URDF [1], see `urdf_precision`; chosen by cross-validation
             if None.
         refine: Use richer laws than Coulomb and viscous friction where they predict held-out blocks better.
-        blocks: Number of contiguous blocks of time for cross-validation, held-out errors and intervals.
+        blocks: Number of blocks of time for cross-validation, held-out errors and intervals.
         least_gain: Share of a joint's mean squared error that a richer law must explain in unseen blocks [1], because
             laws that explain less change with the log.
         least_torque: RMS torque of a richer law over the joint's RMS torque [1], because less changes nothing that a

@@ -200,7 +200,10 @@ class Problem:
 
     @property
     def edges(self) -> NDArray[np.intp]:
-        """First compared sample of each block of time, and the end, shape (B + 1,)."""
+        """First compared sample of each contiguous block, and the end, shape (B + 1,).
+
+        What is left in each repeat of a motion is structure, so that repeats are not kept together here.
+        """
         return np.linspace(0, len(self.experiment.measured), self.settings.blocks + 1).astype(int)
 
     def _lack_of_fit(self, prediction: Prediction, effects: Sequence[Effect]) -> LackOfFit:
