@@ -134,7 +134,7 @@ def _around(
         fit_noise(noise_alone[:, j], use[:, j], experiment.nearness[:, j], experiment.lengths, 0.0)
         for j in range(n)
     ]
-    whitening = Whitening.of(experiment, noise, problem.edges)
+    whitening = Whitening.of(experiment, noise, problem.blocks)
     seen = np.column_stack([whitening.joint(j, missing[:, j]) for j in range(n)])
     screened = screen(problem.families, problem.design, bare, noise, seen)
     effects = dict.fromkeys([*(t.effect for t in around.model.terms), *screened])
