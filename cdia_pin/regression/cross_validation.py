@@ -14,8 +14,8 @@ Array = NDArray[np.float64]
 def held_out_rms(regression: Regression, prediction: Prediction) -> Array:
     """Return the held-out RMS residual of each joint: every block of time is predicted by a fit to the other blocks.
 
-    Blocks are contiguous, because a splice of raw motion would create false accelerations. Nonlinear effects are
-    linearised at the fit to all blocks.
+    Blocks are left out of the equations, not of the motion: a splice of raw motion would create false accelerations.
+    Nonlinear effects are linearised at the fit to all blocks.
 
     Args:
         regression: The conditioned logs and their noise.
