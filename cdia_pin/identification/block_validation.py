@@ -92,7 +92,8 @@ def held_out_rms(fitter: Fitter, estimate: Estimate) -> Array:
     for rows, block in zip(fitter.blocks, equations.blocks, strict=True):
         change = constrained(equations, equations.total - block, estimate.prior) - estimate.theta
         for effect, span, x in zip(equations.effects, equations.parameters, columns, strict=True):
-            out[rows, list(effect.acts_on(experiment.robot))] -= x[rows] @ change[span]
+            for i, j in enumerate(effect.acts_on(experiment.robot)):
+                out[rows, j] -= x[rows, i, :] @ change[span]
     return rms(out, experiment.informative)
 
 

@@ -85,6 +85,13 @@ def test_an_unseen_motion_is_predicted_to_the_noise(identified, runs):
     assert (found.heldout_after < 0.05 * found.heldout_before).all()
 
 
+def test_a_motion_that_is_driven_three_times_is_left_out_with_its_repeats(robot):
+    plant = plant_of(ARM)
+    log = plant.run(hidden(plant.robot), motion=Fourier(base=0.125), duration=24.0, seed=1).log
+    found = identify(Dynamics(robot), log)
+    assert (found.heldout_after < 0.05 * found.heldout_before).all()
+
+
 def test_the_model_remembers_its_log(identified, runs, robot, tmp_path):
     """So a monitor fits it to halves of that log for its thresholds, and a later log is compared with it."""
     save_model(identified["strong"].model, tmp_path / "model.json")
