@@ -8,7 +8,7 @@ on a Kinova Gen3 its estimate is 0.6 to 1.1 standard deviations then, those of r
 from __future__ import annotations
 
 from cdia_pin.changes.change_search import ChangeSearch
-from cdia_pin.changes.common_structure import EVERYWHERE
+from cdia_pin.changes.common_structure import is_rare
 from cdia_pin.changes.linearisation import CLEAR
 
 
@@ -22,7 +22,7 @@ def certain_beside_both(search: ChangeSearch, chosen: tuple[int, ...]) -> tuple[
     differing = search.differing
     changes = [search.evidence.effects[c] for c in chosen]
     present = {t.effect for t in differing.prediction.model.terms}
-    rare = [c for c in changes if c.effect not in present and not isinstance(c.effect, EVERYWHERE)]
+    rare = [c for c in changes if is_rare(c.effect, present)]
     if not rare:
         return chosen
     evidence = differing.beside_both(changes, [c.effect for c in rare])

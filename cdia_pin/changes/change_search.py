@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.common_structure import EVERYWHERE
+from cdia_pin.changes.common_structure import is_rare
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
@@ -255,10 +255,9 @@ class ChangeSearch:
             theta: Its parameters, shape (p,).
         """
         x, effect = self.differing, self.evidence.effects[change].effect
-        if isinstance(effect, EVERYWHERE) or effect in {t.effect for t in x.given.model.terms}:
-            return False
         lower, upper = effect.bounds(x.experiment.robot)
-        return not bool(np.all((lower <= theta) & (theta <= upper)))
+        outside = bool(np.any((theta < lower) | (theta > upper)))
+        return outside and is_rare(effect, {t.effect for t in x.given.model.terms})
 
     def _is_visible(self, change: int, fits: BlockFits) -> bool:
         x, torque = self.differing, self.torque(change, fits.theta[change])

@@ -7,7 +7,7 @@ a change in the other. If rare effects may be large, they take in a change in sh
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,16 @@ Array = NDArray[np.float64]
 
 PLAIN = (CoulombFriction, ViscousFriction, TorqueOffset)  # what nearly every joint has, besides rigid bodies
 EVERYWHERE = (RigidBody, RotorInertia, BearingFriction, *PLAIN)  # what every arm has
+
+
+def is_rare(effect: Effect, present: Container[Effect]) -> bool:
+    """Tell whether neither every arm nor the model has an effect.
+
+    Args:
+        effect: The effect.
+        present: Effects of the model.
+    """
+    return effect not in present and not isinstance(effect, EVERYWHERE)
 
 
 def plain_effects(robot: RobotModel) -> list[Effect]:
@@ -98,7 +108,7 @@ def common_effects(
         theta = present.get(effect, np.zeros(effect.size))
         x, joints = columns.of(effect, prediction, theta), effect.acts_on(robot)
         of_unit = np.sqrt(np.mean(x**2, axis=0)) / torque[list(joints)][:, None]  # (joints, p)
-        share = 1.0 if effect in present or isinstance(effect, EVERYWHERE) else rare
+        share = rare if is_rare(effect, present) else 1.0
         scale = share * np.minimum(effect.prior_scale(robot), 1.0 / np.maximum(of_unit.max(axis=0), 1e-12))
         out.append(ColumnGroup.of(effect, x, robot, scale))
     return out

@@ -179,9 +179,9 @@ class Differing:
     @property
     def block_time(self) -> float:
         """Duration of a block of the shorter side, without repeats [s]."""
-        parts = [s.distinct / len(s.measured) for s in self.experiment.segments]
-        times = [float(np.ptp(s.motion.time)) for s in self.experiment.segments]
-        spans = [part * time for part, time in zip(parts, times, strict=True)]
+        spans = [
+            s.distinct / len(s.measured) * float(np.ptp(s.motion.time)) for s in self.experiment.segments
+        ]
         return min(sum(spans[: self.before]), sum(spans[self.before :])) / self.settings.changes.blocks
 
     @property

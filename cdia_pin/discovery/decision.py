@@ -124,7 +124,7 @@ class Repeat:
         """
         torque = self._columns[term.label].torque(np.array(term.theta), self.experiment.robot.n)
         shown = ((np.where(self._used, torque, 0.0) / self._size) ** 2).sum(axis=1)
-        power = np.array([shown[block].sum() for block in self._blocks()])
+        power = np.array([shown[block].sum() for block in self._blocks])
         return float(power.sum() ** 2 / (len(power) * max(power @ power, NO_POWER)))
 
     def could_show(self, term: Term, theta: Array) -> bool:
@@ -285,10 +285,11 @@ class Repeat:
             response,
             lambda j, part: np.where(self._used[:, [j]], part / self._size[j], 0.0),
         )
-        return BlockEvidence.of(effects, regression, self._blocks(), robot)
+        return BlockEvidence.of(effects, regression, self._blocks, robot)
 
+    @cached_property
     def _blocks(self) -> list[Block]:
-        """Return the samples of each block of time."""
+        """Samples of each block of time."""
         every = time_blocks(self.experiment.segments, self.settings.confidence.blocks)
         middle = len(every) // 2
         return every if self.part is None else (every[:middle] if self.part == 0 else every[middle:])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.identification.estimate import Estimate, Fitter, constrained, unconstrained
 from cdia_pin.identification.prior import precision
-from cdia_pin.regression.experiment import rms
+from cdia_pin.regression.cross_validation import rms_of_blocks
 from cdia_pin.regression.normal_equations import NormalEquations
 
 Array = NDArray[np.float64]
@@ -85,16 +85,12 @@ def held_out_rms(fitter: Fitter, estimate: Estimate) -> Array:
     Returns:
         In N·m or N, shape (n,).
     """
-    experiment, equations = fitter.experiment, estimate.equations
-    prediction = experiment.predict(estimate.model)
-    out = prediction.residual.copy()
-    columns = [fitter.design.of(t.effect, prediction, np.array(t.theta)) for t in estimate.model.terms]
-    for rows, block in zip(fitter.blocks, equations.blocks, strict=True):
-        change = constrained(equations, equations.total - block, estimate.prior) - estimate.theta
-        for effect, span, x in zip(equations.effects, equations.parameters, columns, strict=True):
-            for i, j in enumerate(effect.acts_on(experiment.robot)):
-                out[rows, j] -= x[rows, i, :] @ change[span]
-    return rms(out, experiment.informative)
+    equations = estimate.equations
+    changes = (
+        constrained(equations, equations.total - block, estimate.prior) - estimate.theta
+        for block in equations.blocks
+    )
+    return rms_of_blocks(fitter.design, fitter.experiment.predict(estimate.model), fitter.blocks, changes)
 
 
 def of_effects(equations: NormalEquations, chosen: Sequence[int]) -> NDArray[np.intp]:

@@ -5,16 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.logs.checks.motion import STANDSTILL
+
 Array = NDArray[np.float64]
 
 # On 61 logs of twelve arms, of which 25 repeat, about half and twice the values below decide alike, but for two logs.
-# Difference of a joint's position from that one period earlier, over the RMS difference of unrelated positions [1],
-# below which the joint is back. Motions that a controller repeats differ by 0.08 RMS at most, others by 0.17 or more.
-ALIKE = 0.25
+# Distances are over the RMS distance of unrelated positions. Motions that a controller repeats are 0.08 RMS apart at
+# most, others 0.17 or more.
+ALIKE = 0.25  # distance [1] from the position one period earlier below which a joint is back: 3 × 0.08
 MOSTLY = 0.6  # share of the samples [1] at which all joints must be back: a log may begin and end with a ramp
-UNLIKE = 0.5  # RMS difference [1] above which a joint has left where it was: a slow motion is like itself for a while
+UNLIKE = 0.5  # RMS distance [1] above which a joint has left where it was: a slow motion is like itself for a while
 LEAST_REPEATED = 0.2  # share of the samples [1] that must repeat earlier ones for a period to be seen
-MOVING = 0.02  # [rad or m], a joint with a smaller range rests, and repeats nothing
 
 
 def period_of(q: Array) -> int | None:
@@ -23,7 +24,7 @@ def period_of(q: Array) -> int | None:
     Args:
         q: Positions at an even pace [rad or m], shape (K, n).
     """
-    moved = q[:, np.ptp(q, axis=0) > MOVING] if len(q) else q
+    moved = q[:, np.ptp(q, axis=0) > STANDSTILL] if len(q) else q
     longest = int((1.0 - LEAST_REPEATED) * len(q))
     if not moved.size or longest < 1:
         return None

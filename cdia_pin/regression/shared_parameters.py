@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cdia_pin.effects import Effect
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.scaled_gram import ScaledGram
+from cdia_pin.regression.time_blocks import Block
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -106,7 +107,7 @@ class SharedRegression:
         """XᵀX of all joints with the response as last column, shape (P + 1, P + 1)."""
         return self.gram_of(slice(None))
 
-    def gram_of(self, samples: slice | NDArray[np.intp]) -> Array:
+    def gram_of(self, samples: Block) -> Array:
         """Return XᵀX of some samples of all joints with the response as last column, shape (P + 1, P + 1).
 
         Args:

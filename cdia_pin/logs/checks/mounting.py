@@ -20,11 +20,14 @@ TURNED = 20.0  # [°], least turn of gravity that counts: measured arms with the
 MOST_SIZE = (
     2.5  # [1], fitted gravity over the URDF's, or its inverse: wrong masses and a payload give up to 1.9
 )
-# [1], fall of the misfit by which a turned gravity must be ahead of a gain: a factor of e in unexplained shares
-AHEAD_OF_GAIN = 1.0
-# [1], the same by which it may be behind what has more parameters: a body on the tool, or a gain of each joint. On an
-# arm with three reversed efforts it is 5 behind gains; turned by 23 to 180°, a UR10e is 10 ahead of them to 0.3 behind.
-MOST_BEHIND = 1.0
+AHEAD_OF_GAIN = (
+    1.0  # [1], least lead of a turned gravity over one gain in misfit: a factor of e in unexplained shares
+)
+# A body on the tool and a gain of each joint have more parameters. On an arm with three reversed efforts a turned
+# gravity is 5 behind gains; turned by 23 to 180°, a UR10e is 10 ahead of them to 0.3 behind.
+MOST_BEHIND = (
+    1.0  # [1], misfit by which a turned gravity may be behind these: a factor of e, between 0.3 and 5
+)
 
 
 def gravity_elsewhere(motion: SmoothedMotion, robot: RobotModel) -> tuple[float, float, float] | None:
