@@ -129,8 +129,9 @@ class ChangeSearch:
         """
         x, effects = self.differing, [self.evidence.effects[c] for c in chosen]
         f = np.zeros_like(x.prediction.residual)
-        if x.put_right.keys() & set(effects):  # that torque is known as it is, columns are those of the rest
-            f += x.given.residual - x.experiment.predict(x.given.model).residual
+        for change in x.put_right.keys() & set(effects):  # known as it is, columns are those of the rest
+            recorded = [s.motion.effort for s in x.experiment.segments]
+            f += x.experiment.torque_of(change, x.put_right[change], recorded)
         parts = ParameterBlocks.of(effects)
         for theta, block in zip(self.evidence.estimates(chosen), x.blocks, strict=True):
             for change, own in zip(effects, parts, strict=True):

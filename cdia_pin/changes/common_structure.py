@@ -17,6 +17,7 @@ from cdia_pin.effects import (
     BearingFriction,
     CoulombFriction,
     Effect,
+    EffortDelay,
     LinkInertia,
     RotorInertia,
     Term,
@@ -35,7 +36,8 @@ from cdia_pin.selection.discovery_settings import DiscoverySettings
 Array = NDArray[np.float64]
 
 PLAIN = (CoulombFriction, ViscousFriction, TorqueOffset)  # what nearly every joint has, besides rigid bodies
-EVERYWHERE = (RigidBody, RotorInertia, BearingFriction, *PLAIN)  # what every arm has
+# What every arm has, and every recorder: if the delay of the logs before were rare, it would be missing in those after.
+EVERYWHERE = (RigidBody, RotorInertia, BearingFriction, EffortDelay, *PLAIN)
 
 
 def is_rare(effect: Effect, present: Container[Effect]) -> bool:

@@ -7,7 +7,6 @@ and the torques are put right by it. The search for changes decides afterwards w
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -33,47 +32,41 @@ CLEAR_SHARE = 0.2
 
 
 def put_right(differing: Differing) -> Differing | None:
-    """Return the logs with the torques of those after at the right time; None if none of them are clearly late.
+    """Return the logs with the torques of one side at the right time; None if neither side is clearly late.
+
+    Where the logs before are late, to take the delay out of those after would make all logs late.
 
     Args:
         differing: The logs as they were recorded.
     """
     change = next((c for c in differing.changes if isinstance(c.effect, EffortDelay)), None)
-    late = 0.0 if change is None else _lateness(differing, change)
-    if change is None or not late:
+    if change is None:
+        return None
+    sides = [(change, 1.0), (replace(change, logs=differing.names[0]), -1.0)]
+    explained = [_explained(differing, side) for side, _ in sides]
+    most = int(np.argmax([e.max() for e in explained]))
+    (side, sign), late = sides[most], vertex(DELAYS, -explained[most])
+    if explained[most].max() < CLEAR_SHARE or not late:
         return None
     x = differing.experiment
-    in_time = [_put_right(s, change, late) for s in x.segments]
+    in_time = [_put_right(s, side, late) for s in x.segments]
     again = Differing.of(
         Experiment.of(x.robot, in_time, x.rest), differing.given.model, differing.before, differing.settings
     )
-    return replace(again, given=differing.given, put_right={change: np.array([late])})
+    return replace(again, given=differing.given, put_right={change: np.array([sign * late])})
 
 
-def _lateness(differing: Differing, change: Difference) -> float:
-    """Return by how much the torques of the logs after are late [s], as far as it is clear; 0 if it is not."""
-    torques = _torques(differing, change)
-    left = differing.beside_common(
-        [ColumnGroup.of(change, f[:, :, None], differing.experiment.robot) for f in torques]
-    )
-    explained = 2 * left[:-1, -1] - np.diag(left)[:-1]  # by each torque as it is
-    clear = explained.max() >= CLEAR_SHARE * left[-1, -1]
-    return vertex(DELAYS, -explained) if clear else 0.0
+def _explained(differing: Differing, side: Difference) -> Array:
+    """Return which share of what the common structure leaves each delay of one side explains as it is [1]."""
+    x = differing.experiment
+    efforts = [t.actuator for t in differing.prediction.torques]
+    missed = (x.torque_of(side, np.array([delay]), efforts) for delay in DELAYS)
+    left = differing.beside_common([ColumnGroup.of(side, f[:, :, None], x.robot) for f in missed])
+    return np.asarray((2 * left[:-1, -1] - np.diag(left)[:-1]) / left[-1, -1])
 
 
-def _torques(differing: Differing, change: Difference) -> Iterator[Array]:
-    """Yield the torque that a model without a delay misses by each of the delays [N·m or N], shape (K, n) each."""
-    segments = differing.experiment.segments
-    states = [
-        s.state.with_effort(t.actuator) for s, t in zip(segments, differing.prediction.torques, strict=True)
-    ]
-    for delay in DELAYS:
-        along = zip(segments, states, strict=True)
-        yield np.vstack([s.motion.compared(change.torque(x, np.array([delay]))) for s, x in along])
-
-
-def _put_right(segment: Segment, change: Difference, late: float) -> Motion:
+def _put_right(segment: Segment, side: Difference, late: float) -> Motion:
     """Return a conditioned log with its torques earlier by a delay [s], if it is one of those that have it."""
     motion = segment.motion
-    missed = change.torque(segment.state.with_effort(motion.effort), np.array([-late]))
+    missed = side.torque(segment.state.with_effort(motion.effort), np.array([-late]))
     return replace(motion, effort=motion.effort - missed)

@@ -124,7 +124,8 @@ class PositionRipple(JointEffect):
     def shape_grid(self, x: State) -> Sequence[Self]:
         """Return frequencies that can be a ripple on the range driven, finely enough to miss none.
 
-        Either two periods of it are seen, or it is as fast as what motors and gears make.
+        Either two periods of it are seen, or half a period and it is as fast as what motors and gears make. Of a
+        smaller part nobody knows how large the whole is.
 
         Args:
             x: Motion and torques, N samples.
@@ -132,6 +133,6 @@ class PositionRipple(JointEffect):
         travel = float(np.ptp(x.q[:, x.robot.joint_index(self.joint)]))
         if travel < 1e-3:
             return []
-        slowest = max(min(2 * TURN / travel, OF_A_GEAR), self.shape[0].lower)
+        slowest = max(min(2 * TURN / travel, max(OF_A_GEAR, TURN / 2 / travel)), self.shape[0].lower)
         step = 0.35 * TURN / travel  # a third of a resolution cell
         return [self.with_shape(frequency=float(w)) for w in np.arange(slowest, HIGHEST_RIPPLE, step)]

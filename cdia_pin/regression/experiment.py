@@ -42,7 +42,7 @@ class Experiment:
         measured: Measured torques, compared samples of all segments [N·m or N], shape (K, n).
         moving: True where a joint clearly moves, so that the sample shows friction, shape (K, n).
         nearness: Class of the distance in time from each joint's rest: 0 at rest, largest far away, shape (K, n).
-        resting: True for a joint that is near rest for most of every log, shape (n,).
+        resting: True for a joint that is near rest, or in its place, for most of every log, shape (n,).
         rest: Settings that decide which samples show friction.
     """
 
@@ -98,7 +98,7 @@ class Experiment:
             segments.append(Segment(motion, state, measured))
             distance = rest.distance(motion, motion.v, width)
             nearness.append(rest.nearness(distance))
-            moving.append(rest.is_clear(distance))
+            moving.append(rest.is_clear(distance) & rest.travels(motion.q, robot))
         all_moving = np.vstack(moving)
         return cls(
             robot,
@@ -150,14 +150,23 @@ class Experiment:
         return (self.moving | self.resting) & ~self.held
 
     @cached_property
+    def in_place(self) -> NDArray[np.bool_]:
+        """True for a joint that stays in one place in all logs, shape (n,)."""
+        return ~self.rest.travels(np.concatenate([s.motion.q for s in self.segments]), self.robot)
+
+    @cached_property
     def held(self) -> NDArray[np.bool_]:
-        """True for a resting joint whose torque does not follow its load: a brake or friction holds it, shape (n,)."""
+        """True for a resting joint whose torque does not tell its load: a brake or friction holds it, shape (n,).
+
+        It does not follow its load, or the joint shakes in its place, and friction pulls either way by turns.
+        """
         if not self.resting.any():
             return np.zeros(self.robot.n, dtype=bool)
+        shakes = self.in_place & ((self.nearness > 0).mean(axis=0) >= 1 - self.rest.resting_share)
         rigid = self.measured + self.predict(Dynamics(self.robot)).residual
         load = np.sqrt(np.maximum(np.var(rigid, axis=0) - self.blur**2, 0.0))
         follows = np.std(self.measured, axis=0) >= self.rest.least_following * load
-        return np.asarray(self.resting & ~follows & (load > NO_LOAD))
+        return np.asarray(self.resting & (shakes | ~follows & (load > NO_LOAD)))
 
     @property
     def joints_that_move(self) -> NDArray[np.bool_]:
@@ -268,6 +277,20 @@ class Experiment:
             flat = segment.motion.compared(part.reshape(len(part), -1))
             rows.append(flat.reshape(len(flat), len(joints), -1))
         return rows[0] if len(rows) == 1 else np.vstack(rows)
+
+    def torque_of(self, effect: Effect, theta: Array, efforts: Sequence[Array]) -> Array:
+        """Return the torque of an effect at the compared samples of all segments, filtered like the torques.
+
+        Args:
+            effect: The effect.
+            theta: Its parameters, shape (p,).
+            efforts: Torque of all drives along each segment, for effects that depend on it [N·m or N], (N, n) each.
+
+        Returns:
+            In N·m or N, shape (K, n).
+        """
+        along = zip(self.segments, efforts, strict=True)
+        return np.vstack([s.motion.compared(effect.torque(s.state.with_effort(e), theta)) for s, e in along])
 
     def compared(self, torque: Callable[[Motion], Array]) -> Array:
         """Return a function of the motion at the compared samples of all segments, filtered like the torques.

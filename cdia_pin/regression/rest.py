@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from cdia_pin.logs.conditioning import Motion
 from cdia_pin.phrases import settings_repr
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
+TURN = 2 * np.pi  # [rad]
 CLASSES = (1.0, 2.0, 4.0, 8.0)  # limits of the classes of distance from rest, over the least distance [1]
 
 
@@ -31,6 +33,9 @@ class RestSettings:
         least_following: Variation of a resting joint's torque over that of the rigid bodies' [1], below which a brake
             or static friction holds the joint, and its torque says nothing of its load. A motor that holds a joint
             follows the load, even one that has lost half of its gain.
+        least_travel: Travel of a joint in a log over its range, of which no more than a turn counts [1]. A joint that
+            travels less shakes in its place: backlash and the gear's elasticity move it, and what its torque does there
+            says nothing of another place. In 50 logs of 15 arms joints travel 1 % or more, or 0.4 % or less.
     """
 
     width_over_noise: float = 3.0
@@ -39,6 +44,7 @@ class RestSettings:
     least_distance: float = 0.5
     resting_share: float = 0.95
     least_following: float = 0.3
+    least_travel: float = 0.005
 
     __repr__ = settings_repr
 
@@ -55,6 +61,23 @@ class RestSettings:
             self.width_over_noise * motion.speed_noise,
             self.width_over_speed * np.percentile(np.abs(motion.v), 95, axis=0) + 1e-6,
         )
+
+    def travels(self, q: Array, robot: RobotModel) -> NDArray[np.bool_]:
+        """Tell which joints leave their place.
+
+        Args:
+            q: Positions in one log or several [rad or m], shape (N, n).
+            robot: The arm, n joints.
+
+        Returns:
+            Shape (n,).
+        """
+        limits = robot.limits
+        whole = np.minimum(limits.upper - limits.lower, np.where(robot.is_prismatic, np.inf, TURN))
+        least = np.where(
+            np.isfinite(whole), self.least_travel * whole, 0.0
+        )  # nothing is known of an endless slide
+        return np.asarray(np.ptp(q, axis=0) >= least)
 
     def is_clear(self, distance: Array) -> NDArray[np.bool_]:
         """Return True for samples that are far enough from rest.

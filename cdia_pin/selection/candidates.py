@@ -13,6 +13,7 @@ from cdia_pin.effects import (
     Drift,
     Effect,
     Expression,
+    JointEffect,
     PerLog,
     PositionRipple,
     RotorInertia,
@@ -126,8 +127,9 @@ def _is_measured(effect: Effect, experiment: Experiment) -> bool:
 def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool_]) -> bool:
     """Return True if an effect can show on this motion.
 
-    Nothing shows in the torque of joints that are held. Effects of the motion need a joint that moves. Effects of the
-    torque need a joint that carries a load: where all torque is friction, a gain only scales it.
+    Nothing shows in the torque of joints that are held. Effects of the motion need a joint that moves, those of its
+    position one that leaves its place. Effects of the torque need a joint that carries a load: where all torque is
+    friction, a gain only scales it.
     """
     joints = [experiment.robot.joint_index(j) for j in effect.scope]
     if experiment.held[list(effect.acts_on(experiment.robot))].all():
@@ -139,7 +141,10 @@ def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool
         or bool(effect.memories)
         or isinstance(effect, RotorInertia | PositionRipple)
     )
-    return not (moves and experiment.resting[joints].any())
+    leaves = isinstance(effect, JointEffect) and Signal.POSITION in effect.traits.depends_on
+    return not (
+        (moves and experiment.resting[joints].any()) or (leaves and experiment.in_place[joints].any())
+    )
 
 
 def screen(

@@ -78,7 +78,7 @@ def _rest_sentences(found: Discovery) -> list[str]:
     if found.held:
         are, them, they = ("is", "it", "it does") if len(found.held) == 1 else ("are", "them", "they do")
         out.append(
-            f"{listed(found.held)} {are} at rest, and the torque does not follow the load: "
+            f"{listed(found.held)} {are} at rest, and the torque does not tell the load: "
             f"a brake or friction holds {them}, and {they} not count."
         )
     if found.resting and found.steps:

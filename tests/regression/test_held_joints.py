@@ -9,9 +9,11 @@ from cdia_pin import Dynamics, compare, discover, load_robot
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.regression.experiment import Experiment
+from cdia_pin.regression.rest import RestSettings
 from cdia_pin.viewers.short_answer import short_answer
 from cdia_pin.viewers.verdict import mean_share, rest_words, verdict_sentences
 from tests.made_logs import motion
+from tests.one_joint import write_urdf
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +39,44 @@ def test_a_joint_is_held_if_its_torque_does_not_follow_its_load(robot, carried, 
     assert experiment.informative[:, 1].any() != held
 
 
+def shaking(robot, travel):
+    """The first joint swings, the second shakes in its place, where friction pulls either way by turns."""
+    log = resting(robot, 1.0)
+    t, q, effort = log.time, log.position.copy(), log.effort.copy()
+    q[:, 1] += travel / 2 * np.sin(2 * np.pi * 0.7 * t)
+    effort[:, 1] += 0.3 * np.sin(2 * np.pi * 0.11 * t)
+    return Log(robot.joints, t, q, effort)
+
+
+@pytest.mark.parametrize(("travel", "held"), [(0.01, True), (0.1, False)])
+def test_a_joint_that_shakes_in_its_place_is_held(robot, travel, held):
+    experiment = Experiment.of(robot, [condition(shaking(robot, travel), robot)])
+    assert experiment.resting.tolist() == [False, held]
+    assert experiment.held.tolist() == [False, held]
+    assert experiment.informative[:, 1].any() != held
+
+
+def test_nothing_is_named_on_a_joint_that_shakes_in_its_place(robot):
+    found = discover(Dynamics(robot), shaking(robot, 0.01))
+    assert found.held == ("joint2",)
+    assert [s.term.label for s in found.steps] == ["coulomb_friction@joint1"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "least"), [("revolute", 0.025), ("continuous", 0.0314), ("prismatic", 0.025)]
+)  # 0.5 % of the range of 5 rad or m, or of a turn
+def test_a_joint_travels_from_half_a_percent_of_its_range_on(tmp_path, kind, least):
+    robot = load_robot(write_urdf(kind, tmp_path))
+    for travel, moves in ((0.9 * least, False), (1.1 * least, True)):
+        assert RestSettings().travels(np.array([[0.3], [0.3 + travel]]), robot).tolist() == [moves]
+
+
+def test_a_slide_without_limits_always_travels(tmp_path):
+    urdf = write_urdf("prismatic", tmp_path)
+    urdf.write_text(urdf.read_text().replace('lower="-2.5" upper="2.5" ', ""))
+    assert RestSettings().travels(np.zeros((5, 1)), load_robot(urdf)).tolist() == [True]
+
+
 def test_a_joint_without_any_load_is_not_called_held(robot):
     t = np.arange(0.0, 20.0, 0.01)
     q = np.zeros((len(t), 2))
@@ -48,7 +88,7 @@ def test_what_a_brake_carries_is_no_payload(robot):
     log = resting(robot, 0.0)
     found = discover(Dynamics(robot), log)
     assert [s.term.label for s in found.steps] == ["coulomb_friction@joint1"]
-    assert "joint2 is at rest, and the torque does not follow the load" in " ".join(verdict_sentences(found))
+    assert "joint2 is at rest, and the torque does not tell the load" in " ".join(verdict_sentences(found))
     assert "0 to" not in dict(short_answer(found))["good for"]
     assert list(found.to_dict()["capability"]["friction"]) == ["joint1"]
     comparison = compare(Dynamics(robot), log)
