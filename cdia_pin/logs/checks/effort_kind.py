@@ -119,14 +119,25 @@ KINDS = (
 """Kinds in the order of the gain; their ranges leave no gap."""
 
 
-MILLIAMPERES = EffortKind(
-    300.0,
-    3000.0,
-    Severity.ERROR,
-    "currents times drive gains are about 1000 times the URDF's gravity (gain {said}): the currents are in mA",
-    "--convert torque=mA",
+OF_CURRENTS = (
+    EffortKind(
+        0.0,
+        0.5,
+        Severity.WARNING,
+        "currents times drive gains are {middle:.2g} of the URDF's gravity (gain {said}): drive gains too small, or a "
+        "URDF too heavy; the log cannot prove it",
+        "if the URDF's masses are right, multiply the drive gains by {inverse}; 'cdia calibrate' finds them with a "
+        "known weight",
+    ),
+    EffortKind(
+        300.0,
+        3000.0,
+        Severity.ERROR,
+        "currents times drive gains are about 1000 times the URDF's gravity (gain {said}): the currents are in mA",
+        "--convert torque=mA",
+    ),
 )
-"""What is said in place of N·mm where drive gains were applied."""
+"""What is said in place of the others where drive gains were applied."""
 
 UNMEASURED = {
     EffortOrigin.COMPENSATED: Finding(
@@ -249,8 +260,9 @@ def check_effort_kind(log: Log, gains: Mapping[int, GravityGain]) -> Iterator[Fi
             Topic.EFFORT_KIND,
             Severity.WARNING,
             f"the efforts contain no gravity (gain on the URDF's: {_said(log, absent)}): they are "
-            "gravity-compensated, or not joint torques",
-            advice="--convert gravity=compensated adds the URDF's gravity; without it gravity would look like a fault",
+            "gravity-compensated, or not joint torques, or weights or springs balance the arm",
+            advice="if a controller took it out, --convert gravity=compensated adds the URDF's gravity; without it "
+            "gravity would look like a fault. An arm that is balanced needs a URDF with what balances it",
             value=value,
         )
     else:
@@ -298,7 +310,7 @@ def _judge(log: Log, known: dict[int, GravityGain], value: Mapping[str, object])
     inverse = ",".join(f"{log.joints[k]}:{1 / g.gain:.3g}" for k, g in known.items() if g.gain > 0)
     farthest = max((g.gain for g in known.values()), key=lambda gain: abs(np.log(max(gain, 1e-9))))
     deciding = farthest if 0.5 <= min(middle, farthest) <= max(middle, farthest) < 2.0 else middle
-    kinds = KINDS if log.effort_tolerance is None else (MILLIAMPERES, *KINDS)
+    kinds = KINDS if log.effort_tolerance is None else (*OF_CURRENTS, *KINDS)
     kind = next(kind for kind in kinds if kind.smallest <= deciding < kind.largest)
     return Finding(
         Topic.EFFORT_KIND,

@@ -52,6 +52,7 @@ class Mismatch:
     misleads: bool = False
 
 
+_SCALED = Mismatch(Severity.WARNING, "is a multiple of the derivative of the position", _LEAVE_OUT)
 _KNOWN = {
     -1.0: Mismatch(
         Severity.ERROR, "has the opposite sign of the derivative", "--convert flip_velocity={joints}"
@@ -120,18 +121,24 @@ def check_velocity(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]
         alike.setdefault(_cause(match), []).append(k)
     for cause, where in alike.items():
         names = [log.joints[k] for k in where]
+        told = (
+            names
+            if cause is not _SCALED
+            else [f"{log.joints[k]} ({matches[k].scale:.3g} times)" for k in where]
+        )
         yield Finding(
             Topic.VELOCITY,
             cause.severity,
-            f"the recorded velocity {cause.meaning} on {', '.join(names)}",
+            f"the recorded velocity {cause.meaning} on {', '.join(told)}",
             joint=names[0] if len(names) == 1 else None,
             advice=cause.advice.format(joints=",".join(names)),
             value={log.joints[k]: asdict(matches[k]) for k in where},
             misleads=cause.misleads,
         )
-    fine = [m for k, m in matches.items() if k not in odd]
+    fine = {k: m for k, m in matches.items() if k not in odd}
     if fine:
-        yield _lag(np.array([m.lag for m in fine]), log.rate, len(fine))
+        of = f" of {', '.join(log.joints[k] for k in fine)}" if odd else ""
+        yield _lag(np.array([m.lag for m in fine.values()]), log.rate, len(fine), of)
 
 
 def _matches(log: Log, joints: list[int]) -> dict[int, VelocityMatch]:
@@ -191,12 +198,10 @@ def _cause(match: VelocityMatch) -> Mismatch:
         return Mismatch(
             Severity.INFO, "follows the derivative of the position but for noise or a filter", _LEAVE_OUT
         )
-    return Mismatch(
-        Severity.WARNING, f"is {match.scale:.2g} times the derivative of the position", _LEAVE_OUT
-    )
+    return _SCALED
 
 
-def _lag(lags: Array, rate: float, count: int) -> Finding:
+def _lag(lags: Array, rate: float, count: int, of: str) -> Finding:
     lag = float(np.median(lags))
     value = {"lag_s": lag, "spread_s": float(np.ptp(lags)), "joints": count}
     if abs(lag) > max(1.5 / rate, 2e-3):
@@ -205,10 +210,13 @@ def _lag(lags: Array, rate: float, count: int) -> Finding:
         return Finding(
             Topic.VELOCITY,
             Severity.WARNING if abs(lag) > 10e-3 else Severity.INFO,
-            f"recorded velocities fit the positions but are {by} {when}",
+            f"recorded velocities{of} fit the positions but are {by} {when}",
             advice=_LEAVE_OUT,
             value=value,
         )
     return Finding(
-        Topic.VELOCITY, Severity.OK, "recorded velocities are the derivative of the positions", value=value
+        Topic.VELOCITY,
+        Severity.OK,
+        f"recorded velocities{of} are the derivative of the positions",
+        value=value,
     )
