@@ -156,7 +156,7 @@ class ChangeSearch:
                 single = _sorted(*rest, best[0])
                 lost = self.evidence.unexplained(single) - self.evidence.unexplained(now)
                 explained = float(np.sum(self.evidence.unexplained(rest) - self.evidence.unexplained(single)))
-                if self._is_slight(lost, explained):
+                if self.is_slight(lost, explained):
                     yield single
         best = self._best(now)
         if best is not None:
@@ -190,7 +190,7 @@ class ChangeSearch:
             for c in self._visible(
                 chosen, fits, self.settings.better_certainty, self.settings.least_certainty
             )
-            if not self._is_slight(fits.gains[c] - fits.gains[most], gain[c])
+            if not self.is_slight(fits.gains[c] - fits.gains[most], gain[c])
         ]
 
     def _alike(self, one: int, others: Sequence[int], fits: BlockFits) -> list[int]:
@@ -199,13 +199,13 @@ class ChangeSearch:
             c
             for c in others
             if c != one
-            and self._is_slight(
+            and self.is_slight(
                 fits.gains[one] - fits.gains[c], fits.gain[one], self._parameters(one) - self._parameters(c)
             )
         ]
         return sorted([one, *alike], key=lambda c: -fits.gain[c])
 
-    def _is_slight(self, lost: Array, explained: float, fewer: int = 1) -> bool:
+    def is_slight(self, lost: Array, explained: float, fewer: int = 1) -> bool:
         """Return True if what is lost on the blocks, shape (B,), may be chance or does not matter.
 
         Args:
@@ -288,6 +288,20 @@ class FoundChanges:
     def effects(self) -> list[Difference]:
         """The changes."""
         return [self.search.evidence.effects[c] for c in self.chosen]
+
+    @property
+    def left(self) -> Array:
+        """What is left of each block of time when that block is left out [1], shape (B,)."""
+        return self.search.evidence.unexplained(self.chosen)
+
+    def leaves_less(self, other: Self) -> bool:
+        """Tell whether these changes leave less of the same logs than others, by more than chance.
+
+        Args:
+            other: The other changes, in the same units of what is left.
+        """
+        explained = float(np.sum(self.search.evidence.unexplained(()) - self.left))
+        return not self.search.is_slight(other.left - self.left, explained)
 
     @classmethod
     def as_searched(cls, search: ChangeSearch, chosen: tuple[int, ...]) -> Self:

@@ -132,14 +132,14 @@ def searched(
         raise LogError(
             f"logs before and after must be of different conditions, both have {', '.join(earlier)}"
         )
+    tell("looking for changes", 0.3)
+    found = _searched(differing, settings)
     late = put_right(differing)
-    if late is not None:
-        tell("looking for changes beside the late torque", 0.4)
-        found = _searched(late, settings)
-        if late.put_right.keys() & set(found.effects):
-            return found
-    tell("looking for changes", 0.6)
-    return _searched(differing, settings)
+    if late is None:
+        return found
+    tell("looking for changes beside the late torque", 0.6)
+    other = _searched(late, settings)
+    return other if late.put_right.keys() & set(other.effects) and other.leaves_less(found) else found
 
 
 def _searched(differing: Differing, settings: DiscoverySettings) -> FoundChanges:

@@ -25,14 +25,12 @@ Array = NDArray[np.float64]
 
 # Delays that are tried [s]; on measured arms a delay's column is right within such a step.
 DELAYS = np.linspace(-LATEST, LATEST, 21)
-# Share of what the common structure leaves [1], from which on a delay that explains it is clear. Delays of 47 to 94 ms
-# that were put into logs of a UR3 and a Kinova Gen3 explain 29 to 58 % there, other changes at most 12 %: values from
-# 0.13 to 0.28 decide alike in all 118 cases.
-CLEAR_SHARE = 0.2
+# Share of what the common structure leaves [1] that a delay must explain to be tried.
+LEAST_SHARE = 0.01
 
 
 def put_right(differing: Differing) -> Differing | None:
-    """Return the logs with the torques of one side at the right time; None if neither side is clearly late.
+    """Return the logs with the torques of one side at the right time; None if neither side seems to be late.
 
     Where the logs before are late, to take the delay out of those after would make all logs late.
 
@@ -46,14 +44,15 @@ def put_right(differing: Differing) -> Differing | None:
     explained = [_explained(differing, side) for side, _ in sides]
     most = int(np.argmax([e.max() for e in explained]))
     (side, sign), late = sides[most], vertex(DELAYS, -explained[most])
-    if explained[most].max() < CLEAR_SHARE or not late:
+    if explained[most].max() < LEAST_SHARE or not late:
         return None
     x = differing.experiment
     in_time = [_put_right(s, side, late) for s in x.segments]
     again = Differing.of(
         Experiment.of(x.robot, in_time, x.rest), differing.given.model, differing.before, differing.settings
     )
-    return replace(again, given=differing.given, put_right={change: np.array([sign * late])})
+    right = {change: np.array([sign * late])}
+    return replace(again, given=differing.given, size=differing.size, put_right=right)
 
 
 def _explained(differing: Differing, side: Difference) -> Array:
