@@ -1,8 +1,10 @@
 """Logs whose torques were recorded later or earlier beside the positions than those of the other side.
 
 A recorder that is late by a tenth of a second delays quick torques by half of their period. No column of a delay is
-right there: it is the slope at no delay at all. So the delay that explains most is looked for first, at its own size,
-and the torques are put right by it. The search for changes decides afterwards whether it is one.
+right there: it is the slope at no delay at all. Where the model misses the shape of the torque, as where friction
+reverses, it makes even a short delay too small. So the delay that explains most is looked for at its own size, and the
+torques of that side are put right by it. What the search finds then is taken if it leaves less than what it finds in
+the logs as they are.
 """
 
 from __future__ import annotations
@@ -25,7 +27,8 @@ Array = NDArray[np.float64]
 
 # Delays that are tried [s]; on measured arms a delay's column is right within such a step.
 DELAYS = np.linspace(-LATEST, LATEST, 21)
-# Share of what the common structure leaves [1] that a delay must explain to be tried.
+# Share of what the common structure leaves [1] that a delay must explain to be tried. It only saves time, because what
+# is tried in vain leaves more: between unchanged logs of six arms 4 of 58 are tried.
 LEAST_SHARE = 0.01
 
 

@@ -1,4 +1,4 @@
-"""Torques of one log that are recorded late: one delay, however large, and no other change."""
+"""Torques that are recorded late on one side: one delay, however large, and no other change."""
 
 import dataclasses
 
@@ -25,6 +25,16 @@ def changed(delay, faults=()):
     before = plant.run(WRONG, duration=SECONDS, seed=3).log
     after = plant.run((*WRONG, *faults), duration=SECONDS, seed=1003).log
     return what_changed(Dynamics(plant.robot), before, recorded_late(after, delay))
+
+
+@pytest.mark.parametrize("delay", [0.02, 0.08])
+def test_a_log_after_a_late_one_is_early(delay):
+    plant = plant_of("ur5")
+    before, after = (plant.run(WRONG, duration=SECONDS, seed=seed).log for seed in (3, 1003))
+    found = what_changed(Dynamics(plant.robot), recorded_late(before, delay), after)
+    term = the_only(found).term
+    assert term.label == "effort_delay"
+    assert term.theta[0] == pytest.approx(-delay, abs=3e-3)
 
 
 @pytest.mark.parametrize("delay", [0.09, -0.06])
