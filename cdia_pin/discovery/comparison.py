@@ -135,6 +135,11 @@ class Comparison:
         return self.rms / np.maximum(self.torque_rms, 1e-12)
 
     @property
+    def counted(self) -> NDArray[np.bool_]:
+        """True for the joints of which samples count, shape (n,)."""
+        return np.asarray(self.informative.any(axis=0))
+
+    @property
     def mean_error(self) -> float:
         """RMS residual over RMS measured torque, mean over the joints of which samples count [1]."""
         return mean_share(self.rms, self.torque_rms)

@@ -52,7 +52,7 @@ def errors_by_log(comparisons: Sequence[Comparison]) -> Table:
         "error, % of torque RMS", *(names[j].replace("_", "\n", 1) for j in joints), "mean", left=(0,)
     )
     for c in comparisons:
-        shares = [*c.relative_rms, c.mean_error]
+        shares = [*np.where(c.counted, c.relative_rms, np.nan), c.mean_error]
         add_row(
             table,
             str(c.record["logs"][0]["source"]),

@@ -11,6 +11,7 @@ from cdia_pin.logs.conditioning import condition
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.regression.rest import RestSettings
 from cdia_pin.viewers.short_answer import short_answer
+from cdia_pin.viewers.text_changes import errors_by_log
 from cdia_pin.viewers.verdict import mean_share, rest_words, verdict_sentences
 from tests.made_logs import motion
 from tests.one_joint import write_urdf
@@ -60,6 +61,11 @@ def test_nothing_is_named_on_a_joint_that_shakes_in_its_place(robot):
     found = discover(Dynamics(robot), shaking(robot, 0.01))
     assert found.held == ("joint2",)
     assert [s.term.label for s in found.steps] == ["coulomb_friction@joint1"]
+
+
+def test_a_joint_that_is_held_has_no_error_in_tables(robot):
+    table = errors_by_log([compare(Dynamics(robot), shaking(robot, 0.01))])
+    assert [str(next(iter(column.cells))) for column in table.columns][2] == "–"
 
 
 @pytest.mark.parametrize(
