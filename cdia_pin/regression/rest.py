@@ -13,7 +13,7 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-TURN = 2 * np.pi  # [rad]
+TURN, METRE = 2 * np.pi, 1.0  # ranges [rad], [m] of joints that turn or slide, as far as they count
 CLASSES = (1.0, 2.0, 4.0, 8.0)  # limits of the classes of distance from rest, over the least distance [1]
 
 
@@ -33,9 +33,9 @@ class RestSettings:
         least_following: Variation of a resting joint's torque over that of the rigid bodies' [1], below which a brake
             or static friction holds the joint, and its torque says nothing of its load. A motor that holds a joint
             follows the load, even one that has lost half of its gain.
-        least_travel: Travel of a joint in a log over its range, of which no more than a turn counts [1]. A joint that
-            travels less shakes in its place: backlash and the gear's elasticity move it, and what its torque does there
-            says nothing of another place. In 50 logs of 15 arms joints travel 1 % or more, or 0.4 % or less.
+        least_travel: Travel of a joint in a log over its range, of which no more than a turn or a metre counts [1]. A
+            joint that travels less shakes in its place: backlash and the gear's elasticity move it, and what its torque
+            does there says nothing of another place. In 50 logs of 15 arms joints travel 1 % or more, or 0.3 % or less.
     """
 
     width_over_noise: float = 3.0
@@ -73,11 +73,8 @@ class RestSettings:
             Shape (n,).
         """
         limits = robot.limits
-        whole = np.minimum(limits.upper - limits.lower, np.where(robot.is_prismatic, np.inf, TURN))
-        least = np.where(
-            np.isfinite(whole), self.least_travel * whole, 0.0
-        )  # nothing is known of an endless slide
-        return np.asarray(np.ptp(q, axis=0) >= least)
+        whole = np.minimum(limits.upper - limits.lower, np.where(robot.is_prismatic, METRE, TURN))
+        return np.asarray(np.ptp(q, axis=0) >= self.least_travel * whole)
 
     def is_clear(self, distance: Array) -> NDArray[np.bool_]:
         """Return True for samples that are far enough from rest.
