@@ -70,11 +70,12 @@ class RestSettings:
             robot: The arm, n joints.
 
         Returns:
-            Shape (n,).
+            Shape (n,); true for all joints of an arm that moves about one posture.
         """
         limits = robot.limits
         whole = np.minimum(limits.upper - limits.lower, np.where(robot.is_prismatic, METRE, TURN))
-        return np.asarray(np.ptp(q, axis=0) >= self.least_travel * whole)
+        leaves = np.asarray(np.ptp(q, axis=0) >= self.least_travel * whole)
+        return leaves if leaves.any() else np.ones_like(leaves)
 
     def is_clear(self, distance: Array) -> NDArray[np.bool_]:
         """Return True for samples that are far enough from rest.

@@ -14,7 +14,6 @@ from cdia_pin.viewers.short_answer import short_answer
 from cdia_pin.viewers.text_changes import errors_by_log
 from cdia_pin.viewers.verdict import mean_share, rest_words, verdict_sentences
 from tests.made_logs import motion
-from tests.one_joint import write_urdf
 
 
 @pytest.fixture(scope="module")
@@ -68,13 +67,28 @@ def test_a_joint_that_is_held_has_no_error_in_tables(robot):
     assert [str(next(iter(column.cells))) for column in table.columns][2] == "–"
 
 
-@pytest.mark.parametrize(
-    ("kind", "least"), [("revolute", 0.025), ("continuous", 0.0314), ("prismatic", 0.005)]
-)  # 0.5 % of the range of 5 rad, of a turn, of a metre
-def test_a_joint_travels_from_half_a_percent_of_its_range_on(tmp_path, kind, least):
-    robot = load_robot(write_urdf(kind, tmp_path))
-    for travel, moves in ((0.9 * least, False), (1.1 * least, True)):
-        assert RestSettings().travels(np.array([[0.3], [0.3 + travel]]), robot).tolist() == [moves]
+def test_a_joint_travels_from_half_a_percent_of_its_range_a_turn_or_a_metre_on():
+    scara = load_robot("scara")  # joint 3 may turn by more than a turn, joint 4 slides by 0.2 m
+    least = 0.005 * np.array([2 * 2.61799388, 2 * 2.44346095, 2 * np.pi, 0.2])
+    for j in range(scara.n):
+        for share, travels in ((0.9, False), (1.1, True)):
+            end = np.ones(scara.n)
+            end[j] = share * least[j]
+            moved = RestSettings().travels(np.vstack([np.zeros(scara.n), end]), scara)
+            assert moved.tolist() == [travels or k != j for k in range(scara.n)]
+
+
+def test_an_arm_that_moves_about_one_posture_is_not_held(robot):
+    t, q, v, a = motion(robot.n, 5, duration=24.0)
+    about = Log(
+        robot.joints,
+        t,
+        0.3 + 0.003 * q,
+        Dynamics(robot).inverse_dynamics(0.3 + 0.003 * q, 0.003 * v, 0.003 * a),
+    )
+    experiment = Experiment.of(robot, [condition(about, robot)])
+    assert not experiment.in_place.any()
+    assert not experiment.held.any()
 
 
 def test_a_joint_without_any_load_is_not_called_held(robot):
