@@ -151,7 +151,7 @@ class Experiment:
 
     @cached_property
     def in_place(self) -> NDArray[np.bool_]:
-        """True for a joint that stays in one place in all logs, shape (n,)."""
+        """True for a joint that stays in one place in all logs while others leave theirs, shape (n,)."""
         return ~self.rest.travels(np.concatenate([s.motion.q for s in self.segments]), self.robot)
 
     @cached_property
