@@ -46,7 +46,7 @@ class Difference(WrappedEffect):
         Returns:
             Torque per unit of each parameter [N·m or N per unit], shape (N, n, p).
         """
-        return self.effect.basis(x) * self._presence(x)
+        return self.effect.basis(x) if self._is_present(x) else np.zeros((len(x), x.robot.n, self.size))
 
     def torque(self, x: State, theta: Array) -> Array:
         """Return the effect's torque, zero in the other logs.
@@ -58,7 +58,7 @@ class Difference(WrappedEffect):
         Returns:
             In N·m or N, shape (N, n).
         """
-        return self.effect.torque(x, theta) * self._presence(x)
+        return self.effect.torque(x, theta) if self._is_present(x) else np.zeros((len(x), x.robot.n))
 
     def jacobian(self, x: State, theta: Array) -> Array:
         """Return the effect's ∂f/∂θ, zero in the other logs.
@@ -70,7 +70,11 @@ class Difference(WrappedEffect):
         Returns:
             Torque per unit of each parameter [N·m or N per unit], shape (N, n, p).
         """
-        return self.effect.jacobian(x, theta) * self._presence(x)
+        return (
+            self.effect.jacobian(x, theta)
+            if self._is_present(x)
+            else np.zeros((len(x), x.robot.n, self.size))
+        )
 
     def shift(self, x: State, theta: Array) -> Array:
         """Return the effect's shift of positions, zero in the other logs.
@@ -82,7 +86,7 @@ class Difference(WrappedEffect):
         Returns:
             In rad or m, shape (N, n).
         """
-        return self.effect.shift(x, theta) * self._presence(x)
+        return self.effect.shift(x, theta) if self._is_present(x) else np.zeros((len(x), x.robot.n))
 
     def gravity_change(self, x: State, theta: Array) -> Array:
         """Return the effect's change of gravity, zero in the other logs.
@@ -94,7 +98,7 @@ class Difference(WrappedEffect):
         Returns:
             In m/s², shape (N, 3).
         """
-        return self.effect.gravity_change(x, theta) * self._presence(x)
+        return self.effect.gravity_change(x, theta) if self._is_present(x) else np.zeros((len(x), 3))
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return the differences between two sizes that are both within the effect's bounds.
@@ -120,5 +124,6 @@ class Difference(WrappedEffect):
         """Return True: any difference counts."""
         return True
 
-    def _presence(self, x: State) -> float:
-        return float(x.log in self.logs)
+    def _is_present(self, x: State) -> bool:
+        """Tell whether the effect is present in the log of a state."""
+        return x.log in self.logs

@@ -133,6 +133,6 @@ class PositionRipple(JointEffect):
         travel = float(np.ptp(x.q[:, x.robot.joint_index(self.joint)]))
         if travel < 1e-3:
             return []
-        slowest = max(min(2 * TURN / travel, max(OF_A_GEAR, TURN / 2 / travel)), self.shape[0].lower)
+        slowest = max(float(np.clip(OF_A_GEAR, TURN / 2 / travel, 2 * TURN / travel)), self.shape[0].lower)
         step = 0.35 * TURN / travel  # a third of a resolution cell
         return [self.with_shape(frequency=float(w)) for w in np.arange(slowest, HIGHEST_RIPPLE, step)]

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.effects.actuation import TURN
 from cdia_pin.logs.conditioning import Motion
 from cdia_pin.phrases import settings_repr
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-TURN, METRE = 2 * np.pi, 1.0  # ranges [rad], [m] of joints that turn or slide, as far as they count
+METRE = 1.0  # [m], the most that counts of the range of a joint that slides; of one that turns it is a turn
 CLASSES = (1.0, 2.0, 4.0, 8.0)  # limits of the classes of distance from rest, over the least distance [1]
 
 
