@@ -16,10 +16,21 @@ from types import FrameType
 
 AGAIN = 0.5  # [s] between repetitions of an interrupt that nothing came of
 
+_answered = threading.Event()  # the code inside ends because it was interrupted
+
+
+@contextmanager
+def until_interrupted() -> Iterator[None]:
+    """Leave the block without an error when it is interrupted: how what runs until Ctrl-C ends."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        _answered.set()
+
 
 @contextmanager
 def insistent() -> Iterator[None]:
-    """Repeat an interrupt until the code inside is left or is cleaning up after it.
+    """Repeat an interrupt until the code inside is left, is cleaning up after it or has answered it.
 
     A second Ctrl-C of the user ends a clean-up as well.
     """
@@ -29,6 +40,7 @@ def insistent() -> Iterator[None]:
         yield
         return
     left = threading.Event()
+    _answered.clear()
     asked = repeated = False  # no lock: a handler may come while the program holds it
 
     def repeat() -> None:
@@ -44,7 +56,7 @@ def insistent() -> Iterator[None]:
     def interrupted(number: int, frame: FrameType | None) -> None:
         nonlocal asked, repeated
         asked, by_us, repeated = True, repeated, False
-        if not by_us or not (left.is_set() or _is_cleaning_up()):
+        if not by_us or not (left.is_set() or _answered.is_set() or _is_cleaning_up()):
             raise KeyboardInterrupt
 
     unraisable = sys.unraisablehook

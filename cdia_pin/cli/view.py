@@ -8,6 +8,7 @@ import typer
 
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import Reading
+from cdia_pin.cli.interrupts import until_interrupted
 from cdia_pin.cli.monitor_options import MONITOR, Bank, Healthy
 from cdia_pin.cli.options import (
     AtMostOneLog,
@@ -127,7 +128,7 @@ def view(
 
     page = Page(port, browser)
     reading = Reading(gains, joint_map, convert, topic, format, columns, episode)
-    try:
+    with until_interrupted():
         if log is None:
             asked = view_sources.Simulation(
                 tuple(fault or ()), accommodate, duration, rate, seed, speed, bank
@@ -137,5 +138,3 @@ def view(
             view_sources.show_monitored(page, robot, model, [log, *(healthy or [])], bank, reading, check)
         else:
             view_sources.show_compared(page, robot, model, log, reading, check)
-    except KeyboardInterrupt:  # how a view ends
-        return

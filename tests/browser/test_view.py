@@ -98,7 +98,7 @@ def test_a_simulation_is_seen_while_it_runs(page, command, screenshots):
     running.process.send_signal(signal.SIGKILL)
     said = "() => document.getElementById('lost').hidden ? '' : document.getElementById('lost').textContent"
     assert "Connection lost" in settled(page, said, bool, 5.0)
-    page.evaluate("() => { player.seek(1.0); }")  # what has come can still be played
+    page.evaluate("() => { player.pause(); player.seek(1.0); }")  # what has come can still be played
     assert page.evaluate("() => arm.state().joints.joint2.stage") in ("healthy", "suspect")
 
 
@@ -148,7 +148,7 @@ def test_a_log_is_coloured_by_the_stages_of_a_monitor(page, command, tmp_path, h
     settled(page, "() => Boolean(globalThis.player && !player.live)", bool)
     begin = page.evaluate("() => player.begin")
     assert begin < 0.1 if healthy == "--healthy" else begin > 4.0
-    page.evaluate("() => player.seek(7.9)")
+    page.evaluate("() => { player.pause(); player.seek(7.9); }")
     assert page.evaluate("() => arm.state().joints.joint2.stage") in ("healthy", "suspect")
     page.evaluate("() => player.seek(player.end)")
     state = page.evaluate("() => arm.state()")

@@ -42,6 +42,18 @@ except KeyboardInterrupt:
     sys.exit(3)
 """
 
+ANSWERED = """
+import signal, time
+from cdia_pin.cli.interrupts import insistent, until_interrupted
+
+with insistent():
+    with until_interrupted():
+        signal.raise_signal(signal.SIGINT)
+    begin = time.monotonic()
+    while time.monotonic() < begin + 1.2:  # a slow machine on its way out
+        time.sleep(0.05)
+    print("ended")
+"""
 
 TELLING = """
 import sys
@@ -76,6 +88,11 @@ def test_an_interrupt_inside_executed_text_does_not_decide_the_exit_code(tmp_pat
     command = python("-m", "in_text")
     done = subprocess.run(command, cwd=tmp_path, check=False, capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stderr) == (3, "")
+
+
+def test_an_interrupt_that_was_answered_does_not_come_again():
+    done = subprocess.run(python("-c", ANSWERED), check=False, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "ended\n", "")
 
 
 def test_a_command_that_is_interrupted_says_so(tmp_path):
