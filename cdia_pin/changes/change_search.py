@@ -86,15 +86,15 @@ class ChangeSearch:
         return Confidence.ESTABLISHED if sure and independent else Confidence.LIKELY
 
     def torque(self, change: int, theta: Array) -> Array:
-        """Return the RMS torque of a change in the logs after [N·m or N], shape (n,).
+        """Return the RMS torque of a change in the logs that have it [N·m or N], shape (n,).
 
         Args:
             change: Index of the change.
             theta: Its parameters, shape (p,).
         """
         x = self.differing
-        group = x.changes[self.evidence.effects[change]]
-        return rms(group.torque(theta, x.experiment.robot.n), x.counted)
+        effect = self.evidence.effects[change]
+        return rms(x.changes[effect].torque(theta, x.experiment.robot.n), x.counted_with(effect))
 
     def visible_sizes(self, chosen: Sequence[int]) -> dict[int, float]:
         """Return from which size on a change of one parameter of one joint is visible beside a set, in its unit.
@@ -107,15 +107,15 @@ class ChangeSearch:
         """
         x = self.differing
         out: dict[int, float] = {}
-        powers = self.evidence.powers(chosen)
+        powers, samples = self.evidence.powers(chosen), x.counted.sum(axis=0)
         for c, change in enumerate(self.evidence.effects):
             joints = change.acts_on(x.experiment.robot)
-            if c in chosen or change.size > 1 or change.shape or len(joints) > 1:
+            if c in chosen or change.size > 1 or change.shape or len(joints) > 1 or change.sign < 0:
                 continue
             per_unit = float(self.torque(c, np.ones(1))[joints[0]])
             if per_unit > 0.0:
                 power, j = powers[self.evidence.parameters[c].start], joints[0]
-                out[c] = self.settings.visible_from(per_unit, power, float(x.torque[j]), float(x.samples[j]))
+                out[c] = self.settings.visible_from(per_unit, power, float(x.torque[j]), float(samples[j]))
         return out
 
     def unseen_torque(self, chosen: Sequence[int]) -> Array:
@@ -255,14 +255,15 @@ class ChangeSearch:
             change: Index of the change.
             theta: Its parameters, shape (p,).
         """
-        x, effect = self.differing, self.evidence.effects[change].effect
-        lower, upper = effect.bounds(x.experiment.robot)
-        outside = bool(np.any((theta < lower) | (theta > upper)))
-        return outside and is_rare(effect, {t.effect for t in x.given.model.terms})
+        x, one = self.differing, self.evidence.effects[change]
+        lower, upper = one.effect.bounds(x.experiment.robot)
+        takes_away = one.sign < 0 or bool(np.any((theta < lower) | (theta > upper)))
+        return takes_away and is_rare(one.effect, {t.effect for t in x.given.model.terms})
 
     def _is_visible(self, change: int, fits: BlockFits) -> bool:
         x, torque = self.differing, self.torque(change, fits.theta[change])
-        return self.settings.is_visible(float(fits.gain[change]), torque, x.size, x.torque, x.samples)
+        samples = x.counted_with(self.evidence.effects[change]).sum(axis=0)
+        return self.settings.is_visible(float(fits.gain[change]), torque, x.size, x.torque, samples)
 
 
 @dataclass(frozen=True, repr=False)

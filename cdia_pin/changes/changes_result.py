@@ -39,7 +39,7 @@ class Change:
     Attributes:
         term: The effect; its parameters are the differences, after minus before, with 95 % intervals.
         before: The parameters before, for friction, shape (p,); None where they have no meaning of their own.
-        torque_rms: RMS torque of the change in the logs after [N·m or N], shape (n,).
+        torque_rms: RMS torque of the change in the logs that have it, mostly those after [N·m or N], shape (n,).
         evidence: Log-likelihood that is lost without the change [1].
         confusions: Other changes that would explain nearly as much.
         confidence: How far the name can be trusted.

@@ -22,10 +22,12 @@ class Difference(WrappedEffect):
     Attributes:
         effect: The effect.
         logs: Names of the logs in which it is present, see `State.log`.
+        sign: 1 if these are the logs after, −1 if they are those before: parameters are those after less those before.
     """
 
     effect: Effect
     logs: tuple[str, ...]
+    sign: float = 1.0
 
     @property
     def traits(self) -> Traits:
@@ -46,7 +48,11 @@ class Difference(WrappedEffect):
         Returns:
             Torque per unit of each parameter [N·m or N per unit], shape (N, n, p).
         """
-        return self.effect.basis(x) if self._is_present(x) else np.zeros((len(x), x.robot.n, self.size))
+        return (
+            self.sign * self.effect.basis(x)
+            if self._is_present(x)
+            else np.zeros((len(x), x.robot.n, self.size))
+        )
 
     def torque(self, x: State, theta: Array) -> Array:
         """Return the effect's torque, zero in the other logs.
@@ -58,7 +64,9 @@ class Difference(WrappedEffect):
         Returns:
             In N·m or N, shape (N, n).
         """
-        return self.effect.torque(x, theta) if self._is_present(x) else np.zeros((len(x), x.robot.n))
+        return (
+            self.effect.torque(x, self.sign * theta) if self._is_present(x) else np.zeros((len(x), x.robot.n))
+        )
 
     def jacobian(self, x: State, theta: Array) -> Array:
         """Return the effect's ∂f/∂θ, zero in the other logs.
@@ -71,7 +79,7 @@ class Difference(WrappedEffect):
             Torque per unit of each parameter [N·m or N per unit], shape (N, n, p).
         """
         return (
-            self.effect.jacobian(x, theta)
+            self.sign * self.effect.jacobian(x, self.sign * theta)
             if self._is_present(x)
             else np.zeros((len(x), x.robot.n, self.size))
         )
@@ -86,7 +94,9 @@ class Difference(WrappedEffect):
         Returns:
             In rad or m, shape (N, n).
         """
-        return self.effect.shift(x, theta) if self._is_present(x) else np.zeros((len(x), x.robot.n))
+        return (
+            self.effect.shift(x, self.sign * theta) if self._is_present(x) else np.zeros((len(x), x.robot.n))
+        )
 
     def gravity_change(self, x: State, theta: Array) -> Array:
         """Return the effect's change of gravity, zero in the other logs.
@@ -98,10 +108,14 @@ class Difference(WrappedEffect):
         Returns:
             In m/s², shape (N, 3).
         """
-        return self.effect.gravity_change(x, theta) if self._is_present(x) else np.zeros((len(x), 3))
+        return (
+            self.effect.gravity_change(x, self.sign * theta) if self._is_present(x) else np.zeros((len(x), 3))
+        )
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Return the differences between two sizes that are both within the effect's bounds.
+
+        What only the logs before have was within them there.
 
         Args:
             robot: The robot.
@@ -110,7 +124,7 @@ class Difference(WrappedEffect):
             Smallest and largest differences, shape (p,) each; infinite where the effect has only one bound, or none.
         """
         lower, upper = self.effect.bounds(robot)
-        return lower - upper, upper - lower
+        return (lower - upper, upper - lower) if self.sign > 0 else (-upper, -lower)
 
     def is_physical(self, theta: Array, robot: RobotModel) -> bool:
         """Return True: any difference is possible on a real arm."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.common_structure import common_effects, plainly_fitted
+from cdia_pin.changes.common_structure import common_effects, is_rare, plainly_fitted
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.overlap import Overlap
 from cdia_pin.dynamics import Dynamics
@@ -44,7 +44,7 @@ class Differing:
         after: True for compared samples of the logs after, shape (K,).
         overlap: Samples that count, of joints that move alike in both logs.
         common: Columns of what the logs may have in common.
-        changes: Columns of what may differ, zero before, without a prior.
+        changes: Columns of what may differ, zero in the logs that do not have it, without a prior.
         searched: Number of shapes in which each change is looked for, by label.
         blocks: Samples of each block of time. No block has samples of both sides.
         settings: What may have changed, and what it must explain.
@@ -86,7 +86,8 @@ class Differing:
         after = np.arange(ends[-1]) >= ends[before]
         overlap = Overlap.of(experiment, after, settings.changes)
         used = overlap.used
-        logs = tuple(s.state.log for s in experiment.segments[before:])
+        names = tuple(s.state.log for s in experiment.segments)
+        both = ((names[before:], 1.0, after), (names[:before], -1.0, ~after))
         changes: dict[Difference, ColumnGroup] = {}
         searched: dict[str, int] = {}
         # a change is a difference between the logs, so no candidate has parameters per log besides
@@ -99,9 +100,12 @@ class Differing:
             # what the model has may change its size, not its shape
             family = [present[label]] if label in present else every
             searched[family[0].label] = len(family)
+            sides = both if settings.changes.gone and _may_be_gone(family[0], present.values()) else both[:1]
             for effect in family:
-                change = Difference(effect, logs)
-                changes[change] = ColumnGroup.of(change, columns.of(change, prediction), robot)
+                whole = columns.of(effect, prediction)
+                for logs, sign, there in sides:
+                    change = Difference(effect, logs, sign)
+                    changes[change] = ColumnGroup.of(change, sign * whole * there[:, None, None], robot)
         count, segments = settings.changes.blocks, experiment.segments
         later = time_blocks(segments[before:], count, first=int(ends[before]))
         differing = cls(
@@ -166,10 +170,13 @@ class Differing:
         """True for samples of the logs after that count, shape (K, n)."""
         return self.used & self.after[:, None]
 
-    @cached_property
-    def samples(self) -> NDArray[np.intp]:
-        """Number of these samples of each joint, shape (n,)."""
-        return np.asarray(self.counted.sum(axis=0))
+    def counted_with(self, change: Difference) -> Mask:
+        """Return True for samples that count of the logs in which a change is present, shape (K, n).
+
+        Args:
+            change: The change.
+        """
+        return np.asarray(self.used & (self.after == (change.sign > 0))[:, None])
 
     @cached_property
     def torque(self) -> Array:
@@ -283,6 +290,20 @@ class Differing:
             left, _ = out.together(generic).residual()
             out = replace(out, size=np.maximum(rms(left, out.used) * out.size, 1e-12))
         return out
+
+
+def _may_be_gone(effect: Effect, present: Container[Effect]) -> bool:
+    """Tell whether an effect that is in the logs before alone needs columns of its own.
+
+    What both sides may have in common is there before, and less of it after. That says nothing of what may hardly be
+    common. What scales the torque needs no such columns, since its size is a share of the torque before.
+
+    Args:
+        effect: The effect.
+        present: Effects of the model.
+    """
+    scales = Signal.TORQUE in effect.traits.depends_on and not effect.traits.dissipative
+    return is_rare(effect, present) and not scales
 
 
 def _is_of_time(change: Difference) -> bool:

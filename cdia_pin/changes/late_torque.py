@@ -45,10 +45,10 @@ def put_right(differing: Differing) -> Differing | None:
     change = next((c for c in differing.changes if isinstance(c.effect, EffortDelay)), None)
     if change is None:
         return None
-    sides = [(change, 1.0), (replace(change, logs=differing.names[0]), -1.0)]
-    explained = [_explained(differing, side) for side, _ in sides]
+    sides = [change, replace(change, logs=differing.names[0], sign=-1.0)]
+    explained = [_explained(differing, side) for side in sides]
     most = int(np.argmax([e.max() for e in explained]))
-    (side, sign), late = sides[most], vertex(DELAYS, -explained[most])
+    side, late = sides[most], vertex(DELAYS, -explained[most])
     if explained[most].max() < LEAST_SHARE or not late:
         return None
     x = differing.experiment
@@ -56,8 +56,7 @@ def put_right(differing: Differing) -> Differing | None:
     again = Differing.of(
         Experiment.of(x.robot, in_time, x.rest), differing.given.model, differing.before, differing.settings
     )
-    right = {change: np.array([sign * late])}
-    return replace(again, given=differing.given, size=differing.size, put_right=right)
+    return replace(again, given=differing.given, size=differing.size, put_right={change: np.array([late])})
 
 
 def _explained(differing: Differing, side: Difference) -> Array:

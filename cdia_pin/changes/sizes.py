@@ -108,5 +108,8 @@ def friction_before(
     groups += [differing.changes[d] for d in changed]
     left = differing.experiment.predict(differing.given.model).residual
     theta = SharedRegression.of(groups, left, differing.scaled).theta()
-    parts = ParameterBlocks.of([*effects, *changed]).split(theta)
-    return {d: tuple(map(float, parts[i])) for i, d in enumerate(asked)}
+    parts = dict(
+        zip([*effects, *changed], ParameterBlocks.of([*effects, *changed]).split(theta), strict=True)
+    )
+    gone = {d: parts[d] for d in asked if d.sign < 0}
+    return {d: tuple(map(float, parts[d.effect] - gone.get(d, 0.0))) for d in asked}

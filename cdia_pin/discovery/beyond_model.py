@@ -44,7 +44,9 @@ def discover_beyond(model: Dynamics, logs: Problem, report: Progress) -> Discove
     """
     after = [s.motion for s in logs.experiment.segments]
     before = [_remembered(m, k) for k, m in enumerate(model.learned_from)]
-    found = searched(model, before, after, logs.settings, part(report, 0.0, 0.8))
+    # what the model lacks cannot be taken away from it
+    beyond = replace(logs.settings, changes=replace(logs.settings.changes, gone=False))
+    found = searched(model, before, after, beyond, part(report, 0.0, 0.8))
     search, chosen = found.search, found.chosen
     run_to_run = RunToRun.of(search, chosen)
     changes, usual = sized_changes(found, run_to_run)

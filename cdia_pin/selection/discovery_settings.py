@@ -113,6 +113,7 @@ class ChangeSettings:
         rare: Prior standard deviation of what both sides may have in common, but neither every arm nor the model has,
             over the joint's torque [1]. With 1, they take in what changed in logs of ten seconds with few reversals.
             In logs of half a minute and more, 1 and 0.01 name about as many changes.
+        gone: Whether such an effect may have been there before and be gone, as a ripple is after a repair.
     """
 
     blocks: int = 16
@@ -126,6 +127,7 @@ class ChangeSettings:
     doubt: float = 1.0
     independent_time: float = 0.3
     rare: float = 0.01
+    gone: bool = True
 
     __repr__ = settings_repr
 

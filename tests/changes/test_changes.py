@@ -143,8 +143,10 @@ def test_logs_of_one_condition_on_both_sides_are_refused():
 # ------------------------------------------------------------------ the parts
 
 
-def ripple(size):
-    return (Fault("position_ripple", joint="wrist_1_joint", sine=size, cosine=0.5 * size, frequency=3.0),)
+def ripple(size, frequency=3.0):
+    return (
+        Fault("position_ripple", joint="wrist_1_joint", sine=size, cosine=0.5 * size, frequency=frequency),
+    )
 
 
 def test_a_ripple_that_both_logs_have_and_the_model_has_not_is_no_change():
@@ -155,6 +157,20 @@ def test_a_ripple_that_both_logs_have_and_that_grew_is_a_change():
     grown = the_only(changed(ripple(2.0), ripple(4.0)))
     assert grown.term.label == "position_ripple@wrist_1_joint"
     assert grown.term.values["sine"] == pytest.approx(2.0, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("fault", "name", "size"),
+    [
+        (ripple(2.0, 14.0)[0], "sine", 2.0),
+        (Fault("joint_spring", joint="elbow_joint", stiffness=12.0), "stiffness", 12.0),
+    ],
+    ids=["ripple", "spring"],
+)
+def test_what_was_there_before_and_is_gone_is_found_with_the_other_sign(fault, name, size):
+    change = the_only(changed((*WRONG, fault), WRONG))
+    assert change.term.label == str(fault)
+    assert change.term.values[name] == pytest.approx(-size, rel=0.1)
 
 
 def friction(*growth):
