@@ -9,7 +9,7 @@ import numpy as np
 from cdia_pin.changes.changes_result import Change
 from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
 from cdia_pin.changes.run_to_run import RunToRun
-from cdia_pin.effects import EffortDelay
+from cdia_pin.effects import EffortDelay, Payload
 
 FEWEST = 3  # joints [1]; a change on fewer may be a fault of each of them
 # Share of the joints [1] that a change of temperature must reach, because it reaches all drives.
@@ -23,18 +23,20 @@ def findings_of(changes: Sequence[Change], run_to_run: RunToRun) -> tuple[Phenom
         changes: The changes.
         run_to_run: Friction of both sides, whether it is named as a change or not.
     """
-    return (*_temperature(run_to_run), *_recorder(changes, run_to_run.joints))
+    return (*_temperature(changes, run_to_run), *_recorder(changes, run_to_run.joints))
 
 
-def _temperature(run_to_run: RunToRun) -> tuple[Phenomenon, ...]:
+def _temperature(changes: Sequence[Change], run_to_run: RunToRun) -> tuple[Phenomenon, ...]:
     """Return that the drives are warmer or colder, if friction fell or rose on most joints.
 
     No joint need differ by more than is usual from run to run: that all of them do so in one direction is not usual.
+    Beside a payload it is, because joints that carry more have more friction.
     """
     growth, usual = run_to_run.growth, run_to_run.settings.spread
     differ = np.flatnonzero(np.abs(np.nan_to_num(growth)) >= usual)
     signs = set(np.sign(growth[differ]))
-    if len(differ) < max(FEWEST, MOST_JOINTS * len(growth)) or len(signs) != 1:
+    carried = {np.sign(c.term.theta[0]) for c in changes if isinstance(c.term.effect, Payload)}
+    if len(differ) < max(FEWEST, MOST_JOINTS * len(growth)) or len(signs) != 1 or signs == carried:
         return ()
     fell = signs == {-1.0}
     # the friction that both sides have in common is the mean of both

@@ -194,6 +194,12 @@ def test_friction_of_most_joints_in_one_direction_is_temperature(growth, kinds):
     assert [f.kind for f in findings_of([], friction(*growth))] == kinds
 
 
+@pytest.mark.parametrize(("growth", "kinds"), [(0.1, []), (-0.1, ["warming"])])
+def test_friction_that_rises_with_a_payload_is_no_temperature(ur5, growth, kinds):
+    change = Change(Term(parse_effect("payload"), (2.0, *[0.0] * 9)), None, np.ones(ur5.n), 50.0)
+    assert [f.kind for f in findings_of([change], friction(*[growth] * 6))] == kinds
+
+
 def test_torques_that_all_come_later_are_said_to_be_the_recorders(ur5):
     def found(effect):
         change = Change(Term(parse_effect(effect), (0.012,)), None, np.ones(ur5.n), 50.0)

@@ -325,6 +325,16 @@ def test_velocities_that_are_not_the_derivative_of_positions_are_found(ur5, ur5_
     assert advice in found[0].advice
 
 
+def test_one_factor_on_all_joints_may_be_the_times(ur5, ur5_log):
+    hurried = replace(ur5_log, time=0.2 * ur5_log.time)
+    (found,) = (f for f in problems(hurried, ur5) if f.topic == "velocity")
+    assert "5 times too fast" in found.message
+    assert "multiply its times by 5;" in found.advice
+    apart = replace(ur5_log, velocity=ur5_log.velocity * np.linspace(0.2, 0.3, ur5.n))
+    (found,) = problems(apart, ur5)
+    assert "times run" not in found.message
+
+
 def test_a_filtered_velocity_is_late(ur5, ur5_log):
     late = np.vstack([ur5_log.velocity[:5], ur5_log.velocity[:-5]])
     (found,) = problems(replace(ur5_log, velocity=late), ur5)
