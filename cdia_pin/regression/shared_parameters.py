@@ -115,7 +115,10 @@ class SharedRegression:
         """
         out = np.zeros((len(self.precision) + 1,) * 2)
         for rows, at in zip(self.rows, self.at, strict=True):
-            out[np.ix_(at, at)] += rows[samples].T @ rows[samples]
+            x = rows[samples]
+            there = x.any(axis=0)  # what differs between logs is zero in half of them
+            x, own = x[:, there], at[there]
+            out[np.ix_(own, own)] += x.T @ x
         return out
 
     def theta(self) -> Array:
