@@ -18,7 +18,7 @@ from benchmarks.measured_logs import folder
 from benchmarks.outcomes import CHECKOUT, tell
 from benchmarks.publishing import publish, stated
 from benchmarks.real_residuals.bases import Base, BaseCase, needed, planned_bases, run_base
-from benchmarks.real_residuals.cases import FLOWS, REPORTING, SAMPLE, SIZES, SUITES, planned
+from benchmarks.real_residuals.cases import FLOWS, GONE, REPORTING, SAMPLE, SIZES, SUITES, planned
 from benchmarks.real_residuals.outcome import Outcome
 from benchmarks.real_residuals.page import page
 from benchmarks.real_residuals.recordings import ARMS
@@ -73,7 +73,7 @@ def _parser() -> argparse.ArgumentParser:
         "--sizes", nargs="+", type=int, choices=SIZES, default=list(SIZES), help="[%%] of torque"
     )
     flows = [*FLOWS, UNTOUCHED]
-    given.add_argument("--flows", nargs="+", choices=flows, default=flows)
+    given.add_argument("--flows", nargs="+", choices=[*flows, GONE], default=flows)
     given.add_argument("--jobs", type=int, default=2, help="processes")
     given.add_argument("--limit", type=int, help="most cases to run")
     given.add_argument(

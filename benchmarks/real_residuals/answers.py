@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot, isfinite, nan
 from typing import Any, Self
 
@@ -63,6 +63,11 @@ class Named:
             {k: (float(p["ci95"][0]), float(p["ci95"][1])) for k, p in given.items() if p.get("ci95")},
         )
 
+    def negated(self) -> Self:
+        """Return the effect with the other sign, as if the logs were exchanged."""
+        values = {k: -v for k, v in self.values.items()}
+        return replace(self, values=values, intervals={k: (-b, -a) for k, (a, b) in self.intervals.items()})
+
     @classmethod
     def from_dict(cls, given: Mapping[str, Any]) -> Self:
         """Read back what was kept."""
@@ -116,7 +121,7 @@ def _differences(before: Mapping[str, Named], after: Mapping[str, Named]) -> Ite
             yield difference(before[label], there)
     for label, gone in before.items():
         if label not in after:
-            yield Named(label, gone.confidence, gone.group, {k: -v for k, v in gone.values.items()}, {})
+            yield replace(gone.negated(), intervals={})
 
 
 def difference(before: Named, after: Named) -> Named:

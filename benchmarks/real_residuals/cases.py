@@ -16,7 +16,13 @@ SIZES = (5, 10, 25)  # [%] of the joint's RMS torque
 UNCHANGED, KNOWN = "unchanged", "known payload"
 COMPARE, MODEL, ALONE = "compare", "model", "alone"
 FLOWS = (COMPARE, MODEL, ALONE)
-EVERY = {COMPARE: 1, MODEL: 2, ALONE: 24}  # one case in so many: a discovery takes several times a comparison
+GONE = "gone"  # asked on request alone: the comparison with the sides exchanged, so that the effect is gone
+EVERY = {
+    COMPARE: 1,
+    MODEL: 2,
+    ALONE: 24,
+    GONE: 1,
+}  # one case in so many: a discovery takes several times a comparison
 VARIED = 4  # one comparison in so many is repeated on changed logs
 SAMPLE = 16  # one draw in so many
 Draw = tuple[Pair, str, int]  # the logs, name of the effect, and its size [%]

@@ -6,12 +6,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import process_time
 
 from benchmarks.real_residuals.answers import Named, differences, of_changes, of_discovery
 from benchmarks.real_residuals.bases import Base
-from benchmarks.real_residuals.cases import ALONE, COMPARE, MODEL
+from benchmarks.real_residuals.cases import ALONE, COMPARE, GONE, MODEL
 from cdia_pin import Dynamics, discover, what_changed
 from cdia_pin.logs import Log
 from cdia_pin.robot import RobotModel
@@ -57,6 +57,11 @@ def _compare(q: Question) -> Answer:
     return Answer(of_changes(found), found.verdict, process_time() - began)
 
 
+def _gone(q: Question) -> Answer:
+    answer = _compare(replace(q, before=q.after, after=q.before))
+    return replace(answer, named=tuple(n.negated() for n in answer.named))
+
+
 def _model(q: Question) -> Answer:
     assert q.base_before is not None
     model = q.base_before.load(q.robot)
@@ -73,5 +78,10 @@ def _alone(q: Question) -> Answer:
     return Answer(differences(q.base_after.named, of_discovery(found)), found.verdict, seconds)
 
 
-FLOW: dict[str, Callable[[Question], Answer]] = {COMPARE: _compare, MODEL: _model, ALONE: _alone}
+FLOW: dict[str, Callable[[Question], Answer]] = {
+    COMPARE: _compare,
+    MODEL: _model,
+    ALONE: _alone,
+    GONE: _gone,
+}
 NEEDS_BEFORE, NEEDS_AFTER = (MODEL,), (ALONE,)  # flows that need a discovery of an untouched log

@@ -14,6 +14,7 @@ from benchmarks.real_residuals.bases import Base, planned_bases
 from benchmarks.real_residuals.cases import (
     COMPARE,
     FLOWS,
+    GONE,
     MODEL,
     REPORTING,
     SAMPLE,
@@ -26,6 +27,7 @@ from benchmarks.real_residuals.claims import LEAST_PAIRS, PARTS
 from benchmarks.real_residuals.draws import OF_THE_MOTOR, RECIPES, Place, drawn
 from benchmarks.real_residuals.failures import failed
 from benchmarks.real_residuals.filtered import FilteredLog, rms
+from benchmarks.real_residuals.flows import FLOW, Question
 from benchmarks.real_residuals.insertion import Insertion
 from benchmarks.real_residuals.outcome import Outcome
 from benchmarks.real_residuals.page import page
@@ -281,6 +283,24 @@ def test_a_model_is_asked_the_same_draws_as_a_comparison() -> None:
     cases = planned(REPORTING)
     compared = {c.draw for c in cases if c.flow == COMPARE}
     assert {c.draw for c in cases if c.flow == MODEL} <= compared
+
+
+def test_what_is_gone_is_asked_with_the_sides_exchanged(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    level = {"level": {"value": -2.0, "unit": "N·m", "ci95": [-2.2, -1.9]}}
+    change = {"effect": "coulomb_friction", "joints": ["elbow_joint"], "difference": level}
+
+    def what_changed(model: Dynamics, before: Log, after: Log) -> SimpleNamespace:
+        asked.append((before, after))
+        return SimpleNamespace(model=model, verdict="changed", to_dict=lambda: {"changes": [change]})
+
+    monkeypatch.setattr("benchmarks.real_residuals.flows.what_changed", what_changed)
+    before, after = (make(ROBOT, seed=seed).log for seed in (1, 2))
+    (named,) = FLOW[GONE](Question(ROBOT, before, after)).named
+    ((first, last),) = asked
+    assert first is after
+    assert last is before
+    assert (named.values, named.intervals) == ({"level": 2.0}, {"level": (1.9, 2.2)})
 
 
 def test_what_is_repeated_is_discovered_too() -> None:
