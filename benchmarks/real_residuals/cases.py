@@ -17,12 +17,8 @@ UNCHANGED, KNOWN = "unchanged", "known payload"
 COMPARE, MODEL, ALONE = "compare", "model", "alone"
 FLOWS = (COMPARE, MODEL, ALONE)
 GONE = "gone"  # asked on request alone: the comparison with the sides exchanged, so that the effect is gone
-EVERY = {
-    COMPARE: 1,
-    MODEL: 2,
-    ALONE: 24,
-    GONE: 1,
-}  # one case in so many: a discovery takes several times a comparison
+# one case in so many: a discovery takes several times a comparison
+EVERY = {COMPARE: 1, GONE: 1, MODEL: 2, ALONE: 24}
 VARIED = 4  # one comparison in so many is repeated on changed logs
 SAMPLE = 16  # one draw in so many
 Draw = tuple[Pair, str, int]  # the logs, name of the effect, and its size [%]

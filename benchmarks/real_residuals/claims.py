@@ -117,6 +117,10 @@ def _named(size: int) -> tuple[Claim, ...]:
     )
 
 
+def _without_targets(claims: Sequence[Claim]) -> tuple[Claim, ...]:
+    return tuple(Claim(c.text, "", c.measure) for c in claims)
+
+
 def _sizes() -> tuple[Claim, ...]:
     return (
         Claim("relative error of sizes, median", f"≤ {SIZE_ERROR:.0%}", size_error, at_most(SIZE_ERROR)),
@@ -181,7 +185,7 @@ PARTS = (
             f"`compare B A`, effects of {size} % that are gone",
             "The effect is in the log before. Shown without a target.",
             of(GONE, size),
-            tuple(Claim(c.text, "", c.measure) for c in _named(size)),
+            _without_targets(_named(size)),
         )
         for size in (25, 10, 5)
     ),
@@ -202,7 +206,7 @@ PARTS = (
             f"`discover B --model`, effects of {size} %",
             "Only one draw in two: a discovery takes longer.",
             of(MODEL, size),
-            _named(size) if size not in EXACT else tuple(Claim(c.text, "", c.measure) for c in _named(size)),
+            _named(size) if size not in EXACT else _without_targets(_named(size)),
         )
         for size in (25, 10, 5)
     ),
@@ -217,7 +221,7 @@ PARTS = (
         "Named: what is found in B with the effect and not in B without, or with parameters that differ by more than "
         "both intervals. 10 and 25 %; shown without a target.",
         of(ALONE),
-        tuple(Claim(c.text, "", c.measure) for c in (*_named(25), *_sizes())),
+        _without_targets((*_named(25), *_sizes())),
     ),
     Part(
         "The same log, recorded otherwise",

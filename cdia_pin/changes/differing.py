@@ -170,13 +170,18 @@ class Differing:
         """True for samples of the logs after that count, shape (K, n)."""
         return self.used & self.after[:, None]
 
+    @cached_property
+    def counted_before(self) -> Mask:
+        """True for samples of the logs before that count, shape (K, n)."""
+        return self.used & ~self.after[:, None]
+
     def counted_with(self, change: Difference) -> Mask:
         """Return True for samples that count of the logs in which a change is present, shape (K, n).
 
         Args:
             change: The change.
         """
-        return np.asarray(self.used & (self.after == (change.sign > 0))[:, None])
+        return self.counted if change.sign > 0 else self.counted_before
 
     @cached_property
     def torque(self) -> Array:

@@ -157,7 +157,7 @@ class RunToRun:
                 torque += group.torque(np.array(term.theta), len(self.joints))
                 labels.setdefault(j, []).append(term.label)
         out = []
-        size = np.hypot(rms(torque, x.counted), rms(torque, x.used & ~x.counted))  # where it is, or was
+        size = np.hypot(rms(torque, x.counted), rms(torque, x.counted_before))  # where it is, or was
         for j, own in labels.items():
             share, limit = float(size[j]) / max(float(self.friction[j]), 1e-12), self.limit(j)
             if share <= limit:
