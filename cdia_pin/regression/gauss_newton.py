@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,11 +24,24 @@ MOST_ITERATIONS = 20  # iterations [1]; a guard against slow convergence
 # Standard deviations [1]. A step of d of them lowers the sum of squares by d² variances of the residual; when a step
 # lowers it by less, the fit has converged. Parameters that the log hardly distinguishes may still move.
 CONVERGED = 0.1
-# Sum of squares that the first step leaves, over what the linearisation promises [1]; above, it diverges.
+# Sum of squares that the first step from impossible parameters leaves, over what the linearisation promises [1]; above,
+# it diverges.
 MOST_LEFT = 30.0
 # Times [1] that a step is halved; if the shortest one still leaves more, the fit has ended. Four give the same effects
 # on a Panda and an LWR4+, but do not bring back a step of 30 N·m.
 MOST_HALVED = 8
+
+
+class Before(NamedTuple):
+    """What the step to a model began with.
+
+    Attributes:
+        theta: Parameters of the model's terms before the step, one term after another, shape (P,).
+        left: What a fit minimises there [1].
+    """
+
+    theta: Array
+    left: float
 
 
 def is_exact(effect: Effect) -> bool:
@@ -38,18 +53,24 @@ def is_exact(effect: Effect) -> bool:
     return effect.traits.linear and Signal.TORQUE not in effect.traits.depends_on
 
 
-def fitted_together(regression: Regression, model: Dynamics, iterations: int = MOST_ITERATIONS) -> Dynamics:
+def fitted_together(
+    regression: Regression,
+    model: Dynamics,
+    iterations: int = MOST_ITERATIONS,
+    before: Before | None = None,
+) -> Dynamics:
     """Fit all terms of a model together by the Gauss-Newton method.
 
     Args:
         regression: The conditioned logs and their noise.
         model: The model; the iteration starts at the parameters of its terms.
-        iterations: Largest number of iterations.
+        iterations: Largest number of iterations; those that only halve a step do not count.
+        before: What the step to the model began with, if it is one of the iteration; it may be too long too.
 
     Returns:
         The model at the optimum.
     """
-    return _iterated(regression, model, iterations)[0]
+    return _iterated(regression, model, iterations, before)[0]
 
 
 def refit(
@@ -72,34 +93,47 @@ def refit(
     return model, equations
 
 
-def _iterated(regression: Regression, model: Dynamics, iterations: int) -> tuple[Dynamics, NormalEquations]:
+def _iterated(
+    regression: Regression, model: Dynamics, iterations: int, before: Before | None = None
+) -> tuple[Dynamics, NormalEquations]:
     """Return the model at the optimum, and the normal equations of the last iteration.
 
-    A step that leaves more than there was before it was too long for the linearisation, and is halved. The first one
-    is compared with what it promised: the start need not be physical, and then fits better than anything that is.
+    A step that leaves more than there was before it was too long for the linearisation, and is halved. One from
+    impossible parameters is compared with what it promised: they may fit better than anything that is possible.
     """
     effects = [t.effect for t in model.terms]
     every = range(len(effects))
     # parameters before the last step, what may be left after it [1], and how often it was halved
-    kept, limit, halved = np.zeros(0), np.inf, 0
-    for k in range(1 if all(map(is_exact, effects)) else iterations):
+    kept, limit, halved = (np.zeros(0), np.inf, 0) if before is None else (*before, 0)
+    most, steps = 1 if all(map(is_exact, effects)) else iterations, 0
+    while steps < most:
         equations = regression.normal_equations(model, effects)
         theta = model.theta
-        before = equations.objective(every, theta)
-        if before > limit:
+        left = equations.objective(every, theta)
+        if left > limit:
             if halved == MOST_HALVED:
                 model = with_parameters(model, kept)
                 break
             model, halved = with_parameters(model, (theta + kept) / 2), halved + 1
             continue
         fit = bounded_fit(equations, every, bodies=True)
-        model, kept, halved = with_parameters(model, fit.theta), theta, 0
-        limit = before if k else max(before, MOST_LEFT * fit.objective)
+        comparable = steps > 0 or before is not None or is_possible(model)
+        limit = left if comparable else max(left, MOST_LEFT * fit.objective)
+        model, kept, halved, steps = with_parameters(model, fit.theta), theta, 0, steps + 1
         # bodies are made possible to a tolerance: a step from possible ones may even promise a little more
-        gained = before - fit.objective
-        if has_converged(gained if k else abs(gained), fit, equations):
+        gained = left - fit.objective
+        if has_converged(gained if steps > 1 else abs(gained), fit, equations):
             break
     return model, equations
+
+
+def is_possible(model: Dynamics) -> bool:
+    """Return True if the parameters of all terms of a model can belong to a real arm.
+
+    Args:
+        model: The model.
+    """
+    return all(t.effect.is_physical(np.array(t.theta), model.robot) for t in model.terms)
 
 
 def has_converged(gained: float, fit: BoundedFit, equations: NormalEquations) -> bool:

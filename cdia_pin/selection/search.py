@@ -14,7 +14,7 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ALWAYS, ActuatorGain, Effect, Signal, Term
 from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
-from cdia_pin.regression.gauss_newton import DIVERGED, fitted_together, is_exact
+from cdia_pin.regression.gauss_newton import DIVERGED, Before, fitted_together, is_exact, is_possible
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.evidence import Evidence, SetFit
 from cdia_pin.selection.moves import Allowed, Names, improve, names
@@ -101,7 +101,7 @@ def search(
         grew = len(better.theta) > len(now.fit.theta)
         then = None  # most additions that are rejected would not be seen, to first order already
         if not grew or _is_seen(problem, now.errors, now.errors_with(better)):
-            then = _refitted(problem, trial, _labels(now.model))
+            then = _refitted(problem, trial, _labels(now.model), _before(now, trial))
         if (
             then is None
             or (_carries_its_load(now.model) and not _carries_its_load(then.model))
@@ -182,16 +182,28 @@ def fitted(problem: WhitenedProblem, model: Dynamics) -> Found:
     return Found(model, fit, cost, problem.problem.rms(model), problem)
 
 
-def _refitted(problem: WhitenedProblem, model: Dynamics, known: Collection[str]) -> Found | None:
+def _before(now: Found, trial: Dynamics) -> Before | None:
+    """Return what the step to a model began with if it only adds effects; without one of them, more may be left."""
+    present = {t.effect: np.array(t.theta) for t in now.model.terms}
+    if not is_possible(now.model) or not present.keys() <= {t.effect for t in trial.terms}:
+        return None
+    theta = np.concatenate([present.get(t.effect, np.zeros(t.effect.size)) for t in trial.terms])
+    return Before(theta, now.evidence.equations.objective(range(len(present)), now.model.theta))
+
+
+def _refitted(
+    problem: WhitenedProblem, model: Dynamics, known: Collection[str], before: Before | None = None
+) -> Found | None:
     """Return a model roughly at its optimum with the evidence, or None where its fit diverges.
 
     Args:
         problem: Logs, candidates and noise.
         model: The model.
         known: Labels of terms whose shape stays as it is.
+        before: What the step to the model began with, if it is one of a fit.
     """
     try:
-        return _fitted_simply(problem, fitted_together(problem.regression, model, ROUGHLY), known)
+        return _fitted_simply(problem, fitted_together(problem.regression, model, ROUGHLY, before), known)
     except DIVERGED:
         return None
 
