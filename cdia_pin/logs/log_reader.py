@@ -23,6 +23,7 @@ from cdia_pin.logs.readers.table import Table
 from cdia_pin.logs.signal_picker import SignalPicker
 from cdia_pin.logs.timestamps import in_order, in_seconds, recorded_at
 from cdia_pin.logs.torque_side import torque_side_of
+from cdia_pin.logs.whole_turns import without_wraps
 
 if TYPE_CHECKING:
     from cdia_pin.robot.model import RobotModel
@@ -112,6 +113,7 @@ def read_log(
         stamps, position, torque = stamps[placed], position[placed], torque[placed]
         velocity, temperature = (None if s is None else s[placed] for s in (velocity, temperature))
     time, time_notes = in_seconds(stamps, unit, path.name)
+    position, turn_notes = without_wraps(time, position, robot)
     signals = [s for s in (position, torque, velocity, temperature) if s is not None]
     keep, repeat_notes = _once(time, signals, path.name)
     if not repeat_notes:
@@ -124,7 +126,7 @@ def read_log(
         velocity=None if velocity is None else velocity[keep],
         source=path.name,
         sha256=sha256,
-        notes=(*pick.notes, *conversion.notes(), *order_notes, *time_notes, *repeat_notes),
+        notes=(*pick.notes, *conversion.notes(), *order_notes, *time_notes, *turn_notes, *repeat_notes),
         temperature=None if temperature is None else temperature[keep],
         torque_side=effort.side,
         side_of_format=effort.side_of_format,
