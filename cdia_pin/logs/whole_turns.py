@@ -12,8 +12,8 @@ Array = NDArray[np.float64]
 
 TURN = 2.0 * np.pi  # [rad]
 # Largest motion of a joint between two samples, beside the turn [1 of a turn]. At 20 Hz it is a speed of 13 rad/s. A
-# step of nine to eleven tenths of a turn is one of a wrap; half and twice decide alike on 132 measured logs, four of them
-# with wraps.
+# step of nine to eleven tenths of a turn is one of a wrap; half and twice decide alike on 132 measured logs, in four of
+# which a joint wraps.
 MOTION = 0.1
 # Longest time between the samples of a wrap [s]. In a longer gap a joint may make a turn.
 LONGEST = 0.2
