@@ -261,11 +261,12 @@ class NormalEquations:
 
     # ------------------------------------------------------------- every effect added to a set
 
-    def gains(self, chosen: Sequence[int]) -> Array:
+    def gains(self, chosen: Sequence[int], *, bounded: bool = False) -> Array:
         """Return the gain of each effect: by how much it would lower the residual sum of squares of a set.
 
         Args:
             chosen: Indices of the set.
+            bounded: Leave the parameters of each effect that is added within their bounds.
 
         Returns:
             In variances of the noise [1], zero for effects of the set, shape (number of effects,).
@@ -279,9 +280,11 @@ class NormalEquations:
             of_effects = np.moveaxis(across[:, spans], 0, 2)  # (C, p, number of the set's parameters)
             gram = own - of_effects @ np.moveaxis(explained[:, spans], 0, 1)
             r = right[spans]
-            theta = np.linalg.solve(gram + np.eye(spans.shape[1]) * diagonal[:, None, :], r[:, :, None])[
-                :, :, 0
-            ]
+            damped = gram + np.eye(spans.shape[1]) * diagonal[:, None, :]
+            theta: Array = np.linalg.solve(damped, r[:, :, None])[:, :, 0]
+            if bounded:
+                lower, upper = (np.array([self.bounds[c][i] for c in members]) for i in (0, 1))
+                theta = _within(lower, upper, theta, damped, r)
             out[members] = 2 * np.einsum("cp,cp->c", theta, r) - np.einsum("cp,cpq,cq->c", theta, gram, theta)
         out[list(chosen)] = 0.0
         return out
@@ -303,3 +306,34 @@ class NormalEquations:
     @cached_property
     def _optima(self) -> dict[tuple[int, ...], tuple[Array, float]]:
         return {}
+
+
+def _within(lower: Array, upper: Array, theta: Array, gram: Array, right: Array) -> Array:
+    r"""Return the least :math:`\frac12 \theta^T G \theta - r^T \theta` within bounds, of several effects.
+
+    Parameters that would violate a bound are fixed at it.
+
+    Args:
+        lower: Smallest parameters, shape (C, p).
+        upper: Largest parameters, shape (C, p).
+        theta: The best without bounds, shape (C, p).
+        gram: G, shape (C, p, p).
+        right: r, shape (C, p).
+
+    Returns:
+        Shape (C, p).
+    """
+    size, free = theta.shape[1], np.ones(theta.shape, bool)
+    for _ in range(size):
+        inside = np.clip(theta, lower, upper)
+        violated = (inside != theta) & free
+        at = np.flatnonzero(violated.any(axis=1))
+        if not len(at):
+            break
+        free &= ~violated
+        held = np.where(free[at], 0.0, inside[at])
+        r = np.where(free[at], right[at] - np.einsum("cpq,cq->cp", gram[at], held), held)
+        both = free[at][:, :, None] & free[at][:, None, :]
+        fixed = np.eye(size) * ~free[at][:, None, :]
+        theta[at] = np.linalg.solve(np.where(both, gram[at], 0.0) + fixed, r[:, :, None])[:, :, 0]
+    return np.clip(theta, lower, upper)

@@ -237,19 +237,20 @@ class Evidence:
         deviation = np.sqrt(np.abs(np.diag(self.equations.covariance(fit.chosen, one))))
         return int(np.sum(np.abs(fit.theta[self.equations.own(fit.chosen, one)]) > SURELY * deviation))
 
-    def gains(self, chosen: Sequence[int]) -> Array:
+    def gains(self, chosen: Sequence[int], *, bounded: bool = False) -> Array:
         """Return the gain of each candidate: by how much it would lower chi2 of a set [1].
 
         Args:
             chosen: Indices of the set.
+            bounded: Leave the parameters of each candidate within their bounds.
 
         Returns:
             Shape (number of candidates,).
         """
         key = tuple(sorted(chosen))
-        if key not in self._gains:
-            self._gains[key] = self.equations.gains(key)
-        return self._gains[key]
+        if (key, bounded) not in self._gains:
+            self._gains[key, bounded] = self.equations.gains(key, bounded=bounded)
+        return self._gains[key, bounded]
 
     @cached_property
     def _index(self) -> dict[Effect | None, int]:
@@ -260,7 +261,7 @@ class Evidence:
         return {}
 
     @cached_property
-    def _gains(self) -> dict[tuple[int, ...], Array]:
+    def _gains(self) -> dict[tuple[tuple[int, ...], bool], Array]:
         return {}
 
     @cached_property

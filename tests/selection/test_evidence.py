@@ -22,6 +22,7 @@ from cdia_pin.effects import (
 from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.physical_consistency import consistent_parameters
 from cdia_pin.robot.inertia import parameters_of, pseudo_inertia
+from cdia_pin.selection import moves
 from cdia_pin.selection.criterion import SelectionCriterion
 from cdia_pin.selection.evidence import Evidence, needed_gain
 from cdia_pin.selection.moves import improve
@@ -140,6 +141,35 @@ def test_gains_are_what_each_candidate_would_take_from_the_sum_of_squares(pendul
     for c in range(len(FREE)):
         after = left(x[:, evidence.equations.columns([*chosen, c])], y) if c not in chosen else before
         assert gains[c] == pytest.approx(before - after, rel=2e-3, abs=1e-6 * before), c
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_bounded_gains_are_those_of_possible_parameters(pendulum, seed):
+    effects = [TorqueOffset(JOINT), JointSpring(JOINT), *BOUND[:3], AsymmetricFriction(JOINT)]
+    evidence, x, y = problem(pendulum, effects, seed=seed)
+    base = x[:, spans(effects)[0]]
+    rest = y - base @ np.linalg.lstsq(base, y, rcond=None)[0]
+    free, gains = evidence.gains([0]), evidence.gains([0], bounded=True)
+    assert (gains <= free + 1e-9).all()
+    for c, (effect, own) in enumerate(zip(effects[1:], spans(effects)[1:], strict=True), start=1):
+        columns = x[:, own] - base @ np.linalg.lstsq(base, x[:, own], rcond=None)[0]
+        best = lsq_linear(columns, rest, bounds=effect.bounds(pendulum))
+        assert gains[c] <= rest @ rest - 2.0 * best.cost + 1e-3 * (y @ y)
+        if effect.size == 1:
+            assert gains[c] == pytest.approx(rest @ rest - 2.0 * best.cost, abs=1e-3 * (y @ y))
+
+
+def test_friction_that_would_push_does_not_hide_that_of_another_joint(pendulum, monkeypatch):
+    """A joint whose effort has the wrong sign: every kind of friction explains it, and none is possible."""
+    pushing = [AsymmetricFriction(JOINT), StribeckFriction(JOINT)]
+    effects = [*pushing, CoulombFriction("joint2")]
+    pushed = sum(e.size for e in pushing)
+    evidence, *_ = problem(pendulum, effects, [-6.0] * pushed + [5.0], mix=0.0)
+    monkeypatch.setattr(moves, "TRIED", len(pushing))  # both explain more than the last one does
+    only = len(effects) - 1
+    assert improve(evidence, (), lambda _: True, most=5).chosen == (only,)
+    monkeypatch.setattr(moves, "HIDDEN", 1.0)
+    assert improve(evidence, (), lambda _: True, most=5) is None
 
 
 def test_a_candidate_that_the_set_spans_gains_nothing(pendulum):
