@@ -281,7 +281,7 @@ class NormalEquations:
             gram = own - of_effects @ np.moveaxis(explained[:, spans], 0, 1)
             r = right[spans]
             damped = gram + np.eye(spans.shape[1]) * diagonal[:, None, :]
-            theta: Array = np.linalg.solve(damped, r[:, :, None])[:, :, 0]
+            theta = np.asarray(np.linalg.solve(damped, r[:, :, None])[:, :, 0], float)
             if bounded:
                 lower, upper = (np.array([self.bounds[c][i] for c in members]) for i in (0, 1))
                 theta = _within(lower, upper, theta, damped, r)
