@@ -41,7 +41,7 @@ def improve(evidence: Evidence, chosen: Sequence[int], allowed: Allowed, *, most
     if needless:
         return min(needless, key=lambda f: f.cost)
     if len(now.chosen) < most:
-        additions = filter(allowed, _additions(evidence, now.chosen))
+        additions = filter(allowed, _additions(now.chosen, ranked(evidence, now.chosen, TRIED)))
         better = _cheapest(evidence, now, additions, allowed, now.cost - criterion.margin)
         if better is not None and (not now.physical or holds(evidence, now, better)):
             return better
@@ -69,8 +69,11 @@ def _hidden(evidence: Evidence, now: SetFit, allowed: Allowed) -> SetFit | None:
 
     Where the effort of a joint has the wrong sign, several kinds of friction explain it that would have to push.
     """
-    additions = filter(allowed, _additions(evidence, now.chosen, bounded=True))
-    better = _cheapest(evidence, now, additions, allowed, now.cost - HIDDEN * now.chi2)
+    gains, enough = evidence.gains(now.chosen, bounded=True), HIDDEN * now.chi2
+    hidden = [c for c in ranked(evidence, now.chosen, TRIED, bounded=True) if gains[c] > enough]
+    better = _cheapest(
+        evidence, now, filter(allowed, _additions(now.chosen, hidden)), allowed, now.cost - enough
+    )
     return better if better is not None and holds(evidence, now, better) else None
 
 
@@ -176,10 +179,8 @@ def ranked(
     return out
 
 
-def _additions(
-    evidence: Evidence, chosen: tuple[int, ...], *, bounded: bool = False
-) -> Iterator[tuple[int, ...]]:
-    for c in ranked(evidence, chosen, TRIED, bounded=bounded):
+def _additions(chosen: tuple[int, ...], candidates: Iterable[int]) -> Iterator[tuple[int, ...]]:
+    for c in candidates:
         with_it = (*chosen, c)
         yield with_it
         # an effect that the addition makes needless or unphysical is dropped in the same move
