@@ -20,7 +20,7 @@ LONGEST = 0.2
 
 
 def without_wraps(time: Array, position: Array, robot: RobotModel) -> tuple[Array, list[str]]:
-    """Make angles continuous that jump by one turn between two samples.
+    """Make angles continuous that jump by one turn between two samples, about the middle of what the joint can reach.
 
     A joint read in degrees as if they were radians has such steps too, where it moves fast. There steps between none
     and one turn are more frequent, or one step of a turn follows another.
@@ -43,6 +43,11 @@ def without_wraps(time: Array, position: Array, robot: RobotModel) -> tuple[Arra
         return position, []
     out = position.copy()
     out[1:] -= TURN * np.cumsum(np.where(wraps, jump, 0.0), axis=0)
+    lower, upper = robot.limits.lower, robot.limits.upper
+    middle = np.where(np.isfinite(lower) & np.isfinite(upper), (lower + upper) / 2.0, 0.0)
+    for k in np.flatnonzero(wraps.any(axis=0)):  # the same joint is alike in all logs
+        about = (np.nanmin(out[:, k]) + np.nanmax(out[:, k])) / 2.0
+        out[:, k] -= TURN * np.round((about - middle[k]) / TURN)
     where = ", ".join(j for j, w in zip(robot.joints, wraps.any(axis=0), strict=True) if w)
     often = counted(int(wraps.sum()), "jump")
     return out, [f"{often} of positions by one turn, as encoders make that wrap, left out: {where}"]
