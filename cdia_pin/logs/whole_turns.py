@@ -22,8 +22,8 @@ LONGEST = 0.2
 def without_wraps(time: Array, position: Array, robot: RobotModel) -> tuple[Array, list[str]]:
     """Make angles continuous that jump by one turn between two samples, about the middle of what the joint can reach.
 
-    A joint read in degrees as if they were radians has such steps too, where it moves fast. There steps between none
-    and one turn are more frequent, or one step of a turn follows another.
+    Degrees that are read as radians have such steps too, where a joint moves fast. In such a log steps of less than a
+    turn are more frequent, or one step of a turn follows another.
 
     Args:
         time: Time of each sample [s], shape (N,).
