@@ -17,8 +17,8 @@ LOCAL = 2
 TRIED = 5
 # Candidates [1] tried when two effects take the place of one, or one that of two, because each gives many pairs.
 TRIED_IN_PAIRS = 3
-# Share of what is left [1] that an addition explains which impossible ones hide. On a six-joint arm whose sixth joint
-# seems to be pushed by friction, those of the other joints explain 0.21 to 0.58; 0.2 decides alike. With 0.05 the
+# Share of what is left [1] that an addition explains which impossible ones hide. On a six-joint arm whose sixth effort
+# is reversed, those of the other joints explain 0.21 to 0.58; 0.2 decides alike. With 0.05 the
 # search also goes on on a UR10, by unusual effects that explain 0.06 or less, and takes four times as long.
 HIDDEN = 0.1
 
