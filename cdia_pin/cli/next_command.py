@@ -80,7 +80,7 @@ def follow_checks(
     Returns:
         The command; empty if nothing mends the logs, or not all of them alike.
     """
-    if any(check.obstacles or check.about("robot") for check in checks):
+    if any(check.obstacles or _fitting_arms(check) for check in checks):
         return mended(ctx, checks)
     return follow(ctx, command, *logs, **options)
 
@@ -95,7 +95,7 @@ def mended(ctx: typer.Context, checks: Sequence[LogCheck]) -> str:
     Returns:
         The command; empty if nothing mends the logs, or not all of them alike.
     """
-    arms = {tuple(str(f.value["best"]) for f in check.about("robot")) for check in checks}
+    arms = {_fitting_arms(check) for check in checks}
     if any(arms):
         return again(ctx, robot=arms.pop()[0]) if len(arms) == 1 else ""
     mends = {
@@ -106,6 +106,11 @@ def mended(ctx: typer.Context, checks: Sequence[LogCheck]) -> str:
         return ""
     words = [word for option in mends.pop() if option not in (ctx.obj or "") for word in option.split()]
     return with_words(ctx, *words) if words else ""
+
+
+def _fitting_arms(check: LogCheck) -> tuple[str, ...]:
+    """Return the arms that fit a log better and can read it: their joints have the same names."""
+    return tuple(str(f.value["best"]) for f in check.about("robot") if f.value["same_joints"])
 
 
 def again(ctx: typer.Context, **options: Any) -> str:

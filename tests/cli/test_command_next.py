@@ -189,7 +189,9 @@ def test_a_log_that_contradicts_its_robot_is_mended_before_it_is_used(advice, mo
     assert follow_checks(ctx, checks, "discover", Path("LOG")) == then
 
 
-FITS = Finding(Topic.ROBOT, Severity.WARNING, "of another arm", value={"best": "ur3"})
+FITS = Finding(Topic.ROBOT, Severity.WARNING, "of another arm", value={"best": "ur3", "same_joints": True})
+
+OF_OTHER_JOINTS = replace(FITS, value={**FITS.value, "same_joints": False})
 
 
 @pytest.mark.parametrize(
@@ -199,7 +201,8 @@ FITS = Finding(Topic.ROBOT, Severity.WARNING, "of another arm", value={"best": "
         (["--robot=ur5"], [FITS, FITS], "cdia compare --robot ur3 LOG"),
         (["-rur5", "--report", "-r"], [FITS], "cdia compare --robot ur3 LOG --report -r"),
         (["-r", "ur5"], [FITS, None], ""),  # one of two logs is of the arm
-        (["-r", "ur5"], [replace(FITS, value={"best": "ur10"}), FITS], ""),
+        (["-r", "ur5"], [replace(FITS, value={**FITS.value, "best": "ur10"}), FITS], ""),
+        (["-r", "ur5"], [OF_OTHER_JOINTS], "cdia discover LOG --robot ur5"),
     ],
 )
 def test_logs_of_another_arm_are_read_with_that_arm_before_they_are_used(typed, findings, then):
