@@ -17,9 +17,9 @@ LOCAL = 2
 TRIED = 5
 # Candidates [1] tried when two effects take the place of one, or one that of two, because each gives many pairs.
 TRIED_IN_PAIRS = 3
-# Share of what is left [1] that an addition explains which impossible ones hide. On a six-joint arm whose sixth effort
-# is reversed, those of the other joints explain 0.21 to 0.58; 0.2 decides alike. With 0.05 the
-# search also goes on on a UR10, by unusual effects that explain 0.06 or less, and takes four times as long.
+# Share of what is left [1] that an addition must explain which impossible ones hide. On a six-joint arm whose sixth
+# effort is reversed 0.2 gives the same answers for two motions; 0.05 gives a payload more in one of them. Without a
+# share the search on a UR10 goes on by unusual effects that explain 0.06 or less, and takes four times as long.
 HIDDEN = 0.1
 
 
