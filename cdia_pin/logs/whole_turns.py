@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.phrases import counted
-from cdia_pin.robot.model import RobotModel
+
+if TYPE_CHECKING:
+    from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
@@ -33,21 +37,39 @@ def without_wraps(time: Array, position: Array, robot: RobotModel) -> tuple[Arra
     Returns:
         Positions [rad or m], shape (N, n), and a note if some have changed.
     """
-    step = np.diff(position, axis=0) / TURN
-    jump = np.where(np.isfinite(step), np.round(step), 0.0)
-    wraps = (np.abs(jump) == 1.0) & (np.abs(step - jump) <= MOTION) & (np.diff(time) <= LONGEST)[:, None]
-    between = (np.abs(step) > MOTION) & (np.abs(step) < 1.0 - MOTION)
-    onward = wraps[1:] & wraps[:-1] & (jump[1:] == jump[:-1])
-    wraps &= ~robot.is_prismatic & (wraps.sum(axis=0) > between.sum(axis=0)) & ~onward.any(axis=0)
-    if not wraps.any():
+    limits, out, wrapping, often = robot.limits, position, [], 0
+    # a joint that wraps has read nearly a turn: others cost neither time nor memory
+    read = np.flatnonzero(~robot.is_prismatic & (np.ptp(position, axis=0) > (1.0 - MOTION) * TURN))
+    for k in read.tolist():
+        after, turns = _wraps(time, position[:, k])
+        if not len(after):
+            continue
+        out = position.copy() if out is position else out
+        made = np.zeros(len(position))
+        made[after] = turns
+        out[:, k] -= TURN * np.cumsum(made)
+        bounds = limits.lower[k], limits.upper[k]
+        middle = sum(bounds) / 2.0 if np.isfinite(bounds).all() else 0.0
+        about = (out[:, k].min() + out[:, k].max()) / 2.0
+        out[:, k] -= TURN * np.round((about - middle) / TURN)  # the same joint is alike in all logs
+        wrapping.append(robot.joints[k])
+        often += len(after)
+    if not wrapping:
         return position, []
-    out = position.copy()
-    out[1:] -= TURN * np.cumsum(np.where(wraps, jump, 0.0), axis=0)
-    lower, upper = robot.limits.lower, robot.limits.upper
-    middle = np.where(np.isfinite(lower) & np.isfinite(upper), (lower + upper) / 2.0, 0.0)
-    for k in np.flatnonzero(wraps.any(axis=0)):  # the same joint is alike in all logs
-        about = (np.nanmin(out[:, k]) + np.nanmax(out[:, k])) / 2.0
-        out[:, k] -= TURN * np.round((about - middle[k]) / TURN)
-    where = ", ".join(j for j, w in zip(robot.joints, wraps.any(axis=0), strict=True) if w)
-    often = counted(int(wraps.sum()), "jump")
-    return out, [f"{often} of positions by one turn, as encoders make that wrap, left out: {where}"]
+    said = f"{counted(often, 'jump')} of positions by one turn, as encoders make that wrap, left out"
+    return out, [f"{said}: {', '.join(wrapping)}"]
+
+
+def _wraps(time: Array, angle: Array) -> tuple[NDArray[np.intp], Array]:
+    """Return the rows before which an angle wraps and its turns there [1], shape (w,) each; none if others step too."""
+    step = np.diff(angle)
+    step /= TURN
+    far = np.flatnonzero(np.abs(step) > MOTION)
+    turn, gap = np.round(step[far]), np.diff(time)[far]
+    whole = (np.abs(turn) == 1.0) & (np.abs(step[far] - turn) <= MOTION) & (gap <= LONGEST)
+    between = np.abs(step[far]) < 1.0 - MOTION
+    at, turn = far[whole], turn[whole]
+    onward = (np.diff(at) == 1) & (turn[1:] == turn[:-1])
+    if onward.any() or len(at) <= between.sum():
+        at, turn = at[:0], turn[:0]
+    return at + 1, turn
