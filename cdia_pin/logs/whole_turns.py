@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.logs.angle_size import limited
 from cdia_pin.phrases import counted
 
 if TYPE_CHECKING:
@@ -15,11 +16,12 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 TURN = 2.0 * np.pi  # [rad]
-# Largest motion of a joint between two samples, beside the turn [1 of a turn]. At 20 Hz it is a speed of 13 rad/s. A
-# step of nine to eleven tenths of a turn is one of a wrap; half and twice decide alike on 132 measured logs, in four of
-# which a joint wraps.
+# [turn], largest motion of a joint between two samples, beside the turn. At 20 Hz it is a speed of 13 rad/s. A step of
+# nine to eleven tenths of a turn is one of a wrap; half and twice decide alike on 132 measured logs, in four of which a
+# joint wraps.
 MOTION = 0.1
-# Longest time between the samples of a wrap [s]. In a longer gap a joint may make a turn.
+# [s], longest time between the samples of a wrap. Nine tenths of a turn in it would be 28 rad/s, which no arm reaches;
+# in a longer gap a joint may make a turn. Half and twice decide alike on the same logs.
 LONGEST = 0.2
 
 
@@ -37,7 +39,8 @@ def without_wraps(time: Array, position: Array, robot: RobotModel) -> tuple[Arra
     Returns:
         Positions [rad or m], shape (N, n), and a note if some have changed.
     """
-    limits, out, wrapping, often = robot.limits, position, [], 0
+    lower, upper, bounded = robot.limits.lower, robot.limits.upper, limited(robot)
+    out, wrapping, often = position, [], 0
     # a joint that wraps has read nearly a turn: others cost neither time nor memory
     read = np.flatnonzero(~robot.is_prismatic & (np.ptp(position, axis=0) > (1.0 - MOTION) * TURN))
     for k in read.tolist():
@@ -48,8 +51,7 @@ def without_wraps(time: Array, position: Array, robot: RobotModel) -> tuple[Arra
         made = np.zeros(len(position))
         made[after] = turns
         out[:, k] -= TURN * np.cumsum(made)
-        bounds = limits.lower[k], limits.upper[k]
-        middle = sum(bounds) / 2.0 if np.isfinite(bounds).all() else 0.0
+        middle = (lower[k] + upper[k]) / 2.0 if bounded[k] else 0.0
         about = (out[:, k].min() + out[:, k].max()) / 2.0
         out[:, k] -= TURN * np.round((about - middle) / TURN)  # the same joint is alike in all logs
         wrapping.append(robot.joints[k])

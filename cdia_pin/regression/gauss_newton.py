@@ -117,8 +117,8 @@ def _iterated(
             model, halved = with_parameters(model, (theta + kept) / 2), halved + 1
             continue
         fit = bounded_fit(equations, every, bodies=True)
-        comparable = steps > 0 or before is not None or is_possible(model)
-        limit = left if comparable else max(left, MOST_LEFT * fit.objective)
+        began_possible = limit < np.inf or is_possible(model)  # a limit is that of a step before
+        limit = left if began_possible else max(left, MOST_LEFT * fit.objective)
         model, kept, halved, steps = with_parameters(model, fit.theta), theta, 0, steps + 1
         # bodies are made possible to a tolerance: a step from possible ones may even promise a little more
         gained = left - fit.objective

@@ -17,7 +17,7 @@ LOCAL = 2
 TRIED = 5
 # Candidates [1] tried when two effects take the place of one, or one that of two, because each gives many pairs.
 TRIED_IN_PAIRS = 3
-# Share of what is left [1] that an addition must explain which impossible ones hide. On a six-joint arm whose sixth
+# [1], share of what is left that an addition must explain which impossible ones hide. On a six-joint arm whose sixth
 # effort is reversed 0.2 gives the same answers for two motions; 0.05 gives a payload more in one of them. Without a
 # share the search on a UR10 goes on by unusual effects that explain 0.06 or less, and takes four times as long.
 HIDDEN = 0.1

@@ -190,7 +190,6 @@ def test_a_log_that_contradicts_its_robot_is_mended_before_it_is_used(advice, mo
 
 
 FITS = Finding(Topic.ROBOT, Severity.WARNING, "of another arm", value={"best": "ur3", "same_joints": True})
-
 OF_OTHER_JOINTS = replace(FITS, value={**FITS.value, "same_joints": False})
 
 

@@ -67,7 +67,9 @@ def check_arm(
     recorded = recorded.thin(SAMPLES)
     arms = {arm.name: arm for arm in _others(robot)}
     others = [fit for arm in arms.values() if (fit := _plausible_fit(arm, (motion, recorded))) is not None]
-    best = min(others, key=lambda fit: fit.misfit, default=alone)
+    if not others:
+        return
+    best = min(others, key=lambda fit: fit.misfit)
     behind = min(alone.misfit - CLEARLY, loaded.misfit + BEHIND_BODY)
     if not OTHER_MASS < _gain(scaled) < LEAST_UNIT:
         behind = min(behind, scaled.misfit + BEHIND_GAIN)
@@ -85,7 +87,7 @@ def check_arm(
             "gravity_gains": known,
             "best": best.name,
             "near": near,
-            "same_joints": best.name in arms and arms[best.name].joints == robot.joints,
+            "same_joints": arms[best.name].joints == robot.joints,
             "unexplained": {fit.name: fit.mean for fit in (alone, *others)},
             "unexplained_with_a_body_on_the_tool": loaded.mean,
             "unexplained_with_a_gain": scaled.mean,
