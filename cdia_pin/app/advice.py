@@ -17,6 +17,7 @@ SAID = {
     "length": "read lengths in {}",
     "torque": "read torques in {}",
     "time": "read times in {}",
+    "rate": "count rows at {} Hz",
     "flip_position": "flip the position of {}",
     "flip_velocity": "flip the velocity of {}",
     "flip_effort": "flip the torque of {}",

@@ -32,6 +32,7 @@ class Form:
         format: Name of the log's format; empty to recognise it.
         columns: {signal: pattern} for columns of other names; empty patterns are signals that the log lacks.
         episode: Episode of a LeRobot dataset, as typed.
+        rate: Rows per second of a log without times [Hz], as typed.
         joints: By joint: ``label``, its name in the log; ``gain``, ``reduction`` as typed; what is flipped.
         others: Conversions that have no place in the form.
         dropped: Files that were dropped on the page, by the names that the fields show.
@@ -44,6 +45,7 @@ class Form:
     format: str = ""
     columns: dict[str, str] = field(default_factory=dict)
     episode: str = ""
+    rate: str = ""
     joints: dict[str, dict[str, Cell]] = field(default_factory=dict)
     others: dict[str, object] = field(default_factory=dict)
     dropped: dict[str, Path] = field(default_factory=dict)
@@ -52,7 +54,7 @@ class Form:
     @property
     def plain(self) -> bool:
         """Whether format, names, units and gains are left as they are."""
-        said = (self.format, self.episode, *self.columns.values(), *self._cells())
+        said = (self.format, self.episode, self.rate, *self.columns.values(), *self._cells())
         return self.units == UNITS and not any(said)
 
     def _cells(self) -> Iterator[Cell]:
@@ -70,6 +72,7 @@ class Form:
         self.units = {key: given.pop(key, usual) or usual for key, usual in UNITS.items()}
         self.format, self.columns = asked.format or "", dict(asked.columns)
         self.episode = "" if asked.episode is None else str(asked.episode)
+        self.rate = f"{given.pop('rate'):g}" if given.get("rate") else ""
         columns: dict[str, dict[str, Cell]] = {
             "label": {joint: name for name, joint in asked.joint_map.items()},
             "gain": {joint: gain_text(gain) for joint, gain in asked.gains.items()},
@@ -138,6 +141,10 @@ class Form:
                     out[f"{key}-{joint}"] = f"the {what} of {joint} must be a number, given '{text}'"
         if self.episode.strip() and not self.episode.strip().isdecimal():
             out["episode"] = f"the episode must be a number from 0 on, given '{self.episode}'"
+        try:
+            float(self.rate or 0)
+        except ValueError:
+            out["rate"] = f"the rate must be a number [Hz], given '{self.rate}'"
         return out
 
     def request(self) -> Request:
@@ -152,6 +159,8 @@ class Form:
         convert |= {flip: tuple(self._column(flip)) for flip in FLIPS if self._column(flip)}
         if ratios := self._numbers("reduction"):
             convert["reduction"] = ratios
+        if self.rate.strip():
+            convert["rate"] = float(self.rate)
         robot, log = self.robot.strip(), self.log.strip()
         return Request(
             str(self.dropped.get(robot, robot)),

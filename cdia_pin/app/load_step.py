@@ -74,6 +74,7 @@ def load_step(bench: Workbench) -> None:
                 desk.form, "format"
             ).props("outlined dense options-dense data-mark=format")
             _field(bench, "episode", "Episode", "of a LeRobot dataset")
+            _field(bench, "rate", "Rate [Hz]", "of rows without times")
             for unit, (name, known) in CHOICES.items():
                 ui.select(known, label=name, value=desk.form.units[unit]).bind_value_to(
                     desk.form.units, unit

@@ -100,7 +100,7 @@ Convert = Annotated[
         metavar="KEY=VALUE",
         show_default=False,
         help="Units and signs that are not SI or not the URDF's: angle=deg, torque=Nmm (or A, mA), time=ms, "
-        "flip_effort=JOINT,…, gravity=compensated, reduction=JOINT:RATIO.",
+        "rate=HZ (rows without times), flip_effort=JOINT,…, gravity=compensated, reduction=JOINT:RATIO.",
         rich_help_panel=READING,
     ),
 ]

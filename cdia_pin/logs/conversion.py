@@ -45,6 +45,8 @@ class Conversion:
 
     Attributes:
         time: Unit of time, ``s``, ``ms``, ``us`` or ``ns``; inferred if None.
+        rate: Rows per second [Hz] of a log whose rows follow at an even pace: then they are counted, and its times, if
+            there are any, are not read. As the log's times say if None.
         angle: Unit of revolute positions and velocities, ``rad`` or ``deg``; that of the format if None.
         length: Unit of prismatic positions and velocities, ``m`` or ``mm``.
         torque: Unit of revolute efforts, ``Nm``, ``Nmm``, ``A`` or ``mA`` (currents need drive gains).
@@ -58,6 +60,7 @@ class Conversion:
     """
 
     time: str | None = None
+    rate: float | None = None
     angle: str | None = None
     length: str = "m"
     torque: str = "Nm"
@@ -78,6 +81,8 @@ class Conversion:
         ):
             if given is not None and given not in valid:
                 raise LogError("convert: " + unknown_name(kind, str(given), valid))
+        if self.rate is not None:
+            object.__setattr__(self, "rate", _rate(self.rate))
         for name in ("flip_position", "flip_velocity", "flip_effort"):
             value = getattr(self, name)
             object.__setattr__(self, name, (value,) if isinstance(value, str) else tuple(value))
@@ -168,6 +173,8 @@ class Conversion:
     def notes(self) -> list[str]:
         """Describe each conversion in one sentence."""
         said = []
+        if self.rate is not None:
+            said.append(f"rows counted at {self.rate:g} Hz, as asked; times are not read")
         if self.angle not in {None, "rad"}:
             said.append(f"angles converted from {self.angle} to rad, as asked")
         if self.length != "m":
@@ -222,6 +229,16 @@ def _parsed(texts: Sequence[str]) -> dict[str, Any]:
         else:
             out[key] = value
     return out
+
+
+def _rate(given: Any) -> float:
+    try:
+        rate = float(given)
+    except (TypeError, ValueError):
+        rate = np.nan
+    if not 0.0 < rate < np.inf:
+        raise LogError(f"convert: rate must be a number above 0 [Hz], given {given}")
+    return rate
 
 
 def _ratios(text: str) -> dict[str, float]:

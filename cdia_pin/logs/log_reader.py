@@ -94,7 +94,7 @@ def read_log(
         )
     check_joint_map(pick.joint_map, pick.labels, robot.joints)
 
-    require_columns(pick, robot)
+    require_columns(pick, robot, times=conversion.rate is None)
     _require_units(choice, conversion, path.name)
     position = _scaled(pick.required("position"), conversion.position_scale(robot))
     velocity = pick.optional("velocity") if conversion.use_velocity else None
@@ -107,7 +107,10 @@ def read_log(
         torque = torque + robot.gravity(position)
     pick.note_what_was_ignored()
     unit = conversion.time or table.time_unit or choice.columns.time.get(choice.columns.time_column or "")
-    stamps = pick.time()
+    if conversion.rate is None:
+        stamps = pick.time()
+    else:
+        stamps, unit = np.arange(len(position)) / conversion.rate, "s"
     placed, order_notes = in_order(stamps)
     if order_notes:
         stamps, position, torque = stamps[placed], position[placed], torque[placed]

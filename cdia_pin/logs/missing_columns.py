@@ -28,12 +28,13 @@ class MissingColumnsError(LogError):
         self.missing, self.guesses = missing, guesses
 
 
-def require_columns(pick: SignalPicker, robot: RobotModel) -> None:
+def require_columns(pick: SignalPicker, robot: RobotModel, *, times: bool = True) -> None:
     """Require columns of positions, torques or currents, and times.
 
     Args:
         pick: The columns of a log.
         robot: Its arm.
+        times: Whether the log must have times.
 
     Raises:
         MissingColumnsError: If columns of a plain table lack one of them; the message shows all columns with a guess of
@@ -43,7 +44,7 @@ def require_columns(pick: SignalPicker, robot: RobotModel) -> None:
     labels = pick.columns.labels
     missing = [] if labels("position") else ["position"]
     missing += [] if labels("effort") or labels("current") else ["effort"]
-    if not missing and pick.columns.time_column is None:
+    if not missing and times and pick.columns.time_column is None:
         missing = ["time"]
     if not missing:
         return

@@ -84,7 +84,7 @@ class SignalPicker:
         """
         format_ = self.choice.format
         if signal == "time":
-            return f"{self.source}: no column 'time' [s]"
+            return f"{self.source}: no column 'time' [s]; rows at an even pace need none: --convert rate=100 [Hz]"
         if format_.advice:
             return f"{self.source}: no {signal} columns of format '{format_.name}'; {format_.advice}"
         return f"{self.source}: no {signal} columns; expected {signal}.{self.joints[0]} and so on"

@@ -20,6 +20,7 @@ ASKED = Request(
         "flip_effort": ("elbow_joint",),
         "reduction": {"elbow_joint": 101.0},
         "gravity": "compensated",
+        "rate": 125.0,
     },
     gains={"elbow_joint": 10.5, "wrist_1_joint": {"value": 9.0, "tolerance": 0.5}},
     format="csv",
@@ -66,8 +67,8 @@ def test_what_is_wrong_stays_with_its_field():
     form = Form(robot="ur5", log="/logs/run.csv")
     form.note("elbow_joint", "gain", "10,5")
     form.note("wrist_1_joint", "gain", "9 ± many")
-    form.episode = "first"
-    assert set(form.faults()) == {"gain-elbow_joint", "gain-wrist_1_joint", "episode"}
+    form.episode, form.rate = "first", "fast"
+    assert set(form.faults()) == {"gain-elbow_joint", "gain-wrist_1_joint", "episode", "rate"}
     assert form.joints["elbow_joint"]["gain"] == "10,5"
 
 

@@ -329,6 +329,9 @@ def test_one_factor_on_all_joints_may_be_the_times(ur5, ur5_log):
     hurried = replace(ur5_log, time=0.2 * ur5_log.time)
     (found,) = (f for f in problems(hurried, ur5) if f.topic == "velocity")
     assert "5 times too fast" in found.message
+    assert f"--convert rate={ur5_log.rate:.4g}; otherwise" in found.advice
+    ragged = replace(hurried, time=hurried.time + 0.2 / hurried.rate * np.sin(np.arange(len(hurried.time))))
+    (found,) = (f for f in problems(ragged, ur5) if f.topic == "velocity")
     assert "multiply its times by 5;" in found.advice
     apart = replace(ur5_log, velocity=ur5_log.velocity * np.linspace(0.2, 0.3, ur5.n))
     (found,) = problems(apart, ur5)

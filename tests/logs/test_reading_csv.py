@@ -330,6 +330,22 @@ def test_a_file_that_is_not_a_log_is_refused_in_one_line(ur5, tmp_path, content,
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("change", [lambda t: t, lambda t: t.replace("time,", "row,")])
+def test_rows_at_a_known_rate_need_no_times(ur5, tmp_path, change):
+    path = write(tmp_path / "x.csv", change(text_of(ur5.joints)))
+    log = read_log(path, ur5, convert=["rate=50"])
+    np.testing.assert_allclose(log.time, np.arange(len(log.time)) / 50)
+    assert "rows counted at 50 Hz, as asked; times are not read" in log.notes
+
+
+def test_a_log_without_times_says_what_to_type(ur5, tmp_path):
+    text = "\n".join(line.partition(",")[2] for line in text_of(ur5.joints).splitlines())
+    path = write(tmp_path / "x.csv", text)
+    with pytest.raises(LogError, match=r"no column 'time'.*--convert rate=100"):
+        read_log(path, ur5)
+    assert len(read_log(path, ur5, convert={"rate": 100}).time) == text.count("\n")
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [

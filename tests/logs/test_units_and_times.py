@@ -95,6 +95,8 @@ def test_several_conversions_fit_in_one_text():
         ("reduction=elbow_joint", "joint:ratio"),
         ({"reduction": {"elbow_joint": -1.0}}, "above 0"),
         ({"time": "h"}, "unit of time"),
+        ("rate=fast", "number above 0"),
+        ({"rate": -100.0}, "number above 0"),
     ],
 )
 def test_an_invalid_conversion_is_refused_with_the_valid_ones(given, said):

@@ -28,7 +28,8 @@ Array = NDArray[np.float64]
 
 LOWEST_RATE = 40.0  # [Hz], accelerations of an arm cannot be derived at a lower rate
 LONG_GAP = 0.1  # [s], an arm's acceleration can change sign in this time
-EVEN = 0.05  # [1], spread of the steps over a period (5 to 95 %) up to which a clock is even
+SPREAD = (5, 95)  # [%] of the steps between samples that tell whether a clock is even
+EVEN = 0.05  # [1], range of those steps over a period up to which it is
 FROZEN = 0.25  # [s], a measured signal of a moving joint changes in less than this time
 
 
@@ -91,9 +92,9 @@ def check_gaps(log: Log) -> Iterator[Finding]:
         )
     else:
         yield _missing_rows(log, step, period)
-    low, high = np.percentile(step, [5, 95])
+    low, high = np.percentile(step, SPREAD)
     value = {"step_p05_s": float(low), "step_p95_s": float(high), "step_std_s": float(step.std())}
-    if high - low > EVEN * period:
+    if not has_even_clock(log):
         grid = _time_grid(log.time)
         stamped = f"; stamps are multiples of {grid * 1e3:g} ms" if grid else ""
         yield Finding(
@@ -112,10 +113,9 @@ def check_gaps(log: Log) -> Iterator[Finding]:
 
 def _missing_rows(log: Log, step: Array, period: float) -> Finding:
     """Return the rows that an even clock lacks; a clock that jitters does not tell them."""
-    low, high = np.percentile(step, [5, 95])
     lacking = np.round(step / period).astype(int) - 1
     count = int(lacking.sum())  # a row that is only late lacks at one step and is one too many at the next
-    if high - low > EVEN * period or count <= 0:
+    if not has_even_clock(log) or count <= 0:
         return Finding(Topic.GAPS, Severity.OK, "no gaps", value={"count": 0})
     first = float(log.time[int(np.argmax(lacking > 0))])
     return Finding(
@@ -124,6 +124,16 @@ def _missing_rows(log: Log, step: Array, period: float) -> Finding:
         f"{counted(count, 'row')} missing, the first after t = {first:.4g} s; interpolated where the log is used",
         value={"count": 0, "missing_rows": count, "first_after_s": first},
     )
+
+
+def has_even_clock(log: Log) -> bool:
+    """Return True if the steps between the samples of a log hardly differ, gaps aside.
+
+    Args:
+        log: The log.
+    """
+    low, high = np.percentile(np.diff(log.time), SPREAD)
+    return bool(high - low <= EVEN / log.rate)
 
 
 def check_repeats(log: Log, robot: RobotModel, motion: SmoothedMotion | None) -> Iterator[Finding]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.motion import CUTOFF, SmoothedMotion, longest_stretch
+from cdia_pin.logs.checks.sampling import has_even_clock
 from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
 
@@ -158,13 +159,18 @@ def _times_or_unit(log: Log, matches: Mapping[int, VelocityMatch]) -> Finding:
     factor = float(np.median([m.scale for m in matches.values()]))
     often = f"{1 / factor:.3g} times too fast" if factor < 1 else f"{factor:.3g} times too slow"
     lasted = float(np.ptp(log.time))
+    mend = (
+        f": --convert rate={log.rate * factor:.4g}"
+        if has_even_clock(log)
+        else f", multiply its times by {1 / factor:.3g}"
+    )
     return Finding(
         Topic.VELOCITY,
         Severity.WARNING,
         f"the recorded velocity is {factor:.3g} times the derivative of the position on all {len(matches)} joints that "
         f"move: the times run {often}, or velocities have another unit",
-        advice=f"if the log lasted {lasted / factor:.3g} s by the clock, not {lasted:.3g} s, multiply its times by "
-        f"{1 / factor:.3g}; otherwise {_LEAVE_OUT}",
+        advice=f"if the log lasted {lasted / factor:.3g} s by the clock, not {lasted:.3g} s{mend}; "
+        f"otherwise {_LEAVE_OUT}",
         value={log.joints[k]: asdict(m) for k, m in matches.items()},
     )
 
