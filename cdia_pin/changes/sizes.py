@@ -32,11 +32,11 @@ def sized(found: FoundChanges) -> list[Term]:
     search, chosen = found.search, found.chosen
     if not chosen:
         return []
-    from scipy.stats import t as student
+    from scipy.special import stdtrit
 
     evidence, experiment = search.evidence, search.differing.experiment
     effects = [evidence.effects[c] for c in chosen]
-    half = student.ppf(0.975, len(evidence.training) - 1) * np.sqrt(np.diag(found.covariance))
+    half = stdtrit(len(evidence.training) - 1, 0.975) * np.sqrt(np.diag(found.covariance))
     blocks = ParameterBlocks.of(effects)
     pairs = zip(effects, blocks.split(found.theta), blocks.split(half), strict=True)
     out = []

@@ -55,7 +55,7 @@ class Counterbalance(JointEffect):
         Parameter("torque_opposite", "{effort}", lower=0.0),
     )
     shape = (
-        Parameter("centre", "{position}", lower=-7.0, upper=7.0),
+        Parameter("centre", "{position}"),  # near the motion, which may be many turns from zero
         Parameter("ratio", "1", lower=-0.95, upper=0.95),
     )
 

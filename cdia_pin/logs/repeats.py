@@ -45,11 +45,16 @@ def _minima(x: Array, start: int, stop: int) -> list[int]:
 
 def _difference(x: Array) -> Array:
     """Return the RMS difference of a signal from itself some samples later, over that of unrelated values [1]."""
-    from scipy.signal import correlate
+    from scipy.fft import (
+        irfft,
+        next_fast_len,
+        rfft,
+    )  # scipy.signal does the same, but takes a second to import
 
     x = x - x.mean()
     count, power = len(x), np.cumsum(x**2)
-    products = correlate(x, x, method="fft")[count - 1 :]
+    length = next_fast_len(2 * count - 1, real=True)  # zeros keep the end of the signal from its beginning
+    products = irfft(np.abs(rfft(x, length)) ** 2, length)[:count]
     later = power[-1] - np.concatenate([[0.0], power[:-1]])  # sums of squares without the first samples
     squares = (power[::-1] + later - 2.0 * products) / np.arange(count, 0, -1)
     return np.asarray(np.sqrt(np.maximum(squares, 0.0) / (2.0 * power[-1] / count)))

@@ -109,8 +109,9 @@ class BlockEvidence(Generic[E]):
             rest = whole - block
             common = ScaledGram.of(rest[:first, :first] + prior, RIDGE).solve(rest[:first, first:])
             training.append(rest[first:, first:] - rest[first:, :first] @ common)
-            mixed = block[first:, :first] @ common
-            unseen.append(block[first:, first:] - mixed - mixed.T + common.T @ block[:first, :first] @ common)
+            # b₂₂ − b₂₁c − cᵀb₁₂ + cᵀb₁₁c, in one product of the size of the result
+            half = (block[first:, :first] - 0.5 * common.T @ block[:first, :first]) @ common
+            unseen.append(block[first:, first:] - half - half.T)
         common = ScaledGram.of(whole[:first, :first] + prior, RIDGE).solve(whole[:first, first:])
         total = whole[first:, first:] - whole[first:, :first] @ common
         norms = np.maximum(np.diag(whole)[first:-1], 1e-300)
@@ -209,8 +210,8 @@ class BlockEvidence(Generic[E]):
         for b, (seen, block) in enumerate(zip(self.training, self.unseen, strict=True)):
             share = ScaledGram.of(seen[np.ix_(at, at)] + ridge).solve(seen[at])
             training[b] = seen - seen[:, at] @ share
-            mixed = block[:, at] @ share
-            unseen[b] = block - mixed - mixed.T + share.T @ block[np.ix_(at, at)] @ share
+            half = (block[:, at] - 0.5 * share.T @ block[np.ix_(at, at)]) @ share
+            unseen[b] = block - half - half.T
         share = ScaledGram.of(self.total[np.ix_(at, at)] + ridge).solve(self.total[at])
         return training, unseen, self.total - self.total[:, at] @ share
 

@@ -53,11 +53,15 @@ class ScaledGram:
         Returns:
             x, shape as b; the smallest one, in units of the diagonal, where A is singular.
         """
+        from scipy.linalg.lapack import dposv
+
+        if not right.size:
+            return np.zeros_like(right)
         unit = self.unit if right.ndim == 1 else self.unit[:, None]
-        try:
-            return np.asarray(unit * np.linalg.solve(self.matrix, unit * right))
-        except np.linalg.LinAlgError:
-            return np.asarray(unit * (np.linalg.pinv(self.matrix, hermitian=True) @ (unit * right)))
+        _, x, failed = dposv(self.matrix.T, unit * right)  # by Cholesky; the transpose has LAPACK's order
+        if failed:
+            x = np.linalg.pinv(self.matrix, hermitian=True) @ (unit * right)
+        return np.asarray(unit * x)
 
     def inverse(self) -> Array:
         """Return the inverse of A, shape (P, P)."""

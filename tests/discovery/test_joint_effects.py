@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, discover, load_robot
+from cdia_pin.effects import Counterbalance, State
 from cdia_pin.logs import Log
 from tests.made_logs import make, motion
 
@@ -76,6 +77,16 @@ def test_a_spring_between_two_points_that_holds_the_arm_up_is_a_counterbalance(s
     assert term.effect.centre == pytest.approx(TOP, abs=0.02)
     assert term.effect.ratio == pytest.approx(side * 0.4, abs=0.02)
     assert term.theta == pytest.approx(lever * np.array(forces), rel=0.03)
+
+
+def test_a_counterbalance_may_be_many_turns_from_zero():
+    robot = load_robot("ur5")
+    q = np.zeros((50, robot.n))
+    q[:, 1] = 20.0 + np.linspace(-1.0, 1.0, len(q))
+    still = np.zeros_like(q)
+    shapes = Counterbalance("shoulder_lift_joint").shape_grid(State.of(robot, q, still, still))
+    assert shapes
+    assert all(abs(e.centre - 20.0) <= np.pi + 1e-9 for e in shapes)
 
 
 def test_friction_that_halves_with_every_fifteen_kelvin_is_found_where_the_log_has_temperatures(arm):
