@@ -19,6 +19,7 @@ from cdia_pin.logs.checks.another_arm import check_arm
 from cdia_pin.logs.checks.conventions import CERTAIN, ConventionChange, Conventions, Trial, commonest
 from cdia_pin.logs.checks.effort_kind import GravityGain, check_effort_kind
 from cdia_pin.logs.checks.lag import SPAN, LagEstimate, check_lag
+from cdia_pin.logs.checks.limits import check_limits
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import quantum
 from cdia_pin.logs.checks.stuck import check_stuck
@@ -698,6 +699,14 @@ def test_an_arm_of_one_joint_has_no_order_to_determine(wheel, plant):
     check = check_log(plant(wheel), wheel)
     assert check.ok
     assert not check.about("joint_order")
+
+
+@pytest.mark.parametrize(("kind", "unit"), [("prismatic", "length=mm"), ("revolute", "angle=deg")])
+def test_positions_beyond_a_limit_may_have_the_other_unit_of_their_joint(tmp_path, plant, kind, unit):
+    arm = load_robot(str(write_urdf(kind, tmp_path)))
+    log = plant(arm)
+    (found,) = check_limits(replace(log, position=1000 * log.position, velocity=None), arm)
+    assert f"--convert {unit}," in found.advice
 
 
 def test_several_turns_of_a_joint_without_limits_are_not_degrees(wheel, plant):

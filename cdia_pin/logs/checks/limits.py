@@ -41,6 +41,7 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
     speed = np.zeros(robot.n) if log.velocity is None else largest_of(log.velocity)
     effort = largest_of(log.effort)
     outside = (low < limits.lower - TOLERANCE) | (high > limits.upper + TOLERANCE)
+    unit = "length=mm" if robot.is_prismatic[outside].all() else "angle=deg"
     torque = "Nmm" if log.effort_tolerance is None else "mA"
     beyond = {
         "positions": (
@@ -49,7 +50,7 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
                 for k in range(robot.n)
             },
             outside,
-            "check unit and sign of the position (--convert angle=deg, flip_position=…), the order of the "
+            f"check unit and sign of the position (--convert {unit}, flip_position=…), the order of the "
             "joints (--joint-map), and that this is the robot; a joint that turns without end is of type "
             "'continuous' in a URDF",
         ),
