@@ -112,7 +112,7 @@ def _solution(
     cones += [clarabel.PSDTriangleConeT(4)] * (len(bodies) // 10)
     settings = clarabel.DefaultSettings()
     settings.verbose = False
-    # the matrix has a unit diagonal already: scaled once more, 305 programs of a Panda's log take 15 steps in place of 11
+    # The diagonal is one already: scaled once more, 305 programs of a Panda's log take 15 steps in place of 11.
     settings.equilibrate_enable = False
     found = solved(
         lambda: clarabel.DefaultSolver(
