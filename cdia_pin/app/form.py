@@ -72,7 +72,8 @@ class Form:
         self.units = {key: given.pop(key, usual) or usual for key, usual in UNITS.items()}
         self.format, self.columns = asked.format or "", dict(asked.columns)
         self.episode = "" if asked.episode is None else str(asked.episode)
-        self.rate = f"{given.pop('rate'):g}" if given.get("rate") else ""
+        rate = given.pop("rate", None)
+        self.rate = "" if rate is None else str(rate)
         columns: dict[str, dict[str, Cell]] = {
             "label": {joint: name for name, joint in asked.joint_map.items()},
             "gain": {joint: gain_text(gain) for joint, gain in asked.gains.items()},
@@ -142,7 +143,7 @@ class Form:
         if self.episode.strip() and not self.episode.strip().isdecimal():
             out["episode"] = f"the episode must be a number from 0 on, given '{self.episode}'"
         try:
-            float(self.rate or 0)
+            float(self.rate.strip() or 0)
         except ValueError:
             out["rate"] = f"the rate must be a number [Hz], given '{self.rate}'"
         return out

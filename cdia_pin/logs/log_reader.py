@@ -106,9 +106,9 @@ def read_log(
     if effort.without_gravity:
         torque = torque + robot.gravity(position)
     pick.note_what_was_ignored()
-    unit = conversion.time or table.time_unit or choice.columns.time.get(choice.columns.time_column or "")
     if conversion.rate is None:
         stamps = pick.time()
+        unit = conversion.time or table.time_unit or choice.columns.time.get(choice.columns.time_column or "")
     else:
         stamps, unit = np.arange(len(position)) / conversion.rate, "s"
     placed, order_notes = in_order(stamps)

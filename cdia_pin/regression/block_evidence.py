@@ -109,9 +109,9 @@ class BlockEvidence(Generic[E]):
             rest = whole - block
             common = ScaledGram.of(rest[:first, :first] + prior, RIDGE).solve(rest[:first, first:])
             training.append(rest[first:, first:] - rest[first:, :first] @ common)
-            # b₂₂ − b₂₁c − cᵀb₁₂ + cᵀb₁₁c, in one product of the size of the result
-            half = (block[first:, :first] - 0.5 * common.T @ block[:first, :first]) @ common
-            unseen.append(block[first:, first:] - half - half.T)
+            unseen.append(
+                _left_of(block[first:, first:], block[first:, :first], block[:first, :first], common)
+            )
         common = ScaledGram.of(whole[:first, :first] + prior, RIDGE).solve(whole[:first, first:])
         total = whole[first:, first:] - whole[first:, :first] @ common
         norms = np.maximum(np.diag(whole)[first:-1], 1e-300)
@@ -210,8 +210,7 @@ class BlockEvidence(Generic[E]):
         for b, (seen, block) in enumerate(zip(self.training, self.unseen, strict=True)):
             share = ScaledGram.of(seen[np.ix_(at, at)] + ridge).solve(seen[at])
             training[b] = seen - seen[:, at] @ share
-            half = (block[:, at] - 0.5 * share.T @ block[np.ix_(at, at)]) @ share
-            unseen[b] = block - half - half.T
+            unseen[b] = _left_of(block, block[:, at], block[np.ix_(at, at)], share)
         share = ScaledGram.of(self.total[np.ix_(at, at)] + ridge).solve(self.total[at])
         return training, unseen, self.total - self.total[:, at] @ share
 
@@ -225,6 +224,21 @@ class BlockEvidence(Generic[E]):
         for c, effect in enumerate(self.effects):
             out.setdefault(effect.size, []).append(c)
         return out
+
+
+def _left_of(own: Array, across: Array, inner: Array, share: Array) -> Array:
+    """Return what is left of a block's normal equations where others, fitted without it, take their share.
+
+    That is O − A S − (A S)ᵀ + Sᵀ I S, with one product of the size of the result.
+
+    Args:
+        own: O, normal equations of the columns that stay, shape (Q, Q).
+        across: A, those of the columns that stay with the others, shape (Q, p).
+        inner: I, those of the others, shape (p, p).
+        share: S, the others' parameters per unit of the columns that stay, shape (p, Q).
+    """
+    half = (across - 0.5 * share.T @ inner) @ share
+    return own - half - half.T
 
 
 def _certainty(theta: Array, best: Array, norms: Array) -> Array:

@@ -20,7 +20,7 @@ ASKED = Request(
         "flip_effort": ("elbow_joint",),
         "reduction": {"elbow_joint": 101.0},
         "gravity": "compensated",
-        "rate": 125.0,
+        "rate": 166.66666666666666,
     },
     gains={"elbow_joint": 10.5, "wrist_1_joint": {"value": 9.0, "tolerance": 0.5}},
     format="csv",

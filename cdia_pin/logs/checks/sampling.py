@@ -69,7 +69,7 @@ def check_gaps(log: Log) -> Iterator[Finding]:
     Yields:
         One finding on gaps and one on jitter.
     """
-    step, period = np.diff(log.time), 1.0 / log.rate
+    step, period, even = np.diff(log.time), 1.0 / log.rate, has_even_clock(log)
     gaps = np.flatnonzero(step > 5.0 * period)
     if len(gaps):
         longest = float(step[gaps].max())
@@ -91,10 +91,10 @@ def check_gaps(log: Log) -> Iterator[Finding]:
             value={"count": len(gaps), "longest_s": longest, "after_s": at, "not_checked": left_out},
         )
     else:
-        yield _missing_rows(log, step, period)
+        yield _missing_rows(log, step, period, even)
     low, high = np.percentile(step, SPREAD)
     value = {"step_p05_s": float(low), "step_p95_s": float(high), "step_std_s": float(step.std())}
-    if not has_even_clock(log):
+    if not even:
         grid = _time_grid(log.time)
         stamped = f"; stamps are multiples of {grid * 1e3:g} ms" if grid else ""
         yield Finding(
@@ -111,11 +111,11 @@ def check_gaps(log: Log) -> Iterator[Finding]:
         yield Finding(Topic.JITTER, Severity.OK, "evenly sampled", value=value)
 
 
-def _missing_rows(log: Log, step: Array, period: float) -> Finding:
+def _missing_rows(log: Log, step: Array, period: float, even: bool) -> Finding:
     """Return the rows that an even clock lacks; a clock that jitters does not tell them."""
     lacking = np.round(step / period).astype(int) - 1
     count = int(lacking.sum())  # a row that is only late lacks at one step and is one too many at the next
-    if not has_even_clock(log) or count <= 0:
+    if not even or count <= 0:
         return Finding(Topic.GAPS, Severity.OK, "no gaps", value={"count": 0})
     first = float(log.time[int(np.argmax(lacking > 0))])
     return Finding(
