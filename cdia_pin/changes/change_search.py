@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Self
 
@@ -36,14 +36,22 @@ class ChangeSearch:
         differing: Logs before and after, and the columns of all changes.
         evidence: Normal equations without each block of time.
         settings: What a change must explain.
+        spread: Root mean square certainty of effects that are not there [1], at least 1. A change must be more certain
+            than the settings say by this factor.
     """
 
     differing: Differing
     evidence: BlockEvidence[Difference]
     settings: ChangeSettings
+    spread: float = 1.0
 
     def __repr__(self) -> str:
         return f"ChangeSearch({self.evidence!r})"
+
+    @property
+    def least_certainty(self) -> float:
+        """Estimate over its standard deviation from which on a change can be named [1]."""
+        return self.spread * self.settings.least_certainty
 
     def changes(self, most: int) -> tuple[int, ...]:
         """Return the indices of the changes: they are added one by one, exchanged, and dropped.
@@ -72,6 +80,31 @@ class ChangeSearch:
         fits = self.evidence.fits(rest)
         return [c for c in self._alike(one, self._nameable(rest, fits), fits) if c != one]
 
+    def beside(self, found: Sequence[int]) -> Self:
+        """Return the same search, in which a change must be more certain than effects that are not there.
+
+        Where the model errs otherwise in one log than in the other, as between motions that differ, all effects take a
+        part of that, and blocks of one log do not show it. The effects that were not found tell how much it is: their
+        certainties are spread wider than by chance, which is their empirical null [Efron2004].
+
+        Args:
+            found: Indices of the changes that were found.
+        """
+        fits, effects = self.evidence.fits(found), self.evidence.effects
+        labels = {effects[c].label for c in found}
+        first = {e.label: c for c, e in reversed([*enumerate(effects)]) if e.size == 1 and e.sign > 0}
+        others = fits.certainty[[c for label, c in first.items() if label not in labels]]
+        return replace(self, spread=self.settings.spread(others))
+
+    def holds(self, rest: Sequence[int], one: int) -> bool:
+        """Tell whether one change is certain enough beside others, or explains more than all that are.
+
+        Args:
+            rest: Indices of the other changes.
+            one: Index of the change.
+        """
+        return one in self._comparable(rest, self.evidence.fits(rest))
+
     def confidence(self, rest: Sequence[int], one: int) -> Confidence:
         """Return how far the name of a change can be trusted: established if it is twice as certain as it must be.
 
@@ -82,7 +115,7 @@ class ChangeSearch:
             one: Index of the change.
         """
         independent = self.differing.block_time >= self.settings.independent_time
-        sure = self.evidence.fits(rest).certainty[one] >= 2 * self.settings.least_certainty
+        sure = self.evidence.fits(rest).certainty[one] >= 2 * self.least_certainty
         return Confidence.ESTABLISHED if sure and independent else Confidence.LIKELY
 
     def torque(self, change: int, theta: Array) -> Array:
@@ -166,10 +199,9 @@ class ChangeSearch:
         """Return the change to be added to a set, and all that explain as much; None if none can be named."""
         fits = self.evidence.fits(chosen)
         gain, effects = fits.gain, self.evidence.effects
-        nameable = self._nameable(chosen, fits)
-        if not nameable:
+        comparable = self._comparable(chosen, fits)
+        if not comparable:
             return None
-        comparable = [*nameable, *self._better(chosen, nameable, fits)]
         alike = self._alike(max(comparable, key=lambda c: gain[c]), comparable, fits)
 
         def simplicity(c: int) -> tuple[bool, float, float, float]:
@@ -177,6 +209,11 @@ class ChangeSearch:
             return (loss, self._parameters(c), effects[c].plausibility.penalty, -gain[c])
 
         return min(alike, key=simplicity), alike
+
+    def _comparable(self, chosen: Sequence[int], fits: BlockFits) -> list[int]:
+        """Return the changes that can be named beside a set, and those that explain more than all of these."""
+        nameable = self._nameable(chosen, fits)
+        return [*nameable, *self._better(chosen, nameable, fits)] if nameable else []
 
     def _better(self, chosen: Sequence[int], nameable: Sequence[int], fits: BlockFits) -> list[int]:
         """Return the changes that are too uncertain to be named alone and explain more than all that are not.
@@ -188,7 +225,7 @@ class ChangeSearch:
         return [
             c
             for c in self._visible(
-                chosen, fits, self.settings.better_certainty, self.settings.least_certainty
+                chosen, fits, self.spread * self.settings.better_certainty, self.least_certainty
             )
             if not self.is_slight(fits.gains[c] - fits.gains[most], gain[c])
         ]
@@ -223,7 +260,7 @@ class ChangeSearch:
 
     def _nameable(self, chosen: Sequence[int], fits: BlockFits) -> list[int]:
         """Return the changes that can be named beside a set."""
-        return self._visible(chosen, fits, self.settings.least_certainty)
+        return self._visible(chosen, fits, self.least_certainty)
 
     def _visible(
         self, chosen: Sequence[int], fits: BlockFits, least: float, below: float = np.inf

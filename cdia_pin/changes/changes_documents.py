@@ -66,6 +66,7 @@ class ChangesJson(TypedDict):
     bounds: dict[str, BoundJson]
     not_compared: dict[str, str]
     usual_friction: list[UsualFrictionJson]
+    spread: float
     findings: list[PhenomenonJson]
     rms: RmsOfSides
     record: ChangesRecord

@@ -120,6 +120,8 @@ class Changes:
         torque_rms: RMS measured torque where both sides are compared [N·m or N], shape (n,).
         usual: Differences of friction that are no larger than what an unchanged arm shows from run to run.
         not_compared: Why nothing is known about a joint, by its name.
+        spread: Root mean square certainty of effects that are not there, at least 1; where the motions differ it is
+            larger, and a change must be more certain by this factor [1].
     """
 
     model: Dynamics
@@ -134,6 +136,7 @@ class Changes:
     torque_rms: Array
     usual: tuple[UsualFriction, ...] = ()
     not_compared: Mapping[str, NotCompared] = field(default_factory=dict)
+    spread: float = 1.0
 
     def __repr__(self) -> str:
         changed = some([clipped(c.term.label, 45) for c in self.changes], 2)
@@ -179,6 +182,7 @@ class Changes:
             },
             "not_compared": {j: str(why) for j, why in self.not_compared.items()},
             "usual_friction": [u.to_dict() for u in self.usual],
+            "spread": self.spread,
             "findings": [f.to_dict() for f in self.findings],
             "rms": {"before": robot.by_joint(self.rms_before), "after": robot.by_joint(self.rms_after)},
             "record": self.record,

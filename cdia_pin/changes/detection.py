@@ -94,6 +94,7 @@ def what_changed(
         findings=findings_of(changes, run_to_run),
         rms_before=errors[0],
         rms_after=errors[1],
+        spread=found.search.spread,
         record={
             "version": __version__,
             "before": [m.record for m in earlier],
@@ -145,7 +146,8 @@ def searched(
 def _searched(differing: Differing, settings: DiscoverySettings) -> FoundChanges:
     search = ChangeSearch(differing, differing.evidence(), settings.changes)
     chosen = certain_beside_both(search, search.changes(settings.most_effects))
-    return sized_about_themselves(search, chosen)
+    found = sized_about_themselves(search, chosen)
+    return replace(found, search=search.beside(found.chosen))
 
 
 def sized_changes(
@@ -166,13 +168,13 @@ def sized_changes(
     with_all = float(np.sum(evidence.unexplained(chosen)))
     terms = sized(found)
     usual = run_to_run.usual(search, chosen, terms)
-    slight = {u.joint for u in usual}
+    named = _named(found, run_to_run)
     out: list[Change] = []
     for one, fitted in zip(chosen, terms, strict=True):
+        if one not in named:
+            continue
         torque = search.torque(one, np.array(fitted.theta))
         term = run_to_run.allowed_for(fitted, torque)
-        if term.may_be_nothing or (is_friction_of_joint(term.effect) and term.effect.scope[0] in slight):
-            continue
         rest = [c for c in chosen if c != one]
         without = float(np.sum(evidence.unexplained(rest)))
         rivals = [effects[c].effect for c in search.rivals(chosen, one)]
@@ -187,6 +189,34 @@ def sized_changes(
         whole = tuple(c for c in chosen if effects[c].effect.label not in parts)
         return sized_changes(FoundChanges.as_searched(search, whole), run_to_run)
     return tuple(sorted(_with_or_without_likely(found, out), key=lambda c: -c.evidence)), tuple(usual)
+
+
+def _named(found: FoundChanges, run_to_run: RunToRun) -> tuple[int, ...]:
+    """Return the changes that are certain beside all others, and are there without those that cannot be named too.
+
+    What cannot be named may have stood for the same torque with the other sign: then neither of the two is there.
+    """
+    search, chosen = found.search, found.chosen
+    named = tuple(
+        one for one in _there(found, run_to_run) if search.holds([c for c in chosen if c != one], one)
+    )
+    if not 0 < len(named) < len(chosen):
+        return named
+    return _there(FoundChanges.as_searched(search, named), run_to_run)
+
+
+def _there(found: FoundChanges, run_to_run: RunToRun) -> tuple[int, ...]:
+    """Return the changes that are neither usual nor, within their intervals, nothing."""
+    search, chosen = found.search, found.chosen
+    terms = sized(found)
+    slight = {u.joint for u in run_to_run.usual(search, chosen, terms)}
+    out = []
+    for one, fitted in zip(chosen, terms, strict=True):
+        term = run_to_run.allowed_for(fitted, search.torque(one, np.array(fitted.theta)))
+        usual = is_friction_of_joint(term.effect) and term.effect.scope[0] in slight
+        if not (usual or term.may_be_nothing):
+            out.append(one)
+    return tuple(out)
 
 
 def _parts_of_others(found: FoundChanges, changes: Sequence[Change]) -> set[str]:
@@ -245,7 +275,7 @@ def _bounds(found: FoundChanges, run_to_run: RunToRun) -> dict[str, Bound]:
         joints = difference.acts_on(robot)
         one = FoundChanges.as_searched(search, (*chosen, c))
         there, unsure = float(one.theta[-1]), float(np.sqrt(one.covariance[-1, -1]))
-        unseen = max(abs(there) + search.settings.least_certainty * unsure, visible)
+        unseen = max(abs(there) + search.least_certainty * unsure, visible)
         limit = Term(difference.effect, (float(np.copysign(unseen, -there)),))
         torque = float(search.torque(c, np.array(limit.theta))[joints[0]])
         if is_friction_of_joint(difference.effect) and 0.0 < torque < run_to_run.size(joints[0]):

@@ -114,6 +114,8 @@ class ChangeSettings:
             over the joint's torque [1]. With 1, they take in what changed in logs of ten seconds with few reversals.
             In logs of half a minute and more, 1 and 0.01 name about as many changes.
         gone: Whether such an effect may have been there before and be gone, as a ripple is after a repair.
+        prior_effects: Effects that count as much as the knowledge that one that is not there has a certainty of 1 [1].
+            An arm of six joints has some 45, one of two joints 10.
     """
 
     blocks: int = 16
@@ -128,8 +130,18 @@ class ChangeSettings:
     independent_time: float = 0.3
     rare: float = 0.01
     gone: bool = True
+    prior_effects: float = 10.0
 
     __repr__ = settings_repr
+
+    def spread(self, certainties: Array) -> float:
+        """Return the root mean square certainty of effects that are not there, at least 1 [1].
+
+        Args:
+            certainties: Estimate over standard deviation of each [1], shape (C,).
+        """
+        squares, count = float(np.sum(certainties**2)), len(certainties)
+        return max(1.0, float(np.sqrt((self.prior_effects + squares) / (self.prior_effects + count))))
 
     def is_sure(self, certainty: float, gain: float) -> bool:
         """Tell whether an effect is certain, and helps on blocks of time that its fit did not see.

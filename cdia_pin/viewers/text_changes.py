@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from cdia_pin.discovery import Comparison
 
 NAMED = 3  # changes that the verdict names before it counts the others
+# Spread of certainties [1] from which on it is said: halves of one log mostly have 1.0 to 1.2, two motions 2.
+WIDE = 1.5
 MANY = 4  # parameters; of an effect with more, only those whose interval excludes zero are listed
 
 
@@ -197,6 +199,12 @@ def _bounds(found: Changes) -> RenderableType:
     if said:
         other = "The largest other change" if found.changes else "The largest change"
         sentences.append(f"{other} of one effect that these logs would not show (RMS): {', '.join(said)}.")
+    if said and found.spread >= WIDE:
+        times = number(found.spread, 2)
+        sentences.append(
+            f"The model fails differently in each log: effects that are not there seem {times} times as certain as by "
+            "chance. The same motion in both logs would show smaller changes."
+        )
     unsure = [j for j in robot.joints if j not in found.bounds and j not in found.not_compared]
     if unsure:
         where = these_joints(unsure, robot.joints)

@@ -7,6 +7,7 @@ import pytest
 
 from cdia_pin import Dynamics
 from cdia_pin.changes.change_search import ChangeSearch
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.difference import Difference
 from cdia_pin.effects import (
     EFFECTS,
@@ -25,6 +26,7 @@ from cdia_pin.robot import load_robot
 from cdia_pin.selection.discovery_settings import ChangeSettings
 
 BLOCKS = 16
+PANDA = load_robot("panda")
 PAYLOAD = EFFECTS["payload"].from_scope([], {})
 
 
@@ -51,9 +53,8 @@ class Search(ChangeSearch):
 
 
 def search(known=(), **offered):
-    robot = load_robot("panda")
-    given = SimpleNamespace(model=Dynamics(robot, known))
-    logs = SimpleNamespace(experiment=SimpleNamespace(robot=robot), given=given)
+    given = SimpleNamespace(model=Dynamics(PANDA, known))
+    logs = SimpleNamespace(experiment=SimpleNamespace(robot=PANDA), given=given)
     return Search(logs, Evidence(**offered), ChangeSettings())
 
 
@@ -123,3 +124,42 @@ def test_what_explains_as_much_and_is_certain_is_a_rival():
         friction=(CoulombFriction("joint1"), 3.0, gains(79.9)),
     )
     assert found.rivals([0], 0) == [1]
+
+
+class Crowded(Evidence):
+    """Evidence in which each change keeps its certainty beside others."""
+
+    def fits(self, chosen):
+        return super().fits(())
+
+
+def crowded(certainty, others):
+    """A torque offset on one joint, and offsets on the other joints that are not there."""
+    given = SimpleNamespace(model=Dynamics(PANDA))
+    logs = SimpleNamespace(experiment=SimpleNamespace(robot=PANDA), given=given, block_time=1.0)
+    own = {"own": (TorqueOffset(PANDA.joints[0]), certainty, gains(80.0))}
+    kinds = (TorqueOffset, CoulombFriction)
+    rest = {f"{kind.name} {j}": (kind(j), others, gains(1.0)) for kind in kinds for j in PANDA.joints[1:]}
+    return Search(logs, Crowded(**own, **rest), ChangeSettings()).beside([0])
+
+
+@pytest.mark.parametrize(
+    ("certainty", "others", "holds", "confidence"),
+    [
+        (12.0, 0.8, True, Confidence.ESTABLISHED),
+        (12.0, 2.5, True, Confidence.LIKELY),
+        (8.0, 2.5, False, Confidence.LIKELY),
+    ],
+)
+def test_a_change_must_be_more_certain_than_effects_that_are_not_there(certainty, others, holds, confidence):
+    found = crowded(certainty, others)
+    assert found.holds([], 0) is holds
+    assert found.confidence([], 0) is confidence
+
+
+def test_few_effects_that_are_not_there_say_little():
+    settings = ChangeSettings()
+    assert settings.spread(np.array([])) == 1.0
+    assert settings.spread(np.array([4.0])) < 1.6
+    assert settings.spread(np.full(200, 4.0)) == pytest.approx(4.0, rel=0.05)
+    assert settings.spread(np.full(200, 0.1)) == 1.0  # never less than chance

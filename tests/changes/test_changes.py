@@ -264,6 +264,20 @@ def test_what_may_be_nothing_is_no_change(monkeypatch):
     assert changed(WRONG, GAIN).changes == ()
 
 
+@pytest.mark.parametrize(("unsure_alone", "named"), [(False, ["actuator_gain@elbow_joint"]), (True, [])])
+def test_what_is_sure_only_beside_what_is_not_named_is_not_named(monkeypatch, unsure_alone, named):
+    sized = detection.sized
+
+    def friction_may_be_nothing(found):
+        terms = sized(found)
+        unsure = {"coulomb_friction", *(["actuator_gain"] if unsure_alone and len(terms) == 1 else [])}
+        return [t.with_intervals(1.1 * np.abs(t.theta)) if t.effect.name in unsure else t for t in terms]
+
+    monkeypatch.setattr(detection, "sized", friction_may_be_nothing)
+    both = (*GAIN, Fault("coulomb_friction", joint="shoulder_pan_joint", level=8.0))
+    assert [c.term.label for c in changed(WRONG, both).changes] == named
+
+
 def only_likely(kind):
     """A confidence that is likely for one kind of effect, and established for all others."""
 
