@@ -1,6 +1,7 @@
 """Where two motions have nothing in common, it is said that nothing can be told, and why."""
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -62,3 +63,12 @@ def test_a_joint_that_moves_alike_is_compared_though_another_one_rests(robot):
     assert found.verdict == "unchanged"
     assert set(found.not_compared) == {"joint2"}
     assert set(found.bounds) <= {"joint1"}
+
+
+@pytest.mark.parametrize(("spread", "said"), [(1.2, False), (2.04, True)])
+def test_where_the_model_fails_differently_the_answer_says_so(robot, spread, said):
+    logs = (swing(robot, name, FAST, FAST) for name in ("one.csv", "other.csv"))
+    found = replace(what_changed(Dynamics(robot), *logs), spread=spread)
+    assert found.to_dict()["spread"] == spread
+    text = " ".join(plain(changes_table(found)).split())
+    assert ("effects that are not there seem 2.0 times as certain as by chance" in text) is said
