@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -156,7 +156,8 @@ def sized_changes(
     """Return the changes with their sizes, in the order of what would be lost without them, and usual differences.
 
     Sizes are fitted beside the usual differences of friction, which are no changes of the arm, and beside what differs
-    by nothing within its interval. The total interval of a change of friction allows for the usual difference.
+    by nothing within its interval. The total interval of a change of friction allows for the usual difference. What is
+    named is certain beside all others, and is there without those that cannot be named too.
 
     Args:
         found: The changes.
@@ -166,15 +167,15 @@ def sized_changes(
     evidence, effects = search.evidence, search.evidence.effects
     earlier = friction_before(search.differing, [effects[c] for c in chosen])
     with_all = float(np.sum(evidence.unexplained(chosen)))
-    terms = sized(found)
-    usual = run_to_run.usual(search, chosen, terms)
-    named = _named(found, run_to_run)
+    terms, usual = _sizes(found, run_to_run)
+    named = [c for c in _there(terms, usual) if search.holds([o for o in chosen if o != c], c)]
+    if 0 < len(named) < len(chosen):
+        # what cannot be named may have stood for the same torque with the other sign: then neither of the two is there
+        named = _there(*_sizes(FoundChanges.as_searched(search, tuple(named)), run_to_run))
     out: list[Change] = []
-    for one, fitted in zip(chosen, terms, strict=True):
-        if one not in named:
-            continue
-        torque = search.torque(one, np.array(fitted.theta))
-        term = run_to_run.allowed_for(fitted, torque)
+    for one in named:
+        term = terms[one]
+        torque = search.torque(one, np.array(term.theta))
         rest = [c for c in chosen if c != one]
         without = float(np.sum(evidence.unexplained(rest)))
         rivals = [effects[c].effect for c in search.rivals(chosen, one)]
@@ -191,32 +192,25 @@ def sized_changes(
     return tuple(sorted(_with_or_without_likely(found, out), key=lambda c: -c.evidence)), tuple(usual)
 
 
-def _named(found: FoundChanges, run_to_run: RunToRun) -> tuple[int, ...]:
-    """Return the changes that are certain beside all others, and are there without those that cannot be named too.
-
-    What cannot be named may have stood for the same torque with the other sign: then neither of the two is there.
-    """
-    search, chosen = found.search, found.chosen
-    named = tuple(
-        one for one in _there(found, run_to_run) if search.holds([c for c in chosen if c != one], one)
-    )
-    if not 0 < len(named) < len(chosen):
-        return named
-    return _there(FoundChanges.as_searched(search, named), run_to_run)
-
-
-def _there(found: FoundChanges, run_to_run: RunToRun) -> tuple[int, ...]:
-    """Return the changes that are neither usual nor, within their intervals, nothing."""
+def _sizes(found: FoundChanges, run_to_run: RunToRun) -> tuple[dict[int, Term], list[UsualFriction]]:
+    """Return the size of each change by its index, with intervals that allow for usual differences, and these."""
     search, chosen = found.search, found.chosen
     terms = sized(found)
-    slight = {u.joint for u in run_to_run.usual(search, chosen, terms)}
-    out = []
-    for one, fitted in zip(chosen, terms, strict=True):
-        term = run_to_run.allowed_for(fitted, search.torque(one, np.array(fitted.theta)))
-        usual = is_friction_of_joint(term.effect) and term.effect.scope[0] in slight
-        if not (usual or term.may_be_nothing):
-            out.append(one)
-    return tuple(out)
+    allowed = {
+        c: run_to_run.allowed_for(t, search.torque(c, np.array(t.theta)))
+        for c, t in zip(chosen, terms, strict=True)
+    }
+    return allowed, run_to_run.usual(search, chosen, terms)
+
+
+def _there(terms: Mapping[int, Term], usual: Sequence[UsualFriction]) -> list[int]:
+    """Return the changes that are neither usual nor, within their intervals, nothing."""
+    slight = {u.joint for u in usual}
+    return [
+        c
+        for c, t in terms.items()
+        if not (t.may_be_nothing or (is_friction_of_joint(t.effect) and t.effect.scope[0] in slight))
+    ]
 
 
 def _parts_of_others(found: FoundChanges, changes: Sequence[Change]) -> set[str]:

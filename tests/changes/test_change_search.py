@@ -52,10 +52,13 @@ class Search(ChangeSearch):
         return True
 
 
-def search(known=(), **offered):
+def logs(known=()):
     given = SimpleNamespace(model=Dynamics(PANDA, known))
-    logs = SimpleNamespace(experiment=SimpleNamespace(robot=PANDA), given=given)
-    return Search(logs, Evidence(**offered), ChangeSettings())
+    return SimpleNamespace(experiment=SimpleNamespace(robot=PANDA), given=given, block_time=1.0)
+
+
+def search(known=(), **offered):
+    return Search(logs(known), Evidence(**offered), ChangeSettings())
 
 
 def gains(mean, more=0.0, deviations=1.0):
@@ -134,13 +137,11 @@ class Crowded(Evidence):
 
 
 def crowded(certainty, others):
-    """A torque offset on one joint, and offsets on the other joints that are not there."""
-    given = SimpleNamespace(model=Dynamics(PANDA))
-    logs = SimpleNamespace(experiment=SimpleNamespace(robot=PANDA), given=given, block_time=1.0)
+    """A torque offset on one joint, and offsets and friction on the other joints that are not there."""
     own = {"own": (TorqueOffset(PANDA.joints[0]), certainty, gains(80.0))}
     kinds = (TorqueOffset, CoulombFriction)
     rest = {f"{kind.name} {j}": (kind(j), others, gains(1.0)) for kind in kinds for j in PANDA.joints[1:]}
-    return Search(logs, Crowded(**own, **rest), ChangeSettings()).beside([0])
+    return Search(logs(), Crowded(**own, **rest), ChangeSettings()).beside([0])
 
 
 @pytest.mark.parametrize(
