@@ -17,7 +17,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, check_log, read_log, write_log
 from cdia_pin.logs.checks.another_arm import check_arm
 from cdia_pin.logs.checks.conventions import CERTAIN, ConventionChange, Conventions, Trial, commonest
-from cdia_pin.logs.checks.effort_kind import GravityGain, check_effort_kind
+from cdia_pin.logs.checks.effort_kind import GravityGain, check_effort_kind, gravity_gains
 from cdia_pin.logs.checks.lag import SPAN, LagEstimate, check_lag
 from cdia_pin.logs.checks.limits import check_limits
 from cdia_pin.logs.checks.motion import motion_of
@@ -248,6 +248,23 @@ def test_gravity_that_is_as_faint_as_inertia_is_another_unit_and_not_compensated
     compensated, current = (GravityGain(0.002, 0.025, dynamic, 3.0) for dynamic in (1.1, 0.05))
     assert (compensated.absent, compensated.small) == (True, False)
     assert (current.absent, current.small) == (False, True)
+
+
+def test_a_gain_of_gravity_is_no_more_certain_than_what_another_motion_shows(tmp_path):
+    robot = load_robot(write_urdf("revolute", tmp_path))
+    time = np.arange(0.0, 40.0, 0.01)
+
+    def gain(amplitude: float) -> GravityGain:
+        """The gain of a swing that repeats, of a joint with a torque that is not in the URDF."""
+        q = amplitude * np.sin(2 * np.pi * time / 4)[:, None]
+        effort = robot.gravity(q) + 2 * q**2 + 0.5 * np.sign(np.gradient(q, axis=0))
+        motion = motion_of(Log(("only",), time, q, effort), robot.is_prismatic)
+        assert motion is not None
+        return gravity_gains(motion, robot)[0]
+
+    small, large = gain(0.3), gain(2.0)
+    assert large.gain - small.gain > 0.2  # [1]; parts of the time alone have errors of 0.002 and 0.02
+    assert large.gain - small.gain < 2 * np.hypot(small.error, large.error)
 
 
 @pytest.mark.parametrize(("factor", "said"), [(0.01, "before a gear"), (0.1, "currents in A")])
