@@ -36,22 +36,25 @@ class ChangeSearch:
         differing: Logs before and after, and the columns of all changes.
         evidence: Normal equations without each block of time.
         settings: What a change must explain.
-        spread: Root mean square certainty of effects that are not there [1], at least 1. A change must be more certain
-            than the settings say by this factor.
+        spreads: Root mean square certainty of effects that are not there [1], at least 1, for each of the two
+            certainties of `BlockFits`. A change must be more certain than the settings say by these factors.
     """
 
     differing: Differing
     evidence: BlockEvidence[Difference]
     settings: ChangeSettings
-    spread: float = 1.0
+    spreads: tuple[float, float] = (1.0, 1.0)
 
     def __repr__(self) -> str:
         return f"ChangeSearch({self.evidence!r})"
 
-    @property
-    def least_certainty(self) -> float:
-        """Estimate over its standard deviation from which on a change can be named [1]."""
-        return self.spread * self.settings.least_certainty
+    def certainty(self, fits: BlockFits) -> Array:
+        """Return how certain each change is, over how certain those seem that are not there [1], shape (C,).
+
+        Args:
+            fits: Each change beside a set.
+        """
+        return np.asarray((fits.certainties / np.array(self.spreads)[:, None]).min(axis=0))
 
     def changes(self, most: int) -> tuple[int, ...]:
         """Return the indices of the changes: they are added one by one, exchanged, and dropped.
@@ -84,8 +87,9 @@ class ChangeSearch:
         """Return the same search, in which a change must be more certain than effects that are not there.
 
         Where the model errs otherwise in one log than in the other, as between motions that differ, all effects take a
-        part of that, and blocks of one log do not show it. The effects that were not found tell how much it is: their
-        certainties are spread wider than by chance, which is their empirical null [Efron2004].
+        part of that, and blocks of one log do not show it, nor parts of the speeds all of it. The effects that were not
+        found tell how much it is: their certainties are spread wider than by chance, which is their empirical null
+        [Efron2004].
 
         Args:
             found: Indices of the changes that were found.
@@ -93,8 +97,9 @@ class ChangeSearch:
         fits, effects = self.evidence.fits(found), self.evidence.effects
         labels = {effects[c].label for c in found}
         first = {e.label: c for c, e in reversed([*enumerate(effects)]) if e.size == 1 and e.sign > 0}
-        others = fits.certainty[[c for label, c in first.items() if label not in labels]]
-        return replace(self, spread=self.settings.spread(others))
+        others = [c for label, c in first.items() if label not in labels]
+        by_time, by_both = (self.settings.spread(certainty[others]) for certainty in fits.certainties)
+        return replace(self, spreads=(by_time, by_both))
 
     def holds(self, rest: Sequence[int], one: int) -> bool:
         """Tell whether one change is certain enough beside others, or explains more than all that are.
@@ -115,7 +120,7 @@ class ChangeSearch:
             one: Index of the change.
         """
         independent = self.differing.block_time >= self.settings.independent_time
-        sure = self.evidence.fits(rest).certainty[one] >= 2 * self.least_certainty
+        sure = self.certainty(self.evidence.fits(rest))[one] >= 2 * self.settings.least_certainty
         return Confidence.ESTABLISHED if sure and independent else Confidence.LIKELY
 
     def torque(self, change: int, theta: Array) -> Array:
@@ -225,7 +230,7 @@ class ChangeSearch:
         return [
             c
             for c in self._visible(
-                chosen, fits, self.spread * self.settings.better_certainty, self.least_certainty
+                chosen, fits, self.settings.better_certainty, self.settings.least_certainty
             )
             if not self.is_slight(fits.gains[c] - fits.gains[most], gain[c])
         ]
@@ -260,19 +265,20 @@ class ChangeSearch:
 
     def _nameable(self, chosen: Sequence[int], fits: BlockFits) -> list[int]:
         """Return the changes that can be named beside a set."""
-        return self._visible(chosen, fits, self.least_certainty)
+        return self._visible(chosen, fits, self.settings.least_certainty)
 
     def _visible(
         self, chosen: Sequence[int], fits: BlockFits, least: float, below: float = np.inf
     ) -> list[int]:
         """Return the changes beside a set that are possible, of some size, and of a certainty from least on [1]."""
         present = {self.evidence.effects[c].label for c in chosen}
+        certainty = self.certainty(fits)
         return [
             int(c)
             for c in np.argsort(-fits.gain)[:LARGEST_GAINS]
             if self.evidence.effects[c].label not in present
             and fits.gain[c] > 0
-            and least <= fits.certainty[c] < below
+            and least <= certainty[c] < below
             and self._is_possible(int(c), fits)
             and self._is_visible(int(c), fits)
         ]

@@ -36,6 +36,8 @@ from cdia_pin.version import __version__
 # Width of the interval of a body's mass beside another body, over that without it, above which the two are one.
 FAR_MORE_CERTAIN = 2.0  # [1]; on a measured arm without much motion 1.3 and 4 name the same
 
+UNCERTAIN = 1e-9  # certainty of an estimate of zero [1], so that none is not divided by zero
+
 
 @on_one_thread
 def what_changed(
@@ -94,7 +96,7 @@ def what_changed(
         findings=findings_of(changes, run_to_run),
         rms_before=errors[0],
         rms_after=errors[1],
-        spread=found.search.spread,
+        spread=max(found.search.spreads),
         record={
             "version": __version__,
             "before": [m.record for m in earlier],
@@ -263,13 +265,15 @@ def _bounds(found: FoundChanges, run_to_run: RunToRun) -> dict[str, Bound]:
     search, chosen = found.search, found.chosen
     differing = search.differing
     robot = differing.experiment.robot
+    fits = search.evidence.fits(chosen)
+    certainty = np.maximum(search.certainty(fits), UNCERTAIN)
     out: dict[str, Bound] = {}
     for c, visible in search.visible_sizes(chosen).items():
         difference = search.evidence.effects[c]
         joints = difference.acts_on(robot)
-        one = FoundChanges.as_searched(search, (*chosen, c))
-        there, unsure = float(one.theta[-1]), float(np.sqrt(one.covariance[-1, -1]))
-        unseen = max(abs(there) + search.least_certainty * unsure, visible)
+        there = float(fits.theta[c][0])
+        unsure = abs(there) / certainty[c]
+        unseen = max(abs(there) + search.settings.least_certainty * unsure, visible)
         limit = Term(difference.effect, (float(np.copysign(unseen, -there)),))
         torque = float(search.torque(c, np.array(limit.theta))[joints[0]])
         if is_friction_of_joint(difference.effect) and 0.0 < torque < run_to_run.size(joints[0]):

@@ -20,6 +20,7 @@ from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.normal_equations import REPEATED
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
+from cdia_pin.regression.speed_parts import speed_parts
 from cdia_pin.regression.time_blocks import Block, time_blocks
 from cdia_pin.selection.candidates import LARGE_FAMILY, SCREENED, enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
@@ -243,7 +244,7 @@ class Differing:
     def evidence(self) -> BlockEvidence[Difference]:
         """Return the evidence for all changes by blocks of time."""
         effects = self.screened()
-        return BlockEvidence.of(effects, self.together(effects), self.blocks, self.experiment.robot)
+        return self._evidence(effects, self.together(effects))
 
     def beside_both(self, changes: list[Difference], both: Sequence[Effect]) -> BlockEvidence[Difference]:
         """Return the evidence for some changes beside effects of any size that all logs have.
@@ -255,8 +256,13 @@ class Differing:
         robot = self.experiment.robot
         columns = (self.columns.of(e, self.prediction, np.zeros(e.size)) for e in both)
         own = [ColumnGroup.of(e, x, robot) for e, x in zip(both, columns, strict=True)]
-        regression = replace(self, common=(*self.common, *own)).together(changes)
-        return BlockEvidence.of(changes, regression, self.blocks, robot)
+        return self._evidence(changes, replace(self, common=(*self.common, *own)).together(changes))
+
+    def _evidence(
+        self, changes: Sequence[Difference], regression: SharedRegression
+    ) -> BlockEvidence[Difference]:
+        parts = speed_parts(self.experiment, self.used)
+        return BlockEvidence.of(changes, regression, self.blocks, self.experiment.robot, parts)
 
     def screened(self) -> list[Difference]:
         """Return the changes; of large families on one joint only the shapes that fit best."""

@@ -184,10 +184,7 @@ def _growth(search: ChangeSearch, chosen: Sequence[int], friction: Array) -> Arr
         return out
     asked = [*(c for c in chosen if not is_friction_of_joint(evidence.effects[c].effect)), *plain]
     parts = ParameterBlocks.of([evidence.effects[c] for c in asked])
-    best, without = (
-        evidence.estimate(asked)[0],
-        evidence.estimates(asked),
-    )  # of all blocks; without one at a time
+    best, covariance = evidence.estimate(asked)
     for j, joint in enumerate(x.experiment.robot.joints):
         own = [k for k, c in enumerate(asked) if c in plain and evidence.effects[c].scope == (joint,)]
         along = np.where(x.counted[:, j], friction[:, j], 0.0)
@@ -197,8 +194,7 @@ def _growth(search: ChangeSearch, chosen: Sequence[int], friction: Array) -> Arr
         per_unit = np.zeros(len(best))  # share of the friction for one unit of each parameter
         for k in own:
             per_unit[parts[k]] = along @ x.changes[evidence.effects[asked[k]]].columns[j] / power
-        share, moved = float(per_unit @ best), (without - best) @ per_unit
-        variance = (len(moved) - 1) / len(moved) * float(moved @ moved)  # of the jackknife
+        share, variance = float(per_unit @ best), float(per_unit @ covariance @ per_unit)
         out[j] = np.copysign(np.sqrt(max(share**2 - variance, 0.0)), share)
     return out
 

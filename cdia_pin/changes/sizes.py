@@ -36,7 +36,7 @@ def sized(found: FoundChanges) -> list[Term]:
 
     evidence, experiment = search.evidence, search.differing.experiment
     effects = [evidence.effects[c] for c in chosen]
-    half = stdtrit(len(evidence.training) - 1, 0.975) * np.sqrt(np.diag(found.covariance))
+    half = stdtrit(len(evidence.unseen) - 1, 0.975) * np.sqrt(np.diag(found.covariance))
     blocks = ParameterBlocks.of(effects)
     pairs = zip(effects, blocks.split(found.theta), blocks.split(half), strict=True)
     out = []

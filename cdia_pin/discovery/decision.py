@@ -18,6 +18,7 @@ from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
+from cdia_pin.regression.speed_parts import speed_parts
 from cdia_pin.regression.time_blocks import Block, time_blocks
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.problem import Problem
@@ -49,6 +50,7 @@ class Repeat:
         everyday: Whether all everyday effects are fitted beside the model's, each with a prior.
         part: Half of the blocks of time that is used, 0 or 1; all blocks if None.
         at_rest: Whether the torque of joints that are near rest for most of every log counts.
+        in_parts: Whether quarters of the speeds are left out too, for the standard deviations.
     """
 
     design: DesignMatrix
@@ -57,6 +59,7 @@ class Repeat:
     everyday: bool = False
     part: int | None = None
     at_rest: bool = True
+    in_parts: bool = False
 
     def __repr__(self) -> str:
         return f"Repeat({self.experiment!r})"
@@ -80,6 +83,11 @@ class Repeat:
     def halves(self) -> tuple[Self, Self]:
         """The same fit on each half of the log alone."""
         return replace(self, part=0), replace(self, part=1)
+
+    @cached_property
+    def by_speed(self) -> Self:
+        """The same fit without each quarter of the speeds too: parameters are as uncertain as these show."""
+        return replace(self, in_parts=True)
 
     @cached_property
     def crowded(self) -> Self:
@@ -285,7 +293,8 @@ class Repeat:
             response,
             lambda j, part: np.where(self._used[:, [j]], part / self._size[j], 0.0),
         )
-        return BlockEvidence.of(effects, regression, self._blocks, robot)
+        parts = speed_parts(x, self._used) if self.in_parts else ()
+        return BlockEvidence.of(effects, regression, self._blocks, robot, parts)
 
     @cached_property
     def _blocks(self) -> list[Block]:

@@ -23,7 +23,8 @@ def with_total_intervals(model: Dynamics, trust: Mapping[str, Trust]) -> Dynamic
     def widened(term: Term) -> Term:
         if term.label not in trust or term.ci95 is None:
             return term
-        statistical = term.half_widths
-        return term.with_intervals(np.hypot(statistical, trust[term.label].systematic), statistical)
+        statistical, known = term.half_widths, trust[term.label]
+        shown = np.maximum(statistical, known.of_speeds)
+        return term.with_intervals(np.hypot(shown, known.systematic), statistical)
 
     return replace(model, terms=tuple(map(widened, model.terms)))

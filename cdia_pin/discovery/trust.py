@@ -29,6 +29,7 @@ from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.motion import Motion
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment
+from cdia_pin.regression.intervals import NORMAL_95
 from cdia_pin.selection.discovery_settings import ConfidenceSettings
 from cdia_pin.selection.problem import Problem
 
@@ -41,10 +42,13 @@ class Trust:
 
     Attributes:
         confidence: How far its name can be trusted.
+        of_speeds: Half width of the 95 % interval of its parameters by quarters of the speeds, where they show more
+            than blocks of time, else 0, in their units, shape (p,).
         systematic: Half width by which its parameters differ between the repeats, in their units, shape (p,).
     """
 
     confidence: Confidence
+    of_speeds: Array
     systematic: Array
 
 
@@ -87,7 +91,9 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         needed = whole.needs(term) and shown and (moves or bool(resting.all()))
         firm = alone and lasting and whole.stands_out(term) and moves
         confidence = _confidence(needed, firm, survived, settings.confidence)
-        out[term.label] = Trust(confidence, systematic)
+        by_time, by_speed = (np.sqrt(np.diag(r.covariance(term))) for r in (whole, whole.by_speed))
+        of_speeds = np.where(by_speed > by_time, NORMAL_95 * by_speed, 0.0)
+        out[term.label] = Trust(confidence, of_speeds, systematic)
     return out
 
 

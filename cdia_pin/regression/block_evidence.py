@@ -8,7 +8,9 @@ not see, and the covariance of its parameters comes from leaving out one block a
 
     V = \frac{B - 1}{B} \sum_b (\hat\theta_{(b)} - \hat\theta) (\hat\theta_{(b)} - \hat\theta)^T
 
-The common structure is fitted again without each block too.
+The common structure is fitted again without each block too. Blocks of one log hold the same motion, and agree on what
+is wrong with it. So the same is done without each quarter of the speeds (`speed_parts`), and what these show more is
+added: a parameter is as uncertain as the more uncertain of the two says.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from typing import Generic, Self, TypeVar
 
 import numpy as np
@@ -30,10 +33,15 @@ from cdia_pin.regression.time_blocks import Block
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 E = TypeVar("E", bound=Effect)
 
 # Sum of squares of an effect beside others over that without them [1], at least; a division by zero is none.
 LEAST_POWER = 1e-12
+# Variance that four parts of the speeds show over that of 32 blocks of time [1], up to which it may be chance: where
+# both estimate the same variance, it is exceeded in one case of twenty.
+SCATTER = 2.9
+NO_VARIANCE = 1e-300  # of a parameter that blocks do not move [unit²], so that none is not divided by zero
 NEGLIGIBLE = 1e-9  # added to a covariance, over its mean variance [1], so that it can be inverted
 
 
@@ -43,17 +51,23 @@ class BlockFits:
 
     Attributes:
         theta: Parameters of each effect from all blocks, shape (p,) each.
-        certainty: Estimate over its standard deviation, root mean square over the parameters [1], shape (C,).
+        certainties: Estimate over its standard deviation, root mean square over the parameters [1], shape (2, C): the
+            standard deviation from blocks of time, and from the more uncertain of these and of parts of the speeds.
         gains: What each effect explains of each block when that block is left out, in units of what is left [1],
             shape (C, B).
     """
 
     theta: tuple[Array, ...]
-    certainty: Array
+    certainties: Array
     gains: Array
 
     def __repr__(self) -> str:
         return f"BlockFits({len(self.theta)} effects, {self.gains.shape[1]} blocks)"
+
+    @property
+    def certainty(self) -> Array:
+        """The smaller of both certainties [1], shape (C,)."""
+        return np.asarray(self.certainties[-1])
 
     @property
     def gain(self) -> Array:
@@ -67,8 +81,9 @@ class BlockEvidence(Generic[E]):
 
     Attributes:
         effects: The effects, in the order of their columns.
-        training: [X y]ᵀ[X y] of all blocks but one, shape (B, P + 1, P + 1).
-        unseen: [X y]ᵀ[X y] of that block, shape (B, P + 1, P + 1).
+        training: [X y]ᵀ[X y] of all blocks but one, and then of all parts of the speeds but one, shape
+            (B + parts, P + 1, P + 1).
+        unseen: [X y]ᵀ[X y] of the block that is left out, shape (B, P + 1, P + 1).
         total: [X y]ᵀ[X y] of all blocks, shape (P + 1, P + 1).
         norms: Sum of squares of each column before the common structure is taken out [1/unit²], shape (P,).
         prior: Precision of the prior on each parameter [1/unit²], shape (P,).
@@ -91,6 +106,7 @@ class BlockEvidence(Generic[E]):
         regression: SharedRegression,
         blocks: Sequence[Block],
         robot: RobotModel,
+        parts: Sequence[Mask] = (),
     ) -> Self:
         """Compute the normal equations without each block.
 
@@ -99,19 +115,20 @@ class BlockEvidence(Generic[E]):
             regression: Columns of the common structure, then of the effects.
             blocks: Samples of each block.
             robot: The arm, for the prior of each effect.
+            parts: Samples of each part of the speeds of each joint, shape (K, n) each; none by default.
         """
         first = len(regression.precision) - sum(e.size for e in effects)
         grams = [regression.gram_of(block) for block in blocks]
         whole = np.sum(grams, axis=0)
         prior = np.diag(regression.precision[:first])
         training, unseen = [], []
-        for block in grams:
-            rest = whole - block
+        for k, left_out in enumerate(chain(grams, map(regression.gram_of, parts))):
+            rest = whole - left_out
             common = ScaledGram.of(rest[:first, :first] + prior, RIDGE).solve(rest[:first, first:])
             training.append(rest[first:, first:] - rest[first:, :first] @ common)
-            unseen.append(
-                _left_of(block[first:, first:], block[first:, :first], block[:first, :first], common)
-            )
+            if k < len(blocks):
+                inner, across = left_out[:first, :first], left_out[first:, :first]
+                unseen.append(_left_of(left_out[first:, first:], across, inner, common))
         common = ScaledGram.of(whole[:first, :first] + prior, RIDGE).solve(whole[:first, first:])
         total = whole[first:, first:] - whole[first:, :first] @ common
         norms = np.maximum(np.diag(whole)[first:-1], 1e-300)
@@ -144,9 +161,9 @@ class BlockEvidence(Generic[E]):
 
     def _fitted(self, chosen: tuple[int, ...]) -> BlockFits:
         training, unseen, total = self._beside(chosen)
-        count, blocks = len(self.effects), len(training)
+        count, blocks = len(self.effects), len(unseen)
         thetas: list[Array] = [np.zeros(e.size) for e in self.effects]
-        certainty, gains = np.zeros(count), np.zeros((count, blocks))
+        certainties, gains = np.zeros((2, count)), np.zeros((count, blocks))
         for size, members in self._by_size.items():
             own = np.array([self.parameters.indices([c]) for c in members])
             rows, columns = own[:, :, None], own[:, None, :]
@@ -155,14 +172,19 @@ class BlockEvidence(Generic[E]):
             theta = np.linalg.solve(training[:, rows, columns] + ridge, right[..., None])[..., 0]
             whole = total[rows, columns] + ridge
             best = np.linalg.solve(whole, total[own, -1][..., None])[..., 0]
-            gains[members] = 2 * np.einsum("bcp,bcp->cb", theta, unseen[:, own, -1]) - np.einsum(
-                "bcp,bcpq,bcq->cb", theta, unseen[:, rows, columns], theta
+            blind = theta[:blocks]  # to the block that is predicted
+            gains[members] = 2 * np.einsum("bcp,bcp->cb", blind, unseen[:, own, -1]) - np.einsum(
+                "bcp,bcpq,bcq->cb", blind, unseen[:, rows, columns], blind
             )
-            certainty[members] = _certainty(theta, best, np.sqrt(np.einsum("cpp->cp", whole)))
+            norms = np.sqrt(np.einsum("cpp->cp", whole))  # to compare parameters of different units
+            known = training[blocks:, rows, columns] + ridge
+            both = self._covariances((theta - best) * norms, _concentration(known, whole))
+            for certainty, covariance in zip(certainties, both, strict=True):
+                certainty[members] = _certainty(best * norms, covariance)
             for c, value in zip(members, best, strict=True):
                 thetas[c] = value
-        gains[list(chosen)] = certainty[list(chosen)] = 0.0
-        return BlockFits(tuple(thetas), certainty, gains)
+        gains[list(chosen)] = certainties[:, list(chosen)] = 0.0
+        return BlockFits(tuple(thetas), certainties, gains)
 
     def estimate(self, chosen: Sequence[int]) -> tuple[Array, Array]:
         """Return the parameters of a set, shape (p,), and their covariance, shape (p, p).
@@ -172,8 +194,11 @@ class BlockEvidence(Generic[E]):
         """
         at = self.parameters.indices(chosen)
         best = self._solved(self.total, at)
-        moved = self.estimates(chosen) - best
-        return best, (len(moved) - 1) / len(moved) * moved.T @ moved
+        moved = np.array([self._solved(t, at) for t in self.training]) - best
+        own = np.ix_(at, at)
+        known = np.array([t[own] + self._ridge(at) for t in self.training[len(self.unseen) :]])
+        concentration = _concentration(known[:, None], (self.total[own] + self._ridge(at))[None])
+        return best, self._covariances(moved[:, None], concentration)[-1][0]
 
     def estimates(self, chosen: Sequence[int]) -> Array:
         """Return the parameters of a set without each block, shape (B, p).
@@ -182,7 +207,7 @@ class BlockEvidence(Generic[E]):
             chosen: Indices of the set.
         """
         at = self.parameters.indices(chosen)
-        return np.array([self._solved(t, at) for t in self.training])
+        return np.array([self._solved(t, at) for t in self.training[: len(self.unseen)]])
 
     def powers(self, chosen: Sequence[int]) -> Array:
         """Return the sum of squares of each column beside a set [1/unit²], shape (P,).
@@ -191,28 +216,51 @@ class BlockEvidence(Generic[E]):
             chosen: Indices of the set.
         """
         at = self.parameters.indices(chosen)
-        ridge = np.diag(RIDGE * self.norms[at] + self.prior[at])
-        inner, across = self.total[np.ix_(at, at)] + ridge, self.total[at, :-1]
+        inner, across = self.total[np.ix_(at, at)] + self._ridge(at), self.total[at, :-1]
         shared = (across * ScaledGram.of(inner).solve(across)).sum(axis=0) if len(at) else 0.0
         return np.maximum(np.diag(self.total)[:-1] - shared, LEAST_POWER * self.norms)
 
     def _solved(self, equations: Array, at: NDArray[np.intp]) -> Array:
-        ridge = np.diag(RIDGE * self.norms[at] + self.prior[at])
-        return ScaledGram.of(equations[np.ix_(at, at)] + ridge).solve(equations[at, -1])
+        return ScaledGram.of(equations[np.ix_(at, at)] + self._ridge(at)).solve(equations[at, -1])
+
+    def _ridge(self, at: NDArray[np.intp]) -> Array:
+        return np.diag(RIDGE * self.norms[at] + self.prior[at])
 
     def _beside(self, chosen: Sequence[int]) -> tuple[Array, Array, Array]:
         """Return all normal equations after a set is taken out as well."""
         at = self.parameters.indices(chosen)
         if not len(at):
             return self.training, self.unseen, self.total
-        ridge = np.diag(RIDGE * self.norms[at] + self.prior[at])
+        ridge = self._ridge(at)
         training, unseen = np.empty_like(self.training), np.empty_like(self.unseen)
-        for b, (seen, block) in enumerate(zip(self.training, self.unseen, strict=True)):
+        for k, seen in enumerate(self.training):
             share = ScaledGram.of(seen[np.ix_(at, at)] + ridge).solve(seen[at])
-            training[b] = seen - seen[:, at] @ share
-            unseen[b] = _left_of(block, block[:, at], block[np.ix_(at, at)], share)
+            training[k] = seen - seen[:, at] @ share
+            if k < len(unseen):
+                block = self.unseen[k]
+                unseen[k] = _left_of(block, block[:, at], block[np.ix_(at, at)], share)
         share = ScaledGram.of(self.total[np.ix_(at, at)] + ridge).solve(self.total[at])
         return training, unseen, self.total - self.total[:, at] @ share
+
+    def _covariances(self, moved: Array, concentration: Array) -> tuple[Array, Array]:
+        """Return the covariance of the parameters of several effects by the jackknife, shape (C, p, p) each.
+
+        The first is that of blocks of time. The second has standard deviations that are as large as parts of the speeds
+        say, where these say more than noise would.
+
+        Args:
+            moved: Estimates without each block and each part less those from all samples, shape (B + parts, C, p).
+            concentration: How far single parts hold what is known of each parameter [1], shape (C, p).
+        """
+        of_time, of_speed = np.split(moved, [len(self.unseen)])
+        blocks = len(of_time)
+        covariance = (blocks - 1) / blocks * np.einsum("bcp,bcq->cpq", of_time, of_time)
+        if not len(of_speed):
+            return covariance, covariance
+        variance = (len(of_speed) - 1) / len(of_speed) * np.sum(of_speed**2, axis=0)
+        ratio = variance / np.maximum(np.einsum("cpp->cp", covariance), NO_VARIANCE)
+        more = np.sqrt(np.where(ratio > SCATTER * concentration, ratio, 1.0))
+        return covariance, covariance * more[:, :, None] * more[:, None, :]
 
     @cached_property
     def _fits(self) -> dict[tuple[int, ...], BlockFits]:
@@ -241,18 +289,32 @@ def _left_of(own: Array, across: Array, inner: Array, share: Array) -> Array:
     return own - half - half.T
 
 
-def _certainty(theta: Array, best: Array, norms: Array) -> Array:
+def _concentration(known: Array, whole: Array) -> Array:
+    """Return the variance that parts would show if noise alone moved the estimates, over the true one [1], at least 1.
+
+    It is 1 if each part holds as much of what is known, and more if one holds most of it, as the slowest quarter of the
+    speeds does of Stribeck friction. Estimates without that part then differ by noise alone.
+
+    Args:
+        known: Normal equations of each effect without each part, shape (parts, C, p, p).
+        whole: Those of all samples, shape (C, p, p).
+    """
+    parts, variance = len(known), np.einsum("cpp->cp", np.linalg.inv(whole))
+    if not parts:
+        return np.ones_like(variance)
+    more = np.einsum("kcpp->kcp", np.linalg.inv(known)) - variance
+    return np.asarray(np.maximum((parts - 1) / parts * more.sum(axis=0) / variance, 1.0))
+
+
+def _certainty(best: Array, covariance: Array) -> Array:
     """Return the estimate over its standard deviation of several effects of equal size [1], shape (C,).
 
     Args:
-        theta: Estimates without each block, shape (B, C, p).
-        best: Estimates from all blocks, shape (C, p).
-        norms: Norm of each column, to compare parameters of different units, shape (C, p).
+        best: Estimates, in units in which the parameters can be compared, shape (C, p).
+        covariance: Their covariance in the same units, shape (C, p, p).
     """
-    blocks, _, size = theta.shape
-    moved, scaled = (theta - best) * norms, best * norms
-    covariance = (blocks - 1) / blocks * np.einsum("bcp,bcq->cpq", moved, moved)
+    size = best.shape[1]
     least = NEGLIGIBLE * np.einsum("cpp->c", covariance) / size + 1e-12
     covariance = covariance + least[:, None, None] * np.eye(size)
-    wald = np.einsum("cp,cp->c", scaled, np.linalg.solve(covariance, scaled[..., None])[..., 0])
+    wald = np.einsum("cp,cp->c", best, np.linalg.solve(covariance, best[..., None])[..., 0])
     return np.asarray(np.sqrt(np.maximum(wald, 0.0) / size))

@@ -18,6 +18,7 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]
 
 WEAKEST = 1e-12  # precision of a prior without information [1/unit²], so that columns of zeros can be solved
 RIDGE = 1e-10  # added to a unit diagonal [1], so that columns that repeat each other can be solved
@@ -107,15 +108,15 @@ class SharedRegression:
         """XᵀX of all joints with the response as last column, shape (P + 1, P + 1)."""
         return self.gram_of(slice(None))
 
-    def gram_of(self, samples: Block) -> Array:
+    def gram_of(self, samples: Block | Mask) -> Array:
         """Return XᵀX of some samples of all joints with the response as last column, shape (P + 1, P + 1).
 
         Args:
-            samples: The samples.
+            samples: The samples; True for those of each joint, shape (K, n), where they differ.
         """
         out = np.zeros((len(self.precision) + 1,) * 2)
-        for rows, at in zip(self.rows, self.at, strict=True):
-            x = rows[samples]
+        for j, (rows, at) in enumerate(zip(self.rows, self.at, strict=True)):
+            x = rows[samples[:, j] if isinstance(samples, np.ndarray) and samples.ndim > 1 else samples]
             there = x.any(axis=0)  # what differs between logs is zero in half of them
             x, own = x[:, there], at[there]
             out[np.ix_(own, own)] += x.T @ x

@@ -36,13 +36,14 @@ class Evidence:
     def __init__(self, size=0.0, **offered):
         self.size = size
         self.effects = tuple(Difference(effect, ("after",)) for effect, _, _ in offered.values())
-        self.certainty = np.array([certainty for _, certainty, _ in offered.values()])
+        each = [np.broadcast_to(certainty, 2) for _, certainty, _ in offered.values()]
+        self.certainties = np.array(each).T  # by time, and by the speeds too
         self.gains = np.array([gains for _, _, gains in offered.values()])
 
     def fits(self, chosen):
         share = 0.0 if len(chosen) else 1.0
         theta = tuple(np.full(e.size, self.size) for e in self.effects)
-        return BlockFits(theta, share * self.certainty, share * self.gains)
+        return BlockFits(theta, share * self.certainties, share * self.gains)
 
 
 class Search(ChangeSearch):
@@ -150,6 +151,9 @@ def crowded(certainty, others):
         (12.0, 0.8, True, Confidence.ESTABLISHED),
         (12.0, 2.5, True, Confidence.LIKELY),
         (8.0, 2.5, False, Confidence.LIKELY),
+        ((12.0, 6.0), 0.8, True, Confidence.LIKELY),  # parts of the speeds say less than blocks of time
+        ((12.0, 4.0), 0.8, False, Confidence.LIKELY),
+        ((12.0, 12.0), (2.5, 0.8), True, Confidence.LIKELY),  # what is not there seems certain by time alone
     ],
 )
 def test_a_change_must_be_more_certain_than_effects_that_are_not_there(certainty, others, holds, confidence):

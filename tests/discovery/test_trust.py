@@ -106,11 +106,11 @@ def test_what_only_a_joint_at_rest_shows_is_descriptive_beside_one_that_moves(ro
 def test_one_block_whose_motion_no_other_has_does_not_speak_against_an_effect(robot, monkeypatch):
     logs = problem(robot)
     whole = Repeat(logs.design, Dynamics(robot, (FRICTION,)), logs.settings)
-    unlike = BlockFits((np.array([0.3]),), np.array([9.0]), np.array([[4.0, 5.0, -100.0, 3.0]]))
+    unlike = BlockFits((np.array([0.3]),), np.full((2, 1), 9.0), np.array([[4.0, 5.0, -100.0, 3.0]]))
     monkeypatch.setattr(Repeat, "_beside", lambda *_: unlike)
     assert whole.survives(FRICTION)
     assert not whole.survives(FRICTION, spared=0)
-    two = BlockFits(unlike.theta, unlike.certainty, np.array([[4.0, -50.0, -100.0, 3.0]]))
+    two = BlockFits(unlike.theta, unlike.certainties, np.array([[4.0, -50.0, -100.0, 3.0]]))
     monkeypatch.setattr(Repeat, "_beside", lambda *_: two)
     assert not whole.survives(FRICTION)
 

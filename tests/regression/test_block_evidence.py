@@ -22,13 +22,17 @@ def rows():
     return common, x, y
 
 
-@pytest.fixture(scope="module")
-def evidence(rows):
+def evidence_of(rows, parts=()):
     common, x, y = rows
     groups = [ColumnGroup({0: common}, np.full(4, PRIOR))]
     groups += [ColumnGroup({0: x[:, [k]]}, np.full(1, np.inf)) for k in range(3)]
     regression = SharedRegression.of(groups, y[:, None], lambda _, part: part)
-    return BlockEvidence.of(EFFECTS, regression, BLOCKS, load_robot("double_pendulum"))
+    return BlockEvidence.of(EFFECTS, regression, BLOCKS, load_robot("double_pendulum"), parts)
+
+
+@pytest.fixture(scope="module")
+def evidence(rows):
+    return evidence_of(rows)
 
 
 def fitted(rows, chosen, seen):
@@ -70,6 +74,46 @@ def test_the_covariance_is_the_jackknife_over_blocks(rows, evidence):
     np.testing.assert_allclose(theta, whole, rtol=1e-6)
     moved = np.array(without) - whole
     np.testing.assert_allclose(covariance, 7 / 8 * moved.T @ moved, rtol=1e-4)
+
+
+SPEED = np.abs(np.sin(1.7 * np.arange(200)))  # of the joint, at each sample
+QUARTERS = [np.isin(np.arange(200), part) for part in np.array_split(np.argsort(SPEED), 4)]
+
+
+def variances(rows, left_out):
+    """Of the first two effects, from fits without each of some parts."""
+    whole = fitted(rows, [0, 1], np.arange(200))[4:]
+    moved = np.array([fitted(rows, [0, 1], np.setdiff1d(np.arange(200), part))[4:] for part in left_out])
+    return (len(moved) - 1) / len(moved) * np.sum((moved - whole) ** 2, axis=0)
+
+
+def test_a_parameter_is_as_uncertain_as_parts_of_the_speeds_say_if_they_say_more(rows):
+    common, x, y = rows
+    bent = (common, x, y + 2 * SPEED**4 * x[:, 0])  # the first effect is another at high speeds
+    evidence = evidence_of(bent, [part[:, None] for part in QUARTERS])
+    by_time = variances(bent, [np.arange(200)[block] for block in BLOCKS])
+    by_speed = variances(bent, [np.flatnonzero(part) for part in QUARTERS])
+    found = np.diag(evidence.estimate([0, 1])[1])
+    assert by_speed[0] > 2 * by_time[0]
+    assert found[0] == pytest.approx(
+        by_speed[0], rel=0.1
+    )  # each quarter holds about as much of what is known
+    assert found[1] == pytest.approx(by_time[1], rel=1e-4)
+    assert evidence.fits([1]).certainties[1][0] < 0.7 * evidence.fits([1]).certainties[0][0]
+
+
+def test_an_effect_of_one_part_of_the_speeds_is_not_less_certain_for_that(rows):
+    common, x, y = rows
+    own = (
+        x * np.where(QUARTERS[0], 1.0, 0.05)[:, None]
+    )  # as Stribeck friction, which the slowest quarter shows
+    slow = (common, own, y - x @ [2.0, -1.0, 0.0] + own @ [2.0, -1.0, 0.0])
+    by_time, by_both = evidence_of(slow, [part[:, None] for part in QUARTERS]).fits([]).certainties
+    assert (
+        variances(slow, [np.flatnonzero(part) for part in QUARTERS])[0]
+        > 1.6 * variances(slow, [np.arange(200)[block] for block in BLOCKS]).max()
+    )
+    np.testing.assert_allclose(by_both, by_time)
 
 
 def test_what_is_there_is_certain_and_what_is_not_there_is_not(evidence):
