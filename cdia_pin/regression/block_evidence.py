@@ -39,7 +39,8 @@ E = TypeVar("E", bound=Effect)
 # Sum of squares of an effect beside others over that without them [1], at least; a division by zero is none.
 LEAST_POWER = 1e-12
 # Variance that four parts of the speeds show over that of 32 blocks of time [1], up to which it may be chance: where
-# both estimate the same variance, it is exceeded in one case of twenty.
+# both estimate the same variance, it is exceeded in one case of twenty. With 1, 12 of 36 effects between unlike motions
+# of a UR5 are named exactly, with this 11.
 SCATTER = 2.9
 NO_VARIANCE = 1e-300  # of a parameter that blocks do not move [unit²], so that none is not divided by zero
 NEGLIGIBLE = 1e-9  # added to a covariance, over its mean variance [1], so that it can be inverted
