@@ -9,8 +9,8 @@ not see, and the covariance of its parameters comes from leaving out one block a
     V = \frac{B - 1}{B} \sum_b (\hat\theta_{(b)} - \hat\theta) (\hat\theta_{(b)} - \hat\theta)^T
 
 The common structure is fitted again without each block too. Blocks of one log hold the same motion, and agree on what
-is wrong with it. So the same is done without each quarter of the speeds (`speed_parts`), and what these show more is
-added: a parameter is as uncertain as the more uncertain of the two says.
+is wrong with it. So the same is done without each quarter of the speeds (`speed_parts`). Where these show more than
+noise would, a parameter is as uncertain as they say.
 """
 
 from __future__ import annotations
