@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.logs.jackknife import jackknife_error
 from cdia_pin.logs.torque_side import TorqueSide
 
 if TYPE_CHECKING:
@@ -185,6 +186,4 @@ def _fitted(own: Array, regressor: Array, effort: Array) -> tuple[Array, Array]:
     prior[:3, :3] = 0.0
     whole = np.linalg.solve(gram.sum(axis=0) + prior, moment.sum(axis=0))[:3]
     left_out = np.linalg.solve(gram.sum(axis=0) + prior - gram, (moment.sum(axis=0) - moment)[..., None])
-    scatter = left_out[:, :3, 0] - left_out[:, :3, 0].mean(axis=0)
-    error = np.sqrt((BLOCKS - 1) / BLOCKS * np.sum(scatter**2, axis=0))
-    return whole / size, error / size
+    return whole / size, jackknife_error(left_out[:, :3, 0]) / size

@@ -38,10 +38,9 @@ E = TypeVar("E", bound=Effect)
 
 # Sum of squares of an effect beside others over that without them [1], at least; a division by zero is none.
 LEAST_POWER = 1e-12
-# Variance that four parts of the speeds show over that of 32 blocks of time [1], up to which it may be chance: where
-# both estimate the same variance, it is exceeded in one case of twenty. With 1, 12 of 36 effects between unlike motions
-# of a UR5 are named exactly, with this 11.
-SCATTER = 2.9
+# Up to this it may be chance: where four parts and 32 blocks estimate the same variance, it is exceeded in one case of
+# twenty. Without it, 12 of 36 effects between unlike motions of a UR5 are named exactly, with it 11.
+SCATTER = 2.9  # variance by parts of the speeds over that by blocks of time [1]
 NO_VARIANCE = 1e-300  # of a parameter that blocks do not move [unit²], so that none is not divided by zero
 NEGLIGIBLE = 1e-9  # added to a covariance, over its mean variance [1], so that it can be inverted
 
@@ -300,9 +299,10 @@ def _concentration(known: Array, whole: Array) -> Array:
         known: Normal equations of each effect without each part, shape (parts, C, p, p).
         whole: Those of all samples, shape (C, p, p).
     """
-    parts, variance = len(known), np.einsum("cpp->cp", np.linalg.inv(whole))
+    parts = len(known)
     if not parts:
-        return np.ones_like(variance)
+        return np.ones(whole.shape[:2])
+    variance = np.einsum("cpp->cp", np.linalg.inv(whole))
     more = np.einsum("kcpp->kcp", np.linalg.inv(known)) - variance
     return np.asarray(np.maximum((parts - 1) / parts * more.sum(axis=0) / variance, 1.0))
 

@@ -13,9 +13,9 @@ from cdia_pin.regression.experiment import Experiment
 
 Mask = NDArray[np.bool_]
 
-# Parts of the range [1]. More parts are more alike, and the estimates without them differ less: of the parameters that
-# are established in two of eight motions of a UR5, 98 % agree with 3 or 4 parts of speeds and positions, 95 % with 6.
-PARTS = 4
+# More parts are more alike, and the estimates without them differ less: of the parameters that are established in two
+# of eight motions of a UR5, 98 % agree with 3 or 4 parts of speeds and positions, 95 % with 6.
+PARTS = 4  # parts of the range of speed [1]
 
 
 def speed_parts(experiment: Experiment, used: Mask) -> list[Mask]:

@@ -95,24 +95,20 @@ def test_a_parameter_is_as_uncertain_as_parts_of_the_speeds_say_if_they_say_more
     by_speed = variances(bent, [np.flatnonzero(part) for part in QUARTERS])
     found = np.diag(evidence.estimate([0, 1])[1])
     assert by_speed[0] > 2 * by_time[0]
-    assert found[0] == pytest.approx(
-        by_speed[0], rel=0.1
-    )  # each quarter holds about as much of what is known
+    # each quarter holds about as much of what is known
+    assert found[0] == pytest.approx(by_speed[0], rel=0.1)
     assert found[1] == pytest.approx(by_time[1], rel=1e-4)
     assert evidence.fits([1]).certainties[1][0] < 0.7 * evidence.fits([1]).certainties[0][0]
 
 
 def test_an_effect_of_one_part_of_the_speeds_is_not_less_certain_for_that(rows):
     common, x, y = rows
-    own = (
-        x * np.where(QUARTERS[0], 1.0, 0.05)[:, None]
-    )  # as Stribeck friction, which the slowest quarter shows
+    # as Stribeck friction, which the slowest quarter shows
+    own = x * np.where(QUARTERS[0], 1.0, 0.05)[:, None]
     slow = (common, own, y - x @ [2.0, -1.0, 0.0] + own @ [2.0, -1.0, 0.0])
     by_time, by_both = evidence_of(slow, [part[:, None] for part in QUARTERS]).fits([]).certainties
-    assert (
-        variances(slow, [np.flatnonzero(part) for part in QUARTERS])[0]
-        > 1.6 * variances(slow, [np.arange(200)[block] for block in BLOCKS]).max()
-    )
+    of_time = variances(slow, [np.arange(200)[block] for block in BLOCKS])
+    assert variances(slow, [np.flatnonzero(part) for part in QUARTERS])[0] > 1.6 * of_time.max()
     np.testing.assert_allclose(by_both, by_time)
 
 

@@ -15,6 +15,7 @@ from cdia_pin.logs.checks.fit import physical_columns
 from cdia_pin.logs.checks.motion import SAMPLES, SmoothedMotion, longest_stretch
 from cdia_pin.logs.checks.velocity import vertex
 from cdia_pin.logs.derivatives import BLOCK, differentiate, uniform, zero_phase
+from cdia_pin.logs.jackknife import jackknife_error
 from cdia_pin.logs.log import Log
 
 if TYPE_CHECKING:
@@ -203,8 +204,7 @@ def _joint_lag(columns: Array, later: Array) -> tuple[float, float] | None:
     left_out = np.array(
         [vertex(LAGS, _left(np.delete(x, p, axis=0), np.delete(later, p, axis=0))) for p in parts]
     )
-    error = np.sqrt((BLOCKS - 1) / BLOCKS * np.sum((left_out - left_out.mean()) ** 2))
-    return vertex(LAGS, full), float(error)
+    return vertex(LAGS, full), float(jackknife_error(left_out))
 
 
 def _left(x: Array, y: Array) -> Array:
