@@ -43,24 +43,34 @@ def physical_columns(motion: SmoothedMotion, robot: RobotModel) -> Array:
     return np.asarray(stacked.transpose(1, 0, 2))
 
 
-def unexplained(effort: Array, columns: Array) -> float:
+def unexplained(effort: Array, columns: Array, parts: int = 1) -> float:
     """Compute the share of the variance of one effort that physics leaves unexplained.
 
     Args:
         effort: Effort of a joint in any unit, shape (N,).
         columns: Columns of that joint, shape (N, k).
+        parts: Number of parts of the time that have coefficients of their own; the variance is then that within
+            these parts.
 
     Returns:
         Share, 0 to 1 [1]; NaN for a constant effort.
     """
-    y = effort - effort.mean()
-    total = float(y @ y)
+    split = zip(np.array_split(effort, parts), np.array_split(columns, parts), strict=True)
+    squares = [_squares(y, x) for y, x in split]
+    left, total = np.sum(squares, axis=0).tolist()
     if total <= 1e-18 * max(float(effort @ effort), 1e-30):
         return float("nan")
+    return max(float(left / total), 0.0)
+
+
+def _squares(effort: Array, columns: Array) -> tuple[float, float]:
+    """Return the sums of squares that the columns and a constant leave, and that a constant alone leaves."""
+    y = effort - effort.mean()
+    total = float(y @ y)
     x = columns - columns.mean(axis=0)
     size = np.sqrt((x * x).sum(axis=0))
     x = x[:, size > 1e-12] / size[size > 1e-12]
-    return max(_nonnegative_residual(x.T @ x, x.T @ y, total) / total, 0.0)
+    return _nonnegative_residual(x.T @ x, x.T @ y, total), total
 
 
 def misfit(share: Array) -> float:

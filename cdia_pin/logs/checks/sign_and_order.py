@@ -31,16 +31,15 @@ def check_conventions(log: Log, robot: RobotModel, search: ConventionSearch) -> 
         Findings on units, signs and order, and on efforts that fit badly.
     """
     yield from _adopted(log, robot, search)
-    likely = [t for t in search.rest if t.gain > LIKELY]
-    if likely:
-        for d in differences(robot, search.conventions, likely[0].conventions):
+    if search.possible is not None:
+        for d in differences(robot, search.conventions, search.possible.conventions):
             yield Finding(
                 d.topic,
                 Severity.WARNING,
                 f"perhaps {d.message}: that would fit better, but not by enough to be sure",
                 joint=d.joints[0] if len(d.joints) == 1 else None,
                 advice=f"look at another log; if so, {d.advice}",
-                value={"joints": d.joints, "gain": likely[0].gain},
+                value={"joints": d.joints, "gain": search.possible.gain},
             )
     yield from _signs(log, robot, search)
     if robot.n > 1:
