@@ -347,16 +347,6 @@ class FoundChanges:
         explained = float(np.sum(self.search.evidence.unexplained(()) - self.left))
         return not self.search.is_slight(other.left - self.left, explained)
 
-    @classmethod
-    def as_searched(cls, search: ChangeSearch, chosen: tuple[int, ...]) -> Self:
-        """Return changes with the sizes that they have with the columns of the search.
-
-        Args:
-            search: The search.
-            chosen: Indices of the changes.
-        """
-        return cls(search, chosen, *search.evidence.estimate(chosen))
-
 
 def _sorted(*chosen: int) -> tuple[int, ...]:
     return tuple(sorted(chosen))

@@ -23,6 +23,10 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
+# Size before over the difference [1], below which it is too uncertain to tell a growth: a fit of friction that was not
+# there gives half a percent of what came.
+LEAST_BEFORE = 0.05
+
 
 class ChangesVerdict(StrEnum):
     """Whether anything differs between the logs."""
@@ -58,10 +62,11 @@ class Change:
 
     @property
     def growth(self) -> float | None:
-        """Difference over the size before [1], of an effect with one parameter that was present before."""
-        if self.before is None or len(self.before) != 1 or self.before[0] <= 0.0:
+        """Difference over the size before [1], of an effect with one parameter that was clearly present before."""
+        if self.before is None or len(self.before) != 1:
             return None
-        return self.term.theta[0] / self.before[0]
+        (difference,), (before,) = self.term.theta, self.before
+        return difference / before if before > LEAST_BEFORE * abs(difference) else None
 
     def to_dict(self, robot: RobotModel) -> ChangeJson:
         """Return the change for JSON.
@@ -111,11 +116,12 @@ class Changes:
         model: The model with which both sides were compared.
         before: Names of the logs before.
         after: Names of the logs after.
-        changes: Effects by which the logs differ, the most certain first; empty if nothing changed.
+        changes: Effects by which the logs differ, first what explains most; empty if nothing changed.
         bounds: For each joint by name, the largest change of one effect that would not be found.
         findings: What several changes mean together.
-        rms_before: RMS residual of the model in the logs before [N·m or N], shape (n,).
-        rms_after: RMS residual of the model in the logs after [N·m or N], shape (n,).
+        rms_before: RMS residual of the model in the logs before, where both sides are compared [N·m or N], shape (n,);
+            NaN for joints that are not compared.
+        rms_after: The same in the logs after.
         record: Logs, hashes and settings.
         torque_rms: RMS measured torque where both sides are compared [N·m or N], shape (n,).
         usual: Differences of friction that are no larger than what an unchanged arm shows from run to run.
@@ -160,6 +166,9 @@ class Changes:
         """
         return self.bounds[joint].torque / float(self.torque_rms[self.model.robot.joint_index(joint)])
 
+    def _compared(self, values: Mapping[str, float]) -> dict[str, float]:
+        return {joint: value for joint, value in values.items() if joint not in self.not_compared}
+
     def to_dict(self) -> ChangesJson:
         """Return the JSON of schema ``cdia-changes/1``."""
         robot = self.model.robot
@@ -184,6 +193,9 @@ class Changes:
             "usual_friction": [u.to_dict() for u in self.usual],
             "spread": self.spread,
             "findings": [f.to_dict() for f in self.findings],
-            "rms": {"before": robot.by_joint(self.rms_before), "after": robot.by_joint(self.rms_after)},
+            "rms": {
+                "before": self._compared(robot.by_joint(self.rms_before)),
+                "after": self._compared(robot.by_joint(self.rms_after)),
+            },
             "record": self.record,
         }

@@ -14,7 +14,7 @@ from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.changes.late_torque import put_right
-from cdia_pin.changes.linearisation import sized_about_themselves
+from cdia_pin.changes.linearisation import sized_about_themselves, without_made_up
 from cdia_pin.changes.run_to_run import RunToRun, UsualFriction, is_friction_of_joint
 from cdia_pin.changes.sizes import covering, friction_before, sized
 from cdia_pin.dynamics import Dynamics
@@ -80,8 +80,8 @@ def what_changed(
     run_to_run = RunToRun.of(found.search, found.chosen)
     changes, usual = sized_changes(found, run_to_run)
     errors = [
-        rms(differing.given.residual, differing.used & of[:, None])
-        for of in (~differing.after, differing.after)
+        np.where(counted.any(axis=0), rms(differing.given.residual, counted), np.nan)
+        for counted in (differing.counted_before, differing.counted)
     ]
     tell("done", 1.0)
     return Changes(
@@ -148,7 +148,7 @@ def searched(
 def _searched(differing: Differing, settings: DiscoverySettings) -> FoundChanges:
     search = ChangeSearch(differing, differing.evidence(), settings.changes)
     chosen = certain_beside_both(search, search.changes(settings.most_effects))
-    found = sized_about_themselves(search, chosen)
+    found = without_made_up(sized_about_themselves(search, chosen))
     return replace(found, search=search.beside(found.chosen))
 
 
@@ -173,7 +173,7 @@ def sized_changes(
     named = [c for c in _there(terms, usual) if search.holds([o for o in chosen if o != c], c)]
     if 0 < len(named) < len(chosen):
         # what cannot be named may have stood for the same torque with the other sign: then neither of the two is there
-        named = _there(*_sizes(FoundChanges.as_searched(search, tuple(named)), run_to_run))
+        named = _there(*_sizes(sized_about_themselves(search, tuple(named)), run_to_run))
     out: list[Change] = []
     for one in named:
         term = terms[one]
@@ -190,7 +190,7 @@ def sized_changes(
     parts = _parts_of_others(found, out)
     if parts:
         whole = tuple(c for c in chosen if effects[c].effect.label not in parts)
-        return sized_changes(FoundChanges.as_searched(search, whole), run_to_run)
+        return sized_changes(sized_about_themselves(search, whole), run_to_run)
     return tuple(sorted(_with_or_without_likely(found, out), key=lambda c: -c.evidence)), tuple(usual)
 
 
@@ -226,7 +226,7 @@ def _parts_of_others(found: FoundChanges, changes: Sequence[Change]) -> set[str]
     effects, out = found.search.evidence.effects, set()
     for likely in (c.term.label for c in bodies if c.confidence is Confidence.LIKELY and sure):
         rest = tuple(c for c in found.chosen if effects[c].effect.label != likely)
-        alone = {t.label: t.half_widths[0] for t in sized(FoundChanges.as_searched(found.search, rest))}
+        alone = {t.label: t.half_widths[0] for t in sized(sized_about_themselves(found.search, rest))}
         if any(t.half_widths[0] > FAR_MORE_CERTAIN * alone[t.label] for t in sure):
             out.add(likely)
     return out
@@ -243,7 +243,7 @@ def _with_or_without_likely(found: FoundChanges, changes: Sequence[Change]) -> l
         return list(changes)
     search = found.search
     sure = tuple(c for c in found.chosen if search.evidence.effects[c].effect.label in labels)
-    alone = {t.label: t for t in sized(FoundChanges.as_searched(search, sure))}
+    alone = {t.label: t for t in sized(sized_about_themselves(search, sure))}
     covered = [
         replace(c, term=covering(c.term, alone[c.term.label])) if c.term.label in labels else c
         for c in changes

@@ -21,14 +21,14 @@ from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.normal_equations import REPEATED
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from cdia_pin.regression.speed_parts import speed_parts
-from cdia_pin.regression.time_blocks import Block, time_blocks
-from cdia_pin.selection.candidates import LARGE_FAMILY, SCREENED, enumerate_candidates
+from cdia_pin.regression.time_blocks import Block, distinct_time, time_blocks
+from cdia_pin.selection.candidates import LARGE_FAMILY, best_shapes, enumerate_candidates
 from cdia_pin.selection.discovery_settings import DiscoverySettings
+from cdia_pin.selection.problem import GENERIC_SIZE
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-GENERIC_SIZE = 10  # parameters [1]; effects with as many or more would fit noise in its first estimate
 ROUNDS = 2  # rounds [1] of weighting, because weights and residuals depend on each other
 
 
@@ -192,10 +192,9 @@ class Differing:
     @property
     def block_time(self) -> float:
         """Duration of a block of the shorter side, without repeats [s]."""
-        spans = [
-            s.distinct / len(s.measured) * float(np.ptp(s.motion.time)) for s in self.experiment.segments
-        ]
-        return min(sum(spans[: self.before]), sum(spans[self.before :])) / self.settings.changes.blocks
+        segments = self.experiment.segments
+        sides = (segments[: self.before], segments[self.before :])
+        return min(map(distinct_time, sides)) / self.settings.changes.blocks
 
     @property
     def misfit(self) -> float:
@@ -265,10 +264,10 @@ class Differing:
         return BlockEvidence.of(changes, regression, self.blocks, self.experiment.robot, parts)
 
     def screened(self) -> list[Difference]:
-        """Return the changes; of large families on one joint only the shapes that fit best."""
-        families: dict[str, list[Difference]] = {}
+        """Return the changes; of large families on one joint only the shapes that fit best, before as well as after."""
+        families: dict[tuple[str, float], list[Difference]] = {}
         for change in self.changes:
-            families.setdefault(change.label, []).append(change)
+            families.setdefault((change.label, change.sign), []).append(change)
         return [c for family in families.values() for c in self._best_shapes(family)]
 
     def _best_shapes(self, family: list[Difference]) -> list[Difference]:
@@ -282,7 +281,7 @@ class Differing:
         first = sum(len(g.scale) for g in own)
         left = regression.beside(first)
         gains = [self._gain(left, regression.gram[first:, first:], k, c.size) for k, c in enumerate(family)]
-        return [family[int(k)] for k in np.argsort(gains)[::-1][:SCREENED]]
+        return [family[k] for k in best_shapes(np.array(gains))]
 
     @staticmethod
     def _gain(left: Array, whole: Array, k: int, size: int) -> float:

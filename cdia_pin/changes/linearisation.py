@@ -27,25 +27,34 @@ CLEAR = 2.0  # standard deviations [1] by which a parameter differs from zero, t
 SETTLED = 0.2  # standard deviations [1]; a smaller step is the last, since it moves the interval by a tenth of its half
 
 
+def without_made_up(found: FoundChanges) -> FoundChanges:
+    """Return what was found without changes that only made up for columns at another size.
+
+    All intervals of their parameters hold zero.
+
+    Args:
+        found: The changes, sized about themselves.
+    """
+    if len(found.chosen) < 2 or all(map(is_exact, found.effects)):
+        return found
+    ratio = np.abs(found.theta) / np.sqrt(np.maximum(np.diag(found.covariance), 1e-300))
+    parts = ParameterBlocks.of(found.effects).split(ratio)
+    clear = tuple(c for c, part in zip(found.chosen, parts, strict=True) if (part > CLEAR).any())
+    if len(clear) == len(found.chosen):
+        return found
+    return without_made_up(sized_about_themselves(found.search, clear))
+
+
 def sized_about_themselves(search: ChangeSearch, chosen: tuple[int, ...]) -> FoundChanges:
     """Return changes with their sizes.
 
-    Of several, those are left out that only made up for columns at another size: all their intervals hold zero.
-
     Args:
         search: The search, with the evidence for all changes.
-        chosen: Indices of what it found.
+        chosen: Indices of the changes.
     """
-    effects = [search.evidence.effects[c] for c in chosen]
-    if all(map(is_exact, effects)):
-        return FoundChanges.as_searched(search, chosen)
-    theta, covariance = _settled(search, chosen)
-    ratio = np.abs(theta) / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    parts = ParameterBlocks.of(effects).split(ratio)
-    clear = tuple(c for c, part in zip(chosen, parts, strict=True) if (part > CLEAR).any())
-    if len(chosen) > 1 and len(clear) < len(chosen):
-        return sized_about_themselves(search, clear)
-    return FoundChanges(search, chosen, theta, covariance)
+    exact = all(is_exact(search.evidence.effects[c]) for c in chosen)
+    sizes = search.evidence.estimate(chosen) if exact else _settled(search, chosen)
+    return FoundChanges(search, chosen, *sizes)
 
 
 def _settled(search: ChangeSearch, chosen: Sequence[int]) -> tuple[Array, Array]:

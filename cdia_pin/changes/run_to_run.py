@@ -45,7 +45,7 @@ class UsualFriction:
     Attributes:
         joint: Name of the joint.
         effects: Labels of the effects that differ.
-        share: RMS torque of the difference over that of the friction before [1].
+        share: RMS torque of the difference over that of the friction that both sides have in common [1].
         limit: Share [1] above which it counts as a change.
     """
 
@@ -89,7 +89,7 @@ class RunToRun:
             chosen: Indices of what it found.
         """
         x = search.differing
-        torque = _friction_before(x)
+        torque = _common_friction(x)
         growth = _growth(search, chosen, torque)
         return cls(x.experiment.robot.joints, rms(torque, x.counted), growth, x.settings.run_to_run)
 
@@ -165,7 +165,7 @@ class RunToRun:
         return out
 
 
-def _friction_before(x: Differing) -> Array:
+def _common_friction(x: Differing) -> Array:
     """Return the torque of all friction that both sides have, joint by joint [N·m or N], shape (K, n)."""
     out = np.zeros_like(x.prediction.residual)
     for term in x.prediction.model.terms:

@@ -86,7 +86,7 @@ def friction_before(
     """Return the parameters of each changed friction before the change.
 
     The common structure consists here of rigid bodies, Coulomb and viscous friction and an offset, so that friction has
-    its usual meaning. Other effects of the speed would take a part of it.
+    its usual meaning. Other effects of the speed would take a part of it, and so would friction that the model has.
 
     Args:
         differing: The logs, and columns of all changes.
@@ -106,7 +106,10 @@ def friction_before(
     columns = DesignMatrix(differing.experiment)
     groups = [ColumnGroup.of(e, columns.of(e, prediction), robot, e.prior_scale(robot)) for e in effects]
     groups += [differing.changes[d] for d in changed]
-    left = differing.experiment.predict(differing.given.model).residual
+    joints = {j for d in asked for j in d.scope}
+    model = differing.given.model
+    bare = [t for t in model.terms if not (t.effect.traits.dissipative and joints.issuperset(t.effect.scope))]
+    left = differing.experiment.predict(replace(model, terms=tuple(bare))).residual
     theta = SharedRegression.of(groups, left, differing.scaled).theta()
     parts = dict(
         zip([*effects, *changed], ParameterBlocks.of([*effects, *changed]).split(theta), strict=True)

@@ -6,7 +6,7 @@ after all that both have in common. Terms that did not change keep their values.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -21,8 +21,8 @@ from cdia_pin.discovery.conclusion import conclusion
 from cdia_pin.discovery.discovery_result import Discovery, Step
 from cdia_pin.discovery.trace import errors_of
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Term
-from cdia_pin.logs.motion import Motion
+from cdia_pin.effects import PerLog, Term
+from cdia_pin.logs.motion import Motion, names_of
 from cdia_pin.progress import Progress, part
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.selection.problem import Problem
@@ -43,21 +43,21 @@ def discover_beyond(model: Dynamics, logs: Problem, report: Progress) -> Discove
         model with all of them. It remembers the new logs.
     """
     after = [s.motion for s in logs.experiment.segments]
-    before = [_remembered(m, k) for k, m in enumerate(model.learned_from)]
+    before, known = _apart(model, names_of(after))
     # what the model lacks cannot be taken away from it
     beyond = replace(logs.settings, changes=replace(logs.settings.changes, gone=False))
-    found = searched(model, before, after, beyond, part(report, 0.0, 0.8))
+    found = searched(known, before, after, beyond, part(report, 0.0, 0.8))
     search, chosen = found.search, found.chosen
     run_to_run = RunToRun.of(search, chosen)
     changes, usual = sized_changes(found, run_to_run)
     at = {search.evidence.effects[c].effect: c for c in chosen}
-    known = {t.label for t in model.terms}
+    labels = {t.label for t in model.terms}
     later, steps, so_far = model, [Step(None, *errors_of(logs, model, None))], []
     for change in changes:
         later = updated(later, change.term)
         so_far.append(at[change.term.effect])
         errors = errors_of(logs, later, partial(_left_by_blocks, logs, model, search, tuple(so_far)))
-        of_model = change.term.label in known
+        of_model = change.term.label in labels
         steps.append(Step(change.term, *errors, change.confusions, of_model, change.confidence))
     findings = (*findings_of(changes, run_to_run), *as_phenomena(usual))
     return conclusion(logs, later, tuple(steps), part(report, 0.8, 1.0), findings=findings)
@@ -100,6 +100,30 @@ def updated(model: Dynamics, difference: Term) -> Dynamics:
     return replace(model, terms=tuple(new if t is old else t for t in model.terms))
 
 
-def _remembered(motion: Motion, k: int) -> Motion:
-    """Return a motion of the model under a name of its own, because the new log may have the same one."""
-    return replace(motion, record={**motion.record, "condition": f"log {k + 1} of the model"})
+def _apart(model: Dynamics, taken: Sequence[str]) -> tuple[list[Motion], Dynamics]:
+    """Return the motions that a model remembers, under other names where new logs have the same, and the model.
+
+    Args:
+        model: The model.
+        taken: Names of the new logs.
+
+    Returns:
+        The motions, and the model with parameters per log that know them.
+    """
+    names = names_of(model.learned_from)
+    aliases = {name: f"{name} of the model" for name in names if name in taken}
+    motions = [
+        replace(m, record={**m.record, "condition": aliases[name]}) if name in aliases else m
+        for m, name in zip(model.learned_from, names, strict=True)
+    ]
+    return motions, replace(model, terms=tuple(_with_aliases(t, aliases) for t in model.terms))
+
+
+def _with_aliases(term: Term, aliases: Mapping[str, str]) -> Term:
+    """Return a term that has the same parameters under another name of a log."""
+    effect = term.effect
+    if not isinstance(effect, PerLog) or not (shared := aliases.keys() & set(effect.logs)):
+        return term
+    again = [log for log in effect.logs if log in shared]
+    theta = [*term.theta, *(x for log in again for x in effect.of_part(term.theta, log))]
+    return Term(replace(effect, logs=(*effect.logs, *(aliases[log] for log in again))), tuple(theta))

@@ -14,19 +14,18 @@ from cdia_pin.changes.run_to_run import is_friction_of_joint
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, RotorInertia, Term, TorqueOffset
 from cdia_pin.effects.body import Body
-from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
+from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits, certainty_of
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from cdia_pin.regression.speed_parts import speed_parts
-from cdia_pin.regression.time_blocks import Block, time_blocks
+from cdia_pin.regression.time_blocks import Block, in_half, time_blocks, within
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.problem import Problem
 
 Array = NDArray[np.float64]
 
 NO_POWER = 1e-300  # of a torque, squared [1], so that none is not divided by zero
-TINY = 1e-150  # least standard deviation, whose square is still above zero
 
 
 def is_everyday(effect: Effect) -> bool:
@@ -48,9 +47,10 @@ class Repeat:
         model: The fitted model.
         settings: What an effect must show.
         everyday: Whether all everyday effects are fitted beside the model's, each with a prior.
-        part: Half of the blocks of time that is used, 0 or 1; all blocks if None.
+        part: Half of every log that is used, 0 or 1; all of them if None.
         at_rest: Whether the torque of joints that are near rest for most of every log counts.
-        in_parts: Whether quarters of the speeds are left out too, for the standard deviations.
+        by_speed: Whether parameters are fitted without each quarter of the speeds too, to tell how uncertain they are.
+            What is certain is decided by blocks of time.
     """
 
     design: DesignMatrix
@@ -59,7 +59,7 @@ class Repeat:
     everyday: bool = False
     part: int | None = None
     at_rest: bool = True
-    in_parts: bool = False
+    by_speed: bool = False
 
     def __repr__(self) -> str:
         return f"Repeat({self.experiment!r})"
@@ -72,7 +72,7 @@ class Repeat:
             logs: The logs and settings.
             model: A fitted model.
         """
-        return cls(logs.design, model, logs.settings)
+        return cls(logs.design, model, logs.settings, by_speed=True)
 
     @property
     def experiment(self) -> Experiment:
@@ -81,18 +81,13 @@ class Repeat:
 
     @cached_property
     def halves(self) -> tuple[Self, Self]:
-        """The same fit on each half of the log alone."""
-        return replace(self, part=0), replace(self, part=1)
-
-    @cached_property
-    def by_speed(self) -> Self:
-        """The same fit without each quarter of the speeds too: parameters are as uncertain as these show."""
-        return replace(self, in_parts=True)
+        """The same fit on each half of every log alone."""
+        return replace(self, part=0, by_speed=False), replace(self, part=1, by_speed=False)
 
     @cached_property
     def crowded(self) -> Self:
         """The same fit beside all everyday effects."""
-        return replace(self, everyday=True)
+        return replace(self, everyday=True, by_speed=False)
 
     def settled(self) -> Self:
         """Return the repeat with its normal equations, and without the regressors that they were computed from."""
@@ -110,7 +105,7 @@ class Repeat:
         one = self._at[term.label]
         fits = self._beside(one)
         helps = np.sort(fits.gains[one])[spared:].sum() > 0
-        return bool(helps and fits.certainty[one] >= self.settings.confidence.least_certainty)
+        return bool(helps and fits.certainty_by_time[one] >= self.settings.confidence.least_certainty)
 
     def stands_out(self, term: Term) -> bool:
         """Tell whether the torque of an effect is larger on some joint than what the model leaves there.
@@ -148,10 +143,9 @@ class Repeat:
         )  # of its torque, over that of what is left [1]
         if power.sum() < 1.0:
             return False
-        spread = np.maximum(np.sqrt(np.diag(self.covariance(term))), TINY)
-        relative = self.covariance(term) / np.outer(spread, spread) + 1e-9 * np.eye(len(spread))
-        scaled = np.asarray(theta) / spread
-        expected = np.sqrt(scaled @ np.linalg.solve(relative, scaled) / len(scaled))
+        unit = np.sqrt(self._evidence.norms[own])
+        covariance = self.covariances(term)[0] * np.outer(unit, unit)
+        (expected,) = certainty_of((np.asarray(theta) * unit)[None], covariance[None])
         return bool(expected >= self.settings.confidence.power * self.settings.confidence.least_certainty)
 
     def needs(self, term: Term) -> bool:
@@ -195,7 +189,7 @@ class Repeat:
             term: A term of the model.
         """
         one = self._at[term.label]
-        return float(self._beside(one).certainty[one])
+        return float(self._beside(one).certainty_by_time[one])
 
     def is_visible(self, term: Term) -> bool:
         """Tell whether an effect is sure, of some size, and explains a visible share of what is left.
@@ -207,7 +201,7 @@ class Repeat:
         fits, use = self._beside(one), self._used
         gain, torque = float(fits.gain[one]), self.torque(term, fits.theta[one])
         measured = np.maximum(rms(x.measured, use), 1e-12)
-        return rule.is_sure(fits.certainty[one], gain) and rule.is_visible(
+        return rule.is_sure(fits.certainty_by_time[one], gain) and rule.is_visible(
             gain, torque, self._size, measured, use.sum(axis=0)
         )
 
@@ -233,14 +227,14 @@ class Repeat:
         own = self._evidence.parameters[self._at[term.label]]
         return self._estimate[0][own]
 
-    def covariance(self, term: Term) -> Array:
-        """Return the covariance of the parameters of an effect, shape (p, p).
+    def covariances(self, term: Term) -> Array:
+        """Return the covariance of the parameters of an effect, by time and by speed, shape (2, p, p).
 
         Args:
             term: A term of the model.
         """
         own = self._evidence.parameters[self._at[term.label]]
-        return self._estimate[1][own, own]
+        return self._estimate[1][:, own, own]
 
     @cached_property
     def _at(self) -> dict[str, int]:
@@ -248,7 +242,7 @@ class Repeat:
 
     @cached_property
     def _estimate(self) -> tuple[Array, Array]:
-        return self._evidence.estimate(range(len(self._evidence.effects)))
+        return self._evidence.estimate_with_both(range(len(self._evidence.effects)))
 
     @cached_property
     def _used(self) -> NDArray[np.bool_]:
@@ -293,12 +287,12 @@ class Repeat:
             response,
             lambda j, part: np.where(self._used[:, [j]], part / self._size[j], 0.0),
         )
-        parts = speed_parts(x, self._used) if self.in_parts else ()
+        parts = speed_parts(x, self._used) if self.by_speed else ()
         return BlockEvidence.of(effects, regression, self._blocks, robot, parts)
 
     @cached_property
     def _blocks(self) -> list[Block]:
         """Samples of each block of time."""
-        every = time_blocks(self.experiment.segments, self.settings.confidence.blocks)
-        middle = len(every) // 2
-        return every if self.part is None else (every[:middle] if self.part == 0 else every[middle:])
+        segments = self.experiment.segments
+        every = time_blocks(segments, self.settings.confidence.blocks)
+        return every if self.part is None else within(every, in_half(segments, self.part))

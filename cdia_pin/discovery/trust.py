@@ -1,7 +1,7 @@
 """How far each effect of a discovery can be trusted: its decision and its size are repeated under other assumptions.
 
 Nobody knows the right cut-off, the right links, or what else acts. An effect that is real does not depend on them.
-The repeats: both halves of the log, 0.7 and 1.4 of the cut-off, and links that are five percent wrong. An established
+The repeats: both halves of every log, 0.7 and 1.4 of the cut-off, and links that are five percent wrong. An established
 effect is besides larger than what the model leaves, half of the log shows it by itself, unless every joint has it, and
 several blocks of time show it, for one short motion says nothing of the next.
 What only joints at rest show is descriptive, because static friction carries an unknown part of their load; it is
@@ -70,7 +70,8 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     moving = replace(whole, at_rest=False) if resting.any() else whole
     logs.experiment.forget()
     others = [
-        Repeat(DesignMatrix(x), replace(model, robot=x.robot), settings).settled() for x in variations(logs)
+        Repeat(DesignMatrix(x), replace(model, robot=x.robot), settings).settled()
+        for x in variations(logs, model)
     ]
     repeats = [*whole.halves, *others]
     out = {}
@@ -91,7 +92,7 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         needed = whole.needs(term) and shown and (moves or bool(resting.all()))
         firm = alone and lasting and whole.stands_out(term) and moves
         confidence = _confidence(needed, firm, survived, settings.confidence)
-        by_time, by_speed = (np.sqrt(np.diag(r.covariance(term))) for r in (whole, whole.by_speed))
+        by_time, by_speed = np.sqrt(np.einsum("kpp->kp", whole.covariances(term)))
         of_speeds = np.where(by_speed > by_time, NORMAL_95 * by_speed, 0.0)
         out[term.label] = Trust(confidence, of_speeds, systematic)
     return out
@@ -105,12 +106,18 @@ def _confidence(
     return Confidence.ESTABLISHED if firm and all(survived) else Confidence.LIKELY
 
 
-def variations(logs: Problem) -> Iterator[Experiment]:
+def variations(logs: Problem, model: Dynamics) -> Iterator[Experiment]:
     """Yield the logs with other cut-offs and with wrong links, which nobody knows better.
 
     Args:
         logs: The logs.
+        model: The model, at whose friction between two joints samples are left out.
     """
+    effects = [t.effect for t in model.terms]
+    return (x.without_rest_of(effects) for x in _varied(logs))
+
+
+def _varied(logs: Problem) -> Iterator[Experiment]:
     x, settings = logs.experiment, logs.settings
     for factor in settings.confidence.cutoffs:
         try:

@@ -95,9 +95,12 @@ def _measured_rows(log: Log, setup: RobotSetup) -> Iterator[Row]:
     check = check_log(log, robot)
     if check.obstacles:
         raise LogError(check.mend)
-    problem = Problem.conditioned(robot, [log], [], settings.discovery)
+    effects = [t.effect for t in setup.model.terms]
+    problem = Problem.conditioned(robot, [log], [], settings.discovery).without_rest_of(effects)
     fit = LogFit.of(problem.experiment, setup.model, settings)
-    repeats = [LogFit.of(x, replace(setup.model, robot=x.robot), settings) for x in variations(problem)]
+    repeats = [
+        LogFit.of(x, replace(setup.model, robot=x.robot), settings) for x in variations(problem, setup.model)
+    ]
     whole: Row = {
         "doubts": "; ".join(f.message for f in check.problems),
         "duration": log.duration,

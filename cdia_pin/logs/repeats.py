@@ -38,6 +38,41 @@ def period_of(q: Array) -> int | None:
     return None
 
 
+def lag_between(first: Array, second: Array) -> int | None:
+    """Return how many samples after one log another begins, if both drive the same motion; None if they do not.
+
+    Args:
+        first: Positions of the one at an even pace [rad or m], shape (K, n).
+        second: Those of the other at the same pace, shape (L, n). It may begin earlier: the lag is negative then.
+    """
+    moves = (np.ptp(first, axis=0) > STANDSTILL) | (np.ptp(second, axis=0) > STANDSTILL)
+    least = int(MOSTLY * max(len(first), len(second)))  # samples that both must have
+    if not moves.any() or least > min(len(first), len(second)):
+        return None
+    first, second = first[:, moves], second[:, moves]
+    size = np.sqrt(2.0) * np.maximum(first.std(axis=0), second.std(axis=0))
+    lags = np.arange(least - len(second), len(first) - least + 1)
+    different = [_difference_at(lags, x, y) / s for x, y, s in zip(first.T, second.T, size, strict=True)]
+    lag = int(lags[np.max(different, axis=0).argmin()])
+    begin, end = max(lag, 0), min(lag + len(second), len(first))
+    back = (np.abs(first[begin:end] - second[begin - lag : end - lag]) < ALIKE * size).all(axis=1)
+    return lag if back.mean() >= MOSTLY else None
+
+
+def _difference_at(lags: NDArray[np.intp], x: Array, y: Array) -> Array:
+    """Return the RMS difference of one signal from another one that begins some samples later, shape of the lags."""
+    from scipy.fft import irfft, next_fast_len, rfft
+
+    mean = x.mean()
+    x, y = x - mean, y - mean
+    length = next_fast_len(len(x) + len(y), real=True)
+    products = irfft(rfft(x, length) * np.conj(rfft(y, length)), length)[lags]  # negative lags are at the end
+    power_x, power_y = (np.concatenate([[0.0], np.cumsum(s**2)]) for s in (x, y))
+    begin, end = np.maximum(lags, 0), np.minimum(lags + len(y), len(x))
+    both = power_x[end] - power_x[begin] + power_y[end - lags] - power_y[begin - lags]
+    return np.asarray(np.sqrt(np.maximum(both - 2.0 * products, 0.0) / (end - begin)))
+
+
 def _minima(x: Array, start: int, stop: int) -> list[int]:
     """Return where a signal is lower than before and no higher than after, between two samples."""
     return [k for k in range(max(start, 1), stop - 1) if x[k] < x[k - 1] and x[k] <= x[k + 1]]

@@ -41,8 +41,14 @@ LEAST_POWER = 1e-12
 # Up to this it may be chance: where four parts and 32 blocks estimate the same variance, it is exceeded in one case of
 # twenty. Without it, 12 of 36 effects between unlike motions of a UR5 are named exactly, with it 11.
 SCATTER = 2.9  # variance by parts of the speeds over that by blocks of time [1]
+LEAST_VARIANCE = (
+    1e-12  # of a parameter in units in which its column has one [1], so that none is not inverted
+)
 NO_VARIANCE = 1e-300  # of a parameter that blocks do not move [unit²], so that none is not divided by zero
 NEGLIGIBLE = 1e-9  # added to a covariance, over its mean variance [1], so that it can be inverted
+# Parameters [1] of one body. Estimates without each of 32 blocks tell the covariance of so many. Of 20 parameters noise
+# alone would seem 1.7 standard deviations from zero, of 40 more than 10,000.
+TOLD_APART = 10
 
 
 @dataclass(frozen=True, repr=False)
@@ -63,6 +69,11 @@ class BlockFits:
 
     def __repr__(self) -> str:
         return f"BlockFits({len(self.theta)} effects, {self.gains.shape[1]} blocks)"
+
+    @property
+    def certainty_by_time(self) -> Array:
+        """The certainty by blocks of time alone [1], shape (C,)."""
+        return np.asarray(self.certainties[0])
 
     @property
     def certainty(self) -> Array:
@@ -97,7 +108,7 @@ class BlockEvidence(Generic[E]):
     prior: Array
 
     def __repr__(self) -> str:
-        return f"BlockEvidence({len(self.effects)} effects, {len(self.training)} blocks)"
+        return f"BlockEvidence({len(self.effects)} effects, {len(self.unseen)} blocks)"
 
     @classmethod
     def of(
@@ -180,7 +191,7 @@ class BlockEvidence(Generic[E]):
             known = training[blocks:, rows, columns] + ridge
             both = self._covariances((theta - best) * norms, _concentration(known, whole))
             for certainty, covariance in zip(certainties, both, strict=True):
-                certainty[members] = _certainty(best * norms, covariance)
+                certainty[members] = certainty_of(best * norms, covariance)
             for c, value in zip(members, best, strict=True):
                 thetas[c] = value
         gains[list(chosen)] = certainties[:, list(chosen)] = 0.0
@@ -192,13 +203,24 @@ class BlockEvidence(Generic[E]):
         Args:
             chosen: Indices of the set.
         """
+        best, covariances = self.estimate_with_both(chosen)
+        return best, covariances[-1]
+
+    def estimate_with_both(self, chosen: Sequence[int]) -> tuple[Array, Array]:
+        """Return the parameters of a set, shape (p,), and both covariances, shape (2, p, p).
+
+        The first is from blocks of time, the second from the more uncertain of these and of parts of the speeds.
+
+        Args:
+            chosen: Indices of the set.
+        """
         at = self.parameters.indices(chosen)
         best = self._solved(self.total, at)
         moved = np.array([self._solved(t, at) for t in self.training]) - best
         own = np.ix_(at, at)
         known = np.array([t[own] + self._ridge(at) for t in self.training[len(self.unseen) :]])
         concentration = _concentration(known[:, None], (self.total[own] + self._ridge(at))[None])
-        return best, self._covariances(moved[:, None], concentration)[-1][0]
+        return best, np.array(self._covariances(moved[:, None], concentration))[:, 0]
 
     def estimates(self, chosen: Sequence[int]) -> Array:
         """Return the parameters of a set without each block, shape (B, p).
@@ -307,15 +329,22 @@ def _concentration(known: Array, whole: Array) -> Array:
     return np.asarray(np.maximum((parts - 1) / parts * more.sum(axis=0) / variance, 1.0))
 
 
-def _certainty(best: Array, covariance: Array) -> Array:
+def certainty_of(best: Array, covariance: Array) -> Array:
     """Return the estimate over its standard deviation of several effects of equal size [1], shape (C,).
+
+    Of more parameters than one body has, each body is compared with zero by itself: what blocks tell of the covariance
+    between them is noise.
 
     Args:
         best: Estimates, in units in which the parameters can be compared, shape (C, p).
         covariance: Their covariance in the same units, shape (C, p, p).
+
+    Returns:
+        Root mean square over the parameters.
     """
     size = best.shape[1]
-    least = NEGLIGIBLE * np.einsum("cpp->c", covariance) / size + 1e-12
-    covariance = covariance + least[:, None, None] * np.eye(size)
+    body = np.arange(size) // TOLD_APART
+    least = NEGLIGIBLE * np.einsum("cpp->c", covariance) / size + LEAST_VARIANCE
+    covariance = covariance * (body[:, None] == body) + least[:, None, None] * np.eye(size)
     wald = np.einsum("cp,cp->c", best, np.linalg.solve(covariance, best[..., None])[..., 0])
     return np.asarray(np.sqrt(np.maximum(wald, 0.0) / size))

@@ -249,16 +249,6 @@ class NormalEquations:
         best, _ = self.optimum(chosen)
         return self.solve(self.columns(chosen), gram=self.total - block) - best
 
-    def restricted(self, chosen: Sequence[int]) -> NormalEquations:
-        """Return the normal equations of some of the effects alone.
-
-        Args:
-            chosen: Indices of the effects.
-        """
-        at = np.append(self.columns(chosen), -1)
-        blocks = self.blocks[:, at][:, :, at]
-        return NormalEquations(self.robot, [self.effects[c] for c in chosen], blocks, self.samples)
-
     # ------------------------------------------------------------- every effect added to a set
 
     def gains(self, chosen: Sequence[int], *, bounded: bool = False) -> Array:

@@ -10,13 +10,16 @@ from numpy.typing import NDArray
 
 from cdia_pin.effects import State
 from cdia_pin.logs.motion import Motion
-from cdia_pin.logs.repeats import period_of
+from cdia_pin.logs.repeats import lag_between, period_of
 from cdia_pin.logs.side_evidence import SideEvidence, side_evidence
 from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import clipped
 
 Array = NDArray[np.float64]
 
+SAME_PACE = (
+    0.01  # relative difference of the time between compared samples [1]: blocks are a thirtieth of a log
+)
 JUDGED = 800  # samples of a log [1] by which the side of its torque is judged
 
 
@@ -42,6 +45,19 @@ class Segment:
         """Number of compared samples before the motion repeats [1]; all of them if it does not, one at least."""
         period = None if self.motion.stretches else period_of(self.motion.q[self.motion.kept])
         return max(len(self.measured) if period is None else period, 1)
+
+    def lag_behind(self, other: Segment) -> int | None:
+        """Return how many compared samples after another log this one begins, if both drive one motion, else None.
+
+        Args:
+            other: The other log. Of logs with gaps, or of unlike rates, it is not known.
+        """
+        if self.motion.stretches or other.motion.stretches:
+            return None
+        pace, others = (m.decimation / m.rate for m in (self.motion, other.motion))
+        if abs(pace / others - 1.0) > SAME_PACE:
+            return None
+        return lag_between(other.motion.q[other.motion.kept], self.motion.q[self.motion.kept])
 
     @property
     def measured_side(self) -> TorqueSide:

@@ -172,12 +172,20 @@ def screen(
         (j,) = joints
         white, inverse = design.family(family, prediction, noise[j])
         right = white @ leftover[:, j]
-        best = np.argsort(np.einsum("cp,cpq,cq->c", right, inverse, right))[::-1]
-        chosen: list[int] = []
-        for c in best:
-            if all(abs(int(c) - other) > NEIGHBOURS for other in chosen):
-                chosen.append(int(c))
-            if len(chosen) == SCREENED:
-                break
-        out.extend(family[c] for c in chosen)
+        out.extend(family[c] for c in best_shapes(np.einsum("cp,cpq,cq->c", right, inverse, right)))
     return out
+
+
+def best_shapes(gains: Array) -> list[int]:
+    """Return the indices of the shapes of a large family that pass the screening: the best, but no neighbours.
+
+    Args:
+        gains: What each shape explains, in the order of the grid [1], shape (C,).
+    """
+    chosen: list[int] = []
+    for c in np.argsort(gains)[::-1].tolist():
+        if all(abs(c - other) > NEIGHBOURS for other in chosen):
+            chosen.append(c)
+        if len(chosen) == SCREENED:
+            break
+    return chosen

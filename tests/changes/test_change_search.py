@@ -1,5 +1,6 @@
 """Which of several changes is named, by what each explains of blocks of time that its fit did not see."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +10,7 @@ from cdia_pin import Dynamics
 from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.difference import Difference
+from cdia_pin.changes.differing import Differing
 from cdia_pin.effects import (
     EFFECTS,
     ActuatorGain,
@@ -21,9 +23,13 @@ from cdia_pin.effects import (
     Term,
     TorqueOffset,
 )
+from cdia_pin.logs.conditioning import condition
 from cdia_pin.regression.block_evidence import BlockFits
+from cdia_pin.regression.experiment import Experiment
 from cdia_pin.robot import load_robot
-from cdia_pin.selection.discovery_settings import ChangeSettings
+from cdia_pin.selection.candidates import LARGE_FAMILY, SCREENED
+from cdia_pin.selection.discovery_settings import ChangeSettings, DiscoverySettings
+from tests.made_logs import make
 
 BLOCKS = 16
 PANDA = load_robot("panda")
@@ -168,3 +174,13 @@ def test_few_effects_that_are_not_there_say_little():
     assert settings.spread(np.array([4.0])) < 1.6
     assert settings.spread(np.full(200, 4.0)) == pytest.approx(4.0, rel=0.05)
     assert settings.spread(np.full(200, 0.1)) == 1.0  # never less than chance
+
+
+def test_of_a_large_family_shapes_that_came_and_that_are_gone_are_both_asked_for():
+    robot, settings = load_robot("double_pendulum"), DiscoverySettings()
+    logs = [replace(make(robot, seed=seed, noise=0.02).log, source=f"{seed}.csv") for seed in (1, 2)]
+    experiment = Experiment.of(robot, [condition(log, robot, settings.searched) for log in logs])
+    differing = Differing.of(experiment, Dynamics(robot), 1, settings)
+    ripples = [c for c in differing.screened() if c.label == "position_ripple@joint2"]
+    assert differing.searched["position_ripple@joint2"] > LARGE_FAMILY
+    assert [c.sign for c in ripples].count(1.0) == [c.sign for c in ripples].count(-1.0) == SCREENED

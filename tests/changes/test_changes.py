@@ -194,6 +194,13 @@ def test_friction_of_most_joints_in_one_direction_is_temperature(growth, kinds):
     assert [f.kind for f in findings_of([], friction(*growth))] == kinds
 
 
+@pytest.mark.parametrize("growth", [1.9, 2.0, 2.05])
+def test_where_hardly_any_friction_was_before_its_growth_is_a_lower_bound(growth):
+    (finding,) = findings_of([], friction(growth, growth, growth))
+    assert "rose on all 3 joints by at least 200 % (median)" in finding.sentence
+    assert finding.values["median_growth"] == pytest.approx(2.0)
+
+
 @pytest.mark.parametrize(("growth", "kinds"), [(0.1, []), (-0.1, ["warming"])])
 def test_friction_that_rises_with_a_payload_is_no_temperature(ur5, growth, kinds):
     change = Change(Term(parse_effect("payload"), (2.0, *[0.0] * 9)), None, np.ones(ur5.n), 50.0)

@@ -63,6 +63,8 @@ def test_a_joint_that_moves_alike_is_compared_though_another_one_rests(robot):
     assert found.verdict == "unchanged"
     assert set(found.not_compared) == {"joint2"}
     assert set(found.bounds) <= {"joint1"}
+    for errors in found.to_dict()["rms"].values():
+        assert set(errors) == {"joint1"}
 
 
 @pytest.mark.parametrize(("spread", "said"), [(1.2, False), (2.04, True)])

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from cdia_pin import Dynamics, load_robot, what_changed
 from cdia_pin.changes.sizes import covering
-from cdia_pin.effects import Term, ViscousFriction
+from cdia_pin.effects import Term, ViscousFriction, parse_term
+from cdia_pin.logs import Log
+from tests.made_logs import motion
 
 
 def friction(value: float, half: float) -> Term:
@@ -21,3 +24,45 @@ def test_an_interval_covers_another_estimate_and_is_never_narrower(other: Term, 
     assert wide.theta == (1.8,)
     assert wide.ci95 == (pytest.approx(total),)
     assert wide.ci95_statistical == (pytest.approx((1.65, 1.95)),)
+
+
+def pendulum_log(name: str, seed: int, *, level: float = 0.0, gain: float = 0.0, offset: float = 0.0) -> Log:
+    """A log with friction and another gain of the second joint, and an offset of the first."""
+    robot = load_robot("double_pendulum")
+    t, q, v, a = motion(robot.n, seed, duration=24.0)
+    effort = robot.inverse_dynamics(q, v, a)
+    effort[:, 1] = effort[:, 1] / (1 + gain) + level * np.tanh(v[:, 1] / 0.01)
+    effort[:, 0] += offset
+    outside = 0.02 * np.sin(5 * q + seed) * np.cos(3 * v) if gain else 0.0
+    noise = np.random.default_rng(seed).normal(0.0, 0.003, effort.shape)
+    return Log(robot.joints, t, q, effort + noise + outside, source=name)
+
+
+@pytest.mark.parametrize(
+    "known", [(), ("coulomb_friction@joint2: level=0.5",), ("viscous_friction@joint2: coefficient=0.1",)]
+)
+def test_friction_before_is_all_of_it_whatever_the_model_has(known: tuple) -> None:
+    model = Dynamics(load_robot("double_pendulum"), tuple(map(parse_term, known)))
+    logs = (pendulum_log(name, 5, level=level) for name, level in (("a.csv", 0.6), ("b.csv", 0.9)))
+    (change,) = what_changed(model, *logs).changes
+    assert change.before == pytest.approx((0.6,), rel=0.05)
+    assert change.growth == pytest.approx(0.5, rel=0.05)
+
+
+def test_friction_that_was_not_there_has_no_growth() -> None:
+    logs = (pendulum_log(name, 5, level=level) for name, level in (("a.csv", 0.0), ("b.csv", 0.5)))
+    (change,) = what_changed(Dynamics(load_robot("double_pendulum")), *logs).changes
+    assert change.growth is None
+
+
+def test_a_gain_is_as_large_and_as_certain_beside_what_is_only_likely() -> None:
+    robot = load_robot("double_pendulum")
+    widths = {}
+    for offset in (0.02, 0.1):
+        found = what_changed(
+            Dynamics(robot), pendulum_log("a.csv", 5), pendulum_log("b.csv", 6, gain=-0.3, offset=offset)
+        )
+        gain = next(c.term for c in found.changes if c.term.label == "actuator_gain@joint2")
+        assert gain.theta[0] == pytest.approx(-0.3, abs=0.01)
+        widths[offset] = gain.half_widths[0]
+    assert max(widths.values()) < 0.03

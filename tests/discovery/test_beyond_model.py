@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from benchmarks.plant import Fault
-from cdia_pin import Dynamics, discover, load_model, save_model
+from cdia_pin import Dynamics, discover, load_model, load_robot, save_model
 from cdia_pin.changes.detection import searched
 from cdia_pin.effects import parse_term
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.selection import DiscoverySettings
+from tests.changes.test_conditions import pair
 from tests.hidden_plants import plant_of
+from tests.made_logs import make
 
 SECONDS = 24.0
 ELBOW = {"joint": "elbow_joint"}
@@ -82,3 +84,16 @@ def test_an_unusual_effect_that_only_describes_its_log_is_no_candidate_for_a_cha
         names = {e.effect.name for e in found.search.evidence.effects}
         assert "payload" in names
         assert ("tool_wrench" in names) is bool(expected)
+
+
+@pytest.mark.parametrize(("name", "grown"), [("new.csv", 0.05), ("log2.csv", 0.0)])
+def test_a_model_with_parameters_per_log_knows_its_own_logs(name, grown):
+    robot = load_robot("double_pendulum")
+    model = discover(Dynamics(robot), pair(robot, 0.1, 0.2)).model  # 0.15 in a log of no known name
+
+    def missing(q, v, a):
+        return np.column_stack([-0.2 * v[:, 0], -0.05 * np.tanh(v[:, 1] / 1e-3)])
+
+    found = discover(model, replace(make(robot, missing, seed=9, noise=0.004).log, source=name))
+    sizes = {s.term.label: s.term.theta[0] for s in found.steps}
+    assert sizes == ({"viscous_friction@joint1": pytest.approx(grown, rel=0.05)} if grown else {})

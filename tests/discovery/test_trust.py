@@ -5,8 +5,17 @@ import pytest
 
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.discovery.decision import Repeat
-from cdia_pin.discovery.trust import trust_in
-from cdia_pin.effects import CoulombFriction, Drift, LoadFriction, ViscousFriction, parse_term
+from cdia_pin.discovery.trust import trust_in, variations
+from cdia_pin.effects import (
+    CoulombFriction,
+    Drift,
+    LinkInertias,
+    LoadFriction,
+    PerLog,
+    Term,
+    ViscousFriction,
+    parse_term,
+)
 from cdia_pin.effects.refinements import is_plain
 from cdia_pin.logs import Log
 from cdia_pin.regression.block_evidence import BlockFits
@@ -131,3 +140,47 @@ def test_what_one_short_motion_shows_is_not_established(robot, moving, said):
     log = Log(robot.joints, t, q, effort + np.random.default_rng(0).normal(0.0, 0.03, effort.shape))
     logs = Problem.conditioned(robot, [log], [], DiscoverySettings())
     assert trust_in(logs, Dynamics(robot, (FRICTION,)), Dynamics(robot))[FRICTION.label].confidence == said
+
+
+@pytest.mark.parametrize("durations", [(24.0, 24.0), (24.0, 48.0)])
+def test_a_half_is_a_half_of_every_log(robot, durations):
+    logs = []
+    for seed, (duration, coefficient) in enumerate(zip(durations, (0.3, 0.6), strict=True)):
+        t, q, v, a = motion(robot.n, seed, duration=duration)
+        effort = robot.inverse_dynamics(q, v, a)
+        effort[:, 1] += coefficient * v[:, 1]
+        effort += np.random.default_rng(seed).normal(0.0, 0.01, effort.shape)
+        logs.append(Log(robot.joints, t, q, effort, source=f"{seed}.csv"))
+    friction = Term(PerLog(ViscousFriction("joint2"), ("0.csv", "1.csv")), (0.3, 0.6))
+    both = Problem.conditioned(robot, logs, [], DiscoverySettings())
+    trust = trust_in(both, Dynamics(robot, (friction,)), Dynamics(robot))[friction.label]
+    assert trust.confidence == "established"
+    assert max(trust.systematic) < 0.01
+
+
+def test_repeats_leave_out_the_samples_at_which_friction_between_two_joints_may_stick(robot):
+    logs = problem(robot)
+    coupled = Dynamics(robot, (parse_term("coupled_friction@joint1+joint2: level=0.2, coefficient=0.1"),))
+    wrong_links = [
+        x
+        for x in variations(logs, coupled)
+        if x.segments[0].motion.cutoff == logs.experiment.segments[0].motion.cutoff
+    ]
+    assert wrong_links
+    sticking = logs.without_rest_of([coupled.terms[0].effect]).experiment.moving
+    assert sticking.sum() < 0.9 * logs.experiment.moving.sum()
+    for x in wrong_links:
+        np.testing.assert_array_equal(x.moving, sticking)
+
+
+def test_noise_alone_is_not_certain_whatever_the_number_of_parameters():
+    robot = load_robot("ur5")
+    t, q, v, a = motion(robot.n, 1, rate=50.0)
+    effort = robot.inverse_dynamics(q, v, a)
+    effort += np.random.default_rng(1).normal(0.0, 0.3, effort.shape)
+    logs = Problem.conditioned(robot, [Log(robot.joints, t, q, effort)], [], DiscoverySettings())
+    every = LinkInertias(robot.joints)
+    term = Term(every, (0.0,) * every.size)
+    whole = Repeat.of(logs, Dynamics(robot, (term,)))
+    for repeat in (whole, *whole.halves):
+        assert repeat.certainty(term) < 3.0

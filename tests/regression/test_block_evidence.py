@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cdia_pin.effects import CoulombFriction, TorqueOffset, ViscousFriction
-from cdia_pin.regression.block_evidence import BlockEvidence
+from cdia_pin.regression.block_evidence import BlockEvidence, certainty_of
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from cdia_pin.robot import load_robot
 
@@ -116,3 +116,12 @@ def test_what_is_there_is_certain_and_what_is_not_there_is_not(evidence):
     certainty = evidence.fits([]).certainty
     assert min(certainty[0], evidence.fits([0]).certainty[1]) > 10
     assert evidence.fits([0, 1]).certainty[2] < 4
+
+
+@pytest.mark.parametrize("size", [1, 10, 20, 60])
+def test_noise_is_one_standard_deviation_from_zero_whatever_the_number_of_parameters(size):
+    rng, blocks = np.random.default_rng(0), 32
+    best = rng.normal(size=(40, size))
+    moved = rng.normal(size=(40, blocks, size)) / np.sqrt(blocks)
+    covariance = (blocks - 1) / blocks * np.einsum("cbp,cbq->cpq", moved, moved)
+    assert np.median(certainty_of(best, covariance)) < 1.5

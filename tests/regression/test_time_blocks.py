@@ -7,7 +7,7 @@ import pytest
 
 from cdia_pin import load_robot
 from cdia_pin.regression.experiment import Experiment
-from cdia_pin.regression.time_blocks import time_blocks
+from cdia_pin.regression.time_blocks import in_half, time_blocks, within
 from tests.made_logs import conditioned, make
 
 BLOCKS = 8
@@ -61,3 +61,15 @@ def test_a_motion_that_is_driven_once_has_contiguous_blocks(pendulum):
     assert all(isinstance(b, slice) for b in blocks)
     assert [b.start for b in blocks[1:]] == [b.stop for b in blocks[:-1]]
     assert (blocks[0].start, blocks[-1].stop) == (100, 100 + len(log.measured))
+
+
+def test_halves_hold_a_half_of_every_log_and_all_samples_once(pendulum):
+    given = segments(pendulum, 20.0, 5.0)
+    count, first = sum(len(s.measured) for s in given), len(given[0].measured)
+    halves = [
+        np.concatenate(members(within(time_blocks(given, BLOCKS), in_half(given, k)), count)) for k in (0, 1)
+    ]
+    assert sorted(np.concatenate(halves)) == list(range(count))
+    for half in halves:
+        assert 0.4 < np.sum(half < first) / first < 0.6
+        assert 0.4 < np.sum(half >= first) / (count - first) < 0.6

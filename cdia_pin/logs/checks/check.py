@@ -16,7 +16,7 @@ from cdia_pin.logs.checks.limits import check_limits, check_saturation
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import check_gaps, check_rate, check_repeats, check_resolution
 from cdia_pin.logs.checks.sign_and_order import check_conventions
-from cdia_pin.logs.checks.stretches import check_copied, check_held
+from cdia_pin.logs.checks.stretches import check_copied, held_stretch
 from cdia_pin.logs.checks.stuck import check_stuck
 from cdia_pin.logs.checks.torque_side import check_torque_side
 from cdia_pin.logs.checks.velocity import check_velocity
@@ -33,11 +33,12 @@ if TYPE_CHECKING:
 def check_log(log: Log, robot: RobotModel) -> LogCheck:
     """Infer what a log holds, and whether it can be used for this robot.
 
-    Sampling, resolution, limits, saturation and excitation are checked. Single samples that no motion makes are named,
-    and left out of the other checks. Efforts are compared with the URDF's rigid-body torque and friction of unknown
-    size. This checks units, signs, the order of joints, how the base stands, the kind of effort and its lag. An arm on
-    this machine that explains the efforts clearly better is named. A finding states where the evidence is weak. It is
-    *not* checked whether the zero of each position is the URDF's, or whether drive gains are right.
+    Sampling, resolution, limits, saturation and excitation are checked. Single samples that no motion makes, and a
+    stretch in which nothing was measured, are named and left out of the other checks. Efforts are compared with the
+    URDF's rigid-body torque and friction of unknown size. This checks units, signs, the order of joints, how the base
+    stands, the kind of effort and its lag. An arm on this machine that explains the efforts clearly better is named. A
+    finding states where the evidence is weak. It is *not* checked whether the zero of each position is the URDF's, or
+    whether drive gains are right.
 
     Args:
         log: The log, joints in the robot's order.
@@ -65,9 +66,11 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     yield from check_wild(log, wild)
     log = repaired(log, wild)
     require_magnitudes(log)
+    if held := held_stretch(log):
+        yield held.finding(log)
+        log = held.left_out_of(log)
     motion = motion_of(log, robot.is_prismatic)
     yield from check_repeats(log, robot, motion)
-    yield from check_held(log)
     yield from check_stuck(log, robot)
     yield from check_copied(log)
     yield from check_resolution(log, robot, motion)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,33 +19,60 @@ BLOCK = 2**16  # [rows], of which hashes are computed at once
 FEWEST_ROWS = 20  # rows that come again; noise and rounding do not repeat so many in a row
 
 
-def check_held(log: Log) -> Iterator[Finding]:
-    """Report the longest stretch in which every signal stands still although the arm moved just before it.
+@dataclass(frozen=True)
+class HeldStretch:
+    """A stretch in which every signal stands still although the arm moved just before it.
+
+    Attributes:
+        start: Index of its first sample.
+        stop: Index of its last sample.
+    """
+
+    start: int
+    stop: int
+
+    def finding(self, log: Log) -> Finding:
+        """Return what is said of it.
+
+        Args:
+            log: The log.
+        """
+        begin, end = float(log.time[self.start]), float(log.time[self.stop])
+        return Finding(
+            Topic.FROZEN,
+            Severity.WARNING,
+            f"every signal stands still for {end - begin:.3g} s from t = {begin:.4g} s, although the arm moved just "
+            "before: nothing was measured there",
+            advice="leave that part out of the file, or find out why the samples were not updated",
+            value={"from_s": begin, "seconds": end - begin},
+        )
+
+    def left_out_of(self, log: Log) -> Log:
+        """Return the longer of the parts before and after it.
+
+        Args:
+            log: The log.
+        """
+        rows = len(log.time)
+        return log.slice(0, self.start) if self.start > rows - self.stop else log.slice(self.stop + 1, rows)
+
+
+def held_stretch(log: Log) -> HeldStretch | None:
+    """Find the longest stretch in which every signal stands still although the arm moved just before it.
 
     Args:
         log: The log.
-
-    Yields:
-        One finding, or none.
     """
     start, stop = longest_run(~changes_of(log))
-    seconds = float(log.time[stop] - log.time[start])
-    if start == 0 or seconds <= FROZEN:
-        return
+    if start == 0 or log.time[stop] - log.time[start] <= FROZEN:
+        return None
     speed = np.abs(np.diff(log.position, axis=0)) / np.diff(log.time)[:, None]
     if stop < len(speed):
         speed[stop] = 0.0  # the jump back to where the arm is
     # the middle of three, because two samples with nearly the same time stamp make any speed
     fastest = np.median([speed[:-2], speed[1:-1], speed[2:]], axis=0).max(axis=0) if len(speed) > 2 else 0.0
-    if (speed[start - 1] > MOVING * np.maximum(fastest, 1e-9)).any():
-        yield Finding(
-            Topic.FROZEN,
-            Severity.WARNING,
-            f"every signal stands still for {seconds:.3g} s from t = {log.time[start]:.4g} s, although the arm moved "
-            "just before: nothing was measured there",
-            advice="leave that part out of the file, or find out why the samples were not updated",
-            value={"from_s": float(log.time[start]), "seconds": seconds},
-        )
+    moved = (speed[start - 1] > MOVING * np.maximum(fastest, 1e-9)).any()
+    return HeldStretch(start, stop) if moved else None
 
 
 def check_copied(log: Log) -> Iterator[Finding]:

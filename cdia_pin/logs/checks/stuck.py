@@ -50,7 +50,7 @@ def check_stuck(log: Log, robot: RobotModel) -> Iterator[Finding]:
     for k, q in enumerate(log.position.T):
         starts, stops = runs(np.diff(q) == 0.0)
         long = (log.time[stops] - log.time[starts] > FROZEN) & (stops < len(q) - 1)
-        # where nothing at all changes, `check_held` reports it
+        # where nothing at all changes, `held_stretch` finds it
         long &= changes[stops] > changes[starts]
         rests = list(zip(starts[long].tolist(), stops[long].tolist(), strict=True))
         if not rests:
