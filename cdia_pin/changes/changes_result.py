@@ -128,6 +128,7 @@ class Changes:
         not_compared: Why nothing is known about a joint, by its name.
         spread: Root mean square certainty of effects that are not there, at least 1; where the motions differ it is
             larger, and a change must be more certain by this factor [1].
+        same_motion: Whether a log after drives the motion of one before.
     """
 
     model: Dynamics
@@ -143,6 +144,7 @@ class Changes:
     usual: tuple[UsualFriction, ...] = ()
     not_compared: Mapping[str, NotCompared] = field(default_factory=dict)
     spread: float = 1.0
+    same_motion: bool = False
 
     def __repr__(self) -> str:
         changed = some([clipped(c.term.label, 45) for c in self.changes], 2)

@@ -97,6 +97,7 @@ def what_changed(
         rms_before=errors[0],
         rms_after=errors[1],
         spread=max(found.search.spreads),
+        same_motion=differing.has_same_motion,
         record={
             "version": __version__,
             "before": [m.record for m in earlier],
@@ -183,10 +184,13 @@ def sized_changes(
         rivals = [effects[c].effect for c in search.rivals(chosen, one)]
         confusions = tuple(_confusions(term, rivals, search.differing.experiment.robot))
         confidence = search.confidence(rest, one)
-        if has_another_name(term, confusions, search.differing.experiment.robot):
+        before = earlier.get(effects[one])
+        if has_another_name(term, confusions, search.differing.experiment.robot) or _falls_below_nothing(
+            term, before
+        ):
             confidence = Confidence.LIKELY
         lost = (without - with_all) / 2
-        out.append(Change(term, earlier.get(effects[one]), torque, lost, confusions, confidence))
+        out.append(Change(term, before, torque, lost, confusions, confidence))
     parts = _parts_of_others(found, out)
     if parts:
         whole = tuple(c for c in chosen if effects[c].effect.label not in parts)
@@ -213,6 +217,14 @@ def _there(terms: Mapping[int, Term], usual: Sequence[UsualFriction]) -> list[in
         for c, t in terms.items()
         if not (t.may_be_nothing or (is_friction_of_joint(t.effect) and t.effect.scope[0] in slight))
     ]
+
+
+def _falls_below_nothing(term: Term, before: Sequence[float] | None) -> bool:
+    """Tell whether friction falls by more than there was, within its interval: something else changed."""
+    if before is None or len(before) != 1 or term.ci95 is None:
+        return False
+    ((_, most),) = term.ci95
+    return before[0] + most < 0.0
 
 
 def _parts_of_others(found: FoundChanges, changes: Sequence[Change]) -> set[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
 from typing import Self
 
 import numpy as np
@@ -195,6 +196,13 @@ class Differing:
         segments = self.experiment.segments
         sides = (segments[: self.before], segments[self.before :])
         return min(map(distinct_time, sides)) / self.settings.changes.blocks
+
+    @property
+    def has_same_motion(self) -> bool:
+        """True if a log after drives the motion of one before."""
+        logs = self.experiment.segments
+        pairs = product(logs[self.before :], logs[: self.before])
+        return any(after.lag_behind(before) is not None for after, before in pairs)
 
     @property
     def misfit(self) -> float:

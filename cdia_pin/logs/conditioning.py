@@ -17,6 +17,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs.cutoff import LOWEST_CUTOFF, choose_cutoff
 from cdia_pin.logs.derivatives import uniform
 from cdia_pin.logs.filtered_part import Filter, FilteredPart, mean
+from cdia_pin.logs.held_stretch import without_idle_end
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.magnitudes import require_magnitudes
 from cdia_pin.logs.motion import Motion, MotionRecord
@@ -83,7 +84,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         raise LogError(
             f"{log.source}: {log.duration:.2g} s is too short to compare, at least {SHORTEST:g} s are needed"
         )
-    log = without_wild_samples(log)
+    log = without_idle_end(without_wild_samples(log))
     require_magnitudes(log)
     even = uniform(log)
     rate = (len(even.time) - 1) / even.duration

@@ -202,9 +202,14 @@ def _bounds(found: Changes) -> RenderableType:
         sentences.append(f"{other} of one effect that these logs would not show (RMS): {', '.join(said)}.")
     if said and found.spread >= WIDE:
         times = number(found.spread, 2)
+        advice = (
+            "The motion is the same, so something may have changed that no known effect describes."
+            if found.same_motion
+            else "The same motion in both logs would show smaller changes."
+        )
         sentences.append(
             f"The model fails differently in each log: effects that are not there seem {times} times as certain as by "
-            "chance. The same motion in both logs would show smaller changes."
+            f"chance. {advice}"
         )
     unsure = [j for j in robot.joints if j not in found.bounds and j not in found.not_compared]
     if unsure:

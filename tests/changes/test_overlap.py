@@ -74,3 +74,12 @@ def test_where_the_model_fails_differently_the_answer_says_so(robot, spread, sai
     assert found.to_dict()["spread"] == spread
     text = " ".join(plain(changes_table(found)).split())
     assert ("effects that are not there seem 2.0 times as certain as by chance" in text) is said
+
+
+@pytest.mark.parametrize(("motions", "same"), [((FAST, FAST), True), ((FAST, SLOW), False)])
+def test_the_answer_knows_whether_the_motion_is_the_same(robot, motions, same):
+    logs = (swing(robot, name, FAST, m) for name, m in zip(("one.csv", "other.csv"), motions, strict=True))
+    found = what_changed(Dynamics(robot), *logs)
+    assert found.same_motion == same
+    said = " ".join(plain(changes_table(replace(found, spread=2.0))).split())
+    assert ("The motion is the same" in said) == same

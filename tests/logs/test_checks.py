@@ -18,11 +18,13 @@ from cdia_pin.logs import Log, check_log, read_log, write_log
 from cdia_pin.logs.checks.another_arm import check_arm
 from cdia_pin.logs.checks.conventions import CERTAIN, ConventionChange, Conventions, Trial, commonest
 from cdia_pin.logs.checks.effort_kind import GravityGain, check_effort_kind, gravity_gains
+from cdia_pin.logs.checks.fit import unexplained
 from cdia_pin.logs.checks.lag import SPAN, LagEstimate, check_lag
 from cdia_pin.logs.checks.limits import check_limits
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import quantum
 from cdia_pin.logs.checks.stuck import check_stuck
+from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.derivatives import differentiate
 from tests.one_joint import write_urdf
 
@@ -772,3 +774,61 @@ def test_several_axes_that_may_be_reversed_have_a_plural(ur5):
 
 def test_the_check_tries_all_delays_that_a_search_may_find():
     assert SPAN == LATEST
+
+
+@pytest.mark.parametrize("value", ["zeros", "last row"])
+def test_an_end_in_which_nothing_was_measured_is_said_and_left_out(ur5, ur5_log, value):
+    rows = len(ur5_log.time)
+    first = next(
+        k
+        for k in range(rows // 2, rows)
+        if np.abs(np.diff(ur5_log.position[k - 1 : k + 1], axis=0)).max() > 0
+    )
+    ended = {}
+    for name in ("position", "effort"):
+        signal = getattr(ur5_log, name).copy()
+        signal[first:] = 0.0 if value == "zeros" else signal[first]
+        ended[name] = signal
+    log = replace(ur5_log, **ended, velocity=None)
+    found = check_log(log, ur5)
+    (frozen,) = [f for f in found.about("frozen") if f.joint is None]
+    assert "left out of all that is computed" in frozen.advice
+    whole = check_log(replace(ur5_log, velocity=None).slice(0, first), ur5)
+    assert [f for f in found.findings if f is not frozen and f.topic not in {"rate", "gaps", "jitter"}] == [
+        f for f in whole.findings if f.topic not in {"rate", "gaps", "jitter"}
+    ]
+    motion = condition(log, ur5)
+    assert motion.time[-1] < ur5_log.time[first]
+    assert any("stands still for the last" in note for note in motion.record["notes"])
+
+
+def test_a_joint_whose_drive_is_off_gets_no_sign(ur5, ur5_log):
+    rng = np.random.default_rng(0)
+    k = ur5.joint_index("elbow_joint")
+    slope = -0.02 * np.gradient(
+        ur5_log.position[:, k], ur5_log.time
+    )  # what a drive at rest reads against the motion
+    effort = ur5_log.effort.copy()
+    effort[:, k] = slope + 0.01 * rng.standard_normal(len(slope))
+    found = check_log(replace(ur5_log, effort=effort), ur5)
+    (off,) = [f for f in found.about("effort_kind") if "drive is off" in f.message]
+    assert off.joint == "elbow_joint" and off.severity == "warning"
+    assert not found.obstacles
+    assert all("elbow_joint" not in f.message for f in found.about("sign"))
+
+
+def test_motor_currents_are_no_drive_that_is_off(measured_logs):
+    for log, arm in measured_logs:
+        for factor in (1.0, 0.1):  # currents in A are a tenth of the torque
+            found = check_log(replace(log, effort=factor * log.effort), arm)
+            assert not [f for f in found.about("effort_kind") if "drive is off" in f.message]
+
+
+def test_an_effort_of_another_joint_is_not_seen_in_few_postures():
+    few = np.repeat([0.1, 0.5, 0.9, 0.4], 100)  # four postures
+    rng = np.random.default_rng(0)
+    inside = 0.01 * rng.standard_normal(400)
+    effort = few + inside  # follows a column from posture to posture alone
+    columns = (few + 0.01 * rng.standard_normal(400))[:, None]
+    assert unexplained(effort, columns) < 0.01
+    assert unexplained(effort, columns, parts=4) > 0.9

@@ -7,7 +7,7 @@ import pytest
 
 from cdia_pin import load_robot
 from cdia_pin.regression.experiment import Experiment
-from cdia_pin.regression.time_blocks import in_half, time_blocks, within
+from cdia_pin.regression.time_blocks import distinct_time, in_half, time_blocks, within
 from tests.made_logs import conditioned, make
 
 BLOCKS = 8
@@ -73,3 +73,28 @@ def test_halves_hold_a_half_of_every_log_and_all_samples_once(pendulum):
     for half in halves:
         assert 0.4 < np.sum(half < first) / first < 0.6
         assert 0.4 < np.sum(half >= first) / (count - first) < 0.6
+
+
+def test_a_motion_that_two_logs_drive_is_in_the_same_blocks(pendulum):
+    made = make(pendulum, duration=20.0)
+    late = replace(made.log, time=made.log.time, position=np.roll(made.log.position, -200, axis=0)).slice(
+        0, 1750
+    )
+    other = make(pendulum, seed=9, duration=20.0)
+    logs = [made, replace(made, log=late), other]
+    given = Experiment.of(pendulum, [conditioned(pendulum, m) for m in logs]).segments
+    rate = given[0].motion.rate / given[0].motion.decimation
+    assert given[1].lag_behind(given[0]) / rate == pytest.approx(200 / made.log.rate, abs=0.2)
+    assert given[2].lag_behind(given[0]) is None
+    count = sum(len(s.measured) for s in given)
+    blocks = members(time_blocks(given, BLOCKS), count)
+    assert sorted(np.concatenate(blocks)) == list(range(count))
+    number = np.empty(count, int)
+    for b, inside in enumerate(blocks):
+        number[inside] = b
+    first, second, third = np.split(number, np.cumsum([len(s.measured) for s in given])[:-1])
+    lag = given[1].lag_behind(given[0])
+    shared = min(len(second), len(first) - lag)
+    np.testing.assert_array_equal(second[:shared], first[lag : lag + shared])
+    assert set(first) & set(third) <= {first.max()}
+    assert distinct_time(given) < 0.75 * sum(np.ptp(s.motion.time) for s in given)

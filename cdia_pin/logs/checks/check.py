@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from cdia_pin.errors import LogError
@@ -16,12 +17,14 @@ from cdia_pin.logs.checks.limits import check_limits, check_saturation
 from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import check_gaps, check_rate, check_repeats, check_resolution
 from cdia_pin.logs.checks.sign_and_order import check_conventions
-from cdia_pin.logs.checks.stretches import check_copied, held_stretch
+from cdia_pin.logs.checks.stretches import check_copied, check_held
 from cdia_pin.logs.checks.stuck import check_stuck
 from cdia_pin.logs.checks.torque_side import check_torque_side
+from cdia_pin.logs.checks.unpowered import check_unpowered, unpowered
 from cdia_pin.logs.checks.velocity import check_velocity
 from cdia_pin.logs.checks.wild import check_wild
 from cdia_pin.logs.effort_origin import EffortOrigin
+from cdia_pin.logs.held_stretch import held_stretch
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.magnitudes import require_magnitudes
 from cdia_pin.logs.wild_samples import repaired, wild_samples
@@ -66,9 +69,9 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     yield from check_wild(log, wild)
     log = repaired(log, wild)
     require_magnitudes(log)
-    if held := held_stretch(log):
-        yield held.finding(log)
-        log = held.left_out_of(log)
+    held = held_stretch(log)
+    yield from check_held(log, held)
+    log = log if held is None else held.left_out_of(log)
     motion = motion_of(log, robot.is_prismatic)
     yield from check_repeats(log, robot, motion)
     yield from check_stuck(log, robot)
@@ -86,6 +89,11 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
         )
         return
     search, units = find_conventions(log, motion, robot)
+    off = unpowered(motion, robot, search)
+    if off.any():
+        yield from check_unpowered(log, robot, off)
+        motion = replace(motion, moves=motion.moves & ~off)
+        search, units = find_conventions(log, motion, robot)
     yield from units
     yield from check_conventions(log, robot, search)
     recorded, motion = motion, search.conventions.apply(motion, robot)

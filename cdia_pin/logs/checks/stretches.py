@@ -3,76 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
-from cdia_pin.logs.checks.sampling import FROZEN, longest_run
+from cdia_pin.logs.checks.sampling import longest_run
+from cdia_pin.logs.held_stretch import HeldStretch, changes_of, columns_of
 from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
 
-MOVING = 0.1  # [1], speed over the joint's largest one above which it cannot stop between two samples
 BLOCK = 2**16  # [rows], of which hashes are computed at once
 FEWEST_ROWS = 20  # rows that come again; noise and rounding do not repeat so many in a row
 
 
-@dataclass(frozen=True)
-class HeldStretch:
-    """A stretch in which every signal stands still although the arm moved just before it.
-
-    Attributes:
-        start: Index of its first sample.
-        stop: Index of its last sample.
-    """
-
-    start: int
-    stop: int
-
-    def finding(self, log: Log) -> Finding:
-        """Return what is said of it.
-
-        Args:
-            log: The log.
-        """
-        begin, end = float(log.time[self.start]), float(log.time[self.stop])
-        return Finding(
-            Topic.FROZEN,
-            Severity.WARNING,
-            f"every signal stands still for {end - begin:.3g} s from t = {begin:.4g} s, although the arm moved just "
-            "before: nothing was measured there",
-            advice="leave that part out of the file, or find out why the samples were not updated",
-            value={"from_s": begin, "seconds": end - begin},
-        )
-
-    def left_out_of(self, log: Log) -> Log:
-        """Return the longer of the parts before and after it.
-
-        Args:
-            log: The log.
-        """
-        rows = len(log.time)
-        return log.slice(0, self.start) if self.start > rows - self.stop else log.slice(self.stop + 1, rows)
-
-
-def held_stretch(log: Log) -> HeldStretch | None:
-    """Find the longest stretch in which every signal stands still although the arm moved just before it.
+def check_held(log: Log, held: HeldStretch | None) -> Iterator[Finding]:
+    """Report the stretch in which every signal stands still although the arm moved just before it.
 
     Args:
         log: The log.
+        held: The stretch; None for nearly every log.
+
+    Yields:
+        One finding, or none.
     """
-    start, stop = longest_run(~changes_of(log))
-    if start == 0 or log.time[stop] - log.time[start] <= FROZEN:
-        return None
-    speed = np.abs(np.diff(log.position, axis=0)) / np.diff(log.time)[:, None]
-    if stop < len(speed):
-        speed[stop] = 0.0  # the jump back to where the arm is
-    # the middle of three, because two samples with nearly the same time stamp make any speed
-    fastest = np.median([speed[:-2], speed[1:-1], speed[2:]], axis=0).max(axis=0) if len(speed) > 2 else 0.0
-    moved = (speed[start - 1] > MOVING * np.maximum(fastest, 1e-9)).any()
-    return HeldStretch(start, stop) if moved else None
+    if held is not None:
+        begin, seconds = held.time_in(log)
+        yield Finding(
+            Topic.FROZEN,
+            Severity.WARNING,
+            f"every signal stands still for {seconds:.3g} s from t = {begin:.4g} s, although the arm moved just "
+            "before: nothing was measured there",
+            advice="nothing needs to be done: the end is left out of all that is computed"
+            if held.is_end_of(log)
+            else "leave that part out of the file, or find out why the samples were not updated",
+            value={"from_s": begin, "seconds": seconds},
+        )
 
 
 def check_copied(log: Log) -> Iterator[Finding]:
@@ -101,7 +68,7 @@ def check_copied(log: Log) -> Iterator[Finding]:
     first, last, earlier = changes[start], changes[stop], changes[start - shift[start]]
     count = int(last - first) + 1
     before, after = np.s_[earlier : earlier + count], np.s_[first : first + count]
-    if any(not np.array_equal(x[before], x[after]) for x in _columns(log)):
+    if any(not np.array_equal(x[before], x[after]) for x in columns_of(log)):
         return
     yield Finding(
         Topic.COPIED,
@@ -113,28 +80,9 @@ def check_copied(log: Log) -> Iterator[Finding]:
     )
 
 
-def _columns(log: Log) -> list[Array]:
-    return [*log.position.T, *log.effort.T]
-
-
-def changes_of(log: Log) -> NDArray[np.bool_]:
-    """Tell for each sample but the first whether any signal differs from the sample before.
-
-    Args:
-        log: The log, N samples.
-
-    Returns:
-        Flags, shape (N − 1,).
-    """
-    changes = np.zeros(len(log.time) - 1, dtype=bool)
-    for column in _columns(log):
-        changes |= column[1:] != column[:-1]
-    return changes
-
-
 def _hashes(log: Log) -> NDArray[np.uint64]:
     """Return a number for each row; equal rows have equal numbers, and others hardly ever."""
-    columns = _columns(log)
+    columns = columns_of(log)
     odd = np.random.default_rng(0).integers(1, 2**63, len(columns), dtype=np.uint64) | np.uint64(1)
     out = np.zeros(len(log.time), dtype=np.uint64)
     for first in range(0, len(out), BLOCK):

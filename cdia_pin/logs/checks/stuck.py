@@ -16,7 +16,7 @@ from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.joint_units import units_of
 from cdia_pin.logs.checks.motion import STANDSTILL, STANDSTILL_PRISMATIC
 from cdia_pin.logs.checks.sampling import FROZEN, runs
-from cdia_pin.logs.checks.stretches import MOVING, changes_of
+from cdia_pin.logs.held_stretch import MOVING, changes_of
 from cdia_pin.logs.log import Log
 
 if TYPE_CHECKING:
