@@ -324,9 +324,11 @@ def _concentration(known: Array, whole: Array) -> Array:
     parts = len(known)
     if not parts:
         return np.ones(whole.shape[:2])
-    variance = np.einsum("cpp->cp", np.linalg.inv(whole))
-    more = np.einsum("kcpp->kcp", np.linalg.inv(known)) - variance
-    return np.asarray(np.maximum((parts - 1) / parts * more.sum(axis=0) / variance, 1.0))
+    with np.errstate(invalid="ignore"):  # nothing is known of a parameter whose column is zero in all samples
+        variance = np.einsum("cpp->cp", np.linalg.inv(whole))
+        more = np.einsum("kcpp->kcp", np.linalg.inv(known)) - variance
+        concentration = np.nan_to_num((parts - 1) / parts * more.sum(axis=0) / variance, nan=1.0)
+    return np.asarray(np.maximum(concentration, 1.0))
 
 
 def certainty_of(best: Array, covariance: Array) -> Array:
