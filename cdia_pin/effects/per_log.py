@@ -35,7 +35,8 @@ class PerLog(Varying):
     def __post_init__(self) -> None:
         if len(set(self.logs)) < max(len(self.logs), 2):
             raise EffectError(
-                f"{self.effect.label}: parameters per log need logs of different names, given {self.logs}"
+                f"{self.effect.label}: parameters per log need two logs or more of different names, given "
+                f"{', '.join(self.logs) or 'none'}"
             )
         super().__post_init__()
 

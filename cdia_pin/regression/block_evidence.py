@@ -41,9 +41,8 @@ LEAST_POWER = 1e-12
 # Up to this it may be chance: where four parts and 32 blocks estimate the same variance, it is exceeded in one case of
 # twenty. Without it, 12 of 36 effects between unlike motions of a UR5 are named exactly, with it 11.
 SCATTER = 2.9  # variance by parts of the speeds over that by blocks of time [1]
-LEAST_VARIANCE = (
-    1e-12  # of a parameter in units in which its column has one [1], so that none is not inverted
-)
+# Of a parameter whose column has a sum of squares of one [1], so that none is inverted.
+LEAST_VARIANCE = 1e-12  # [1]
 NO_VARIANCE = 1e-300  # of a parameter that blocks do not move [unit²], so that none is not divided by zero
 NEGLIGIBLE = 1e-9  # added to a covariance, over its mean variance [1], so that it can be inverted
 # Parameters [1] of one body. Estimates without each of 32 blocks tell the covariance of so many. Of 20 parameters noise

@@ -93,17 +93,16 @@ class _Placed:
 
 def _placed(segments: Sequence[Segment]) -> list[_Placed]:
     out: list[_Placed] = []
+    firsts: list[tuple[Segment, int]] = []  # the first log of each motion, and its start
+    total = 0
     for log in segments:
-        samples = np.arange(len(log.measured))
-        firsts = ((p, log.lag_behind(p.motion)) for p in out if len(p.places) == len(p.motion.measured))
-        start = sum(m.distinct for m in _motions(out))
-        for first, lag in firsts:
-            if lag is not None:
-                within_first = np.clip(samples + lag, 0, len(first.motion.measured) - 1)
-                out.append(_Placed(first.motion, first.start, within_first % first.motion.distinct))
-                break
-        else:
-            out.append(_Placed(log, start, samples % log.distinct))
+        known = ((m, start, lag) for m, start in firsts if (lag := log.lag_behind(m)) is not None)
+        motion, start, lag = next(known, (log, total, 0))
+        if motion is log:
+            firsts.append((log, total))
+            total += log.distinct
+        places = np.clip(np.arange(len(log.measured)) + lag, 0, len(motion.measured) - 1)
+        out.append(_Placed(motion, start, places % motion.distinct))
     return out
 
 

@@ -32,7 +32,7 @@ LEAST_EFFORT = 0.3
 USUAL_EFFORT = (
     0.5,
     2.5,
-)  # the same [1] of a joint that shows the unit to be right: 0.56 to 2.2 in these eleven logs
+)  # the same [1] of a joint that shows the unit to be right; 0.56 to 2.2 in these logs
 # URDF's torque of another joint over that of the joint [1], from which it tells the unit. Motor currents in A are 0.05
 # to 0.3 of the torque of joints that carry weight, and of the size of the torque of one that carries none.
 ALIKE = 0.5
