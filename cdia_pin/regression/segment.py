@@ -17,7 +17,7 @@ from cdia_pin.phrases import clipped
 
 Array = NDArray[np.float64]
 
-# Relative difference of the time between compared samples [1], up to which places agree: a block is a thirtieth of a log.
+# Relative difference of the time between compared samples, up to which places agree: a block is a thirtieth of a log.
 SAME_PACE = 0.01  # [1]
 JUDGED = 800  # samples of a log [1] by which the side of its torque is judged
 
