@@ -17,8 +17,6 @@ from cdia_pin.phrases import clipped
 
 Array = NDArray[np.float64]
 
-# Relative difference of the time between compared samples, up to which places agree: a block is a thirtieth of a log.
-SAME_PACE = 0.01  # [1]
 JUDGED = 800  # samples of a log [1] by which the side of its torque is judged
 
 
@@ -45,18 +43,29 @@ class Segment:
         period = None if self.motion.stretches else period_of(self.motion.q[self.motion.kept])
         return max(len(self.measured) if period is None else period, 1)
 
-    def lag_behind(self, other: Segment) -> int | None:
-        """Return how many compared samples after another log this one begins, if both drive one motion, else None.
+    @cached_property
+    def since(self) -> Array:
+        """Time of each compared sample since the first one [s], shape (K,)."""
+        time = self.motion.time[self.motion.kept]
+        return np.asarray(time - time[0])
+
+    @property
+    def pace(self) -> float:
+        """Time between compared samples [s]."""
+        return self.motion.decimation / self.motion.rate
+
+    def lag_behind(self, other: Segment) -> float | None:
+        """Return how long after another log this one begins, if both drive one motion, else None [s].
 
         Args:
-            other: The other log. Of logs with gaps, or of unlike rates, it is not known.
+            other: The other log. Of logs with gaps it is not known.
         """
         if self.motion.stretches or other.motion.stretches:
             return None
-        pace, others = (m.decimation / m.rate for m in (self.motion, other.motion))
-        if abs(pace / others - 1.0) > SAME_PACE:
-            return None
-        return lag_between(other.motion.q[other.motion.kept], self.motion.q[self.motion.kept])
+        q, known = (s.motion.q[s.motion.kept] for s in (self, other))
+        even = np.arange(0.0, self.since[-1], other.pace)
+        lag = lag_between(known, np.column_stack([np.interp(even, self.since, x) for x in q.T]))
+        return None if lag is None else lag * other.pace
 
     @property
     def measured_side(self) -> TorqueSide:

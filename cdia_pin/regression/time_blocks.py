@@ -97,11 +97,15 @@ def _placed(segments: Sequence[Segment]) -> list[_Placed]:
     total = 0
     for log in segments:
         known = ((m, start, lag) for m, start in firsts if (lag := log.lag_behind(m)) is not None)
-        motion, start, lag = next(known, (log, total, 0))
-        if motion is log:
+        same = next(known, None)
+        if same is None:
+            motion, start, places = log, total, np.arange(len(log.measured))
             firsts.append((log, total))
             total += log.distinct
-        places = np.clip(np.arange(len(log.measured)) + lag, 0, len(motion.measured) - 1)
+        else:
+            motion, start, lag = same
+            nearest = np.rint((log.since + lag) / motion.pace).astype(int)
+            places = np.clip(nearest, 0, len(motion.measured) - 1)
         out.append(_Placed(motion, start, places % motion.distinct))
     return out
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cdia_pin import load_robot
+from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.regression.time_blocks import distinct_time, in_half, time_blocks, within
 from tests.made_logs import conditioned, make
@@ -83,8 +84,7 @@ def test_a_motion_that_two_logs_drive_is_in_the_same_blocks(pendulum):
     other = make(pendulum, seed=9, duration=20.0)
     logs = [made, replace(made, log=late), other]
     given = Experiment.of(pendulum, [conditioned(pendulum, m) for m in logs]).segments
-    rate = given[0].motion.rate / given[0].motion.decimation
-    assert given[1].lag_behind(given[0]) / rate == pytest.approx(200 / made.log.rate, abs=0.2)
+    assert given[1].lag_behind(given[0]) == pytest.approx(200 / made.log.rate, abs=0.2)
     assert given[2].lag_behind(given[0]) is None
     count = sum(len(s.measured) for s in given)
     blocks = members(time_blocks(given, BLOCKS), count)
@@ -93,8 +93,16 @@ def test_a_motion_that_two_logs_drive_is_in_the_same_blocks(pendulum):
     for b, inside in enumerate(blocks):
         number[inside] = b
     first, second, third = np.split(number, np.cumsum([len(s.measured) for s in given])[:-1])
-    lag = given[1].lag_behind(given[0])
+    lag = round(given[1].lag_behind(given[0]) / given[0].pace)
     shared = min(len(second), len(first) - lag)
     np.testing.assert_array_equal(second[:shared], first[lag : lag + shared])
     assert set(first) & set(third) <= {first.max()}
     assert distinct_time(given) < 0.75 * sum(np.ptp(s.motion.time) for s in given)
+
+
+def test_a_motion_is_the_same_at_another_cutoff(pendulum):
+    log = make(pendulum, duration=20.0).log
+    motions = [condition(log, pendulum, Conditioning(cutoff=cutoff)) for cutoff in (2.0, 5.0)]
+    slow, quick = Experiment.of(pendulum, motions).segments
+    assert slow.pace > 1.5 * quick.pace
+    assert quick.lag_behind(slow) == pytest.approx(0.0, abs=slow.motion.record["trim"] / slow.motion.cutoff)
