@@ -144,7 +144,7 @@ class Repeat:
         if power.sum() < 1.0:
             return False
         unit = np.sqrt(self._evidence.norms[own])
-        covariance = self.covariances(term)[0] * np.outer(unit, unit)
+        covariance = self.covariance(term) * np.outer(unit, unit)
         (expected,) = certainty_of((np.asarray(theta) * unit)[None], covariance[None])
         return bool(expected >= self.settings.confidence.power * self.settings.confidence.least_certainty)
 
@@ -227,14 +227,23 @@ class Repeat:
         own = self._evidence.parameters[self._at[term.label]]
         return self._estimate[0][own]
 
-    def covariances(self, term: Term) -> Array:
-        """Return the covariance of the parameters of an effect, by time and by speed, shape (2, p, p).
+    def covariance(self, term: Term) -> Array:
+        """Return the covariance of the parameters of an effect from blocks of time, shape (p, p).
 
         Args:
             term: A term of the model.
         """
         own = self._evidence.parameters[self._at[term.label]]
-        return self._estimate[1][:, own, own]
+        return self._estimate[1][0, own, own]
+
+    def covariance_by_speed(self, term: Term) -> Array:
+        """Return the covariance that also holds what quarters of the speeds show, where they are asked, shape (p, p).
+
+        Args:
+            term: A term of the model.
+        """
+        own = self._evidence.parameters[self._at[term.label]]
+        return self._estimate[1][1, own, own]
 
     @cached_property
     def _at(self) -> dict[str, int]:

@@ -65,5 +65,5 @@ def _is_certain(whole: Repeat, term: Term, pair: NDArray[np.intp], one_must: boo
 def _difference(repeat: Repeat, term: Term, pair: NDArray[np.intp]) -> tuple[float, float]:
     """Return the difference of two parameters, and its standard deviation."""
     first, second = repeat.theta(term)[pair]
-    (a, b), (_, c) = repeat.covariances(term)[0][np.ix_(pair, pair)]
+    (a, b), (_, c) = repeat.covariance(term)[np.ix_(pair, pair)]
     return float(first - second), float(np.sqrt(max(a - 2 * b + c, 0.0)))

@@ -92,7 +92,9 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         needed = whole.needs(term) and shown and (moves or bool(resting.all()))
         firm = alone and lasting and whole.stands_out(term) and moves
         confidence = _confidence(needed, firm, survived, settings.confidence)
-        by_time, by_speed = np.sqrt(np.einsum("kpp->kp", whole.covariances(term)))
+        by_time, by_speed = (
+            np.sqrt(np.diag(c)) for c in (whole.covariance(term), whole.covariance_by_speed(term))
+        )
         of_speeds = np.where(by_speed > by_time, NORMAL_95 * by_speed, 0.0)
         out[term.label] = Trust(confidence, of_speeds, systematic)
     return out
