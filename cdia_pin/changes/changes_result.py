@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 # Size before over the difference [1], below which it is too uncertain to tell a growth: a fit of friction that was not
 # there gives half a percent of what came.
-LEAST_BEFORE = 0.05
+LEAST_BEFORE = 0.05  # [1]
 
 
 class ChangesVerdict(StrEnum):

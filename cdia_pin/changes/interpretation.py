@@ -16,7 +16,7 @@ FEWEST = 3  # joints [1]; a change on fewer may be a fault of each of them
 MOST_JOINTS = 0.5
 # Difference over the friction that both sides have in common [1], above which that before is too small to be told: the
 # common part is not quite the mean of both sides.
-MOST_GROWTH = 1.0
+MOST_GROWTH = 1.0  # [1]
 
 
 def findings_of(changes: Sequence[Change], run_to_run: RunToRun) -> tuple[Phenomenon, ...]:
@@ -44,21 +44,20 @@ def _temperature(changes: Sequence[Change], run_to_run: RunToRun) -> tuple[Pheno
     fell = signs == {-1.0}
     median = float(np.median(growth[differ]))
     told = min(median, MOST_GROWTH)
-    mean = told / (
-        1.0 - told / 2
-    )  # over the friction before: what both sides have in common is the mean of both
+    # the friction that both sides have in common is the mean of both
+    grown = told / (1.0 - told / 2)
     at_least = "at least " if told < median else ""
     everywhere = len(differ) == len(growth)
     count = f"all {len(growth)} joints" if everywhere else f"{len(differ)} of {len(growth)} joints"
     others = "" if everywhere else f" and {'rose' if fell else 'fell'} on none"
     cause = "are warmer than before" if fell else "are colder than before, or carry more"
     sentence = (
-        f"friction {'fell' if fell else 'rose'} on {count} by {at_least}{abs(100 * mean):.0f} % (median){others}: "
+        f"friction {'fell' if fell else 'rose'} on {count} by {at_least}{abs(100 * grown):.0f} % (median){others}: "
         f"the drives {cause}"
     )
     kind = PhenomenonKind.WARMING if fell else PhenomenonKind.COOLING
     joints = tuple(run_to_run.joints[j] for j in differ)
-    return (Phenomenon(kind, joints, sentence, {"median_growth": mean}),)
+    return (Phenomenon(kind, joints, sentence, {"median_growth": grown}),)
 
 
 def _recorder(changes: Sequence[Change], joints: tuple[str, ...]) -> tuple[Phenomenon, ...]:

@@ -12,6 +12,7 @@ from cdia_pin.changes.change_search import FoundChanges
 from cdia_pin.changes.common_structure import PLAIN
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
+from cdia_pin.changes.run_to_run import is_friction_of_joint
 from cdia_pin.effects import Channel, Effect, LinkInertia, Signal, Term, TorqueOffset
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment
@@ -108,7 +109,7 @@ def friction_before(
     groups += [differing.changes[d] for d in changed]
     joints = {j for d in asked for j in d.scope}
     model = differing.given.model
-    bare = [t for t in model.terms if not (t.effect.traits.dissipative and joints.issuperset(t.effect.scope))]
+    bare = [t for t in model.terms if not (is_friction_of_joint(t.effect) and joints & set(t.effect.scope))]
     left = differing.experiment.predict(replace(model, terms=tuple(bare))).residual
     theta = SharedRegression.of(groups, left, differing.scaled).theta()
     parts = dict(

@@ -122,8 +122,8 @@ def _apart(model: Dynamics, taken: Sequence[str]) -> tuple[list[Motion], Dynamic
 def _with_aliases(term: Term, aliases: Mapping[str, str]) -> Term:
     """Return a term that has the same parameters under another name of a log."""
     effect = term.effect
-    if not isinstance(effect, PerLog) or not (shared := aliases.keys() & set(effect.logs)):
+    if not isinstance(effect, PerLog) or aliases.keys().isdisjoint(effect.logs):
         return term
-    again = [log for log in effect.logs if log in shared]
+    again = [log for log in effect.logs if log in aliases]
     theta = [*term.theta, *(x for log in again for x in effect.of_part(term.theta, log))]
     return Term(replace(effect, logs=(*effect.logs, *(aliases[log] for log in again))), tuple(theta))

@@ -72,7 +72,7 @@ class Repeat:
             logs: The logs and settings.
             model: A fitted model.
         """
-        return cls(logs.design, model, logs.settings, by_speed=True)
+        return cls(logs.design, model, logs.settings)
 
     @property
     def experiment(self) -> Experiment:

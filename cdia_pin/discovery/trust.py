@@ -65,9 +65,9 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
     if not found:
         return {}
     settings = logs.settings
-    whole = Repeat.of(logs, model)
+    whole = replace(Repeat.of(logs, model), by_speed=True)
     resting = logs.experiment.resting
-    moving = replace(whole, at_rest=False) if resting.any() else whole
+    moving = replace(whole, at_rest=False, by_speed=False) if resting.any() else whole
     logs.experiment.forget()
     others = [
         Repeat(DesignMatrix(x), replace(model, robot=x.robot), settings).settled()

@@ -80,11 +80,11 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         raise LogError(
             f"{log.source}: its joints are {', '.join(log.joints)}, those of '{robot.name}' {', '.join(robot.joints)}"
         )
+    log = without_idle_end(without_wild_samples(log))
     if log.duration < SHORTEST:
         raise LogError(
             f"{log.source}: {log.duration:.2g} s is too short to compare, at least {SHORTEST:g} s are needed"
         )
-    log = without_idle_end(without_wild_samples(log))
     require_magnitudes(log)
     even = uniform(log)
     rate = (len(even.time) - 1) / even.duration

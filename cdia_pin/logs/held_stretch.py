@@ -15,6 +15,9 @@ from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
 
+LEAST_LEFT = (
+    2  # samples before the stretch [1], without which nothing tells that the arm moved, and no log is left
+)
 MOVING = 0.1  # [1], speed over the joint's largest one above which it cannot stop between two samples
 
 
@@ -54,7 +57,8 @@ class HeldStretch:
             log: The log.
         """
         rows = len(log.time)
-        return log.slice(0, self.start) if self.start > rows - self.stop else log.slice(self.stop + 1, rows)
+        first, last = self.start, rows - self.stop - 1
+        return log.slice(0, self.start) if first >= last else log.slice(self.stop + 1, rows)
 
 
 def held_stretch(log: Log) -> HeldStretch | None:
@@ -64,7 +68,7 @@ def held_stretch(log: Log) -> HeldStretch | None:
         log: The log.
     """
     start, stop = longest_run(~changes_of(log))
-    if start == 0 or log.time[stop] - log.time[start] <= FROZEN:
+    if start < LEAST_LEFT or log.time[stop] - log.time[start] <= FROZEN:
         return None
     speed = np.abs(np.diff(log.position, axis=0)) / np.diff(log.time)[:, None]
     if stop < len(speed):

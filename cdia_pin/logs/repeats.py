@@ -29,7 +29,8 @@ def period_of(q: Array) -> int | None:
     if not moved.size or longest < 1:
         return None
     size = np.sqrt(2.0) * moved.std(axis=0)
-    different = np.max([_difference(x)[:longest] for x in moved.T], axis=0)
+    lags = np.arange(longest)
+    different = np.max([_difference_at(lags, x, x) / s for x, s in zip(moved.T, size, strict=True)], axis=0)
     left = np.flatnonzero(different > UNLIKE)
     for lag in _minima(different, int(left[0]), longest) if len(left) else ():
         back = (np.abs(moved[lag:] - moved[:-lag]) < ALIKE * size).all(axis=1)
@@ -61,6 +62,7 @@ def lag_between(first: Array, second: Array) -> int | None:
 
 def _difference_at(lags: NDArray[np.intp], x: Array, y: Array) -> Array:
     """Return the RMS difference of one signal from another one that begins some samples later, shape of the lags."""
+    # scipy.signal.correlate does the same, but its import takes half a second
     from scipy.fft import irfft, next_fast_len, rfft
 
     mean = x.mean()
@@ -76,17 +78,3 @@ def _difference_at(lags: NDArray[np.intp], x: Array, y: Array) -> Array:
 def _minima(x: Array, start: int, stop: int) -> list[int]:
     """Return where a signal is lower than before and no higher than after, between two samples."""
     return [k for k in range(max(start, 1), stop - 1) if x[k] < x[k - 1] and x[k] <= x[k + 1]]
-
-
-def _difference(x: Array) -> Array:
-    """Return the RMS difference of a signal from itself some samples later, over that of unrelated values [1]."""
-    # scipy.signal.correlate does the same, but its import takes half a second
-    from scipy.fft import irfft, next_fast_len, rfft
-
-    x = x - x.mean()
-    count, power = len(x), np.cumsum(x**2)
-    length = next_fast_len(2 * count - 1, real=True)  # zeros keep the end of the signal from its beginning
-    products = irfft(np.abs(rfft(x, length)) ** 2, length)[:count]
-    later = power[-1] - np.concatenate([[0.0], power[:-1]])  # sums of squares without the first samples
-    squares = (power[::-1] + later - 2.0 * products) / np.arange(count, 0, -1)
-    return np.asarray(np.sqrt(np.maximum(squares, 0.0) / (2.0 * power[-1] / count)))

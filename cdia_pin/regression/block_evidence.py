@@ -45,9 +45,9 @@ SCATTER = 2.9  # variance by parts of the speeds over that by blocks of time [1]
 LEAST_VARIANCE = 1e-12  # [1]
 NO_VARIANCE = 1e-300  # of a parameter that blocks do not move [unit²], so that none is not divided by zero
 NEGLIGIBLE = 1e-9  # added to a covariance, over its mean variance [1], so that it can be inverted
-# Parameters [1] of one body. Estimates without each of 32 blocks tell the covariance of so many. Of 20 parameters noise
+# Those of one body. Estimates without each of 32 blocks tell the covariance of so many. Of 20 parameters noise
 # alone would seem 1.7 standard deviations from zero, of 40 more than 10,000.
-TOLD_APART = 10
+TOLD_APART = 10  # parameters [1]
 
 
 @dataclass(frozen=True, repr=False)

@@ -7,9 +7,10 @@ import pytest
 
 from cdia_pin import load_robot
 from cdia_pin.errors import LogError
-from cdia_pin.logs import Log
+from cdia_pin.logs import Log, check_log
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.derivatives import differentiate, zero_phase
+from tests.made_logs import make
 
 NOISE = 2e-5  # [rad]
 
@@ -71,3 +72,17 @@ def test_a_cut_off_whose_period_is_longer_than_the_log_is_refused(log, cutoff):
     arm, run = log
     with pytest.raises(LogError, match="too low for a log of 20 s"):
         condition(run, arm, Conditioning(cutoff=cutoff))
+
+
+@pytest.mark.parametrize("first", [2, 3, 50, 150])
+def test_a_log_of_which_hardly_anything_was_measured_is_too_short(first):
+    robot = load_robot("double_pendulum")
+    log = make(robot, duration=20.0, noise=0.02).log
+    held = {
+        name: np.concatenate([s[:first], np.repeat(s[first : first + 1], len(s) - first, axis=0)])
+        for name, s in (("position", log.position), ("effort", log.effort))
+    }
+    ended = replace(log, **held)
+    with pytest.raises(LogError, match="too short to compare"):
+        condition(ended, robot)
+    assert check_log(ended, robot).about("frozen")

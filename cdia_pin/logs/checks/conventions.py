@@ -24,10 +24,10 @@ DEGREE = float(np.pi / 180.0)  # [rad]
 SEARCH_SAMPLES = 400  # [samples], many for five coefficients; each hypothesis needs inverse dynamics of them
 CERTAIN = 1.5  # [1], gain in misfit that is adopted: no measured log with right conventions came near it
 LIKELY = 0.7  # [1], gain in misfit that is reported as possible
-# [parts]. Between few postures a wrong sign or order can explain what missing masses or springs do. So a change must
+# Between few postures a wrong sign or order can explain what missing masses or springs do. So a change must
 # also fit better where each part of the time has coefficients of its own. Of 653 wrong signs, orders and units put into
 # 17 measured logs 546 are mended, 548 without that (`python -m benchmarks.wrong_conventions`).
-PARTS = 4
+PARTS = 4  # parts of the time [1]
 LASTS = 0.3  # [1], gain in misfit that this must bring; 5 of 2247 right changes do not, with 0.0 it is 1, with 0.7 18
 BROKEN = 0.2  # [1], unexplained share above which an effort may be misread; missing physics leaves less
 

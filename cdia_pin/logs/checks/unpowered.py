@@ -28,14 +28,12 @@ Array = NDArray[np.float64]
 # Standard deviation of an effort over that of the URDF's torque [1], below which the drive does not move the joint. It
 # is 0.01 to 0.26 in eleven logs of a double pendulum of which one drive is off, and 0.33 and more on the joints of 90
 # other measured logs in N·m: 0.27 and 0.32 decide alike.
-LEAST_EFFORT = 0.3
-USUAL_EFFORT = (
-    0.5,
-    2.5,
-)  # the same [1] of a joint that shows the unit to be right; 0.56 to 2.2 in these logs
+LEAST_EFFORT = 0.3  # [1]
+# The same of a joint that shows the unit to be right; 0.56 to 2.2 in these logs.
+USUAL_EFFORT = (0.5, 2.5)  # [1]
 # URDF's torque of another joint over that of the joint [1], from which it tells the unit. Motor currents in A are 0.05
 # to 0.3 of the torque of joints that carry weight, and of the size of the torque of one that carries none.
-ALIKE = 0.5
+ALIKE = 0.5  # [1]
 MOST = 0.5  # share of these joints [1] that must be of the usual size
 ORDERS = {ConventionChange.ORDER, ConventionChange.EFFORT_ORDER}
 
