@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
@@ -52,13 +52,13 @@ def kept(
         return whole < heldout_error(problem, without)
 
     models = [_without_found(problem, base, found)]
-    models += _added(problem, models[0], terms, lambda t: t.label in forced or helps_at_last(t))
+    models += _added(problem, found, models[0], terms, lambda t: t.label in forced or helps_at_last(t))
     best = min(range(len(models)), key=lambda k: models[k].error)
     if is_no_worse(problem, models[-1].error, models[best].error):
         return models
     models = models[: best + 1]
     rest = [t for t in terms if t.label not in {m.label for m in models}]
-    return [*models, *_added(problem, models[-1], rest, lambda t: t.label in forced)]
+    return [*models, *_added(problem, found, models[-1], rest, lambda t: t.label in forced)]
 
 
 def _without_found(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> Added:
@@ -85,16 +85,35 @@ def _ordered(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> list[
 
 
 def _added(
-    problem: WhitenedProblem, first: Added, terms: Sequence[Term], stays: Callable[[Term], bool]
+    problem: WhitenedProblem,
+    found: Dynamics,
+    first: Added,
+    terms: Sequence[Term],
+    stays: Callable[[Term], bool],
 ) -> Iterator[Added]:
-    """Yield models with one term after another; a term that raises the error stays only if it is told to."""
+    """Yield models with one term after another; a term that raises the error stays only if it is told to.
+
+    Effects of the torque have several optima. A fit that begins at the model before may end in another one than the
+    search, and then predicts much worse. So where the error rises, and at the end, a fit that begins at the found model
+    is tried too.
+    """
     now = first
     for term in terms:
-        trial = fitted_together(problem.regression, now.model.add(term), ITERATIONS)
-        error = heldout_error(problem, trial)
-        if is_no_worse(problem, error, now.error) or stays(term):
-            now = Added(term.label, trial, error)
+        added = now.model.add(term)
+        present = {t.label for t in added.terms}
+        trial = _fitted(problem, added)
+        if term is terms[-1] or not is_no_worse(problem, trial.error, now.error):
+            part = replace(found, terms=tuple(t for t in found.terms if t.label in present))
+            trial = min(trial, _fitted(problem, part), key=lambda t: t.error)
+        if is_no_worse(problem, trial.error, now.error) or stays(term):
+            now = replace(trial, label=term.label)
             yield now
+
+
+def _fitted(problem: WhitenedProblem, start: Dynamics) -> Added:
+    """Return a model roughly at its optimum with its held-out error; the iteration starts at its parameters."""
+    model = fitted_together(problem.regression, start, ITERATIONS)
+    return Added("", model, heldout_error(problem, model))
 
 
 def is_no_worse(problem: WhitenedProblem, error: float, other: float) -> bool:

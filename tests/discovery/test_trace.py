@@ -3,6 +3,8 @@
 No answer predicts worse than the model that was given.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -87,3 +89,18 @@ def test_effects_that_make_a_model_predict_worse_than_the_given_one_are_searched
     problem, model = found
     with_errors(coulomb, viscous, both)
     assert doubted_effects.harmful(problem, model, Dynamics(model.robot)) == harm
+
+
+def test_the_last_model_is_the_found_one_where_the_fits_before_it_end_in_another_optimum(found, monkeypatch):
+    problem, model = found
+    whole = one_by_one.heldout_error(problem, model)
+
+    def elsewhere(regression, model, *_):
+        """Return a model as it is if it has both effects; one alone is fitted to another optimum."""
+        factor = 1.0 if len(model.terms) > 1 else 1.5
+        return replace(model, terms=tuple(t.with_theta(factor * np.array(t.theta)) for t in model.terms))
+
+    monkeypatch.setattr(one_by_one, "fitted_together", elsewhere)
+    last = one_by_one.kept(problem, Dynamics(model.robot), model)[-1]
+    assert {t.label for t in last.model.terms} == {COULOMB, VISCOUS}
+    assert last.error == whole
