@@ -53,7 +53,7 @@ def convert(
 
     if out.suffix.lower() not in WRITABLE:
         raise CommandError(f"cannot write {out}: the suffix must be one of {', '.join(WRITABLE)}")
-    require_writable(out, json, inputs=[log])
+    require_writable(json, inputs=[log], tables=[out])
     console = stdout(json)
     model = load_inputs(robot, None)
     with progress() as tell:

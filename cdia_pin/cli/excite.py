@@ -158,7 +158,7 @@ def excite(
         raise CommandError("--between and --effects are two purposes: give one of them")
     if (gains or format or columns or episode is not None) and not after:
         raise CommandError("options of reading need a log: add one with --after, or leave them out")
-    require_writable(out, ros, json, inputs=after or [])
+    require_writable(ros, json, inputs=after or [], tables=[out])
     console = stdout(json)
     known = load_inputs(robot, model)
     with progress() as tell:

@@ -106,7 +106,7 @@ def monitor(
     """
     given = [log, *(healthy or [])]
     require_report(report)
-    require_writable(state, save, json, report, inputs=[*given, *([model] if model else [])])
+    require_writable(json, report, inputs=[*given, *([model] if model else [])], tables=[state, save])
     if healthy_until is not None and (healthy or threshold):
         raise CommandError("--healthy-until concerns LOG itself: leave out --healthy and --threshold")
     goes_on = state is not None and state.exists()

@@ -21,23 +21,30 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 STDOUT = "-"
+BEGINNINGS = (b"", b"{", b"<")  # first byte of an empty file, of JSON, and of a page or a URDF
 # characters that json leaves as they are and that control a terminal, turn its direction, or are no text at all
 UNPRINTABLE = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
 
-def require_writable(*files: str | Path | None, inputs: Iterable[str | Path] = ()) -> None:
+def require_writable(
+    *files: str | Path | None, inputs: Iterable[str | Path] = (), tables: Iterable[str | Path | None] = ()
+) -> None:
     """Refuse files that cannot be written, before time is spent on their contents.
 
+    An option without its value takes the next word: ``--json run.csv other.csv`` would replace the first log by JSON.
+
     Args:
-        *files: To be written; None and ``-`` are skipped.
+        *files: To be written; None and ``-`` are skipped. They replace no log.
         inputs: Files that must not be overwritten.
+        tables: To be written as logs or other tables of numbers: they may replace one.
 
     Raises:
-        CommandError: If a file cannot be written, is an input, or is named twice.
+        CommandError: If a file cannot be written, is an input or a log, or is named twice.
     """
     read = {resolved(Path(p)) for p in inputs}
     seen: set[Path] = set()
-    for file in files:
+    may_replace_logs = {resolved(Path(p)) for p in tables if p is not None}
+    for file in (*files, *tables):
         if file is None or str(file) == STDOUT:
             continue
         path = Path(file)
@@ -49,6 +56,20 @@ def require_writable(*files: str | Path | None, inputs: Iterable[str | Path] = (
             raise CommandError(f"{path} is named for two outputs: give each its own name")
         seen.add(resolved(path))
         _probe(path)
+        if resolved(path) not in may_replace_logs and _is_log(path):
+            raise CommandError(f"{path} would be overwritten, but it is a log: give another name")
+
+
+def _is_log(path: Path) -> bool:
+    """Tell whether a file is there that has the name of a log, and is not what a command wrote before."""
+    if not path.is_file():
+        return False
+    from cdia_pin.logs.readers.dispatch import SUFFIXES
+
+    if path.suffix.lower() not in SUFFIXES:
+        return False
+    with path.open("rb") as file:
+        return file.read(1) not in BEGINNINGS
 
 
 def _probe(path: Path) -> None:

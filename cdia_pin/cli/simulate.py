@@ -111,7 +111,7 @@ def simulate(
     if out.suffix.lower() not in WRITABLE:
         raise CommandError(f"cannot write {out}: the suffix must be one of {', '.join(WRITABLE)}")
     require_report(report)
-    require_writable(out, json, report)
+    require_writable(json, report, tables=[out])
     console = stdout(json)
     require_steps(
         duration, 1.0 / max(rate or 0.0, CONTROL_RATE)

@@ -57,7 +57,7 @@ def trend(
     Each parameter has a course over the logs. Temperature and load are taken out of it, and what changes beyond them is
     an alarm. Its limit is computed from the rate of false alarms that you accept.
     """
-    require_writable(report, prometheus, json)
+    require_writable(report, json, tables=[prometheus])
     console = stdout(json)
     with progress() as tell:
         from cdia_pin.fleet import FleetStore, TrendSettings, fleet_trend, prometheus_text, trend_document

@@ -173,6 +173,8 @@ def joint_units(robot: RobotModel, joint: str) -> dict[str, str]:
 def short_names(joints: Sequence[str]) -> dict[str, str]:
     """Return names without the words that all of them begin or end with, such as ``panda_``, ``wam/`` or ``_joint``.
 
+    A bare number is no name: what all begin with stays before it.
+
     Args:
         joints: Names.
 
@@ -187,6 +189,8 @@ def short_names(joints: Sequence[str]) -> dict[str, str]:
             first += 1
         while last < most - first and len({w[-1 - last] for w in words}) == 1:
             last += 1
+        if first and any(re.fullmatch(r"\d+[_/]?", w[first]) and len(w) == first + last + 1 for w in words):
+            first -= 1
     short = ["".join(w[first : len(w) - last]) for w in words]
     short = [s.rstrip("_/") for s in short] if last else short
     return dict(zip(joints, short if all(short) and len(set(short)) == len(joints) else joints, strict=True))

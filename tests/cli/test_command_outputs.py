@@ -50,3 +50,20 @@ def test_a_limit_on_the_size_of_files_leaves_the_old_one(name, log, tmp_path):
 def test_a_folder_that_cannot_be_written_is_said_before_the_work(cdia, log, tmp_path):
     missing = cdia("convert", log, tmp_path / "none" / "out.csv", "--robot", "double_pendulum")
     assert "there is no directory" in missing.error
+
+
+@pytest.mark.parametrize("option", ["--json", "--report"])
+def test_an_option_without_its_value_does_not_replace_the_log_that_follows(option, cdia, log, tmp_path):
+    first = tmp_path / "first.csv"
+    first.write_bytes(log.read_bytes())
+    done = cdia("compare", option, first, log, "--robot", "double_pendulum", "--no-check")
+    assert "first.csv would be overwritten, but it is a log" in done.error
+    assert first.read_bytes() == log.read_bytes()
+
+
+def test_an_earlier_result_is_replaced_whatever_its_name(cdia, log, tmp_path):
+    file = tmp_path / "result.txt"
+    for _ in range(2):
+        done = cdia("compare", log, "--robot", "double_pendulum", "--no-check", "--json", file)
+        assert done.code == 0, done.err
+    assert file.read_text().startswith("{")
