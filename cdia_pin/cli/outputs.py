@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,7 +27,7 @@ UNPRINTABLE = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800
 
 
 def require_writable(
-    *files: str | Path | None, inputs: Iterable[str | Path] = (), tables: Iterable[str | Path | None] = ()
+    *files: str | Path | None, inputs: Iterable[str | Path] = (), tables: Sequence[str | Path | None] = ()
 ) -> None:
     """Refuse files that cannot be written, before time is spent on their contents.
 
@@ -43,7 +43,6 @@ def require_writable(
     """
     read = {resolved(Path(p)) for p in inputs}
     seen: set[Path] = set()
-    may_replace_logs = {resolved(Path(p)) for p in tables if p is not None}
     for file in (*files, *tables):
         if file is None or str(file) == STDOUT:
             continue
@@ -56,7 +55,7 @@ def require_writable(
             raise CommandError(f"{path} is named for two outputs: give each its own name")
         seen.add(resolved(path))
         _probe(path)
-        if resolved(path) not in may_replace_logs and _is_log(path):
+        if file not in tables and _is_log(path):
             raise CommandError(f"{path} would be overwritten, but it is a log: give another name")
 
 
@@ -64,12 +63,12 @@ def _is_log(path: Path) -> bool:
     """Tell whether a file is there that has the name of a log, and is not what a command wrote before."""
     if not path.is_file():
         return False
+    with path.open("rb") as file:
+        if file.read(1) in BEGINNINGS:
+            return False
     from cdia_pin.logs.readers.dispatch import SUFFIXES
 
-    if path.suffix.lower() not in SUFFIXES:
-        return False
-    with path.open("rb") as file:
-        return file.read(1) not in BEGINNINGS
+    return path.suffix.lower() in SUFFIXES
 
 
 def _probe(path: Path) -> None:

@@ -48,8 +48,7 @@ def kept(
     terms, whole = _ordered(problem, base, found), heldout_error(problem, found)
 
     def helps_at_last(term: Term) -> bool:
-        without = fitted_together(problem.regression, found.remove(term.label), ITERATIONS)
-        return whole < heldout_error(problem, without)
+        return whole < _fitted(problem, term.label, found.remove(term.label)).error
 
     models = [_without_found(problem, base, found)]
     models += _added(problem, found, models[0], terms, lambda t: t.label in forced or helps_at_last(t))
@@ -64,8 +63,7 @@ def kept(
 def _without_found(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> Added:
     """Return a found model without the effects that were added, with the error of the base and all its effects."""
     known = {t.label for t in base.terms}
-    model = Dynamics(base.robot, tuple(t for t in found.terms if t.label in known))
-    return Added("", model, heldout_error(problem, base))
+    return Added("", _part(found, known), heldout_error(problem, base))
 
 
 def _ordered(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> list[Term]:
@@ -100,20 +98,24 @@ def _added(
     now = first
     for term in terms:
         added = now.model.add(term)
-        present = {t.label for t in added.terms}
-        trial = _fitted(problem, added)
+        trial = _fitted(problem, term.label, added)
         if term is terms[-1] or not is_no_worse(problem, trial.error, now.error):
-            part = replace(found, terms=tuple(t for t in found.terms if t.label in present))
-            trial = min(trial, _fitted(problem, part), key=lambda t: t.error)
+            part = _part(found, {t.label for t in added.terms})
+            trial = min(trial, _fitted(problem, term.label, part), key=lambda t: t.error)
         if is_no_worse(problem, trial.error, now.error) or stays(term):
-            now = replace(trial, label=term.label)
+            now = trial
             yield now
 
 
-def _fitted(problem: WhitenedProblem, start: Dynamics) -> Added:
+def _fitted(problem: WhitenedProblem, label: str, start: Dynamics) -> Added:
     """Return a model roughly at its optimum with its held-out error; the iteration starts at its parameters."""
     model = fitted_together(problem.regression, start, ITERATIONS)
-    return Added("", model, heldout_error(problem, model))
+    return Added(label, model, heldout_error(problem, model))
+
+
+def _part(found: Dynamics, labels: Collection[str]) -> Dynamics:
+    """Return a found model with some of its effects, at its parameters."""
+    return replace(found, terms=tuple(t for t in found.terms if t.label in labels))
 
 
 def is_no_worse(problem: WhitenedProblem, error: float, other: float) -> bool:

@@ -189,7 +189,7 @@ def short_names(joints: Sequence[str]) -> dict[str, str]:
             first += 1
         while last < most - first and len({w[-1 - last] for w in words}) == 1:
             last += 1
-        if first and any(re.fullmatch(r"\d+[_/]?", w[first]) and len(w) == first + last + 1 for w in words):
+        if first and any("".join(w[first : len(w) - last]).rstrip("_/").isdecimal() for w in words):
             first -= 1
     short = ["".join(w[first : len(w) - last]) for w in words]
     short = [s.rstrip("_/") for s in short] if last else short
