@@ -181,23 +181,33 @@ def read_logs(
 
 
 def _with_side(log: Log, check: LogCheck) -> Log:
-    """Return the log with a note where the check knows better on which side of the gear its torque was measured."""
+    """Return the log with a note where the check knows better on which side of the gear its torque was measured.
+
+    Where neither the log nor the check knows, and the torque shows friction, the note says what follows.
+    """
     from cdia_pin.logs.checks import Topic
     from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide
 
-    findings = check.about(Topic.TORQUE_SIDE)
-    if log.side_of_format and any(f.value.get("side") == TorqueSide.UNKNOWN for f in findings):
+    found = [f.value for f in check.about(Topic.TORQUE_SIDE)]
+    keeps_out = "(--torque-side link keeps them out)"
+    if log.side_of_format and any(f.get("side") == TorqueSide.UNKNOWN for f in found):
         others = tuple(note for note in log.notes if not note.startswith(BEHIND_THE_GEAR))
         known = replace(log, torque_side=TorqueSide.UNKNOWN, side_of_format=False, notes=others)
         return known.noted(
             "the torque shows more friction than a sensor behind the gear usually sees, so friction and rotors are "
-            "looked for (--torque-side link keeps them out)"
+            f"looked for {keeps_out}"
         )
-    measured = [f.value.get("measured") for f in findings]
-    if log.torque_side is not TorqueSide.UNKNOWN or measured != [TorqueSide.LINK]:
+    if log.torque_side is not TorqueSide.UNKNOWN:
         return log
-    note = f"{BEHIND_THE_GEAR}, because it shows none of a gear (if that is wrong, --torque-side motor)"
-    return replace(log, torque_side=TorqueSide.LINK).noted(note)
+    if any(f.get("measured") == TorqueSide.LINK for f in found):
+        note = f"{BEHIND_THE_GEAR}, because it shows none of a gear (if that is wrong, --torque-side motor)"
+        return replace(log, torque_side=TorqueSide.LINK).noted(note)
+    if any(f.get("side") == TorqueSide.UNKNOWN and f.get("shows_friction") for f in found):
+        return log.noted(
+            "which side of the gear the torque is from cannot be told: friction of the motor and its rotor are looked "
+            f"for {keeps_out}"
+        )
+    return log
 
 
 def require_unseen(held_out: Sequence[Path], logs: Sequence[Path]) -> None:

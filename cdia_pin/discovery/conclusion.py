@@ -137,6 +137,7 @@ def conclusion(
         structure_left=left,
         torque_rms=torque,
         heldout_torque_rms=unseen_torque,
+        compared_share=experiment.informative.mean(axis=0),
         capability=able,
         held=_where(experiment.held, final.robot),
         resting=_where(experiment.resting & ~experiment.held, final.robot),

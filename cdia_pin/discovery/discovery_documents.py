@@ -110,6 +110,7 @@ class DiscoveryJson(TypedDict):
     noise_floor: ByJoint
     torque_rms: ByJoint
     heldout_torque_rms: ByJoint
+    compared_share: ByJoint
     structure_left: list[str]
     resting: list[str]
     ranking: list[RankedJson]

@@ -84,6 +84,7 @@ class Discovery:
         structure_left: Names of the joints whose residual is not noise.
         torque_rms: RMS of the measured torque [N·m or N], shape (n,).
         heldout_torque_rms: That of the data that was not fitted: of the held-out logs if there are any, shape (n,).
+        compared_share: Share of the samples on which a joint is judged [1], shape (n,): near rest it is not.
         ranking: What the best candidates would explain alone, the best first.
         record: Logs, hashes, settings and version, enough to run the discovery again.
         capability: What the improved model lets a user notice.
@@ -100,6 +101,7 @@ class Discovery:
     structure_left: tuple[str, ...]
     torque_rms: Array
     heldout_torque_rms: Array
+    compared_share: Array
     ranking: tuple[Ranked, ...]
     record: DiscoveryRecord
     capability: Capability
@@ -156,6 +158,7 @@ class Discovery:
             "noise_floor": robot.by_joint(self.noise_floor),
             "torque_rms": robot.by_joint(self.torque_rms),
             "heldout_torque_rms": robot.by_joint(self.heldout_torque_rms),
+            "compared_share": robot.by_joint(self.compared_share),
             "structure_left": list(self.structure_left),
             "resting": list(self.resting),
             "ranking": [

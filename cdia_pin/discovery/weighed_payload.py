@@ -6,6 +6,8 @@ reads of a payload looks for a load.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from cdia_pin.discovery.plain_bodies import found_bodies
@@ -22,6 +24,8 @@ PARAMETERS_OF_WEIGHT = 4
 def with_weighed_payload(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
     """Return a model in which a payload whose weight may be nothing is part of the last link.
 
+    A payload beside that link is one body with it.
+
     Args:
         problem: The logs and their noise.
         model: The fitted model.
@@ -30,13 +34,15 @@ def with_weighed_payload(problem: WhitenedProblem, model: Dynamics, given: Dynam
     robot = model.robot
     link = LinkInertia(robot.tool_joint)
     loads = [t for t in found_bodies(model, given) if isinstance(t.effect, Payload)]
-    if not loads or link.label not in {f[0].label for f in problem.problem.families}:
+    possible = {f[0].label for f in problem.problem.families} - {t.label for t in given.terms}
+    if not loads or link.label not in possible:
         return model
-    fitted = with_intervals(*refit(problem.regression, model))
+    one = replace(model, terms=tuple(t for t in model.terms if t.label != link.label))
+    fitted = with_intervals(*refit(problem.regression, one))
     payload = fitted.find(loads[0].label)
     weight = slice(PARAMETERS_OF_WEIGHT)
     if np.any(np.abs(payload.theta[weight]) > payload.half_widths[weight]):
-        return model
+        return fitted
     same = Term(link, tuple(Payload().in_joint_frame(np.array(payload.theta), robot)))
     terms = (same if t is payload else t for t in fitted.terms)
     return fitted_together(problem.regression, Dynamics(robot, tuple(terms)))

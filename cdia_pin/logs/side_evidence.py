@@ -114,6 +114,11 @@ class SideEvidence:
         return [f for f in self.joints.values() if np.isfinite(f.limit)]
 
     @property
+    def shows_friction(self) -> bool:
+        """True if a joint surely shows dry friction."""
+        return any(f.is_sure for f in self._judged)
+
+    @property
     def is_too_large_for_a_link(self) -> bool:
         """True if a joint surely shows more dry friction than a sensor behind the gear usually sees."""
         return self.scale >= LEAST_SCALE and any(f.is_too_large_for_a_link for f in self._judged)

@@ -27,6 +27,7 @@ KEYS = {
         "noise_floor",
         "torque_rms",
         "heldout_torque_rms",
+        "compared_share",
     ),
     *("structure_left", "resting", "ranking", "findings", "record"),
 }

@@ -22,7 +22,9 @@ def named(robot, hidden, found=FOUND, given=(), effects=None):
     problem, model, before = bumped(robot, [hidden], found, given, effects, 0.0)
     now = with_weighed_payload(problem, model, before)
     assert problem.problem.rms(now) == pytest.approx(problem.problem.rms(model), rel=0.02)
-    return {t.label for t in now.terms}
+    labels = [t.label for t in now.terms]
+    assert len(labels) == len(set(labels))
+    return set(labels)
 
 
 def test_a_load_is_a_payload(robot):
@@ -33,6 +35,14 @@ def test_an_inertia_without_a_weight_is_the_links(robot):
     assert named(robot, INERTIA) == {"link_inertia@joint2"}
 
 
+def test_beside_the_last_link_it_is_one_body_with_it(robot):
+    both = (*FOUND, "link_inertia@joint2: mass=0.05")
+    assert named(robot, INERTIA, found=both) == {"link_inertia@joint2"}
+    assert named(robot, LOAD, found=both) == {"payload"}
+
+
 def test_what_the_model_had_or_nobody_asked_for_stays(robot):
     assert named(robot, INERTIA, found=(), given=FOUND) == {"payload"}
     assert named(robot, INERTIA, effects=("payload",)) == {"payload"}
+    link = "link_inertia@joint2"
+    assert named(robot, INERTIA, given=(f"{link}: mass=0.05",)) == {"payload", link}

@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks.recordings import libfranka, write
 from cdia_pin import Dynamics, discover, load_robot, read_log
+from cdia_pin.cli.inputs import Reading, read_logs
 from cdia_pin.errors import LogError
 from cdia_pin.logs import check_log, write_log
 from cdia_pin.logs.conditioning import condition
@@ -128,6 +129,17 @@ def test_measured_arms(log, robot, gains, side):
     arm = load_robot(str(MEASURED / robot) if robot.endswith(".urdf") else robot)
     read = read_log(MEASURED / log, arm, gains=gains and MEASURED / gains)
     assert told(arm, read) == side
+
+
+@pytest.mark.parametrize(
+    ("share", "said"),
+    [(0.05, ""), (0.013, "cannot be told"), (0.004, "taken as measured behind the gear"), (0.0, "")],
+)
+def test_a_command_says_what_it_assumes_of_the_side(panda, tmp_path, share, said):
+    file = write_log(logged(panda, share), tmp_path / "run.csv")
+    (log,), _ = read_logs([file], panda, Reading(), check=True, tell=lambda what, done: None)
+    notes = [note for note in log.notes if "side" in note]
+    assert [said in note for note in notes] == ([True] if said else [])
 
 
 def test_temperatures_are_read_and_written(panda, tmp_path):

@@ -80,6 +80,7 @@ def test_seven_joints_fit_in_the_width(results, width):
         noise_floor=np.array(pad(results.discovery.noise_floor)),
         torque_rms=np.array(pad(results.discovery.torque_rms)),
         heldout_torque_rms=np.array(pad(results.discovery.heldout_torque_rms)),
+        compared_share=np.full(panda.n, 0.4),
         structure_left=panda.joints,
         capability=able,
         verdict="unexplained",
@@ -88,6 +89,16 @@ def test_seven_joints_fit_in_the_width(results, width):
         text = printed(discovery_table(wide, everything), width)
         assert all(f"joint{k}" in text for k in range(1, 8))
         assert "…" not in text
+
+
+@pytest.mark.parametrize("everything", [False, True])
+def test_a_joint_that_is_judged_for_a_part_of_the_time_says_so(results, everything):
+    n, said = results.robot.n, "judged, % of the time"
+    some = replace(results.discovery, compared_share=np.array([0.16, *[0.95] * (n - 1)]))
+    most = replace(results.discovery, compared_share=np.full(n, 0.85))
+    (line,) = (x for x in printed(discovery_table(some, everything)).splitlines() if said in x)
+    assert line.replace(said, "").split() == ["16", *["95"] * (n - 1)]
+    assert said not in printed(discovery_table(most, everything))
 
 
 @pytest.mark.parametrize("width", WIDTHS)

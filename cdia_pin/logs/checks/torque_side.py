@@ -39,6 +39,7 @@ def check_torque_side(log: Log, robot: RobotModel, motion: SmoothedMotion) -> It
     evidence = side_evidence(robot, motion.q, motion.v, motion.a, motion.effort)
     value: dict[str, object] = {
         "measured": str(evidence.side),
+        "shows_friction": evidence.shows_friction,
         **{joint: asdict(friction) for joint, friction in evidence.joints.items()},
     }
     said = _said(evidence)
@@ -88,7 +89,7 @@ def _said(evidence: SideEvidence) -> str:
         return (
             f"the efforts are {evidence.scale:.2g} of the URDF's torque, and its limits tell nothing of them"
         )
-    if not any(f.is_sure for f in judged):
+    if not evidence.shows_friction:
         return "no jump at reversals shows dry friction (gears take 4 to 7 % of the torque limits)"
     shares = [max(100 * f.dry / f.limit, 0.0) for f in judged]
     least, most = min(shares), max(shares)
