@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 from cdia_pin.dynamics import Dynamics
@@ -50,14 +50,14 @@ def kept(
     def helps_at_last(term: Term) -> bool:
         return whole < _fitted(problem, term.label, found.remove(term.label)).error
 
-    models = [_without_found(problem, base, found)]
-    models += _added(problem, found, models[0], terms, lambda t: t.label in forced or helps_at_last(t))
+    first = _without_found(problem, base, found)
+    models = _added(problem, found, first, terms, lambda t: t.label in forced or helps_at_last(t))
     best = min(range(len(models)), key=lambda k: models[k].error)
     if is_no_worse(problem, models[-1].error, models[best].error):
         return models
-    models = models[: best + 1]
-    rest = [t for t in terms if t.label not in {m.label for m in models}]
-    return [*models, *_added(problem, found, models[-1], rest, lambda t: t.label in forced)]
+    seen = {m.label for m in models[: best + 1]}
+    rest = [t for t in terms if t.label not in seen]
+    return [*models[:best], *_added(problem, found, models[best], rest, lambda t: t.label in forced)]
 
 
 def _without_found(problem: WhitenedProblem, base: Dynamics, found: Dynamics) -> Added:
@@ -88,23 +88,30 @@ def _added(
     first: Added,
     terms: Sequence[Term],
     stays: Callable[[Term], bool],
-) -> Iterator[Added]:
-    """Yield models with one term after another; a term that raises the error stays only if it is told to.
+) -> list[Added]:
+    """Return a first model, and those with one term more each; a term that raises the error stays only if told to.
 
     Effects of the torque have several optima. A fit that begins at the model before may end in another one than the
     search, and then predicts much worse. So where the error rises, and at the end, a fit that begins at the found model
     is tried too.
     """
-    now = first
+    models = [first]
     for term in terms:
-        added = now.model.add(term)
+        added = models[-1].model.add(term)
         trial = _fitted(problem, term.label, added)
-        if term is terms[-1] or not is_no_worse(problem, trial.error, now.error):
-            part = _part(found, {t.label for t in added.terms})
-            trial = min(trial, _fitted(problem, term.label, part), key=lambda t: t.error)
-        if is_no_worse(problem, trial.error, now.error) or stays(term):
-            now = trial
-            yield now
+        if not is_no_worse(problem, trial.error, models[-1].error):
+            trial = _better(problem, found, trial)
+        if is_no_worse(problem, trial.error, models[-1].error) or stays(term):
+            models.append(trial)
+    if len(models) > 1:
+        models[-1] = _better(problem, found, models[-1])
+    return models
+
+
+def _better(problem: WhitenedProblem, found: Dynamics, now: Added) -> Added:
+    """Return the better of a model and a fit of the same effects that begins at the found model."""
+    part = _part(found, {t.label for t in now.model.terms})
+    return min(now, _fitted(problem, now.label, part), key=lambda m: m.error)
 
 
 def _fitted(problem: WhitenedProblem, label: str, start: Dynamics) -> Added:

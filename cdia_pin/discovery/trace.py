@@ -16,6 +16,7 @@ from cdia_pin.regression.cross_validation import held_out_rms
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.gauss_newton import refit
 from cdia_pin.regression.intervals import with_intervals
+from cdia_pin.selection.idle_drives import is_idle
 from cdia_pin.selection.problem import Problem, WhitenedProblem
 from cdia_pin.selection.shapes import with_shapes_fitted
 
@@ -28,7 +29,8 @@ def trace(
     """Fit a found model again with intervals, and measure how each of its effects changes the error.
 
     An effect that raises the held-out error is left out, because the log moves too little to identify it: see `kept`.
-    An effect whose only parameter has an interval that contains zero is left out too.
+    So are an effect whose only parameter has an interval that contains zero, and the gain of a drive that could not have
+    moved the arm.
 
     Args:
         problem: Logs, candidates and noise.
@@ -47,7 +49,7 @@ def trace(
     final, equations = refit(problem.regression, final)
     final = with_intervals(final, equations)
     if doubtful := _doubtful(final, {*known, *forced}):
-        return trace(problem, base, found.remove(min(doubtful, key=_certainty).label), forced)
+        return trace(problem, base, found.remove(doubtful[0].label), forced)
     steps = [step_of(problem, None, base)]
     for m in models[1:]:
         shown = final if m is models[-1] else m.model
@@ -56,7 +58,9 @@ def trace(
 
 
 def without_doubtful(problem: WhitenedProblem, found: Dynamics, kept: Collection[str]) -> Dynamics:
-    """Return a found model without the effects whose only parameter has an interval that contains zero.
+    """Return a found model without effects that may be nothing, and without drives that could not have moved the arm.
+
+    An effect may be nothing if its only parameter has an interval that contains zero.
 
     Args:
         problem: Logs, candidates and noise.
@@ -64,13 +68,15 @@ def without_doubtful(problem: WhitenedProblem, found: Dynamics, kept: Collection
         kept: Labels of effects that stay in any case.
     """
     while doubtful := _doubtful(with_intervals(*refit(problem.regression, found)), kept):
-        found = found.remove(min(doubtful, key=_certainty).label)
+        found = found.remove(doubtful[0].label)
     return found
 
 
 def _doubtful(model: Dynamics, kept: Collection[str]) -> list[Term]:
-    """Return the terms of one parameter whose interval contains zero, except those that stay in any case."""
-    return [t for t in model.terms if t.label not in kept and t.effect.size == 1 and _certainty(t) <= 1.0]
+    """Return the idle drives and the effects that may be nothing, the least certain first, except those that stay."""
+    found = [t for t in model.terms if t.label not in kept]
+    nothing = [t for t in found if t.effect.size == 1 and _certainty(t) <= 1.0]
+    return [*filter(is_idle, found), *sorted(nothing, key=_certainty)]
 
 
 def _certainty(term: Term) -> float:

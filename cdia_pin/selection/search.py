@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import ALWAYS, ActuatorGain, Effect, Signal, Term
+from cdia_pin.effects import ALWAYS, Effect, Signal, Term
 from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.gauss_newton import DIVERGED, Before, fitted_together, is_exact, is_possible
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.evidence import Evidence, SetFit
+from cdia_pin.selection.idle_drives import fitted_without_idle_drives, has_idle_drive
 from cdia_pin.selection.moves import Allowed, Names, improve, names
 from cdia_pin.selection.problem import WhitenedProblem
 from cdia_pin.selection.replacement import promising, refitting
@@ -34,9 +35,6 @@ LIKELY = 0.5  # share of what an effect explains [1] that another one must expla
 # that lowered the cost were among the first two.
 MOST_REFITS = 3
 MOST_MOVES = 120  # moves [1]; a guard, because the cost falls at every move
-# Gain of a drive [1]. One that delivers less than a quarter of what is asked does not move an arm, and a fit with such
-# a gain makes many times the torque out of next to nothing.
-WEAKEST = -0.75
 MOST_REJECTED = 6  # moves in a row [1] that the refit rejects, after which the search ends
 
 
@@ -64,7 +62,7 @@ def search(
         The model that no move improves.
     """
     # a shape depends on the other terms and on the noise
-    now = _fitted_simply(problem, fitted_together(problem.regression, model))
+    now = _fitted_simply(problem, fitted_without_idle_drives(problem.regression, model))
     failed: set[Names] = set()
     worse: Errors = {}
     rejected = 0
@@ -104,7 +102,7 @@ def search(
             then = _refitted(problem, trial, _labels(now.model), _before(now, trial))
         if (
             then is None
-            or (_carries_its_load(now.model) and not _carries_its_load(then.model))
+            or has_idle_drive(then.model)
             or not then.fit.physical
             or (grew and not _is_seen(problem, now.errors, then.errors))
             or then.cost > now.cost + _sacrifice(now.evidence, now.fit, better)
@@ -280,11 +278,6 @@ def _is_seen(problem: WhitenedProblem, before: Array, after: Array) -> bool:
     fallen = np.sqrt(np.maximum(before**2 - after**2, 0.0))
     lower = after < (1 - problem.settings.criterion.least_fall) * before
     return bool((lower & (fallen > problem.problem.smallest_torque)).any())
-
-
-def _carries_its_load(model: Dynamics) -> bool:
-    """Return True if no drive delivers so little of what is asked that the arm could not have made its motion."""
-    return all(min(t.theta) >= WEAKEST for t in model.terms if t.effect.name == ActuatorGain.name)
 
 
 def _sacrifice(evidence: Evidence, now: SetFit, after: SetFit) -> float:

@@ -6,7 +6,8 @@ import pytest
 from cdia_pin import Dynamics, Log, discover, load_robot
 from cdia_pin.effects import parse_term
 from cdia_pin.errors import EffectError
-from cdia_pin.selection import DiscoverySettings, Problem, search
+from cdia_pin.discovery.trace import trace
+from cdia_pin.selection import DiscoverySettings, Problem, idle_drives, search
 from cdia_pin.selection.simpler import simplified
 from tests.made_logs import motion
 
@@ -72,15 +73,24 @@ def test_a_candidate_whose_fit_diverges_is_not_the_end_of_the_run(robot, monkeyp
 def test_a_drive_that_could_not_move_the_arm_is_no_name(robot, monkeypatch):
     log = log_of(robot, torque=lambda effort: 2.5 * effort)  # a gain of −0.6
     assert "actuator_gain@joint2" in found(robot, log)
-    monkeypatch.setattr(search, "WEAKEST", -0.4)
+    monkeypatch.setattr(idle_drives, "WEAKEST", -0.4)
     assert "actuator_gain@joint2" not in found(robot, log)
+
+
+def test_neither_a_search_nor_its_conclusion_keeps_such_a_drive_that_it_begins_with(robot):
+    problem = problem_of(robot, log_of(robot, torque=lambda effort: 10.0 * effort))  # a gain of −0.9
+    idle = Dynamics(robot, (parse_term("actuator_gain@joint2: gain=-0.9"),))
+    ended = search.search(problem, idle, set(), lambda *_: None)
+    assert "actuator_gain@joint2" not in {t.label for t in ended.terms}
+    assert [t.label for t in trace(problem, Dynamics(robot), idle)[0].terms] == []
+    assert [t.label for t in trace(problem, idle, idle)[0].terms] == ["actuator_gain@joint2"]
 
 
 def test_moves_to_a_drive_that_could_not_move_the_arm_end_the_search_as_others_that_fail(robot, monkeypatch):
     log = log_of(robot, "coulomb_friction@joint2: level=0.4", "viscous_friction@joint1: coefficient=0.3")
     refitted, tried = search._refitted, []
     monkeypatch.setattr(search, "_refitted", lambda *x: tried.append(x) or refitted(*x))
-    monkeypatch.setattr(search, "_carries_its_load", lambda model: not model.terms)
+    monkeypatch.setattr(search, "has_idle_drive", lambda model: bool(model.terms))
     monkeypatch.setattr(search, "MOST_REJECTED", 2)
     problem = problem_of(robot, log)
     assert not search.search(problem, Dynamics(robot), set(), lambda *_: None).terms
