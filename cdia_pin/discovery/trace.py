@@ -29,8 +29,8 @@ def trace(
     """Fit a found model again with intervals, and measure how each of its effects changes the error.
 
     An effect that raises the held-out error is left out, because the log moves too little to identify it: see `kept`.
-    So are an effect whose only parameter has an interval that contains zero, and the gain of a drive that could not have
-    moved the arm.
+    So are an effect whose only parameter has an interval that contains zero, and a drive that could not have moved the
+    arm.
 
     Args:
         problem: Logs, candidates and noise.

@@ -1,7 +1,7 @@
-"""Drive gains that no drive has which has moved the arm.
+"""Gains of drives that could not have moved the arm.
 
-Regressed on a torque that the model hardly explains, the rest of the model is next to nothing: the gain tends to −1, and
-all other effects of the joint are scaled down with it, also to sizes at which an impossible body seems possible.
+Such a gain makes the torque of its joint out of next to nothing. A body then acts on this joint many times more than on
+all others, so that it imitates whatever the joint does by itself.
 """
 
 from __future__ import annotations

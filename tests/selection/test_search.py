@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, Log, discover, load_robot
+from cdia_pin.discovery.trace import trace
 from cdia_pin.effects import parse_term
 from cdia_pin.errors import EffectError
-from cdia_pin.discovery.trace import trace
 from cdia_pin.selection import DiscoverySettings, Problem, idle_drives, search
 from cdia_pin.selection.simpler import simplified
 from tests.made_logs import motion
