@@ -20,16 +20,20 @@ from cdia_pin.logs.filtered_part import Filter, FilteredPart, mean
 from cdia_pin.logs.held_stretch import without_idle_end
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.magnitudes import require_magnitudes
-from cdia_pin.logs.motion import Motion, MotionRecord
+from cdia_pin.logs.motion import KERNEL, Motion, MotionRecord
+from cdia_pin.logs.recorded_parts import common, on_grid, recorded_parts
 from cdia_pin.logs.resolution import quantum
 from cdia_pin.logs.stretches import blocks, stretches
 from cdia_pin.logs.wild_samples import without_wild_samples
+from cdia_pin.phrases import counted
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
 __all__ = ["Conditioning", "Motion", "condition"]
 
+# [periods of the cut-off], shortest part between two gaps: the filter's response must fit into it
+SHORTEST_PART = KERNEL
 SHORTEST = 3.0  # [s], shortest log: trimming both ends of a shorter one leaves too few samples
 MOTION_OVERSAMPLING = 8.0  # [1], rate of the motion over the cut-off: nonlinear effects make harmonics
 TORQUE_OVERSAMPLING = 2.2  # [1], rate of the compared torques over the cut-off: just above Nyquist's 2
@@ -88,7 +92,12 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
     require_magnitudes(log)
     even = uniform(log)
     rate = (len(even.time) - 1) / even.duration
-    cutoff = choose_cutoff(even, robot) if settings.cutoff is None else settings.cutoff
+    recorded = on_grid(recorded_parts(log), log, even)
+    if settings.cutoff is None:
+        longest = max(recorded, key=lambda part: part.stop - part.start)
+        cutoff = choose_cutoff(even.slice(longest.start, longest.stop), robot)
+    else:
+        cutoff = settings.cutoff
     if not 0 < cutoff < HIGHEST_SHARE_GIVEN * rate:
         raise LogError(
             f"{log.source}: a cut-off of {cutoff:g} Hz is too high for a log of {rate:.4g} Hz; "
@@ -102,17 +111,30 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
     every = max(1, int(rate / (MOTION_OVERSAMPLING * cutoff)))
     again = max(1, int(rate / every / (TORQUE_OVERSAMPLING * cutoff)))
     most = None if settings.most is None else settings.most * every * again
-    parts, notes = stretches(len(even.time), most, every), list(even.notes)
+    looked_at = stretches(len(even.time), most, every)
+    shortest = int(np.ceil(max(SHORTEST_PART, 2 * settings.trim + 1) / cutoff * rate))
+    between = common(looked_at, recorded, shortest if len(recorded) > 1 else 0)
+    if not between:
+        raise LogError(
+            f"{log.source}: no part of it between two gaps is {shortest / rate:.2g} s long; record it without gaps"
+        )
+    parts, notes = [part for part, _ in between], list(even.notes)
     lengths = () if len(parts) == 1 else tuple(len(even.time[part][::every]) for part in parts)
-    if lengths:
+    if len(looked_at) > 1:
         share = sum(part.stop - part.start for part in parts) / len(even.time)
         notes.append(
             f"looked at in {len(parts)} stretches spread evenly over it, {100 * share:.2g} % of the log"
         )
-    raw_effort = _joined(log.effort[p] for p in parts) if lengths else log.effort
+    if len(recorded) > 1:
+        notes.append(_said_of_gaps(log, len({other.start for _, other in between})))
+    raw_effort = _joined(log.effort[p] for p in parts) if len(looked_at) > 1 else log.effort
     steps = np.array([quantum(of_joint) for of_joint in _joined(even.position[p] for p in parts).T])
     by = Filter(cutoff, rate, every, min(STEPLESS, cutoff), steps)
-    filtered = [FilteredPart.of(even, block, by) for part in parts for block in blocks(part, by.block, every)]
+    filtered = [
+        FilteredPart.of(even, block, within, by)
+        for part, within in between
+        for block in blocks(part, by.block, every)
+    ]
     speed_noise, acceleration_noise = _noise(filtered, cutoff, rate)
     busiest = np.max([p.busiest for p in filtered], axis=0)
     parted = {name: [getattr(p, name) for p in filtered] for name in ("q", "v", "a", "effort", "temperature")}
@@ -154,6 +176,16 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         side_of_format=log.side_of_format,
         effort_tolerance=log.effort_tolerance,
         stretches=lengths,
+    )
+
+
+def _said_of_gaps(log: Log, used: int) -> str:
+    """Return what a log's gaps are, and how many parts between them are looked at."""
+    step, parts = np.diff(log.time), len(recorded_parts(log))
+    which = "each of its parts" if used == parts else f"{used} of its {parts} parts"
+    return (
+        f"the clock has {counted(parts - 1, 'long gap')} of up to {step.max():.3g} s, the longest after "
+        f"t = {log.time[step.argmax()]:.4g} s; {which} between them is looked at by itself"
     )
 
 

@@ -9,13 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
-from cdia_pin.phrases import counted
 
 Array = NDArray[np.float64]
 
 # [1], largest error of a sample's time over the period without resampling: below the jitter of any clock
 UNIFORM_TOLERANCE = 1e-3
-LONGEST_GAP = 0.5  # [s], a trajectory cannot be interpolated across a longer gap
 # A longer signal is filtered in blocks: memory does not grow, and transforms of 2^18 values are fast.
 BLOCK = 2**17 + 1  # [samples], of a block with its margins
 MARGIN = (
@@ -52,15 +50,8 @@ def uniform(log: Log) -> Log:
         return log
     # the last time of the grid passes the last sample by a rounding error, where nothing can be interpolated
     time = np.minimum(log.time[0] + period * np.arange(count), log.time[-1])
-    notes = [f"resampled from {len(log.time)} samples to a uniform grid of {count} at {log.rate:.4g} Hz"]
-    step = np.diff(log.time)
-    if step.max() > LONGEST_GAP:
-        notes.append(
-            f"the clock has {counted(int((step > LONGEST_GAP).sum()), 'gap')} of up to {step.max():.3g} s, the longest "
-            f"after t = {log.time[step.argmax()]:.4g} s: what lies between is interpolated; "
-            "make two logs of it, split there"
-        )
-    return sampled_at(log, time).noted(*notes)
+    note = f"resampled from {len(log.time)} samples to a uniform grid of {count} at {log.rate:.4g} Hz"
+    return sampled_at(log, time).noted(note)
 
 
 def _furthest_from_grid(time: Array, period: float) -> float:

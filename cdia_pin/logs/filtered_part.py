@@ -45,22 +45,23 @@ class Filter:
         """Samples of a part that is filtered at once [1]; with its neighbours, it is a block of `zero_phase`."""
         return max(BLOCK - 2 * self.margin, BLOCK // 2)
 
-    def around(self, part: slice, count: int) -> slice:
+    def around(self, part: slice, within: slice) -> slice:
         """Return a part with the neighbours that the filter needs, and some more where its transforms are faster then.
 
         Args:
             part: The part.
-            count: Samples of the log [1].
+            within: Samples of the log that may be neighbours: those between two gaps.
         """
         from scipy.fft import next_fast_len
 
-        start, stop = max(part.start - self.margin, 0), min(part.stop + self.margin, count)
+        start, stop = max(part.start - self.margin, within.start), min(part.stop + self.margin, within.stop)
+        count = within.stop - within.start
         if stop - start == count:
-            return slice(start, stop)
+            return within
         length = min(
             next_fast_len(stop - start - 1, real=True) + 1, count
         )  # `zero_phase` transforms 2 N − 2 values
-        start = max(min(start, count - length), 0)
+        start = max(min(start, within.stop - length), within.start)
         return slice(start, start + length)
 
 
@@ -91,15 +92,16 @@ class FilteredPart:
     count: int
 
     @classmethod
-    def of(cls, even: Log, part: slice, by: Filter) -> Self:
+    def of(cls, even: Log, part: slice, within: slice, by: Filter) -> Self:
         """Filter a part together with the neighbours that the filter needs.
 
         Args:
             even: A uniformly sampled log.
             part: Its samples that are wanted.
+            within: Its samples that may be their neighbours: those between two gaps.
             by: The filter.
         """
-        around = by.around(part, len(even.time))
+        around = by.around(part, within)
         inside = slice(part.start - around.start, part.stop - around.start)
         raw = even.position[around]
         q = zero_phase(raw, by.cutoff, by.rate)

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.logs.derivatives import LONGEST_GAP
+from cdia_pin.logs.recorded_parts import LONGEST_GAP
 
 Array = NDArray[np.float64]
 

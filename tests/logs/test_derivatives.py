@@ -114,13 +114,6 @@ def test_rows_may_be_missing_at_any_rate_and_offset_of_the_clock(rate, start, co
     np.testing.assert_allclose(even.effort[:, 0], even.time - start, atol=1e-6 / rate + 1e-9)
 
 
-def test_a_gap_in_the_clock_is_said_where_it_is_interpolated():
-    time = np.arange(1000) / 100.0
-    time[600:] += 2.0
-    even = uniform(make_log(time, np.zeros((1000, 2))))
-    assert any("gap" in note and "2.01 s" in note for note in even.notes)
-
-
 @pytest.mark.parametrize("count", [2050, 2100, 4100, 20_001])
 @pytest.mark.parametrize("shape", [(), (2,)])
 def test_a_long_signal_is_filtered_in_blocks_to_the_same_values(monkeypatch, count, shape):

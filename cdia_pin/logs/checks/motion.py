@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.derivatives import LONGEST_GAP, differentiate, uniform, zero_phase
+from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.recorded_parts import recorded_parts
 from cdia_pin.logs.reversals import reversals
 
 Array = NDArray[np.float64]
@@ -123,7 +124,7 @@ def motion_of(log: Log, is_prismatic: Mask, cutoff: float = CUTOFF) -> SmoothedM
 
 
 def longest_stretch(log: Log) -> Log:
-    """Find the longest part of a log without a gap over ``LONGEST_GAP`` (and ten periods).
+    """Find the longest part of a log between its gaps.
 
     Args:
         log: The log.
@@ -131,16 +132,11 @@ def longest_stretch(log: Log) -> Log:
     Returns:
         That part; the log itself if it has no such gap.
     """
-    step = np.diff(log.time)
-    cuts = np.flatnonzero(step > max(LONGEST_GAP, 10.0 / log.rate)) + 1
-    if not len(cuts):
+    parts = recorded_parts(log)
+    if len(parts) == 1:
         return log
-    bounds = np.concatenate([[0], cuts, [len(log.time)]])
-    lengths = np.diff(bounds)
-    longest = int(lengths.argmax())
-    if lengths[longest] < 2:
-        return log.slice(0, 2)
-    return log.slice(int(bounds[longest]), int(bounds[longest + 1]))
+    longest = max(parts, key=lambda p: p.stop - p.start)
+    return log.slice(longest.start, max(longest.stop, longest.start + 2))
 
 
 def sign_of(v: Array) -> Array:

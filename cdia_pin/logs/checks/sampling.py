@@ -16,8 +16,9 @@ from cdia_pin.logs.checks.motion import (
     SmoothedMotion,
     longest_stretch,
 )
-from cdia_pin.logs.derivatives import LONGEST_GAP, speed_of
+from cdia_pin.logs.derivatives import speed_of
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.recorded_parts import LONGEST_GAP
 from cdia_pin.logs.resolution import quantum
 from cdia_pin.phrases import counted
 
@@ -77,17 +78,15 @@ def check_gaps(log: Log) -> Iterator[Finding]:
         left_out = len(log.time) - len(longest_stretch(log).time)
         said = f"{longest:.3g} s" if longest >= 1.0 else f"{longest * 1e3:.3g} ms"
         split = (
-            f"; only the longest stretch without a gap over {LONGEST_GAP:g} s is checked further, "
-            f"{left_out} samples are not"
+            f"; of the parts without a gap over {LONGEST_GAP:g} s only the longest is checked further "
+            f"({left_out} samples are not), other commands use them all"
         )
         yield Finding(
             Topic.GAPS,
             Severity.WARNING if longest > LONG_GAP else Severity.INFO,
             f"{counted(len(gaps), 'gap')}, the longest {said} after t = {at:.4g} s"
             + (split if longest > LONGEST_GAP else ""),
-            advice="make two logs of it, split there, if the arm moved meanwhile"
-            if longest > LONG_GAP
-            else "",
+            advice="record without gaps: what happened in them is unknown" if longest > LONG_GAP else "",
             value={"count": len(gaps), "longest_s": longest, "after_s": at, "not_checked": left_out},
         )
     else:
