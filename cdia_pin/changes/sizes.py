@@ -67,18 +67,29 @@ def covering(term: Term, other: Term) -> Term:
 def effort_tolerance(experiment: Experiment, effect: Effect, torque: Array) -> float:
     """Return the tolerance of the scale of the torques that an effect is measured by, 95 % [1].
 
+    Args:
+        experiment: The logs.
+        effect: The effect.
+        torque: RMS torque of the effect [N·m or N], shape (n,).
+    """
+    stated = [s.motion.effort_tolerance for s in experiment.segments if s.motion.effort_tolerance is not None]
+    return max((scale_error(effect, torque, t) for t in stated), default=0.0)
+
+
+def scale_error(effect: Effect, torque: Array, by_joint: Array) -> float:
+    """Return the relative error of an effect's parameters that follows from that of the torques [1].
+
     Joints count by the square of the effect's torque, as they do in its fit.
 
     Args:
-        experiment: The logs.
         effect: The effect. What has no torque as unit, such as a gain or a delay, does not depend on the scale.
         torque: RMS torque of the effect [N·m or N], shape (n,).
+        by_joint: Relative error of the scale of each joint's torque [1], shape (n,).
     """
     if effect.traits.channel is not Channel.JOINT_TORQUE or Signal.TORQUE in effect.traits.depends_on:
         return 0.0
-    stated = [s.motion.effort_tolerance for s in experiment.segments if s.motion.effort_tolerance is not None]
     weight = torque**2 / max(float(np.sum(torque**2)), 1e-300)
-    return float(np.max([weight @ t for t in stated])) if stated else 0.0
+    return float(weight @ by_joint)
 
 
 def friction_before(

@@ -4,6 +4,8 @@ Nobody knows the right cut-off, the right links, or what else acts. An effect th
 The repeats: both halves of every log, 0.7 and 1.4 of the cut-off, and links that are five percent wrong. An established
 effect is besides larger than what the model leaves, half of the log shows it by itself, unless every joint has it, and
 several blocks of time show it, for one short motion says nothing of the next.
+A gain that is not established may stand for something else, and then it scales the other effects of its joint: their
+intervals reach to where they are without it.
 What only joints at rest show is descriptive, because static friction carries an unknown part of their load; it is
 likely at most where no joint moves.
 An effect that is not everyday must be certain beside all everyday ones, for these are on every arm. A body is asked for
@@ -12,16 +14,17 @@ beside the other links too, because the mass of a link is hard to tell from that
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.confidence import Confidence
-from cdia_pin.changes.sizes import effort_tolerance
+from cdia_pin.changes.sizes import effort_tolerance, scale_error
 from cdia_pin.discovery.decision import Repeat
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import ActuatorGain, Term
 from cdia_pin.effects.body import Body
 from cdia_pin.effects.refinements import is_plain
 from cdia_pin.errors import LogError
@@ -97,6 +100,27 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         )
         of_speeds = np.where(by_speed > by_time, NORMAL_95 * by_speed, 0.0)
         out[term.label] = Trust(confidence, of_speeds, systematic)
+    doubt = _doubted_scale(model, out)
+
+    def widened(term: Term) -> Trust:
+        theta, known = np.array(term.theta), out[term.label]
+        scale = scale_error(term.effect, whole.torque(term, theta), doubt) * np.abs(theta)
+        return replace(known, systematic=np.hypot(known.systematic, scale))
+
+    return {t.label: widened(t) for t in found} if doubt.any() else out
+
+
+def _doubted_scale(model: Dynamics, trust: Mapping[str, Trust]) -> Array:
+    """Return by how much other effects change if gains that are not established are left out [1], shape (n,).
+
+    A model with a gain α states an effect of the measured torque f as (1 + α) f.
+    """
+    out = np.zeros(model.robot.n)
+    for term in model.terms:
+        known = trust.get(term.label)
+        if isinstance(term.effect, ActuatorGain) and known and known.confidence is not Confidence.ESTABLISHED:
+            gain = term.theta[0]
+            out[model.robot.joint_index(term.effect.joint)] = abs(gain) / (1 + gain)
     return out
 
 
