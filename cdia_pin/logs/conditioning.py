@@ -87,7 +87,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
     log = without_idle_end(without_wild_samples(log))
     if log.duration < SHORTEST:
         raise LogError(
-            f"{log.source}: {log.duration:.2g} s is too short to compare, at least {SHORTEST:g} s are needed"
+            f"{log.source}: {log.duration:.3g} s is too short to compare, at least {SHORTEST:g} s are needed"
         )
     require_magnitudes(log)
     even = uniform(log)

@@ -155,6 +155,13 @@ class Experiment:
         return ~self.rest.travels(np.concatenate([s.motion.q for s in self.segments]), self.robot)
 
     @cached_property
+    def one_way(self) -> NDArray[np.bool_]:
+        """True for a joint that moves one way in nearly all of the samples in which it moves, shape (n,)."""
+        v = np.concatenate([s.motion.sampled(s.motion.v) for s in self.segments])
+        forth, back = ((self.moving & (sign * v > 0)).sum(axis=0) for sign in (1, -1))
+        return np.asarray(np.minimum(forth, back) < self.rest.one_way_share * (forth + back))
+
+    @cached_property
     def held(self) -> NDArray[np.bool_]:
         """True for a resting joint whose torque does not tell its load: a brake or friction holds it, shape (n,).
 

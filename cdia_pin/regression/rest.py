@@ -31,6 +31,8 @@ class RestSettings:
         least_distance: Time from rest or a reversal at which a sample counts, in periods of the cut-off [1]. The filter
             blurs friction that is nearer.
         resting_share: A joint near rest for longer than this share of each log is taken as resting [1].
+        one_way_share: A joint that moves one of its ways for less than this share of its motion [1] shows no
+            difference between its directions.
         least_following: Variation of a resting joint's torque over that of the rigid bodies' [1], below which a brake
             or static friction holds the joint, and its torque says nothing of its load. A motor that holds a joint
             follows the load, even one that has lost half of its gain.
@@ -44,6 +46,7 @@ class RestSettings:
     near_rest: float = 2.0
     least_distance: float = 0.5
     resting_share: float = 0.95
+    one_way_share: float = 0.05
     least_following: float = 0.3
     least_travel: float = 0.005
 

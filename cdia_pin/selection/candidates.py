@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.effects import (
     EFFECTS,
+    AsymmetricFriction,
     CoulombFriction,
     Drift,
     Effect,
@@ -127,14 +128,16 @@ def _is_measured(effect: Effect, experiment: Experiment) -> bool:
 def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool_]) -> bool:
     """Return True if an effect can show on this motion.
 
-    Nothing shows in the torque of joints that are held. Effects of the motion need a joint that moves, those of its
-    position one that leaves its place. Effects of the torque need a joint that carries a load: where all torque is
-    friction, a gain only scales it.
+    Nothing shows in the torque of joints that are held. Effects of the motion need a joint that moves, friction that
+    differs by direction one that moves both ways, and effects of its position one that leaves its place. Effects of the
+    torque need a joint that carries a load: where all torque is friction, a gain only scales it.
     """
     joints = [experiment.robot.joint_index(j) for j in effect.scope]
     if experiment.held[list(effect.acts_on(experiment.robot))].all():
         return False
     if Signal.TORQUE in effect.traits.depends_on and joints and not loaded[joints].all():
+        return False
+    if isinstance(effect, AsymmetricFriction) and experiment.one_way[joints].any():
         return False
     moves = (
         effect.traits.dissipative
