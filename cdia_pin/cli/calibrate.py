@@ -84,17 +84,20 @@ def calibrate(
             Reading(gains, joint_map, convert, topic, format, columns, episode, ways=ways_of(ctx)),
         )
         (with_it, *without), _ = read_logs([loaded, *unloaded], arm, reading, check=False, tell=tell)
+    show_inputs(console, known, [with_it, *without], notes=gains is not None)  # how they were used
+    with progress() as tell:
         tell("fitting the scales", 0.5)
         found = calibrate_gains(arm, [with_it], without, known_payload, Conditioning(cutoff=cutoff))
         nominal = read_gains(gains, arm.joints).value if gains else None
     from cdia_pin.viewers import calibration_table
 
-    show_inputs(console, known, [with_it, *without], notes=gains is not None)  # how they were used
     console.print(calibration_table(found, nominal))
     write_all(
         console,
         (save, lambda file: write_json(found.gains(nominal), file)),
         (json, lambda file: write_json(found.to_dict(nominal), file)),
     )
-    calibrated = follow(ctx, "discover", *unloaded, gains=save) if save else ""
+    # the scales of torques are gains only if the torques are read as currents
+    applied = {"gains": save} if gains else {"gains": save, "convert": [*(convert or ()), "torque=A"]}
+    calibrated = follow(ctx, "discover", *unloaded, **applied) if save else ""
     show_next(console, calibrated or again(ctx, save=free("gains.json")))

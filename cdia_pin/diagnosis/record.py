@@ -84,14 +84,18 @@ class MonitorRun:
     lasting: LastingChanges | None = None
 
     def __repr__(self) -> str:
-        span = float(self.time[-1] - self.time[0]) if len(self.time) else 0.0
         faults = ", ".join(t.label for t in self.faults[:3]) or "none"
-        return f"MonitorRun({self.robot.name}, {span:.4g} s, {len(self.events)} events, faults at the end: {faults})"
+        return f"MonitorRun({self.robot.name}, {self.duration:.4g} s, {len(self.events)} events, faults at the end: {faults})"
 
     @property
     def joints(self) -> tuple[str, ...]:
         """Names of the joints, in the order of the columns."""
         return self.robot.joints
+
+    @property
+    def duration(self) -> float:
+        """Time that was looked at [s]; the clock of a later log may start again."""
+        return float(np.maximum(np.diff(self.time), 0.0).sum())
 
     @property
     def in_torque(self) -> bool:

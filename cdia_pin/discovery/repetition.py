@@ -36,7 +36,8 @@ def contained_terms(regression: Regression, model: Dynamics, label: str) -> tupl
         has = some([model.terms[k].label for k in needed or rest], 3)
         raise EffectError(
             f"{label} adds nothing to {has}, which the model has: in these logs its torque is the same; "
-            "give a model without that to fit it instead"
+            "give a model without that to fit it instead, or compare the logs with those that the model is of "
+            "(cdia compare, cdia discover --model)"
         )
     contained: list[int] = []
     for k in rest:

@@ -43,6 +43,7 @@ HEAVIEST = 1e4  # [kg], more than any arm carries
 FARTHEST = 0.3  # [m], prior standard deviation of the centre of mass from the tool frame
 WIDEST = 0.05  # [m²], prior standard deviation of the inertia over the mass
 REPEATED = 1e-6  # ridge of the common columns in units of their RMS [1]: some repeat each other
+LARGEST = 4.0  # [1], either way; a scale beyond it is another mass, another unit or no payload
 DETERMINED = (
     0.5  # tolerance over the one before [1] from which the weight itself has told the scale of a joint
 )
@@ -148,9 +149,15 @@ def calibrate_gains(
     experiment = Experiment.of(robot, [condition(log, robot, conditioning) for log in given])
     rows = [_beside_common(experiment, j, len(unloaded), mass) for j in range(robot.n)]
     tolerance = _stated_tolerance(given, robot.n)
-    own = (tolerance / NORMAL_95) ** 2  # as much for the arm as for each joint of it
-    prior = np.sqrt(np.outer(own, own)) + np.diag(own)
-    scale, spread, body = _fitted(rows, mass, prior)
+    stated = (tolerance / NORMAL_95) ** 2  # as much for the arm as for each joint of it
+    of_arm = np.sqrt(np.outer(stated, stated))
+    prior = of_arm + np.diag(stated)
+    scale, spread, body = _fitted(robot.joints, rows, mass, prior)
+    far = np.abs(1.0 / scale - 1.0)  # a tolerance that the weight contradicts is no knowledge
+    contradicted = far > NORMAL_95 * np.sqrt(np.diag(prior))
+    if contradicted.any():
+        own = np.where(contradicted, far**2, stated)
+        scale, spread, body = _fitted(robot.joints, rows, mass, of_arm + np.diag(own))
     motion = motion_of(unloaded[0], robot.is_prismatic)
     return GainCalibration(
         robot.joints,
@@ -195,7 +202,9 @@ def _beside_common(experiment: Experiment, j: int, unloaded: int, mass: float) -
     return np.asarray(rest - columns @ np.linalg.solve(gram, columns.T @ rest))
 
 
-def _fitted(rows: Sequence[Array], mass: float, prior: Array) -> tuple[Array, Array, Array]:
+def _fitted(
+    joints: Sequence[str], rows: Sequence[Array], mass: float, prior: Array
+) -> tuple[Array, Array, Array]:
     """Return the scales, their standard deviations, shape (n,), and the payload's parameters but its mass, (9,)."""
     n = len(rows)
     precision = np.zeros((n + 9, n + 9))
@@ -216,13 +225,25 @@ def _fitted(rows: Sequence[Array], mass: float, prior: Array) -> tuple[Array, Ar
             right += weight * slope.T @ left
         at = at + np.linalg.solve(normal, right)
     inverse, spread = at[:n], np.sqrt(np.diag(np.linalg.inv(normal)))[:n]
-    if (inverse <= 0).any():
+    shown = spread < DETERMINED * np.sqrt(np.diag(prior))
+    if not shown.any() or (inverse <= 0).any():
         raise LogError("the logs do not show the payload: is the first log the one with it?")
+    far = shown & ((inverse < 1 / LARGEST) | (inverse > LARGEST))
+    if far.any():
+        j = int(np.argmin(np.where(far, spread, np.inf)))
+        raise LogError(
+            f"the torque of {joints[j]} shows {inverse[j] * mass:.2g} kg of the {mass:g} kg: is the first log the one "
+            "with the payload, is its mass in kg, and are the torques in N·m?"
+        )
     return 1.0 / inverse, spread / inverse**2, at[n:]
 
 
 def _variance(left: Array, alone: Array) -> float:
-    """Return the variance of a residual, larger by what repeats in its blocks and along the logs [(N·m)²]."""
+    """Return the variance of a residual, larger by what repeats in its blocks and along the logs [(N·m)²].
+
+    The residual is that at the scale which suits this joint best. Else a wrong scale makes its own evidence weak.
+    """
+    left = left - alone * (alone @ left) / max(float(alone @ alone), 1e-12)
     plain = float(np.mean(left**2)) * (1.0 + COHERENT**2 * len(left))
     parts = np.array_split(np.arange(len(left)), BLOCKS)
     scatter = float(sum((alone[p] @ left[p]) ** 2 for p in parts))

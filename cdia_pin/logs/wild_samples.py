@@ -30,6 +30,9 @@ OTHER_NOISE = 20.0  # [1], the same over their 90th percentile; measured efforts
 EFFORT_SPANS = (
     3.0  # [1], excursion over the range of the other efforts; an impact stays below 0.6 in measured logs
 )
+ABSURD_SPANS = (
+    100.0  # [1], excursion over the range of the middle three fifths of the efforts, whatever the others are
+)
 LONGEST = 4  # [samples] of a run; what lasts longer is no single sample
 END = 10.0  # [1], first or last step over the largest usual one: at an end there is one neighbour only
 USUAL = 99.5  # [%], of the steps are usual: a signal that is held for 0.1 s at 1 kHz changes in 1 %
@@ -219,8 +222,10 @@ def _wild_efforts(x: Array, _: Array) -> tuple[list[int], set[int]]:
     thin = x[:: max(1, len(x) // JUDGED)]
     span = float(np.subtract(*np.percentile(thin, [99.5, 0.5])))
     noise = OTHER_NOISE * _curvature(x, 90)
-    large = max(noise, 0.05 * span)  # a value lost as 0 may be near the others
-    beyond = max(noise, EFFORT_SPANS * span)
+    # one value in a hundred that is wild makes noise and range as large as itself
+    absurd = ABSURD_SPANS * float(np.subtract(*np.percentile(thin, [80, 20]))) or np.inf
+    large = min(max(noise, 0.05 * span), absurd)  # a value lost as 0 may be near the others
+    beyond = min(max(noise, EFFORT_SPANS * span), absurd)
     far = [
         (first, last)
         for first, last, distance in _excursions(x, np.diff(x), large)

@@ -74,17 +74,18 @@ def _errors(found: Identification) -> Table:
     table = new_table(
         "joint", "torque RMS", "fitted: URDF", "identified", "held out: URDF", "identified", left=(0,)
     )
-    fitted, unseen = (np.maximum(x, 1e-12) for x in (found.torque_rms, found.heldout_torque_rms))
     columns = (
-        found.rms_before / fitted,
-        found.rms_after / fitted,
-        found.heldout_before / unseen,
-        found.heldout_after / unseen,
+        (found.rms_before, found.torque_rms),
+        (found.rms_after, found.torque_rms),
+        (found.heldout_before, found.heldout_torque_rms),
+        (found.heldout_after, found.heldout_torque_rms),
     )
     for j, (joint, name) in enumerate(short_names(robot.joints).items()):
         torque = with_unit(number(found.torque_rms[j]), joint_units(robot, joint)["load"])
-        add_row(table, name, torque, *(percent(float(c[j])) for c in columns))
-    add_row(table, "mean", "", *(percent(float(np.mean(c))) for c in columns), style="bold")
+        shares = (mean_share(error[j : j + 1], over[j : j + 1]) for error, over in columns)
+        shown = (percent(s) if over[j] > 0 else "–" for s, (_, over) in zip(shares, columns, strict=True))
+        add_row(table, name, torque, *shown)
+    add_row(table, "mean", "", *(percent(mean_share(*c)) for c in columns), style="bold")
     return table
 
 

@@ -139,12 +139,16 @@ def run_summary(run: MonitorRun) -> str:
     Args:
         run: Of a replay or a closed loop.
     """
-    span = f"{run.time[-1] - run.time[0]:.4g} s"
+    if not run.duration:
+        return "Nothing was looked at: no sample is later than what the monitor has seen."
+    span = f"{run.duration:.4g} s"
     everywhere = len(run.blind) == len(run.joints)
     blind = f" Blind: {'all joints' if everywhere else listed(run.blind)}." if run.blind else ""
     detections = [e for e in run.events if e.stage == "detection"]
     tolerated = _tolerated(run, _joints_of(run.events))
     lasting = _lasting(run)
+    if not detections and run.faults:  # known from the log before
+        return f"Nothing new was detected in {span}. {_at_the_end(run)}{blind}{lasting}"
     if not detections:
         return f"No fault was detected in {span}.{tolerated or _nearest(run)}{blind}{lasting}"
     left = [e for e in detections if e.reason != LASTS]
@@ -183,8 +187,10 @@ def _lasting(run: MonitorRun) -> str:
 def _nearest(run: MonitorRun) -> str:
     """Return on which joint the residual came nearest to its threshold of that moment."""
     nearest = int(np.argmax(run.nearness))
-    share = percent(float(run.nearness[nearest]))
-    return f" The residual came nearest to its threshold on {run.joints[nearest]}: {share} of it."
+    share, joint = percent(float(run.nearness[nearest])), run.joints[nearest]
+    if run.nearness[nearest] > 1:
+        return f" On {joint} the residual was above its threshold for a few ticks: {share} of it."
+    return f" The residual came nearest to its threshold on {joint}: {share} of it."
 
 
 def _tolerated(run: MonitorRun, said: Sequence[str]) -> str:

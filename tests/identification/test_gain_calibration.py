@@ -21,7 +21,7 @@ def ur5():
     return load_robot("ur5")
 
 
-def recorded(robot, seed, mass):
+def recorded(robot, seed, mass, scale=SCALE):
     """A log of an arm with friction and a point mass on its tool, by Newton's law, whose torques are scaled."""
 
     def missing(q, v, a):
@@ -31,7 +31,7 @@ def recorded(robot, seed, mass):
         return np.einsum("nij,ni->nj", jacobian, force) - 4 * np.tanh(v / 0.01) - 5 * v
 
     log = make(robot, missing, seed=seed, duration=30.0, noise=0.1).log
-    return replace(log, effort=log.effort / SCALE)
+    return replace(log, effort=log.effort / scale)
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +66,28 @@ def test_a_weight_that_is_not_there_is_refused(ur5):
         calibrate_gains(ur5, [empty], [empty], 0.0)
     with pytest.raises(LogError, match="with the payload and one without"):
         calibrate_gains(ur5, [empty], [], 1.0)
+
+
+@pytest.mark.parametrize("factor", [0.6, 1.5])
+def test_a_gain_far_from_what_was_stated_is_found_and_leaves_the_others(ur5, factor):
+    scale = SCALE.copy()
+    scale[2] *= factor
+    loaded, unloaded = (recorded(ur5, seed, mass, scale) for seed, mass in ((4, MASS), (3, 0.0)))
+    found = calibrate_gains(ur5, [loaded], [unloaded], MASS)
+    assert found.determined[:4].all()
+    np.testing.assert_allclose(found.scale[:4], scale[:4], rtol=0.03)
+    assert (np.abs(found.scale - scale) < found.tolerance)[:4].all()
+
+
+def test_logs_that_do_not_show_the_payload_are_refused(ur5):
+    loaded, unloaded, again = (recorded(ur5, seed, mass) for seed, mass in ((4, MASS), (3, 0.0), (5, 0.0)))
+    for first, second, mass in [
+        (again, unloaded, MASS),
+        (unloaded, loaded, MASS),
+        (loaded, unloaded, 10 * MASS),
+    ]:
+        with pytest.raises(LogError, match="is the first log the one with"):
+            calibrate_gains(ur5, [first], [second], mass)
 
 
 def test_two_motions_of_a_measured_arm_give_the_same_gains():

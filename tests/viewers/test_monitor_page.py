@@ -223,6 +223,19 @@ def test_the_summary_is_a_sentence(run):
     )
 
 
+def test_a_fault_that_was_known_before_is_nothing_new(run):
+    said = run_summary(replace(run, events=(), residual=np.full(run.residual.shape, [2.0, 0.2, 0.6, 0.4])))
+    assert said.startswith("Nothing new was detected in 10 s. At the end: coulomb friction on joint1")
+    assert "above its threshold" not in said
+
+
+def test_a_clock_that_starts_again_does_not_count_backwards(run):
+    again = replace(run, time=np.concatenate([[99.0], run.time[1:] - run.time[1]]))
+    assert again.duration == pytest.approx(run.duration, abs=0.2)
+    assert "-" not in run_summary(again).partition("first")[0]
+    assert "no sample is later" in run_summary(replace(run, time=np.full(len(run.time), 5.0)))
+
+
 def test_a_residual_above_its_threshold_without_a_detection_is_explained(run):
     quiet = replace(run, events=(), faults=(), residual=np.full(run.residual.shape, [0.1, 1.9, 0.6, 0.4]))
     said = run_summary(quiet)

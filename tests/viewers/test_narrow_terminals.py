@@ -101,6 +101,14 @@ def test_an_identification_loses_nothing(results):
 
     found = identification.identify(Dynamics(results.robot), list(results.logs))
     loses_nothing(identification_table(found, everything=True))
+    # of the first joint no sample counts in the held-out data: it has no error, and no part in the mean
+    unseen = {k: getattr(found, k).copy() for k in ("heldout_torque_rms", "heldout_before", "heldout_after")}
+    for x in unseen.values():
+        x[0] = 0.0
+    console = Console(file=io.StringIO(), width=WIDE)
+    console.print(identification_table(replace(found, **unseen)))
+    rows = [line.split() for line in console.file.getvalue().splitlines()]
+    assert [row[0] for row in rows if row[-2:] == ["–", "–"]] == [results.robot.joints[0]]
 
 
 @pytest.mark.parametrize("command", [["robots"], ["robots", "ur5"], ["effects"], ["effects", "link_inertia"]])
