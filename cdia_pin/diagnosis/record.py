@@ -85,7 +85,8 @@ class MonitorRun:
 
     def __repr__(self) -> str:
         faults = ", ".join(t.label for t in self.faults[:3]) or "none"
-        return f"MonitorRun({self.robot.name}, {self.duration:.4g} s, {len(self.events)} events, faults at the end: {faults})"
+        size = f"{self.duration:.4g} s, {len(self.events)} events"
+        return f"MonitorRun({self.robot.name}, {size}, faults at the end: {faults})"
 
     @property
     def joints(self) -> tuple[str, ...]:
