@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, load_robot
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.discovery.decision import Repeat
-from cdia_pin.discovery.trust import trust_in, variations
+from cdia_pin.discovery.trust import Trust, _doubted_scale, trust_in, variations
 from cdia_pin.effects import (
     CoulombFriction,
     Drift,
@@ -184,3 +185,18 @@ def test_noise_alone_is_not_certain_whatever_the_number_of_parameters():
     whole = Repeat.of(logs, Dynamics(robot, (term,)))
     for repeat in (whole, *whole.halves):
         assert repeat.certainty(term) < 3.0
+
+
+@pytest.mark.parametrize(
+    ("confidence", "expected"), [("descriptive", 1.5), ("likely", 1.5), ("established", 0.0)]
+)
+def test_a_gain_that_is_not_established_leaves_the_scale_of_its_joint_open(confidence, expected):
+    robot = load_robot("scara")
+    one, other = robot.joints[:2]
+    terms = (f"actuator_gain@{other}: gain=-0.6", f"coulomb_friction@{other}: level=0.4")
+    model = Dynamics(robot, tuple(map(parse_term, terms)))
+    nothing = np.zeros(1)
+    known = {t.label: Trust(Confidence(confidence), nothing, nothing) for t in model.terms}
+    doubt = _doubted_scale(model, known)
+    assert doubt[robot.joint_index(other)] == pytest.approx(expected)
+    assert doubt[robot.joint_index(one)] == 0.0

@@ -183,3 +183,13 @@ def test_measured_logs_that_are_updated_slowly_hold_none(measured_logs):
         for hold in (5, 20):
             position = log.position[np.arange(len(log.time)) // hold * hold]
             assert wild_samples(replace(log, position=position)) == (), log.source
+
+
+@pytest.mark.parametrize("every", [200, 40, 10])
+def test_absurd_efforts_do_not_hide_each_other(ur5, ur5_log, every):
+    """Half a percent of them makes the range of the efforts as large as themselves."""
+    joint, rows = 2, np.arange(len(ur5_log.time) // 2, len(ur5_log.time), every)
+    broken = with_value(ur5_log, "effort", rows, joint, 1e6)
+    found = wild_samples(broken)
+    assert [s.row for s in found] == rows.tolist()
+    assert {(s.signal, s.joint) for s in found} == {("effort", ur5.joints[joint])}
