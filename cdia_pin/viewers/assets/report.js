@@ -209,7 +209,7 @@ function overTime(j) {
       h("h3", {}, j.name + ": residual, model less measured"), residual,
       h("h3", {}, j.name + ": measured and model torque"), torque,
       legend(j.time.rest.length && ["band", "band", "near rest, where friction is whatever holds the joint: not counted"],
-        j.time.logs.length && ["soft", "thin", "vertical line: the next log begins"]),
+        j.time.logs.length && ["soft", "thin", "vertical line: the next log begins, or the next part of one after a gap"]),
       h("div", { class: "soft small" }, hint(ZOOM))),
     draw() {
       JointCharts.logResidual(residual, j, { clock });
