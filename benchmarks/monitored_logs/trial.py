@@ -22,6 +22,7 @@ from cdia_pin.changes import Change
 from cdia_pin.diagnosis import Event, Monitor, Status, lasting_changes
 from cdia_pin.diagnosis.lasting_changes import Disturbances
 from cdia_pin.effects import ExternalWrench, Term
+from cdia_pin.errors import LogError
 from cdia_pin.logs import Log
 
 Array = NDArray[np.float64]
@@ -44,7 +45,7 @@ def run_case(case: Case) -> Outcome:
 
         monitor.replay(log, watch)
         watched = monitor.at_rate(log)
-        lasting = lasting_changes(monitor.model, [case.before.read()], watched, disturbed=disturbed.mask)
+        lasting = _established(monitor, case.before.read(), watched, disturbed)
     except NoSizeError:
         return replace(out, failure="no such size")
     except Exception as why:
@@ -63,14 +64,14 @@ def run_case(case: Case) -> Outcome:
         sets=_sets(isolations),
         contacts=sum(any(map(_is_contact, e.faults)) for e in isolations),
         ever=tuple(sorted({t.label for e in isolations for t in e.faults if not _is_contact(t)})),
-        lasting=tuple(c.term.label for c in lasting.established) if lasting else (),
-        lasted=tuple(map(_alike, lasting.established)) if lasting else (),
+        lasting=tuple(c.term.label for c in lasting),
+        lasted=tuple(map(_alike, lasting)),
         kept=log.duration,
         said=tuple(_in_words(e, start) for e in events if e.stage != "accommodation"),
     )
     if case.kind == WEIGHT:
         out = _with_mass(out, monitor, isolations, detections)
-        out = _with_compared_mass(out, lasting.established if lasting else ())
+        out = _with_compared_mass(out, lasting)
     if case.kind == PUSHED and case.after.file == "pushed_at_rest":
         out = _with_force(out, contacts)
     return out
@@ -139,6 +140,14 @@ def _with_force(out: Outcome, contacts: list[tuple[float, Array]]) -> Outcome:
 def _alike(change: Change) -> tuple[str, ...]:
     """Return the label of a change, and those of single effects that explain as much."""
     return (change.term.label, *(c.effects[0].label for c in change.confusions if len(c.effects) == 1))
+
+
+def _established(monitor: Monitor, healthy: Log, watched: Log, disturbed: Disturbances) -> tuple[Change, ...]:
+    """Return what the comparison of the log's end establishes; nothing where it cannot be compared."""
+    try:
+        return lasting_changes(monitor.model, [healthy], watched, disturbed=disturbed.mask).established
+    except LogError:
+        return ()
 
 
 def _force(faults: tuple[Term, ...]) -> Array:

@@ -32,6 +32,10 @@ from cdia_pin.cli.outputs import require_report, require_writable, write_all, wr
 from cdia_pin.cli.ranges import DURATION
 
 COMPARING = "comparing the end with the healthy runs"
+NO_RUNS = (
+    "the stored monitor does not keep its healthy runs, so the end is not compared with them: "
+    "`cdia compare` compares two logs"
+)
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -137,6 +141,8 @@ def monitor(
             announced.append(
                 f"the first {first.duration:.3g} s are taken as healthy, {watched.time[0]:.6g} s on is monitored"
             )
+        elif stored is not None and compare:
+            announced.append(NO_RUNS)
         watched, *runs = alike([watched, *runs], velocity, announced)
         tell("learning from the healthy runs", 0.1)
         watcher = stored or Monitor(

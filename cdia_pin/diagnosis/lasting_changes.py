@@ -109,7 +109,7 @@ def lasting_changes(
     *,
     disturbed: Mask | None = None,
     settings: DiscoverySettings | None = None,
-) -> LastingChanges | None:
+) -> LastingChanges:
     """Compare the last part of a run with healthy runs.
 
     When a change began is not known. So several windows are compared, each half as long as the one before, and all of
@@ -123,38 +123,40 @@ def lasting_changes(
         settings: What may have changed, and how logs are conditioned.
 
     Returns:
-        The comparison of the window; None if nothing can be compared, as in runs that are too short.
+        The comparison of the window.
+
+    Raises:
+        LogError: If nothing can be compared, as in runs that are too short.
     """
     settings = settings or DiscoverySettings()
     longest = max(sum(log.duration for log in healthy), LEAST_LONGEST)
     least = settings.changes.blocks * settings.changes.independent_time
     quiet = np.ones(len(run.time), dtype=bool) if disturbed is None else ~disturbed
-    try:
-        before = [condition(log, model.robot, settings.searched) for log in _named(healthy, "healthy")]
-    except LogError:
-        return None
+    before = [condition(log, model.robot, settings.searched) for log in _named(healthy, "healthy")]
     found: list[LastingChanges] = []
+    refused: list[CdiaError] = []
     for window in _windows(_last_stretch(run, quiet, least), longest, least):
         try:
             changes = what_changed(model, before, _named([window], "the end"), settings=settings)
-        except CdiaError:  # this part cannot be compared; a longer or a shorter one may be
+        except CdiaError as why:  # this part cannot be compared; a shorter one may be
+            refused.append(why)
             continue
         found.append(LastingChanges(float(window.time[0]), float(window.time[-1]), changes))
-    return max(found, key=lambda one: one.evidence, default=None)
+    if not found:
+        raise LogError(str(refused[0]))
+    return max(found, key=lambda one: one.evidence)
 
 
-def _last_stretch(run: Log, quiet: Mask, least: float) -> Log | None:
-    """Return the last stretch of quiet samples that is long enough; None without one."""
+def _last_stretch(run: Log, quiet: Mask, least: float) -> Log:
+    """Return the last stretch of quiet samples that is long enough."""
     for start, stop in reversed(list(zip(*runs(quiet), strict=True))):
         if run.time[stop - 1] - run.time[start] >= least:
             return run.slice(int(start), int(stop))
-    return None
+    raise LogError(f"{run.source}: no {least:g} s without contact and with good sensors")
 
 
-def _windows(stretch: Log | None, longest: float, least: float) -> Iterator[Log]:
+def _windows(stretch: Log, longest: float, least: float) -> Iterator[Log]:
     """Yield the windows of a stretch, the longest first."""
-    if stretch is None:
-        return
     length = min(longest, stretch.duration)
     while length >= least:
         begin = int(np.searchsorted(stretch.time, stretch.time[-1] - length))

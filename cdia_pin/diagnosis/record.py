@@ -18,6 +18,7 @@ from cdia_pin.diagnosis.monitor_record import MonitorRecord
 from cdia_pin.diagnosis.sight import blind_joints
 from cdia_pin.diagnosis.status import Event, EventDict, FaultDict, Stage, Status, fault_to_dict
 from cdia_pin.effects import Term
+from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
 from cdia_pin.robot.model import RobotModel
 
@@ -39,6 +40,7 @@ class MonitorDocument(TypedDict):
     faults: list[FaultDict]
     tracking_rms: NotRequired[dict[str, float]]
     lasting: NotRequired[LastingJson]
+    not_compared: NotRequired[str]
     record: MonitorRecord
 
 
@@ -64,6 +66,7 @@ class MonitorRun:
         looks: Results of isolation on each joint, wherever they changed; none for the engine ``thesis``.
         beliefs: Believed faults with their parameters, wherever they changed.
         lasting: What the last part of a replay differs in from the healthy runs; None where that was not compared.
+        not_compared: Why it could not be compared; empty where it was, or nobody asked.
     """
 
     robot: RobotModel
@@ -82,6 +85,7 @@ class MonitorRun:
     looks: tuple[Look, ...] = ()
     beliefs: tuple[BelievedFaults, ...] = ()
     lasting: LastingChanges | None = None
+    not_compared: str = ""
 
     def __repr__(self) -> str:
         faults = ", ".join(t.label for t in self.faults[:3]) or "none"
@@ -140,6 +144,8 @@ class MonitorRun:
         more: dict[str, Any] = {} if self.desired is None else {"tracking_rms": self.tracking_rms()}
         if self.lasting is not None:
             more["lasting"] = self.lasting.to_dict()
+        if self.not_compared:
+            more["not_compared"] = self.not_compared
         out = {
             "schema": schemas.EVENTS,
             "robot": self.robot.name,
@@ -267,5 +273,8 @@ def replay(
         return run
     if progress is not None:
         progress(1.0)
-    lasting = lasting_changes(monitor.model, compare_with, even, disturbed=disturbed.mask)
+    try:
+        lasting = lasting_changes(monitor.model, compare_with, even, disturbed=disturbed.mask)
+    except LogError as why:
+        return replace(run, not_compared=str(why))
     return replace(run, lasting=lasting)

@@ -166,10 +166,10 @@ def run_summary(run: MonitorRun) -> str:
 def _lasting(run: MonitorRun) -> str:
     """Return what differs between the healthy runs and the last part of a replay."""
     if run.lasting is None:
-        return ""
+        return _not_compared(run.not_compared) if run.not_compared else ""
     changes, span = run.lasting.changes, f"{run.lasting.begin:.4g} to {run.lasting.end:.4g} s"
     if changes.verdict is ChangesVerdict.NOT_COMPARABLE:
-        return ""
+        return _not_compared("no joint moves alike in both")
     if not run.lasting.established:  # which says little where a fault is believed
         return "" if run.faults else f" No change since the healthy runs is established ({span})."
     found = listed(
@@ -182,6 +182,10 @@ def _lasting(run: MonitorRun) -> str:
         for c in run.lasting.established
     )
     return f" Established since the healthy runs ({span}): {found}."
+
+
+def _not_compared(why: str) -> str:
+    return f" The end of the log was not compared with the healthy runs: {why}."
 
 
 def _nearest(run: MonitorRun) -> str:

@@ -22,6 +22,7 @@ from cdia_pin.diagnosis.lasting_changes import Disturbances
 from cdia_pin.diagnosis.status import NO_CONTACT
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ExternalWrench, Term
+from cdia_pin.errors import LogError
 from cdia_pin.logs import Log
 from cdia_pin.robot import load_robot
 from cdia_pin.viewers import run_summary
@@ -77,7 +78,6 @@ def test_an_unchanged_arm_is_said_to_be_unchanged(healthy: Log) -> None:
 
 def test_a_fault_that_began_late_is_found_in_a_window_of_its_own(healthy: Log) -> None:
     late = lasting_changes(Dynamics(ARM), [healthy], run(2, friction=1.0, begin=45.0, duration=60.0))
-    assert late is not None
     assert late.begin >= 30.0 - 1.0
     assert [c.term.label for c in late.established] == [f"viscous_friction@{JOINT}"]
 
@@ -86,7 +86,6 @@ def test_what_was_pushed_is_not_compared(healthy: Log) -> None:
     watched = run(2, friction=1.0)
     pushed = (watched.time > 4.0) & (watched.time < 10.0)
     part = lasting_changes(Dynamics(ARM), [healthy], watched, disturbed=pushed)
-    assert part is not None
     assert part.begin >= 10.0
     assert part.end == watched.time[-1]
 
@@ -94,7 +93,6 @@ def test_what_was_pushed_is_not_compared(healthy: Log) -> None:
 def test_a_bad_sensor_at_the_end_leaves_what_was_before_it(healthy: Log) -> None:
     watched = run(2, friction=1.0)
     before = lasting_changes(Dynamics(ARM), [healthy], watched, disturbed=watched.time > 27.0)
-    assert before is not None
     assert before.end == pytest.approx(27.0, abs=0.02)
     assert [c.term.label for c in before.established] == [f"viscous_friction@{JOINT}"]
 
@@ -102,7 +100,8 @@ def test_a_bad_sensor_at_the_end_leaves_what_was_before_it(healthy: Log) -> None
 def test_nothing_is_compared_where_everything_is_disturbed(healthy: Log) -> None:
     watched = run(2, friction=1.0)
     often = np.arange(len(watched.time)) % 200 == 0
-    assert lasting_changes(Dynamics(ARM), [healthy], watched, disturbed=often) is None
+    with pytest.raises(LogError, match=r"no \d.* s without contact and with good sensors"):
+        lasting_changes(Dynamics(ARM), [healthy], watched, disturbed=often)
 
 
 def test_nothing_is_compared_unless_asked(healthy: Log) -> None:
@@ -113,8 +112,15 @@ def test_nothing_is_compared_unless_asked(healthy: Log) -> None:
 
 def test_runs_that_cannot_be_compared_stop_nothing(healthy: Log) -> None:
     resting = replace(healthy, position=np.zeros_like(healthy.position), source="rests")
-    found = lasting_changes(Dynamics(ARM), [healthy], resting)
-    assert found is None or not found.established
+    assert not lasting_changes(Dynamics(ARM), [healthy], resting).established
+
+
+def test_an_end_that_is_too_short_to_compare_is_said(healthy: Log) -> None:
+    short = run(3, duration=2.5)
+    found = replay(Monitor(Dynamics(ARM), healthy=[healthy]), short, compare_with=[healthy])
+    assert found.lasting is None
+    assert found.to_dict()["not_compared"] == found.not_compared
+    assert "The end of the log was not compared with the healthy runs:" in run_summary(found)
 
 
 def test_contacts_and_bad_sensors_disturb() -> None:

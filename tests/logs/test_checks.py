@@ -18,6 +18,7 @@ from cdia_pin.logs import Log, check_log, read_log, write_log
 from cdia_pin.logs.checks.another_arm import check_arm
 from cdia_pin.logs.checks.conventions import CERTAIN, ConventionChange, Conventions, Trial, commonest
 from cdia_pin.logs.checks.effort_kind import GravityGain, check_effort_kind, gravity_gains
+from cdia_pin.logs.checks.finding import Severity
 from cdia_pin.logs.checks.fit import unexplained
 from cdia_pin.logs.checks.lag import SPAN, LagEstimate, check_lag
 from cdia_pin.logs.checks.limits import check_limits
@@ -726,6 +727,8 @@ def test_positions_beyond_a_limit_may_have_the_other_unit_of_their_joint(tmp_pat
     log = plant(arm)
     (found,) = check_limits(replace(log, position=1000 * log.position, velocity=None), arm)
     assert f"--convert {unit}," in found.advice
+    # no slide leaves its range so far; angles may be many turns, and their size is judged apart
+    assert found.severity is (Severity.ERROR if kind == "prismatic" else Severity.WARNING)
 
 
 def test_several_turns_of_a_joint_without_limits_are_not_degrees(wheel, plant):

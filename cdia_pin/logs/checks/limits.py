@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.joint_units import units_of
@@ -16,12 +17,14 @@ from cdia_pin.logs.magnitudes import largest_of
 from cdia_pin.logs.resolution import quantum
 
 if TYPE_CHECKING:
+    from cdia_pin.robot.joints import JointLimits
     from cdia_pin.robot.model import RobotModel
 
 TOLERANCE = 0.01  # [rad or m], beyond a limit of position: encoder noise at a hard stop
 # Quantisation and noise of a clipped effort stay within it. On three measured arms the efforts that go through a limit
 # exceed it by 2.3 to 9.6 %.
 AT_LIMIT = 0.02  # distance of an effort from its limit, over the limit [1]
+FARTHEST = 5.0  # [1], travel of a slide over the range of its limits: in mm it is a thousand, and no URDF errs so far
 SLACK = 1.1  # [1], speed or effort over its limit: noise and overshoot stay below it
 
 
@@ -41,6 +44,7 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
     speed = np.zeros(robot.n) if log.velocity is None else largest_of(log.velocity)
     effort = largest_of(log.effort)
     outside = (low < limits.lower - TOLERANCE) | (high > limits.upper + TOLERANCE)
+    impossible = robot.is_prismatic & (high - low > FARTHEST * _range(limits))
     unit = "length=mm" if robot.is_prismatic[outside].all() else "angle=deg"
     torque = "Nmm" if log.effort_tolerance is None else "mA"
     beyond = {
@@ -70,7 +74,7 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
         if joints:
             yield Finding(
                 Topic.LIMITS,
-                Severity.WARNING,
+                Severity.ERROR if what == "positions" and impossible.any() else Severity.WARNING,
                 f"{what} beyond the URDF's limits: "
                 + ", ".join(f"{log.joints[k]} {said[k]}" for k in joints),
                 joint=log.joints[joints[0]] if len(joints) == 1 else None,
@@ -79,6 +83,12 @@ def check_limits(log: Log, robot: RobotModel) -> Iterator[Finding]:
             )
     if not any(where.any() for _, where, _ in beyond.values()):
         yield Finding(Topic.LIMITS, Severity.OK, "positions, speeds and efforts lie within the URDF's limits")
+
+
+def _range(limits: JointLimits) -> NDArray[np.float64]:
+    """Return how far each joint goes between its limits [rad or m], infinite where they leave no room, shape (n,)."""
+    room = limits.upper - limits.lower
+    return np.where(room > 0, room, np.inf)
 
 
 def check_saturation(log: Log, robot: RobotModel, motion: SmoothedMotion | None) -> Iterator[Finding]:
