@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -32,10 +33,7 @@ from cdia_pin.cli.outputs import require_report, require_writable, write_all, wr
 from cdia_pin.cli.ranges import DURATION
 
 COMPARING = "comparing the end with the healthy runs"
-NO_RUNS = (
-    "the stored monitor does not keep its healthy runs, so the end is not compared with them: "
-    "`cdia compare` compares two logs"
-)
+NO_RUNS = "the stored monitor does not keep them; `cdia compare` compares two logs"
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -141,8 +139,6 @@ def monitor(
             announced.append(
                 f"the first {first.duration:.3g} s are taken as healthy, {watched.time[0]:.6g} s on is monitored"
             )
-        elif stored is not None and compare:
-            announced.append(NO_RUNS)
         watched, *runs = alike([watched, *runs], velocity, announced)
         tell("learning from the healthy runs", 0.1)
         watcher = stored or Monitor(
@@ -161,6 +157,8 @@ def monitor(
             go_on=stored is not None,
             compare_with=runs if compare else (),
         )
+        if stored is not None and compare:
+            found = replace(found, not_compared=NO_RUNS)
     show_inputs(console, watcher.model, [watched], notes=gains is not None)  # how they were used
     for sentence in (*announced, *found.record["notes"]):
         console.print(sentence, style="dim", markup=False)

@@ -198,6 +198,7 @@ def test_a_monitor_goes_on_with_the_next_log(cdia, folder, watched, parts):
     common = (*ROBOT, "--no-check", "--state", state, "--json", "-")
     first = cdia("monitor", parts[0], *learned, *common).json
     second = cdia("monitor", parts[1], *common).json
+    assert "the stored monitor does not keep them" in second["not_compared"]
     whole = json.loads(watched[1]["found.json"].read_text(encoding="utf-8"))
     assert first["events"] + second["events"] == whole["events"]
     assert second["faults"] == whole["faults"]
