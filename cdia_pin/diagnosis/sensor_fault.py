@@ -57,8 +57,9 @@ class SensorFault:
         return WORDS[self.signal] + (f" of {self.joint}" if self.joint else "")
 
     def __str__(self) -> str:
+        limited = ", or its drive stands at its limit" if self.signal is SensorSignal.TORQUE else ""
         said = {
-            SensorCondition.FROZEN: "is frozen or dead: its value stays the same while the arm moves",
+            SensorCondition.FROZEN: f"is frozen or dead{limited}: its value stays the same while the arm moves",
             SensorCondition.SHIFTED: f"jumped and is off by {self.offset:+.4g}, which is subtracted",
             SensorCondition.BIASED: "contradicts the positions",
             SensorCondition.OUTSIDE: "gives values that cannot be",

@@ -45,13 +45,16 @@ class LinkInertia(Body):
         return robot.joint_index(self.joint)
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
-        """Return bounds that leave the link at least a twentieth of its mass.
+        """Return bounds that leave the link at least a twentieth of its mass, and add no more than all links weigh.
+
+        What asks for more than that has another cause, near whose torque the link's happens to be.
 
         Args:
             robot: The arm, n joints.
         """
         lower, upper = super().bounds(robot)
         lower[0] = -0.95 * robot.inertial_parameters[self.carrier(robot)][0]
+        upper[0] = robot.total_mass
         return lower, upper
 
     @classmethod

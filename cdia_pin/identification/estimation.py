@@ -15,7 +15,7 @@ from cdia_pin.identification.estimate import Fitter
 from cdia_pin.identification.identification_result import Identification
 from cdia_pin.identification.identification_settings import IdentificationSettings
 from cdia_pin.identification.intervals import of_bodies, quantile, uncertainty, with_intervals
-from cdia_pin.identification.refinement import refine
+from cdia_pin.identification.refinement import fitted_without_idle_drives, refine
 from cdia_pin.identification.terms import full_model
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.log import Log, listed
@@ -89,7 +89,7 @@ def identify(
         estimate = refine(fitter, estimate, part(report, 0.2, 0.7), keep)
     report("choosing the strength of the prior", 0.7)
     strength = choose_strength(fitter, estimate) if settings.strength is None else settings.strength
-    estimate = fitter.fit(estimate.model, strength)
+    estimate = fitted_without_idle_drives(fitter, estimate.model, strength)
     report("predicting held-out data", 0.9)
     known = uncertainty(experiment, estimate)
     bodies = of_bodies(estimate)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.regression import Regression
+from cdia_pin.selection.idle_drives import has_idle_drive, is_idle
 
 Array = NDArray[np.float64]
 
@@ -32,22 +34,44 @@ def refine(fitter: Fitter, estimate: Estimate, tell: Progress, keep: Callable[[D
         tell: Called with what was added and the share done [1].
         keep: Called with each better model.
     """
+    tried: set[str] = set()
     for k in range(ROUNDS):
-        chosen = _best_of_each_joint(fitter, estimate)
+        chosen = _best_of_each_joint(fitter, estimate, tried)
         if not chosen:
             break
         model = estimate.model
         for law in chosen:
             model = law.of(model)
         tell(", ".join(f"+ {law.added.label}" for law in chosen), k / ROUNDS)
-        estimate = fitter.fit(model, estimate.strength)
+        tried.update(law.added.label for law in chosen)
+        estimate = fitted_without_idle_drives(fitter, model, estimate.strength)
         keep(estimate.model)
     return estimate
 
 
-def _best_of_each_joint(fitter: Fitter, estimate: Estimate) -> list[Refinement]:
+def fitted_without_idle_drives(fitter: Fitter, model: Dynamics, strength: float) -> Estimate:
+    """Fit a model, without the gains of drives that could then not have moved the arm.
+
+    Args:
+        fitter: Fitter of the experiment.
+        model: The model; the iteration starts at the parameters of its terms.
+        strength: Strength of the prior [1].
+    """
+    estimate = fitter.fit(model, strength)
+    while has_idle_drive(estimate.model):
+        moving = tuple(t for t in estimate.model.terms if not is_idle(t))
+        estimate = fitter.fit(replace(estimate.model, terms=moving), strength)
+    return estimate
+
+
+def _best_of_each_joint(fitter: Fitter, estimate: Estimate, tried: Container[str]) -> list[Refinement]:
+    """Return the laws that lower the held-out errors most, none that was tried before."""
     experiment, whitening = fitter.experiment, estimate.whitening
-    laws = list(refinements(estimate.model, experiment, fitter.settings))
+    laws = [
+        law
+        for law in refinements(estimate.model, experiment, fitter.settings)
+        if law.added.label not in tried
+    ]
     present = [t.effect for t in estimate.model.terms]
     effects = [*present, *(law.added for law in laws)]
     equations = Regression(fitter.design, whitening).normal_equations(estimate.model, effects)

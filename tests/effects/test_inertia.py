@@ -71,6 +71,12 @@ def test_no_link_is_far_from_the_urdf(arm, together):
     assert not together.effect.is_physical(1.01 * limits.ravel(), arm)
 
 
+def test_no_link_lacks_more_than_the_arm_weighs(arm):
+    """A link near the axis of the joint before it may else have any mass to imitate what that joint does by itself."""
+    _, upper = LinkInertia(arm.joints[1]).bounds(arm)
+    assert upper[0] == arm.total_mass
+
+
 def test_one_link_is_written_as_before(arm):
     assert parse_effect("link_inertia@panda_joint2", arm) == LinkInertia("panda_joint2")
     assert parse_effect("link_inertia@panda_joint2+panda_joint3", arm).links == (

@@ -9,9 +9,12 @@ from cdia_pin.effects.body import Body
 from cdia_pin.identification.block_validation import STRENGTHS, choose_strength, held_out_rms
 from cdia_pin.identification.estimate import Fitter, unconstrained
 from cdia_pin.identification.identification_settings import IdentificationSettings
+from cdia_pin.identification.refinement import fitted_without_idle_drives, refine
 from cdia_pin.identification.terms import full_model
+from cdia_pin.progress import silent
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.robot.inertia import parameters_of
+from cdia_pin.selection.idle_drives import WEAKEST, has_idle_drive
 from tests.made_logs import conditioned, make
 
 STRENGTH = 10.0
@@ -135,3 +138,21 @@ def test_links_that_are_twice_as_heavy_are_no_gain_of_the_drives(robot):
     for joint in robot.joints:
         assert abs(model.find(f"actuator_gain@{joint}").theta[0]) < 0.3
         assert model.find(f"coulomb_friction@{joint}").theta[0] == pytest.approx(0.3, rel=0.3)
+
+
+def test_no_drive_that_delivers_next_to_nothing_is_believed(robot):
+    """Such a gain makes the torque of its joint out of nothing, and the rest of the model is free of the log."""
+
+    def missing(q, v, a):  # nine tenths of what the first drive is asked for arrive nowhere
+        return np.array([-9.0, 0.0]) * robot.inverse_dynamics(q, v, a)
+
+    experiment = Experiment.of(robot, [conditioned(robot, make(robot, missing, noise=0.05))])
+    fitter = Fitter(experiment, IdentificationSettings())
+    gain = ActuatorGain(robot.joints[0])
+    whole = full_model(Dynamics(robot), experiment).add(Term(gain, (0.0,)))
+    idle = fitter.fit(whole, STRENGTHS[0]).model.find(gain.label)
+    assert idle.theta[0] < WEAKEST
+    found = fitted_without_idle_drives(fitter, whole, STRENGTHS[0]).model
+    assert gain.label not in {t.label for t in found.terms}
+    started = fitter.fit(found, STRENGTHS[0])
+    assert not has_idle_drive(refine(fitter, started, silent, lambda _: None).model)

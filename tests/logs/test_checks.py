@@ -26,7 +26,8 @@ from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import quantum
 from cdia_pin.logs.checks.stuck import check_stuck
 from cdia_pin.logs.conditioning import condition
-from cdia_pin.logs.derivatives import differentiate
+from cdia_pin.logs.derivatives import differentiate, zero_phase
+from cdia_pin.logs.reversals import reversals
 from tests.one_joint import write_urdf
 
 
@@ -835,3 +836,32 @@ def test_an_effort_of_another_joint_is_not_seen_in_few_postures():
     columns = (few + 0.01 * rng.standard_normal(400))[:, None]
     assert unexplained(effort, columns) < 0.01
     assert unexplained(effort, columns, parts=4) > 0.9
+
+
+# ---------------------------------------------------------------- coarse encoders, gravity that hardly varies
+
+
+def test_steps_of_an_encoder_are_no_reversals():
+    time = np.arange(0.0, 60.0, 0.02)
+    place = 0.3 * np.sin(2 * np.pi * time / 25.0)  # slow: five turns
+    steps = np.round(place / 0.0015) * 0.0015
+    v = np.gradient(zero_phase(steps[:, None], 8.0, 50.0)[:, 0], 0.02)
+    assert np.sum(np.diff(np.sign(v)) != 0) > 50
+    assert reversals(v) == reversals(np.gradient(place)) == 5
+
+
+def test_a_joint_that_never_turns_has_no_reversal():
+    assert reversals(np.ones(100)) == reversals(np.zeros(100)) == reversals(np.zeros(0)) == 0
+
+
+@pytest.mark.parametrize(("swing", "known"), [(0.05, False), (1.2, True)])
+def test_a_gain_of_gravity_that_hardly_varies_is_not_known(tmp_path, swing, known):
+    """A gain and an offset cancel in what the joint carries, and both fit the effort alike."""
+    robot = load_robot(write_urdf("revolute", tmp_path))
+    time = np.arange(0.0, 40.0, 0.01)
+    q = 0.2 + swing * np.sin(2 * np.pi * time / 4)[:, None]
+    weight = robot.gravity(q)
+    motion = motion_of(Log(("only",), time, q, 2.0 * weight - 1.5 * weight.mean()), robot.is_prismatic)
+    found = gravity_gains(motion, robot)[0]
+    assert found.gain == pytest.approx(2.0, rel=0.05)
+    assert found.known is known

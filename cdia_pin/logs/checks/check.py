@@ -21,6 +21,7 @@ from cdia_pin.logs.checks.stretches import check_copied, check_held
 from cdia_pin.logs.checks.stuck import check_stuck
 from cdia_pin.logs.checks.torque_side import check_torque_side
 from cdia_pin.logs.checks.unpowered import check_unpowered, unpowered
+from cdia_pin.logs.checks.unsigned import check_unsigned, unsigned
 from cdia_pin.logs.checks.velocity import check_velocity
 from cdia_pin.logs.checks.wild import check_wild
 from cdia_pin.logs.effort_origin import EffortOrigin
@@ -78,9 +79,12 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
     yield from check_copied(log)
     yield from check_resolution(log, robot, motion)
     yield from check_limits(log, robot)
-    yield from check_saturation(log, robot, motion)
+    sizes = unsigned(log)
+    yield from check_unsigned(log, sizes)
+    judged = motion and replace(motion, moves=motion.moves & ~sizes)  # nothing more is told of sizes
+    yield from check_saturation(log, robot, judged)
     yield from check_velocity(log, motion)
-    if motion is None:
+    if motion is None or judged is None:
         yield Finding(
             Topic.EXCITATION,
             Severity.WARNING,
@@ -88,20 +92,23 @@ def _findings(log: Log, robot: RobotModel) -> Iterator[Finding]:
             advice="record 10 s or more without a gap",
         )
         return
-    search, units = find_conventions(log, motion, robot)
-    off = unpowered(motion, robot, search)
+    if sizes.any() and not judged.moves.any():
+        yield from check_excitation(log, robot, motion)
+        return
+    search, units = find_conventions(log, judged, robot)
+    off = unpowered(judged, robot, search)
     if off.any():
         yield from check_unpowered(log, robot, off)
-        motion = replace(motion, moves=motion.moves & ~off)
-        search, units = find_conventions(log, motion, robot)
+        judged = replace(judged, moves=judged.moves & ~off)
+        search, units = find_conventions(log, judged, robot)
     yield from units
     yield from check_conventions(log, robot, search)
-    recorded, motion = motion, search.conventions.apply(motion, robot)
+    recorded, motion, judged = judged, *(search.conventions.apply(m, robot) for m in (motion, judged))
     robot = search.conventions.mounted(robot)
     yield from check_excitation(log, robot, motion)
-    gains = gravity_gains(motion, robot)
+    gains = gravity_gains(judged, robot)
     if log.effort_origin is EffortOrigin.MEASURED:
-        yield from check_arm(robot, motion, recorded, gains)
+        yield from check_arm(robot, judged, recorded, gains)
     yield from check_effort_kind(log, gains)
-    yield from check_torque_side(log, robot, motion)
+    yield from check_torque_side(log, robot, judged)
     yield from check_lag(log, robot, search.conventions)
