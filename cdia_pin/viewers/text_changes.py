@@ -217,8 +217,8 @@ def _bounds(found: Changes) -> RenderableType:
         sentences.append(f"No bound for {where}: even a change as large as its torque could stay hidden.")
     if found.not_compared:
         why = {
-            NotCompared.RESTS_BEFORE: f"at rest in {listed(found.before)}",
-            NotCompared.RESTS_AFTER: f"at rest in {listed(found.after)}",
+            NotCompared.RESTS_BEFORE: f"at rest in {listed(found.before)} (or too slow for its encoder)",
+            NotCompared.RESTS_AFTER: f"at rest in {listed(found.after)} (or too slow for its encoder)",
             NotCompared.OTHER_SPEEDS: "hardly ever at the same speeds in both",
         }
         joints = {w: [j for j, of in found.not_compared.items() if of is w] for w in NotCompared}

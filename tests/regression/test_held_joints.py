@@ -123,7 +123,9 @@ def test_what_only_a_joint_at_rest_shows_is_descriptive_and_in_no_mean(robot):
     assert none_moves.counted.all()
     assert rest_words(none_moves) == "what they show is likely at most"
     assert list(found.to_dict()["capability"]["friction"]) == ["joint1"]
-    assert "at rest, and static friction carries a part of its load" in " ".join(verdict_sentences(found))
+    assert "at rest, or too slow for its encoder, and static friction carries a part of its load" in " ".join(
+        verdict_sentences(found)
+    )
     assert dict(short_answer(found))["at rest"].startswith("joint2")
 
 

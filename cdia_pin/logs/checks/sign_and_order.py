@@ -42,7 +42,8 @@ def check_conventions(log: Log, robot: RobotModel, search: ConventionSearch) -> 
                 value={"joints": d.joints, "gain": search.possible.gain},
             )
     yield from _signs(log, robot, search)
-    if robot.n > 1:
+    reordered = search.possible is not None and search.possible.kind is ConventionChange.ORDER
+    if robot.n > 1 and not reordered:
         yield _order(log, search)
     for k in np.flatnonzero(search.after > POOR).tolist():
         yield Finding(
