@@ -84,9 +84,8 @@ def _rest_sentences(found: Discovery) -> list[str]:
     if found.resting and found.steps:
         are, their = ("is", "its") if len(found.resting) == 1 else ("are", "their")
         out.append(
-            f"{listed(found.resting)} {are} at rest, or too slow for {their} encoder, and static friction carries a part "
-            f"of {their} load: "
-            f"{rest_words(found)}."
+            f"{listed(found.resting)} {are} at rest, or too slow for {their} encoder, and static friction carries "
+            f"a part of {their} load: {rest_words(found)}."
         )
     return out
 
