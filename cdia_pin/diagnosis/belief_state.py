@@ -29,13 +29,14 @@ class BeliefState(Stateful):
 
     Attributes:
         now: What is believed.
+        isolated: What was isolated last, of the size that it had then.
         memory: Cleared faults.
         neurons: What has been learned of an unknown fault.
         unknown_before: Whether a cleared unknown fault is remembered.
         presence: Where in the motion effects are present.
     """
 
-    STATE = ("now", "memory", "neurons", "unknown_before", "presence")
+    STATE = ("now", "isolated", "memory", "neurons", "unknown_before", "presence")
 
     def __init__(self, j: int, observer: MomentumObserver, bank: Bank, unknown: Unknown) -> None:
         self.j, self.observer, self.bank = j, observer, bank
@@ -45,7 +46,7 @@ class BeliefState(Stateful):
         self.unknown_before = False
         observer.state.present[j] = 1.0
         self.neurons.stop()
-        self.now = JointBelief.nothing(bank)
+        self.now = self.isolated = JointBelief.nothing(bank)
         observer.state.absent[j] = 0.0
         observer.believe(j, self.now.theta)
 
@@ -69,6 +70,7 @@ class BeliefState(Stateful):
         self.unknown_before = False
         self.neurons.disbelieve()
         self.memory.forget(belief.mask)
+        self.isolated = belief
         self.hold(belief)
 
     def commit_unknown(self) -> None:
@@ -133,6 +135,7 @@ class BeliefState(Stateful):
         cleared, left = self.now.parted(self.bank, effects)
         terms = self.presence.terms(cleared.mask, cleared.theta)
         self.memory.add(cleared)
+        self.isolated = self.isolated.parted(self.bank, effects)[1]
         self.observer.state.absent[self.j] = 0.0
         self.hold(left)
         return terms

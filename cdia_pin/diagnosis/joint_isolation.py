@@ -94,13 +94,15 @@ class JointIsolation(Stateful):
         self.drop_prior()
         self.observer.end_decision(self.j)
 
-    def decide(self, required: int = 0, caused: bool = False) -> Decision:
+    def decide(self, required: int = 0, caused: bool = False, afresh: bool = False) -> Decision:
         """Decide between the combinations that contain the required effects.
 
         Args:
             required: The effects, one bit each.
             caused: Whether it is certain that something is there.
+            afresh: Whether what was believed counts for nothing.
         """
+        nothing = np.zeros_like(self._prior)
         self.last = self.isolator.decide(
             self.j,
             self.gram,
@@ -108,11 +110,20 @@ class JointIsolation(Stateful):
             self.level,
             self.independent,
             required=required,
-            prior=self._prior,
-            centre=self._centre,
+            prior=nothing if afresh else self._prior,
+            centre=nothing if afresh else self._centre,
             caused=caused,
         )
         return self.last
+
+    def is_less_without(self, belief: JointBelief) -> bool:
+        """Tell whether the collected samples have less residual without a belief than with it: its fault has gone.
+
+        Args:
+            belief: A belief in at least one effect.
+        """
+        parts = gram_parts(self.gram, self.isolator.bank.width)
+        return parts.left(np.zeros_like(belief.theta)) < parts.left(belief.theta)
 
     def determines(self, decision: Decision) -> bool:
         """Tell whether there are enough independent samples for the parameters of a decision that are new.

@@ -15,7 +15,7 @@ import numpy as np
 from cdia_pin.diagnosis.belief import JointBelief
 from cdia_pin.diagnosis.belief_state import BeliefState
 from cdia_pin.diagnosis.healthy_arm import HealthyArm
-from cdia_pin.diagnosis.isolation import LEAST_EXPLAINED, Isolator
+from cdia_pin.diagnosis.isolation import LEAST_EXPLAINED, Decision, Isolator
 from cdia_pin.diagnosis.joint_isolation import JointIsolation, Votes
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
@@ -34,6 +34,7 @@ MOST_FAILURES = 3  # names [1] that failed, or gave way to another, after which 
 HOLDING_TIME = 10.0  # [s], some periods of a motion; what has held for so long ends the count of failures
 CALM_TIME = 0.5  # [s] below the threshold after which an alarm without a fault is dismissed
 REACTION_LOOKS = 2  # looks after a decision in which an alarm is not answered: the filters still settle
+CLEARED = "cleared; the fault is remembered"
 DOUBT_ABSENCES = 1.5  # [1], times `gone_after` that a doubt waits, so that a fault can be seen to clear first
 DOUBT_FILTERS = 4.0  # [1], time constants of the filter that it waits besides
 
@@ -218,16 +219,25 @@ class JointMonitor(Stateful):
                 t, replace(returned, verdict=Verdict.UNIQUE), "a remembered fault has returned"
             )
         mask = self.beliefs.now.mask
-        decision = self.isolation.decide(required=mask, caused=self.lasts)
+        has_gone = bool(mask) and self.isolation.is_less_without(self.beliefs.now)
+        decision = self.isolation.decide(required=0 if has_gone else mask, caused=self.lasts, afresh=has_gone)
         if decision.mask is None and mask:
             decision = self.isolation.decide(caused=self.lasts)
         self._votes.add(decision)
         if not self._votes.agree:
             return []
+        if has_gone and not mask & (decision.mask or 0):
+            return self._gone(t)
+        return self._decided(t, decision)
+
+    def _decided(self, t: float, decision: Decision) -> list[Event]:
+        """Answer a decision on which the last looks agree."""
         if not decision.mask:
             return self._none_possible(t) if decision.mask is None else self._dismiss(t)
         if not self._votes.are_clear and t - self.since < self.settings.ambiguous_after:
             return []
+        if any(rival == 0 for rival, _ in decision.rivals) and t - self.last_alarm > CALM_TIME:
+            return self._dismiss(t)  # it fits alike that nothing is there, and the residual says so too
         if len(decision.rivals) > MOST_ALIKE or not self.isolation.determines(decision):
             return []  # what fits so many names, or has so many parameters, is no name yet; the motion goes on
         verdict = Verdict.AMBIGUOUS if decision.rivals else Verdict.UNIQUE
@@ -246,6 +256,8 @@ class JointMonitor(Stateful):
                 return [self._event(t, EventStage.IDLE, "the unknown fault has cleared; it is remembered")]
         decision = self.isolation.decide()
         self._votes.add(decision)
+        if now.mask and self._votes.agree and self._has_faded:
+            return self._gone(t)
         sure = self._votes.agree and self._votes.are_clear
         if now.mask and decision.mask == now.mask:
             found = self.isolation.belief(decision, now.verdict)
@@ -359,8 +371,13 @@ class JointMonitor(Stateful):
         self._begin(t, self.stage)
         if not self.beliefs.now.mask:
             self._rest()
-        reason = "cleared; the fault is remembered"
-        return [Event(t, EventStage.IDLE, (self.name,), Verdict.NONE, faults, reason=reason)]
+        return [Event(t, EventStage.IDLE, (self.name,), Verdict.NONE, faults, reason=CLEARED)]
+
+    def _gone(self, t: float) -> list[Event]:
+        """Clear all that is believed, because the residual is less without it."""
+        faults = self.beliefs.clear(self.bank.members(self.beliefs.now.mask))
+        self._rest()
+        return [Event(t, EventStage.IDLE, (self.name,), Verdict.NONE, faults, reason=CLEARED)]
 
     def _dismiss(self, t: float) -> list[Event]:
         if t - self.last_alarm <= CALM_TIME:
@@ -373,6 +390,12 @@ class JointMonitor(Stateful):
         self._named = 0
         self.beliefs.rest()
         self.isolation.end()
+
+    @property
+    def _has_faded(self) -> bool:
+        """Whether the samples of late are nearer to no fault than to what was isolated."""
+        then = self.beliefs.isolated
+        return then.mask == self.beliefs.now.mask and self.isolation.is_less_without(then)
 
     @property
     def _believes(self) -> bool:
