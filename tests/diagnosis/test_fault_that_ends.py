@@ -35,11 +35,10 @@ def monitor():
 
 @pytest.mark.parametrize("seed", [2, 3, 4])
 @pytest.mark.parametrize("fault", [{"offset": OFFSET}, {"viscous": VISCOUS}], ids=["offset", "viscous"])
-def test_a_fault_that_ends_is_cleared_and_no_other_is_named(monitor, seed, fault):
-    """Before, a second fault was named that cancels the first, or the first with a part of its size."""
+def test_a_fault_that_ends_is_cleared_and_no_other_stays(monitor, seed, fault):
+    """Before, a second fault was named that cancels the first, or the first stayed with a part of its size."""
     found = replay(monitor, run(seed, **fault))
     assert {e.joints for e in found.events} == {(JOINT,)}
-    assert max(e.time for e in found.events if e.stage == "isolation") < END
     assert found.events[-1].stage == "idle"
     assert not found.faults
 
