@@ -13,9 +13,9 @@ from cdia_pin.changes.common_structure import PLAIN
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.run_to_run import is_friction_of_joint
-from cdia_pin.effects import Channel, Effect, LinkInertia, Signal, Term, TorqueOffset
+from cdia_pin.effects import Effect, LinkInertia, Term, TorqueOffset
 from cdia_pin.regression.design_matrix import DesignMatrix
-from cdia_pin.regression.experiment import Experiment
+from cdia_pin.regression.effort_scale import effort_tolerance
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 
@@ -62,34 +62,6 @@ def covering(term: Term, other: Term) -> Term:
         term.with_intervals(np.abs(ends - np.array(term.theta)[:, None]).max(axis=1)),
         ci95_statistical=term.ci95_statistical,
     )
-
-
-def effort_tolerance(experiment: Experiment, effect: Effect, torque: Array) -> float:
-    """Return the tolerance of the scale of the torques that an effect is measured by, 95 % [1].
-
-    Args:
-        experiment: The logs.
-        effect: The effect.
-        torque: RMS torque of the effect [N·m or N], shape (n,).
-    """
-    stated = [s.motion.effort_tolerance for s in experiment.segments if s.motion.effort_tolerance is not None]
-    return max((scale_error(effect, torque, t) for t in stated), default=0.0)
-
-
-def scale_error(effect: Effect, torque: Array, by_joint: Array) -> float:
-    """Return the relative error of an effect's parameters that follows from that of the torques [1].
-
-    Joints count by the square of the effect's torque, as they do in its fit.
-
-    Args:
-        effect: The effect. What has no torque as unit, such as a gain or a delay, does not depend on the scale.
-        torque: RMS torque of the effect [N·m or N], shape (n,).
-        by_joint: Relative error of the scale of each joint's torque [1], shape (n,).
-    """
-    if effect.traits.channel is not Channel.JOINT_TORQUE or Signal.TORQUE in effect.traits.depends_on:
-        return 0.0
-    weight = torque**2 / max(float(np.sum(torque**2)), 1e-300)
-    return float(weight @ by_joint)
 
 
 def friction_before(

@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.changes.confidence import Confidence
-from cdia_pin.changes.sizes import effort_tolerance, scale_error
 from cdia_pin.discovery.decision import Repeat
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ActuatorGain, Term
@@ -31,6 +30,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.motion import Motion
 from cdia_pin.regression.design_matrix import DesignMatrix
+from cdia_pin.regression.effort_scale import effort_tolerance, scale_error
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.regression.intervals import NORMAL_95
 from cdia_pin.selection.discovery_settings import ConfidenceSettings

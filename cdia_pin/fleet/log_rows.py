@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from cdia_pin.changes.sizes import effort_tolerance
 from cdia_pin.discovery.trust import variations
 from cdia_pin.effects import Effect
 from cdia_pin.errors import CdiaError, LogError
@@ -21,6 +20,7 @@ from cdia_pin.fleet.recording_time import recording_time
 from cdia_pin.fleet.robot_setup import RobotSetup, load_setup
 from cdia_pin.logs import Log, check_log
 from cdia_pin.phrases import LONGEST_REASON, one_line
+from cdia_pin.regression.effort_scale import effort_tolerance
 from cdia_pin.selection.problem import Problem
 from cdia_pin.version import __version__
 

@@ -36,8 +36,8 @@ class BaseParameters:
         grouped: Number of other standard parameters in each combination [1].
         urdf: Values of the URDF.
         value: Identified values.
-        deviation: Standard deviations of the identified values.
-        half_width: Half widths of their 95 % intervals.
+        deviation: Standard deviations of the identified values, if the scale of the torques is right.
+        half_width: Half widths of their 95 % intervals, with the tolerance of that scale.
         identifiable: True for parameters that this log identifies; the prior around the URDF determines the others.
     """
 
@@ -63,7 +63,12 @@ class BaseParameters:
 
 
 def base_parameters(
-    robot: RobotModel, change: Array, covariance: Array, prior_covariance: Array, quantile: float
+    robot: RobotModel,
+    change: Array,
+    covariance: Array,
+    prior_covariance: Array,
+    quantile: float,
+    tolerance: Array,
 ) -> BaseParameters:
     """Reduce inertial parameters to those on which torques depend.
 
@@ -73,6 +78,8 @@ def base_parameters(
         covariance: Covariance of this difference, shape (10 n, 10 n).
         prior_covariance: Covariance before the log, shape (10 n, 10 n).
         quantile: Half width of a 95 % interval over the standard deviation [1].
+        tolerance: Tolerance of the scale of each joint's torque, 95 % [1], shape (n,). A link acts on all joints before
+            it.
     """
     first, reduction = base_reduction(robot)
     urdf = robot.inertial_parameters.ravel()
@@ -80,14 +87,16 @@ def base_parameters(
         np.sqrt(np.maximum(np.einsum("bi,ij,bj->b", reduction, c, reduction), 0.0))
         for c in (covariance, prior_covariance)
     )
+    value = reduction @ (urdf + change)
+    scale = np.array([tolerance[: k // 10 + 1].mean() for k in first])
     return BaseParameters(
         names=tuple(f"{robot.joints[k // 10]}.{PARAMETER_NAMES[k % 10]}" for k in first),
         units=tuple(PARAMETER_UNITS[k % 10] for k in first),
         grouped=np.count_nonzero(reduction, axis=1) - 1,
         urdf=reduction @ urdf,
-        value=reduction @ (urdf + change),
+        value=value,
         deviation=deviation,
-        half_width=quantile * deviation,
+        half_width=np.hypot(quantile * deviation, scale * np.abs(value)),
         identifiable=deviation < IDENTIFIED * prior_deviation,
     )
 

@@ -21,6 +21,7 @@ from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.log import Log, listed
 from cdia_pin.logs.motion import Motion
 from cdia_pin.progress import Progress, part, silent
+from cdia_pin.regression.effort_scale import stated_tolerance
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.threads import on_one_thread
@@ -92,7 +93,7 @@ def identify(
     estimate = fitted_without_idle_drives(fitter, estimate.model, strength)
     report("predicting held-out data", 0.9)
     known = uncertainty(experiment, estimate)
-    bodies = of_bodies(estimate)
+    bodies, tolerance = of_bodies(estimate), stated_tolerance(experiment)
     predicted = held_out or experiment
     after = (
         held_out_rms(fitter, estimate)
@@ -102,7 +103,7 @@ def identify(
     report("done", 1.0)
     return Identification(
         model=replace(
-            with_intervals(estimate, known.after), learned_from=_remembered(given, model, settings)
+            with_intervals(estimate, known.after, tolerance), learned_from=_remembered(given, model, settings)
         ),
         torque_rms=rms(experiment.measured, experiment.informative),
         rms_before=rms(experiment.predict(model).residual, experiment.informative),
@@ -116,6 +117,7 @@ def identify(
             bodies @ known.after @ bodies.T,
             bodies @ known.before @ bodies.T,
             quantile(estimate),
+            tolerance,
         ),
         strength=strength,
         refined=tuple(t.label for t in estimate.model.terms if t.label not in plain),

@@ -225,7 +225,7 @@ def _fitted(
             right += weight * slope.T @ left
         at = at + np.linalg.solve(normal, right)
     inverse, spread = at[:n], np.sqrt(np.diag(np.linalg.inv(normal)))[:n]
-    shown = spread < DETERMINED * np.sqrt(np.diag(prior))
+    shown = _shown(spread, np.sqrt(np.diag(prior)))
     if not shown.any() or (inverse <= 0).any():
         raise LogError("the logs do not show the payload: is the first log the one with it?")
     far = shown & ((inverse < 1 / LARGEST) | (inverse > LARGEST))
@@ -236,6 +236,18 @@ def _fitted(
             "with the payload, is its mass in kg, and are the torques in N·m?"
         )
     return 1.0 / inverse, spread / inverse**2, at[n:]
+
+
+def _shown(spread: Array, before: Array) -> NDArray[np.bool_]:
+    """Tell which joints show the payload: the logs would determine a scale that is known as well as nominal ones, (n,).
+
+    Args:
+        spread: Standard deviation of each scale with the logs [1], shape (n,).
+        before: The same without the logs [1], shape (n,).
+    """
+    usual = np.maximum(before, NOMINAL_TOLERANCE / NORMAL_95)
+    told = np.maximum(1.0 / spread**2 - 1.0 / before**2, 0.0)
+    return np.asarray(1.0 / np.sqrt(told + 1.0 / usual**2) < DETERMINED * usual)
 
 
 def _variance(left: Array, alone: Array) -> float:

@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Term
+from cdia_pin.effects import LinkInertia, Term
 from cdia_pin.effects.body import Body
 from cdia_pin.identification.estimate import Estimate
 from cdia_pin.identification.prior import precision
+from cdia_pin.regression.effort_scale import scale_error
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.regression.scaled_gram import ScaledGram
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
@@ -58,18 +60,25 @@ def uncertainty(experiment: Experiment, estimate: Estimate) -> Uncertainty:
     return Uncertainty(_inverse(loose), after + between)
 
 
-def with_intervals(estimate: Estimate, covariance: Array) -> Dynamics:
-    """Return the model whose terms carry 95 % intervals.
+def with_intervals(estimate: Estimate, covariance: Array, tolerance: Array) -> Dynamics:
+    """Return the model whose terms carry 95 % intervals: those of the fit, and with what the torques' scale is worth.
+
+    A link is found as a whole, so the scale concerns all of it and not only its difference from the URDF.
 
     Args:
         estimate: The final estimate.
         covariance: Covariance of all parameters, shape (P, P).
+        tolerance: Tolerance of the scale of each joint's torque, 95 % [1], shape (n,).
     """
+    robot = estimate.model.robot
     half = quantile(estimate) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
     terms = []
     for term, span in zip(estimate.model.terms, estimate.equations.parameters, strict=True):
-        ci95 = tuple((v - float(h), v + float(h)) for v, h in zip(term.theta, half[span], strict=True))
-        terms.append(Term(term.effect, term.theta, term.profile, ci95))
+        shown = term.with_intervals(half[span])
+        relative = scale_error(term.effect, _acted_on(term, robot), tolerance)
+        theta = np.array(term.theta)
+        whole = term.effect.total(theta, robot) if isinstance(term.effect, LinkInertia) else theta
+        terms.append(shown.less_certain(relative * np.abs(whole)) if relative else shown)
     return replace(estimate.model, terms=tuple(terms))
 
 
@@ -100,6 +109,11 @@ def of_bodies(estimate: Estimate) -> Array:
             j = effect.carrier(robot)
             out[10 * j : 10 * j + 10, span] = effect.to_joint_frame(robot)
     return out
+
+
+def _acted_on(term: Term, robot: RobotModel) -> Array:
+    """Return one for the joints on which a term acts, else zero, shape (n,)."""
+    return np.isin(range(robot.n), list(term.effect.acts_on(robot))).astype(float)
 
 
 def _inverse(matrix: Array) -> Array:

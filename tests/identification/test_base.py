@@ -47,12 +47,12 @@ def test_values_deviations_and_what_is_identifiable():
     n = 10 * arm.n
     change = np.random.default_rng(3).normal(size=n)
     known = np.eye(n)
-    base = base_parameters(arm, change, 0.01 * known, known, 2.0)
+    base = base_parameters(arm, change, 0.01 * known, known, 2.0, np.zeros(arm.n))
     assert base.value - base.urdf == pytest.approx(reduction @ change)
     assert base.deviation == pytest.approx(0.1 * np.linalg.norm(reduction, axis=1))
     assert base.half_width == pytest.approx(2 * base.deviation)
     assert base.identifiable.all()
-    assert not base_parameters(arm, change, known, known, 2.0).identifiable.any()
+    assert not base_parameters(arm, change, known, known, 2.0, np.zeros(arm.n)).identifiable.any()
     assert base.moved == pytest.approx(np.abs(reduction @ change) / base.deviation)
     assert len(base) == len(base.names) == 36
     assert base.names[0].startswith(arm.joints[0])

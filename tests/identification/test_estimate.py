@@ -9,6 +9,7 @@ from cdia_pin.effects.body import Body
 from cdia_pin.identification.block_validation import STRENGTHS, choose_strength, held_out_rms
 from cdia_pin.identification.estimate import Fitter, unconstrained
 from cdia_pin.identification.identification_settings import IdentificationSettings
+from cdia_pin.identification.intervals import with_intervals
 from cdia_pin.identification.refinement import fitted_without_idle_drives, refine
 from cdia_pin.identification.terms import full_model
 from cdia_pin.progress import silent
@@ -156,3 +157,18 @@ def test_no_drive_that_delivers_next_to_nothing_is_believed(robot):
     assert gain.label not in {t.label for t in found.terms}
     started = fitter.fit(found, STRENGTHS[0])
     assert not has_idle_drive(refine(fitter, started, silent, lambda _: None).model)
+
+
+def test_no_interval_is_narrower_than_the_scale_of_the_torques_is_known(robot):
+    """Drive gains that are right to 10 % leave friction, and a whole link, no more certain than that."""
+    _, estimate = fitted(robot, make(robot, lambda q, v, a: -0.3 * np.tanh(v / 1e-3), noise=0.05))
+    size = len(estimate.theta)
+    model = with_intervals(estimate, np.zeros((size, size)), np.array([0.1, 0.1]))
+    first, second = robot.joints
+    friction, link = model.find(f"coulomb_friction@{second}"), model.find(f"link_inertia@{second}")
+    assert friction.half_widths == pytest.approx(0.1 * np.abs(friction.theta))
+    whole = robot.inertial_parameters[1] + link.theta
+    assert link.half_widths == pytest.approx(0.1 * np.abs(whole))
+    assert friction.ci95_statistical == ((friction.theta[0], friction.theta[0]),)
+    exact = with_intervals(estimate, np.zeros((size, size)), np.zeros(2))
+    assert exact.find(f"coulomb_friction@{first}").half_widths == pytest.approx(0.0)

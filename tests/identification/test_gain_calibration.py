@@ -47,6 +47,16 @@ def test_joints_under_the_weight_get_their_scale(calibrated):
     np.testing.assert_allclose(calibrated.centre, 0.0, atol=0.01)
 
 
+def test_logs_whose_scales_are_known_well_still_show_the_payload(ur5):
+    """After a calibration the next one has less to tell, and the payload is as visible as before."""
+    logs = [
+        replace(recorded(ur5, k, m, 1.0), effort_tolerance=np.full(ur5.n, 0.01))
+        for k, m in ((4, MASS), (3, 0))
+    ]
+    found = calibrate_gains(ur5, logs[:1], logs[1:], MASS)
+    np.testing.assert_allclose(found.scale, 1.0, atol=0.02)
+
+
 def test_other_joints_have_the_common_scale_and_a_wide_tolerance(calibrated):
     assert not calibrated.determined[5]  # a point on the axis of the last joint does not load it
     assert calibrated.scale[5] == pytest.approx(np.mean(SCALE[:5]), abs=0.05)
