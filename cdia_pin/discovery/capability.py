@@ -33,6 +33,13 @@ class CapabilityJson(TypedDict):
     feedforward_error: ByJoint
 
 
+DIRECTIONS = 500  # [1], of a push that are tried: they are 0.1 rad apart
+GOLDEN_ANGLE = np.pi * (
+    3 - np.sqrt(5)
+)  # [rad], by which neighbours turn that never come to lie above each other
+LEAST_SHOWN = 1e-18  # [1/N²], below which a push does not show: no joint has a torque from it
+
+
 @dataclass(frozen=True, repr=False)
 class Capability:
     """What a model lets a user notice on motions such as the log's.
@@ -88,10 +95,9 @@ def capability_of(
     states = [s.state for s in experiment.segments]
     body = np.vstack([Payload().basis(x)[:, :, 0] for x in states])
     jacobian = np.vstack([np.asarray(experiment.robot.tool_jacobian(x.q))[:, :3, :] for x in states])
-    pushes = [_smallest(noticed, jacobian[:, k, :]) for k in range(3)]
     return Capability(
         payload=_smallest(noticed, body),
-        push=max(pushes),
+        push=_smallest_push(noticed, jacobian),
         friction=noticed,
         feedforward_error=error / np.maximum(torque, 1e-12),
     )
@@ -101,3 +107,25 @@ def _smallest(noticed: Array, of_unit: Array) -> float:
     """Return the smallest size that some joint notices, of a cause with a torque per unit, shape (K, n)."""
     size = rms(of_unit, np.ones_like(of_unit, bool))
     return float(np.min(np.where(size > 1e-9, noticed / np.maximum(size, 1e-9), np.inf)))
+
+
+def _smallest_push(noticed: Array, jacobian: Array) -> float:
+    """Return the smallest push that some joint notices in the direction in which it shows least [N].
+
+    Args:
+        noticed: RMS torque that each joint notices [N·m or N], shape (n,).
+        jacobian: Torque of each joint per newton at the tool along each axis [m or 1], shape (K, 3, n).
+    """
+    squares = np.einsum("kaj,kbj->jab", jacobian, jacobian) / len(jacobian)
+    along = _directions()
+    shown = np.einsum("da,jab,db->dj", along, squares, along) / noticed**2
+    least = float(shown.max(axis=1).min())
+    return least**-0.5 if least > LEAST_SHOWN else np.inf
+
+
+def _directions() -> Array:
+    """Return unit vectors that are spread evenly over half a sphere, shape (DIRECTIONS, 3)."""
+    up = (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
+    around = np.arange(DIRECTIONS) * GOLDEN_ANGLE
+    across = np.sqrt(1 - up**2)
+    return np.column_stack([across * np.cos(around), across * np.sin(around), up])
