@@ -20,6 +20,7 @@ from cdia_pin.diagnosis.status import Event, EventDict, FaultDict, Stage, Status
 from cdia_pin.effects import Term
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.recorded_parts import LONGEST_GAP
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -99,8 +100,9 @@ class MonitorRun:
 
     @property
     def duration(self) -> float:
-        """Time that was looked at [s]; the clock of a later log may start again."""
-        return float(np.maximum(np.diff(self.time), 0.0).sum())
+        """Time that was looked at, without gaps [s]; the clock of a later log may start again."""
+        steps = np.diff(self.time)
+        return float(steps[(steps > 0.0) & (steps <= LONGEST_GAP)].sum())
 
     @property
     def in_torque(self) -> bool:

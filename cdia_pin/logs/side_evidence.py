@@ -91,11 +91,6 @@ class JointFriction:
         """True if dry friction surely differs from zero."""
         return self.dry > SURELY * self.dry_error
 
-    @property
-    def has_zero(self) -> bool:
-        """True if the torque has a zero of its own."""
-        return abs(self.offset) > SURELY * self.offset_error
-
 
 @dataclass(frozen=True)
 class SideEvidence:

@@ -170,8 +170,8 @@ def _lasting(run: MonitorRun) -> str:
     changes, span = run.lasting.changes, f"{run.lasting.begin:.4g} to {run.lasting.end:.4g} s"
     if changes.verdict is ChangesVerdict.NOT_COMPARABLE:
         return _not_compared("no joint moves alike in both")
-    if not run.lasting.established:
-        return f" No change since the healthy runs is established ({span})."
+    if not run.lasting.established:  # which says little where a fault is believed
+        return "" if run.faults else f" No change since the healthy runs is established ({span})."
     found = listed(
         " or ".join(
             [
