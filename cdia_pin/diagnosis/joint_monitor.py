@@ -395,7 +395,8 @@ class JointMonitor(Stateful):
     def _has_faded(self) -> bool:
         """Whether the samples of late are nearer to no fault than to what was isolated."""
         then = self.beliefs.isolated
-        return then.mask == self.beliefs.now.mask and self.isolation.is_less_without(then)
+        same = then.mask == self.beliefs.now.mask
+        return same and self.isolation.is_enough and self.isolation.is_less_without(then)
 
     @property
     def _believes(self) -> bool:

@@ -1,0 +1,122 @@
+"""Let effects end in measured logs: the monitor must say so, and name no other in their place.
+
+Usage:
+    python -m benchmarks.monitored_logs.ending               # draws for reporting; some minutes
+    python -m benchmarks.monitored_logs.ending --suite tuning
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.markdown import Row, table
+from benchmarks.measured_logs import folder
+from benchmarks.monitored_logs.cases import DRAWS, EFFECT, SHARE, Case, planned
+from benchmarks.monitored_logs.trial import monitor_of
+from benchmarks.outcomes import tell
+from benchmarks.publishing import made_by, publish, stated
+from benchmarks.real_residuals.draws import NoSizeError, drawn
+from benchmarks.real_residuals.filtered import FilteredLog
+from benchmarks.real_residuals.insertion import Insertion
+
+PRESENT = (0.2, 0.6)  # [1], begin and end of the effect over the length of the log
+
+
+@dataclass(frozen=True)
+class Ended:
+    """What the monitor said of an effect that ended.
+
+    Attributes:
+        case: The case.
+        effect: Label of the effect.
+        believed: What was believed before its end.
+        left: What is believed at the end of the log.
+    """
+
+    case: Case
+    effect: str
+    believed: tuple[str, ...]
+    left: tuple[str, ...]
+
+
+def main() -> None:
+    """Monitor the logs and print the page."""
+    given = argparse.ArgumentParser(
+        prog="python -m benchmarks.monitored_logs.ending", description="Let effects end in measured logs."
+    )
+    folder.add_option(given)
+    given.add_argument("--suite", choices=list(DRAWS), default="reporting", help="which draws")
+    given.add_argument("--out", type=Path, help="page to write; printed without it")
+    options = given.parse_args()
+    if not folder.are_there(options.data):
+        tell("measured logs: not there, skipped")
+        return
+    os.environ[folder.VARIABLE] = str(options.data)
+    cases = [c for c in planned(options.suite) if c.kind == EFFECT]
+    found: list[Ended] = []
+    for k, case in enumerate(cases, 1):
+        try:
+            found.append(monitored(case))
+        except NoSizeError:
+            continue
+        tell(f"{k} of {len(cases)}  {case.id}  {', '.join(found[-1].left) or 'nothing'}")
+    publish(page(found, stated(given, options, ("suite",))), options.out)
+
+
+def monitored(case: Case) -> Ended:
+    """Monitor the log of a case, with its effect in a part of it."""
+    log = case.after.read()
+    before, after = (FilteredLog.of(r.read(), r.robot) for r in (case.before, case.after))
+    term = drawn(case.effect, SHARE, before, after, case.seed)
+    begin, end = (float(log.time[0] + share * log.duration) for share in PRESENT)
+    is_there = ((log.time >= begin) & (log.time < end))[:, None]
+    changed = Insertion(term, after).into(log)
+    watched = replace(log, effort=np.where(is_there, changed.effort, log.effort))
+    monitor = monitor_of(case.before)
+    believed: list[tuple[str, ...]] = [()]
+    monitor.replay(
+        watched, lambda s: believed.append(tuple(t.label for t in s.faults)) if s.time < end else None
+    )
+    return Ended(case, term.label, believed[-1], tuple(sorted(t.label for t in monitor.faults)))
+
+
+def page(found: Sequence[Ended], command: str) -> str:
+    """Return the page.
+
+    Args:
+        found: What was said in each case.
+        command: That made it.
+    """
+    arms = list(dict.fromkeys(f.case.arm for f in found))
+    rows = [(f.case.id, f.effect, ", ".join(f.believed), ", ".join(f.left)) for f in found if f.believed]
+    return "\n\n".join(
+        [
+            "# Effects that end in measured logs",
+            made_by(command, ("numpy", "numba", "pin")),
+            f"An effect of {SHARE:.0%} of its joint's RMS torque is there from {PRESENT[0]:.0%} to {PRESENT[1]:.0%} "
+            "of a log. Those that are believed when it ends are asked.",
+            table(("arm", "believed when it ends", "nothing at the end of the log"), _by_arm(found, arms)),
+            table(("case", "put in", "believed when it ends", "at the end"), rows),
+        ]
+    )
+
+
+def _by_arm(found: Sequence[Ended], arms: Sequence[str]) -> Iterator[Row]:
+    for name, of in [("all", list(arms)), *((a, [a]) for a in arms)]:
+        some = [f for f in found if f.case.arm in of]
+        believed = [f for f in some if f.believed]
+        yield (
+            name,
+            f"{len(believed)} of {len(some)}",
+            f"{sum(not f.left for f in believed)} of {len(believed)}",
+        )
+
+
+if __name__ == "__main__":
+    main()
