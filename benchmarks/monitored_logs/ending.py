@@ -10,20 +10,16 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-
-import numpy as np
 
 from benchmarks.markdown import Row, table
 from benchmarks.measured_logs import folder
 from benchmarks.monitored_logs.cases import DRAWS, EFFECT, SHARE, Case, planned
-from benchmarks.monitored_logs.trial import monitor_of
+from benchmarks.monitored_logs.trial import monitor_of, with_effect
 from benchmarks.outcomes import tell
 from benchmarks.publishing import made_by, publish, stated
-from benchmarks.real_residuals.draws import NoSizeError, drawn
-from benchmarks.real_residuals.filtered import FilteredLog
-from benchmarks.real_residuals.insertion import Insertion
+from benchmarks.real_residuals.draws import NoSizeError
 
 PRESENT = (0.2, 0.6)  # [1], begin and end of the effect over the length of the log
 
@@ -72,12 +68,8 @@ def main() -> None:
 def monitored(case: Case) -> Ended:
     """Monitor the log of a case, with its effect in a part of it."""
     log = case.after.read()
-    before, after = (FilteredLog.of(r.read(), r.robot) for r in (case.before, case.after))
-    term = drawn(case.effect, SHARE, before, after, case.seed)
     begin, end = (float(log.time[0] + share * log.duration) for share in PRESENT)
-    is_there = ((log.time >= begin) & (log.time < end))[:, None]
-    changed = Insertion(term, after).into(log)
-    watched = replace(log, effort=np.where(is_there, changed.effort, log.effort))
+    watched, term = with_effect(case, log, begin, end)
     monitor = monitor_of(case.before)
     believed: list[tuple[str, ...]] = [()]
     monitor.replay(

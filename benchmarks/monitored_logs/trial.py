@@ -93,12 +93,17 @@ def _given(case: Case) -> tuple[Log, Term | None, float]:
     log = case.after.read()
     if case.kind != EFFECT:
         return log, None, np.inf
+    begin = float(log.time[0] + 0.5 * log.duration)
+    return *with_effect(case, log, begin), begin
+
+
+def with_effect(case: Case, log: Log, begin: float, end: float = np.inf) -> tuple[Log, Term]:
+    """Return the log of a case with its effect from one time to another [s], and the effect."""
     before, after = (FilteredLog.of(r.read(), r.robot) for r in (case.before, case.after))
     term = drawn(case.effect, SHARE, before, after, case.seed)
-    begin = float(log.time[0] + 0.5 * log.duration)
     changed = Insertion(term, after).into(log)
-    later = (log.time >= begin)[:, None]
-    return replace(log, effort=np.where(later, changed.effort, log.effort)), term, begin
+    is_there = ((log.time >= begin) & (log.time < end))[:, None]
+    return replace(log, effort=np.where(is_there, changed.effort, log.effort)), term
 
 
 def _is_blind(term: Term, monitor: Monitor) -> bool:

@@ -102,7 +102,6 @@ class JointIsolation(Stateful):
             caused: Whether it is certain that something is there.
             afresh: Whether what was believed counts for nothing.
         """
-        nothing = np.zeros_like(self._prior)
         self.last = self.isolator.decide(
             self.j,
             self.gram,
@@ -110,8 +109,8 @@ class JointIsolation(Stateful):
             self.level,
             self.independent,
             required=required,
-            prior=nothing if afresh else self._prior,
-            centre=nothing if afresh else self._centre,
+            prior=None if afresh else self._prior,
+            centre=None if afresh else self._centre,
             caused=caused,
         )
         return self.last
@@ -123,7 +122,7 @@ class JointIsolation(Stateful):
             belief: A belief in at least one effect.
         """
         parts = gram_parts(self.gram, self.isolator.bank.width)
-        return parts.left(np.zeros_like(belief.theta)) < parts.left(belief.theta)
+        return parts.energy < parts.left(belief.theta)
 
     def determines(self, decision: Decision) -> bool:
         """Tell whether there are enough independent samples for the parameters of a decision that are new.

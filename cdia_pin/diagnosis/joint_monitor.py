@@ -158,9 +158,7 @@ class JointMonitor(Stateful):
         if self._onset < since or not (self._believes or self._doubted < np.inf):
             return []
         self._doubted = np.inf
-        taken_back = Event(
-            t, EventStage.IDLE, (self.name,), Verdict.NONE, self.faults, reason="one cause for all joints"
-        )
+        taken_back = self._no_longer(t, self.faults, "one cause for all joints")
         self.isolation.drop_prior()
         self._rest()
         return [taken_back]
@@ -371,13 +369,13 @@ class JointMonitor(Stateful):
         self._begin(t, self.stage)
         if not self.beliefs.now.mask:
             self._rest()
-        return [Event(t, EventStage.IDLE, (self.name,), Verdict.NONE, faults, reason=CLEARED)]
+        return [self._no_longer(t, faults, CLEARED)]
 
     def _gone(self, t: float) -> list[Event]:
         """Clear all that is believed, because the residual is less without it."""
         faults = self.beliefs.clear(self.bank.members(self.beliefs.now.mask))
         self._rest()
-        return [Event(t, EventStage.IDLE, (self.name,), Verdict.NONE, faults, reason=CLEARED)]
+        return [self._no_longer(t, faults, CLEARED)]
 
     def _dismiss(self, t: float) -> list[Event]:
         if t - self.last_alarm <= CALM_TIME:
@@ -410,6 +408,9 @@ class JointMonitor(Stateful):
     def _begin(self, t: float, stage: Stage) -> None:
         self.stage, self.since = stage, t
         self._votes.clear()
+
+    def _no_longer(self, t: float, faults: tuple[Term, ...], reason: str) -> Event:
+        return Event(t, EventStage.IDLE, (self.name,), Verdict.NONE, faults, reason=reason)
 
     def _event(self, t: float, stage: EventStage, reason: str = "") -> Event:
         if stage in (EventStage.DETECTION, EventStage.IDLE):

@@ -34,9 +34,7 @@ class CapabilityJson(TypedDict):
 
 
 DIRECTIONS = 500  # [1], of a push that are tried: they are 0.1 rad apart
-GOLDEN_ANGLE = np.pi * (
-    3 - np.sqrt(5)
-)  # [rad], by which neighbours turn that never come to lie above each other
+GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))  # [rad], between neighbours that never lie above each other
 LEAST_SHOWN = 1e-18  # [1/N²], below which a push does not show: no joint has a torque from it
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,7 @@ from cdia_pin.progress import Progress
 from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.normal_equations import NormalEquations
 from cdia_pin.regression.regression import Regression
-from cdia_pin.selection.idle_drives import has_idle_drive, is_idle
+from cdia_pin.selection.idle_drives import has_idle_drive, without_idle_drives
 
 Array = NDArray[np.float64]
 
@@ -59,8 +58,7 @@ def fitted_without_idle_drives(fitter: Fitter, model: Dynamics, strength: float)
     """
     estimate = fitter.fit(model, strength)
     while has_idle_drive(estimate.model):
-        moving = tuple(t for t in estimate.model.terms if not is_idle(t))
-        estimate = fitter.fit(replace(estimate.model, terms=moving), strength)
+        estimate = fitter.fit(without_idle_drives(estimate.model), strength)
     return estimate
 
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-# Distance over the range of a joint [1], above which it has turned: less is noise of a position at rest or in slow
-# motion. With half of it encoder steps of 1.5 mrad make thirty turns of four; with twice of it nine of ten joints of 14
-# logs turn as often.
-BACK = 0.02
+# Less is noise of a position at rest or in slow motion. With half of it encoder steps of 1.5 mrad make thirty turns of
+# four; with twice of it nine of ten joints of 14 logs turn as often.
+BACK = 0.02  # [1], distance over the range of a joint, above which it has turned
 FAST = 0.05  # [1], speed over the largest one, above which it is motion and not noise at rest
 
 

@@ -19,8 +19,7 @@ def effort_tolerance(experiment: Experiment, effect: Effect, torque: Array) -> f
         effect: The effect.
         torque: RMS torque of the effect [N·m or N], shape (n,).
     """
-    stated = [s.motion.effort_tolerance for s in experiment.segments if s.motion.effort_tolerance is not None]
-    return max((scale_error(effect, torque, t) for t in stated), default=0.0)
+    return max((scale_error(effect, torque, t) for t in _stated(experiment)), default=0.0)
 
 
 def scale_error(effect: Effect, torque: Array, by_joint: Array) -> float:
@@ -45,5 +44,10 @@ def stated_tolerance(experiment: Experiment) -> Array:
     Args:
         experiment: The logs; the least certain one counts.
     """
-    stated = [s.motion.effort_tolerance for s in experiment.segments if s.motion.effort_tolerance is not None]
+    stated = _stated(experiment)
     return np.max(stated, axis=0) if stated else np.zeros(experiment.robot.n)
+
+
+def _stated(experiment: Experiment) -> list[Array]:
+    """Return the tolerances of the logs that state one, shape (n,) each."""
+    return [s.motion.effort_tolerance for s in experiment.segments if s.motion.effort_tolerance is not None]

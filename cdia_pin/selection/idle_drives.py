@@ -36,6 +36,15 @@ def has_idle_drive(model: Dynamics) -> bool:
     return any(map(is_idle, model.terms))
 
 
+def without_idle_drives(model: Dynamics) -> Dynamics:
+    """Return a model without the gains of drives that could not have moved the arm.
+
+    Args:
+        model: A fitted model.
+    """
+    return replace(model, terms=tuple(t for t in model.terms if not is_idle(t)))
+
+
 def fitted_without_idle_drives(regression: Regression, model: Dynamics) -> Dynamics:
     """Fit all terms of a model together, without the gains of drives that could then not have moved the arm.
 
@@ -45,6 +54,5 @@ def fitted_without_idle_drives(regression: Regression, model: Dynamics) -> Dynam
     """
     model = fitted_together(regression, model)
     while has_idle_drive(model):
-        terms = tuple(t for t in model.terms if not is_idle(t))
-        model = fitted_together(regression, replace(model, terms=terms))
+        model = fitted_together(regression, without_idle_drives(model))
     return model

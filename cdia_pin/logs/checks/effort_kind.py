@@ -28,10 +28,10 @@ FAINT = 0.35  # [1], gain of the URDF's torque below which no wrong URDF explain
 # [1], gravity of the URDF over the effort from which it may be that of a motor before its gear. Gears of arms reduce by
 # 30 to 300; friction of the motor, and a spring that carries a part of the weight, leave less of it.
 LEAST_REDUCTION = 10.0
-# Standard deviation of gravity over its mean [1], below which a large gain and a large offset cancel in what the joint
-# carries, and only the URDF's small variations tell them apart. It is 0.06 and 0.15 on two joints whose effort is half
-# of the URDF's gravity and varies as if it were two and five times, and 0.37 and more on joints of 12 logs of six arms.
-STEADY = 0.2
+# Where gravity hardly varies, a large gain and a large offset cancel in what the joint carries, and only the URDF's
+# small variations tell them apart. It is 0.06 and 0.15 on two joints whose effort is half of the URDF's gravity and
+# varies as if it were two and five times, and 0.37 and more on joints of 12 logs of six arms.
+STEADY = 0.2  # [1], standard deviation of gravity over its mean, below which it hardly varies
 STRONG = 0.1  # [1], gravity of a joint over the largest one; below it tools and cables outweigh the links
 
 

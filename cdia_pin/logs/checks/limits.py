@@ -24,9 +24,8 @@ TOLERANCE = 0.01  # [rad or m], beyond a limit of position: encoder noise at a h
 # Quantisation and noise of a clipped effort stay within it. On three measured arms the efforts that go through a limit
 # exceed it by 2.3 to 9.6 %.
 AT_LIMIT = 0.02  # distance of an effort from its limit, over the limit [1]
-# Travel of a slide over the range of its limits [1] that no slide makes. One that covers a twentieth of its range
-# exceeds it in mm; simulated ones ignored their limits by eight times.
-FARTHEST = 50.0
+# One that covers a twentieth of its range exceeds it in mm; simulated ones ignored their limits by eight times.
+FARTHEST = 50.0  # [1], travel over the range of its limits that no slide makes
 SLACK = 1.1  # [1], speed or effort over its limit: noise and overshoot stay below it
 
 

@@ -18,14 +18,13 @@ from cdia_pin.logs.resolution import quantum
 
 Array = NDArray[np.float64]
 
-# Number of folds of a joint [1] from which its effort is a magnitude. There are two at most in 200 logs of fifteen arms
-# with signed efforts. In 15 logs of four arms without signs some joint has four or more; five would miss one log.
-FOLDS = 4
+# There are two folds at most in 200 logs of fifteen arms with signed efforts. In 15 logs of four arms without signs
+# some joint has four or more; five would miss one log.
+FOLDS = 4  # [1], number of folds of a joint from which its effort is a magnitude
 LARGE = 95.0  # [%] of the samples are below the effort to which the next two numbers refer
 NEAR = 0.05  # [1], over that effort, below which an effort is near zero
 AWAY = 0.25  # [1], over that effort, above which it is away from zero; between two folds it must be
-# [1], that effort in steps of its rounding, from which folds prove it: an effort of a few steps often reads zero
-FINEST = 8.0
+FINEST = 8.0  # [1], that effort in steps of its rounding, from which folds prove it; one of few steps often reads zero
 
 
 def folds(effort: Array) -> int:
