@@ -33,7 +33,7 @@ from cdia_pin.cli.outputs import require_report, require_writable, write_all, wr
 from cdia_pin.cli.ranges import DURATION
 
 COMPARING = "comparing the end with the healthy runs"
-NO_RUNS = "the stored monitor does not keep them; `cdia compare` compares two logs"
+NO_RUNS = "the stored monitor does not keep them; cdia compare compares two logs"
 
 if TYPE_CHECKING:
     from rich.console import Console

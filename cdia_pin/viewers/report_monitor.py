@@ -98,6 +98,7 @@ class MonitorReport(TypedDict):
     engine: str
     begin: float
     end: float
+    duration: float
     stages: dict[str, StageWords]
     events: list[dict[str, Any]]  # fields of `EventRow`
     joints: list[MonitoredJoint]
@@ -184,6 +185,7 @@ def monitor_data(
         "engine": run.record["engine"],
         "begin": round(float(run.time[0]), 4),
         "end": round(float(run.time[-1]), 4),
+        "duration": round(run.duration, 4),
         "stages": {
             str(stage): {"colour": colour, "words": STAGE_WORDS[stage]}
             for stage, colour in STAGE_COLOURS.items()

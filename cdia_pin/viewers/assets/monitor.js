@@ -19,7 +19,7 @@ function head() {
     h("ul", { class: "facts" },
       fact("Robot", h("b", {}, DATA.robot)),
       r.log ? fact("Log", h("b", {}, r.log.source)) : null,
-      fact("Watched", h("b", {}, num(DATA.end - DATA.begin, 4) + " s")),
+      fact("Watched", h("b", {}, num(DATA.duration, 4) + " s")),
       fact("Engine", h("b", {}, DATA.engine)),
       fact("Known effects", h("b", {}, r.bank.map((b) => b.replaceAll("_", " ")).join(", "))),
       fact("Thresholds from", h("b", {}, r.healthy.length ? plural(r.healthy.length, "healthy run") : "the user")),
