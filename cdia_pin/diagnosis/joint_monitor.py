@@ -21,6 +21,7 @@ from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import Event, EventStage, Stage, Verdict
+from cdia_pin.diagnosis.tried_names import TriedNames
 from cdia_pin.diagnosis.words import what_separates
 from cdia_pin.effects import Profile, Term, Unknown
 from cdia_pin.identifiability.distinguishing_motions import prepare
@@ -28,10 +29,6 @@ from cdia_pin.identifiability.distinguishing_motions import prepare
 TRIAL_TIME = 3.0  # [s]; a belief that fails sooner was wrong, one that fails later met a further fault
 # Where four combinations or more fitted alike on measured arms, it was a push or an error of the model.
 MOST_ALIKE = 2  # rivals that a name may have [1]
-# A first name may be of the onset, and a fault that joins replaces one. With 2, simulated faults that join each other
-# are named right in 90 % instead of 96 %; with 4, unknown ones are called unknown in 89 % instead of 92 %.
-MOST_FAILURES = 3  # names [1] that failed, or gave way to another, after which the fault is called unknown
-HOLDING_TIME = 10.0  # [s], some periods of a motion; what has held for so long ends the count of failures
 CALM_TIME = 0.5  # [s] below the threshold after which an alarm without a fault is dismissed
 REACTION_LOOKS = 2  # looks after a decision in which an alarm is not answered: the filters still settle
 CLEARED = "cleared; the fault is remembered"
@@ -67,8 +64,7 @@ class JointMonitor(Stateful):
         "last_alarm",
         "_onset",
         "_votes",
-        "_failures",
-        "_named",
+        "_names",
         "_doubted",
         "_mixed",
     )
@@ -97,8 +93,7 @@ class JointMonitor(Stateful):
         self.since = self.last_alarm = -np.inf
         self._onset = -np.inf  # [s], of what is believed, if nothing was believed before
         self._votes = Votes(self.settings.votes)
-        self._failures = 0
-        self._named = 0  # the name that is being tried, one bit for each effect
+        self._names = TriedNames()
         self._doubted = np.inf  # [s], since when the belief is doubted
         self._mixed = False  # do the normal equations hold samples from before a belief failed?
 
@@ -178,7 +173,7 @@ class JointMonitor(Stateful):
             return []
         if known is not None and t - self.since < TRIAL_TIME:
             return self._doubt(t)
-        self._forgive(t)
+        self._names.forgive(t - self.since)
         self.isolation.restart(beside=known)
         detection = self._event(t, EventStage.DETECTION, reason)
         if self.beliefs.unknown_before:
@@ -273,12 +268,9 @@ class JointMonitor(Stateful):
 
     def _commit(self, t: float, belief: JointBelief, reason: str = "") -> list[Event]:
         self.isolation.drop_prior()
-        self._forgive(t)
-        if self._named not in (0, belief.mask):
-            self._fail()
-            if self._failures >= MOST_FAILURES:
-                return self._commit_unknown(t)
-        self._named = belief.mask
+        self._names.forgive(t - self.since)
+        if self._names.replace(belief.mask):
+            return self._commit_unknown(t)
         self.beliefs.commit(belief)
         if belief.verdict is Verdict.AMBIGUOUS:
             reason = what_separates([self.faults, *self.beliefs.alternatives], self.observer.nominal.robot)
@@ -315,23 +307,13 @@ class JointMonitor(Stateful):
         if t - self.last_alarm > REACTION_LOOKS * self.settings.decide_every:  # the alarm was a short one
             self.stage = self._settled
             return []
-        self._fail()
         self.isolation.drop_prior()
-        if self._failures >= MOST_FAILURES:
+        if self._names.fail():
             return self._commit_unknown(t)
         self.beliefs.hold(JointBelief.nothing(self.bank))
         self._begin(t, Stage.DETECTED)
         self._mixed = True
         return []
-
-    def _fail(self) -> None:
-        """Note that the last name was wrong."""
-        self._failures, self._named = self._failures + 1, 0
-
-    def _forgive(self, t: float) -> None:
-        """Count no failures if the present stage has lasted for long."""
-        if t - self.since >= HOLDING_TIME:
-            self._failures = self._named = 0
 
     def _none_possible(self, t: float) -> list[Event]:
         """Drop the samples from before a belief failed, for another fault may have begun then; else call it unknown."""
@@ -363,8 +345,8 @@ class JointMonitor(Stateful):
             return [Event(t, EventStage.IDLE, (self.name,), verdict, self.faults, reason=reason)]
         faults = self.beliefs.clear(absent)
         if was_doubted:
-            self._fail()
-        self._named = self.beliefs.now.mask
+            self._names.fail()
+        self._names.tried = self.beliefs.now.mask
         self.isolation.restart(beside=self.beliefs.now)
         self._begin(t, self.stage)
         if not self.beliefs.now.mask:
@@ -385,7 +367,7 @@ class JointMonitor(Stateful):
 
     def _rest(self) -> None:
         self.stage = Stage.IDLE if self.beliefs.remembers else Stage.HEALTHY
-        self._named = 0
+        self._names.tried = 0
         self.beliefs.rest()
         self.isolation.end()
 

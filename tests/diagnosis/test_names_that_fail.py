@@ -9,8 +9,9 @@ from cdia_pin import Dynamics, Monitor, load_robot
 from cdia_pin.diagnosis.belief import JointBelief
 from cdia_pin.diagnosis.isolation import Decision
 from cdia_pin.diagnosis.joint_isolation import JointIsolation
-from cdia_pin.diagnosis.joint_monitor import HOLDING_TIME, JointMonitor
+from cdia_pin.diagnosis.joint_monitor import JointMonitor
 from cdia_pin.diagnosis.status import Event, Verdict
+from cdia_pin.diagnosis.tried_names import HOLDING_TIME
 
 BANK = ["coulomb_friction", "viscous_friction", "actuator_gain"]
 LOOK = 0.05  # [s]
