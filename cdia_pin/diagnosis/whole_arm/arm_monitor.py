@@ -298,8 +298,15 @@ class ArmMonitor(Stateful):
         found = decide(self.evidence, self.bank, joints, self.settings)
         if not self._counts(found):  # then it says nothing, possible or not
             return found
-        possible = is_possible(self._changed(found), self.observer.nominal.robot)
-        return found if possible else replace(UNDECIDED, joints_explain=found.joints_explain)
+        if self._ends(found) or is_possible(self._changed(found), self.observer.nominal.robot):
+            return found
+        return replace(UNDECIDED, joints_explain=found.joints_explain)
+
+    def _ends(self, found: ArmDecision) -> bool:
+        """Tell whether a decision is that what was believed is gone: its numbers may miss zero to the impossible side."""
+        assert found.index is not None
+        old, shown = self._known(HYPOTHESES[found.index])
+        return old is not None and _is_gone(shown, found)
 
     def _changed(self, found: ArmDecision) -> Term:
         """Return the effect of a decision as it would be with the change that was found."""
@@ -339,13 +346,13 @@ class ArmMonitor(Stateful):
         hypothesis = HYPOTHESES[found.index]
         old, shown = self._known(hypothesis)
         others = tuple(b for b in self.believed if b is not old)
-        gone = old is not None and _is_gone(shown, found)
+        gone = self._ends(found)
         term, moved = self._changed(found), -shown if gone else found.theta
         self._move(found.index, moved)
         self._become(others if gone else (*others, term))
         if self._trial is not None:
             self._trial = replace(self._trial, moved=self._trial.moved + moved)
-        return term if old is None or not gone else old
+        return old if old is not None and gone else term
 
     def _move(self, k: int, theta: Array) -> None:
         """Take a change of a hypothesis out of the present residual, and out of what was collected."""
