@@ -143,6 +143,12 @@ class JointMonitor(Stateful):
         else:
             self._rest()
 
+    def collect_again(self) -> None:
+        """Collect normal equations anew beside what is believed, because the residual of those before was another."""
+        if self.stage not in (Stage.HEALTHY, Stage.IDLE):
+            self._votes.clear()
+            self.isolation.restart(beside=self.beliefs.now)
+
     def withdraw(self, t: float, since: float) -> list[Event]:
         """Take back what was decided of late, because something of the whole arm was the cause.
 

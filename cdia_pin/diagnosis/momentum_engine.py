@@ -294,6 +294,8 @@ class MomentumEngine(Stateful):
         self._next_arm_look = then + self.settings.decide_every
         since = self.arm.asked_since
         new = self.arm.look(t, [m.j for m in self.joint_monitors if m.is_undecided])
+        for j in np.flatnonzero(self.arm.moved):
+            self.joint_monitors[j].collect_again()
         if new:
             self._excuse_joints()
         if any(e.stage is EventStage.ISOLATION for e in new):

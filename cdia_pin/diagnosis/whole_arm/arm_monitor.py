@@ -36,6 +36,7 @@ Array = NDArray[np.float64]
 
 LONGEST_CONTACT = 10.0  # [s], after which joints decide by themselves: nobody leans on an arm for longer
 TRIAL = 10.0  # [s] after its isolation, for which an effect is updated, and withdrawn if joints alarm again
+HELD = 1.0  # [s] without an alarm, after which the next one is of something else: an arm may put down what it just took
 REFINED_EVERY = 1.0  # [s] between two updates: each makes a robot model, in a fraction of a millisecond
 GONE_SHARE = 0.15  # [1], share of an effect that may be left when it counts as cleared
 
@@ -72,6 +73,7 @@ class ArmMonitor(Stateful):
         contact: Contact of the moment; None without.
         apart: Whether joints by themselves explain what they show, so that it is no contact.
         carried_torque: What gravity and motion take of the joints by what is believed [N·m or N], shape (n,).
+        moved: Joints whose residual the last look changed by more than a healthy one, shape (n,).
     """
 
     STATE = (
@@ -82,11 +84,13 @@ class ArmMonitor(Stateful):
         "apart",
         "carried_torque",
         "_since",
+        "_calm_since",
         "_refined_at",
         "_trial",
         "_votes",
         "_decision",
     )
+    DERIVED = ("moved",)
 
     def __init__(
         self,
@@ -121,6 +125,7 @@ class ArmMonitor(Stateful):
         self.believed: tuple[Term, ...] = ()
         self.contact: Contact | None = None
         self.carried_torque = np.zeros(self.observer.nominal.robot.n)
+        self.moved = np.zeros(self.observer.nominal.robot.n, bool)
         self.observer.carry(self.observer.nominal.robot)
         self._refined_at = -np.inf
         self.restart()
@@ -137,6 +142,7 @@ class ArmMonitor(Stateful):
         self.apart = False
         self._trial: ArmTrial | None = None
         self._votes: deque[int | None] = deque(maxlen=self.settings.votes)
+        self._calm_since = np.inf  # [s], since when no joint shows anything
         self._close()
 
     @property
@@ -232,18 +238,14 @@ class ArmMonitor(Stateful):
             alarmed: Indices of the joints that have left their thresholds and are not decided.
         """
         joints = set(alarmed)
+        self.moved[:] = False
         if self.contact is not None:
             joints |= {self.observer.nominal.robot.joint_index(j) for j in self.contact.joints}
         if not joints:
+            self._calm_since = min(self._calm_since, t)
             return self._refine(t)
         if self._since == np.inf:
-            self._end_trial(t)
-            if self._trial is None:
-                self.evidence.start(self.observer.time)
-            else:
-                self._withdraw_wrong(self._trial, joints)
-            self._since = t
-            self._votes.clear()
+            self._begin(t, joints)
         self._decision = found = self._decided(sorted(joints))
         leads = self._counts(found) and found.lead > self.settings.lead
         if found.joints_explain and not leads and not self.apart:
@@ -256,6 +258,16 @@ class ArmMonitor(Stateful):
         return self._commit(t, found, tuple(self.observer.nominal.robot.joints[j] for j in sorted(joints)))
 
     # ------------------------------------------------------------- beliefs
+
+    def _begin(self, t: float, joints: set[int]) -> None:
+        """Ask what joints show, from now on unless what is on trial never held."""
+        held = t - self._calm_since
+        self._end_trial(t)
+        was_wrong = self._trial is not None and self._withdraws(self._trial, joints)
+        if not was_wrong and (self._trial is None or held >= HELD):
+            self.evidence.start(self.observer.time)
+        self._since, self._calm_since = t, np.inf
+        self._votes.clear()
 
     def _commit(self, t: float, found: ArmDecision, joints: tuple[str, ...]) -> list[Event]:
         assert found.index is not None
@@ -329,16 +341,17 @@ class ArmMonitor(Stateful):
         """Tell whether a decision may be believed if it leads: what is on trial needs no more than other numbers."""
         return found.is_sure or (self._trial is not None and found.index == self._trial.index)
 
-    def _withdraw_wrong(self, trial: ArmTrial, joints: set[int]) -> None:
-        """Withdraw what is on trial if another effect explains all since the detection better."""
+    def _withdraws(self, trial: ArmTrial, joints: set[int]) -> bool:
+        """Withdraw what is on trial if another effect explains all that was collected better; return whether it does."""
         self.evidence.shift(trial.index, -trial.moved)
         found = decide(self.evidence, self.bank, sorted(joints), self.settings)
         self.evidence.shift(trial.index, trial.moved)
         if found.index == trial.index or not found.is_sure or found.lead < self.settings.lead:
-            return
+            return False
         self._move(trial.index, -trial.moved)
         self._become(trial.before)
         self._trial = None
+        return True
 
     def _believe(self, found: ArmDecision) -> Term:
         """Add a change to what is believed; return the effect as it is now, or as it was if it is gone."""
@@ -359,6 +372,7 @@ class ArmMonitor(Stateful):
         o, explained = self.observer, self._columns(k) @ theta
         o.state.residual = o.residual - explained
         o.state.amplitude = np.maximum(o.state.amplitude, np.abs(explained))
+        self.moved |= self.evidence.rms(k, theta) > self.evidence.level
         self.evidence.shift(k, theta)
 
     def _become(self, believed: tuple[Term, ...]) -> None:

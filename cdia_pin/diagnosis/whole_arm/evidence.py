@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.healthy_arm import HealthyArm
-from cdia_pin.diagnosis.joint_gram import symmetric
+from cdia_pin.diagnosis.joint_gram import TINY, symmetric
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.whole_arm import evidence_kernel
@@ -130,6 +130,17 @@ class ArmEvidence(Stateful):
             j: The joint's index.
         """
         self.gram[j], self.weight[j] = 0.0, 0.0
+
+    def rms(self, k: int, theta: Array) -> Array:
+        """Return the RMS torque of a hypothesis over the collected samples [N·m or N], shape (n,); 0 without samples.
+
+        Args:
+            k: Index of the hypothesis.
+            theta: Its parameters, shape (shown,).
+        """
+        columns = slice(int(self.ends[k]), int(self.ends[k + 1]))
+        energy = [theta @ symmetric(gram)[columns, columns] @ theta for gram in self.gram]
+        return np.sqrt(np.maximum(energy, 0.0) / np.maximum(self.weight, TINY))
 
     def shift(self, k: int, theta: Array) -> None:
         """Take the torque of a hypothesis out of the collected remainder.
