@@ -315,7 +315,7 @@ class ArmMonitor(Stateful):
         return replace(UNDECIDED, joints_explain=found.joints_explain)
 
     def _ends(self, found: ArmDecision) -> bool:
-        """Tell whether a decision is that what was believed is gone: its numbers may miss zero to the impossible side."""
+        """Tell whether a decision is that what was believed is gone; its numbers may miss zero to either side."""
         assert found.index is not None
         old, shown = self._known(HYPOTHESES[found.index])
         return old is not None and _is_gone(shown, found)
@@ -342,7 +342,7 @@ class ArmMonitor(Stateful):
         return found.is_sure or (self._trial is not None and found.index == self._trial.index)
 
     def _withdraws(self, trial: ArmTrial, joints: set[int]) -> bool:
-        """Withdraw what is on trial if another effect explains all that was collected better; return whether it does."""
+        """Withdraw what is on trial if another effect explains all samples better; return whether it does."""
         self.evidence.shift(trial.index, -trial.moved)
         found = decide(self.evidence, self.bank, sorted(joints), self.settings)
         self.evidence.shift(trial.index, trial.moved)
