@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -158,9 +158,10 @@ def sized_changes(
 ) -> tuple[tuple[Change, ...], tuple[UsualFriction, ...]]:
     """Return the changes with their sizes, in the order of what would be lost without them, and usual differences.
 
-    Sizes are fitted beside the usual differences of friction, which are no changes of the arm, and beside what differs
-    by nothing within its interval. The total interval of a change of friction allows for the usual difference. What is
-    named is certain beside all others, and is there without those that cannot be named too.
+    Sizes are fitted beside the usual differences of friction, which are no changes of the arm. The total interval of a
+    change of friction allows for the usual difference. What is named is certain beside all others, and is there without
+    those that cannot be named too: these are no part of its size, for they may stand for the same torque with the other
+    sign. A change whose size beside them is another one is only likely.
 
     Args:
         found: The changes.
@@ -175,9 +176,10 @@ def sized_changes(
     if 0 < len(named) < len(chosen):
         # what cannot be named may have stood for the same torque with the other sign: then neither of the two is there
         named = _there(*_sizes(sized_about_themselves(search, tuple(named)), run_to_run))
+    sizes = _sizes_of(named, found, terms, usual, run_to_run)
     out: list[Change] = []
-    for one in named:
-        term = terms[one]
+    for one in (c for c in named if not sizes[c].may_be_nothing):
+        term = sizes[one]
         torque = search.torque(one, np.array(term.theta))
         rest = [c for c in chosen if c != one]
         without = float(np.sum(evidence.unexplained(rest)))
@@ -185,9 +187,8 @@ def sized_changes(
         confusions = tuple(_confusions(term, rivals, search.differing.experiment.robot))
         confidence = search.confidence(rest, one)
         before = earlier.get(effects[one])
-        if has_another_name(term, confusions, search.differing.experiment.robot) or _falls_below_nothing(
-            term, before
-        ):
+        is_doubtful = _falls_below_nothing(term, before) or not _agree(term, terms[one])
+        if is_doubtful or has_another_name(term, confusions, search.differing.experiment.robot):
             confidence = Confidence.LIKELY
         lost = (without - with_all) / 2
         out.append(Change(term, before, torque, lost, confusions, confidence))
@@ -209,14 +210,36 @@ def _sizes(found: FoundChanges, run_to_run: RunToRun) -> tuple[dict[int, Term], 
     return allowed, run_to_run.usual(search, chosen, terms)
 
 
+def _sizes_of(
+    named: Sequence[int],
+    found: FoundChanges,
+    terms: Mapping[int, Term],
+    usual: Sequence[UsualFriction],
+    run_to_run: RunToRun,
+) -> Mapping[int, Term]:
+    """Return the sizes of what is named, beside usual differences of friction and nothing else that was found."""
+    slight = {u.joint for u in usual}
+    kept = tuple(c for c in found.chosen if c in named or _is_usual(terms[c], slight))
+    if not named or len(kept) == len(found.chosen):
+        return terms
+    return _sizes(sized_about_themselves(found.search, kept), run_to_run)[0]
+
+
+def _is_usual(term: Term, slight: Container[str]) -> bool:
+    """Tell whether a difference is of the friction of a joint that differs by no more than that of an unchanged arm."""
+    return is_friction_of_joint(term.effect) and term.effect.scope[0] in slight
+
+
+def _agree(one: Term, other: Term) -> bool:
+    """Tell whether two estimates of a change have intervals in common."""
+    apart = np.abs(np.subtract(one.theta, other.theta))
+    return bool((apart <= one.half_widths + other.half_widths).all())
+
+
 def _there(terms: Mapping[int, Term], usual: Sequence[UsualFriction]) -> list[int]:
     """Return the changes that are neither usual nor, within their intervals, nothing."""
     slight = {u.joint for u in usual}
-    return [
-        c
-        for c, t in terms.items()
-        if not (t.may_be_nothing or (is_friction_of_joint(t.effect) and t.effect.scope[0] in slight))
-    ]
+    return [c for c, t in terms.items() if not (t.may_be_nothing or _is_usual(t, slight))]
 
 
 def _falls_below_nothing(term: Term, before: Sequence[float] | None) -> bool:

@@ -92,9 +92,12 @@ class Differing:
         both = ((names[before:], 1.0, after), (names[:before], -1.0, ~after))
         changes: dict[Difference, ColumnGroup] = {}
         searched: dict[str, int] = {}
-        # a change is a difference between the logs, so no candidate has parameters per log besides
+        # A change is a difference between the logs, so no candidate has parameters per log besides. A gain that one of
+        # them has scales friction too, so it differs from every other change where a joint carries nothing.
+        every_load = replace(settings.criterion, least_rigid_share=0.0)
+        asked = replace(settings, per_log=(), criterion=every_load)
         present = {t.label: t.effect for t in model.terms}
-        for every in enumerate_candidates(experiment, prediction, replace(settings, per_log=())):
+        for every in enumerate_candidates(experiment, prediction, asked):
             label, joints = every[0].label, every[0].acts_on(robot)
             # a model may have an unusual effect only because it describes its log
             if settings.is_unusual(every[0]) or not used[:, list(joints)].any():

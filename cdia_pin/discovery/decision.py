@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -17,6 +18,7 @@ from cdia_pin.effects.body import Body
 from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits, certainty_of
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
+from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 from cdia_pin.regression.speed_parts import speed_parts
 from cdia_pin.regression.time_blocks import Block, in_half, time_blocks, within
@@ -226,6 +228,17 @@ class Repeat:
         """
         own = self._evidence.parameters[self._at[term.label]]
         return self._estimate[0][own]
+
+    def theta_without(self, term: Term, left_out: Sequence[Term]) -> Array:
+        """Return the parameters of an effect, fitted together with all others but some, shape (p,).
+
+        Args:
+            term: A term of the model.
+            left_out: Terms that are left out.
+        """
+        kept = [i for label, i in self._at.items() if label not in {t.label for t in left_out}]
+        parts = ParameterBlocks.of([self._evidence.effects[i] for i in kept])
+        return self._evidence.estimate(kept)[0][parts[kept.index(self._at[term.label])]]
 
     def covariance(self, term: Term) -> Array:
         """Return the covariance of the parameters of an effect from blocks of time, shape (p, p).
