@@ -284,7 +284,7 @@ class MomentumEngine(Stateful):
         if said:
             self.lasting.reset([monitor.j])
             if any(e.stage is EventStage.ISOLATION for e in said):
-                self.arm.evidence.forget(monitor.j)  # what is left of it now speaks for itself
+                self.arm.forget(monitor.j)  # what is left of it now speaks for itself
             if self.arm.contact is None:
                 self.arm.detector.settle(self.observer.time, self.observer.remainder)
         return said

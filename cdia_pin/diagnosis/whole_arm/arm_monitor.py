@@ -36,7 +36,6 @@ Array = NDArray[np.float64]
 
 LONGEST_CONTACT = 10.0  # [s], after which joints decide by themselves: nobody leans on an arm for longer
 TRIAL = 10.0  # [s] after its isolation, for which an effect is updated, and withdrawn if joints alarm again
-HELD = 1.0  # [s] without an alarm, after which the next one is of something else: an arm may put down what it just took
 REFINED_EVERY = 1.0  # [s] between two updates: each makes a robot model, in a fraction of a millisecond
 GONE_SHARE = 0.15  # [1], share of an effect that may be left when it counts as cleared
 
@@ -69,6 +68,8 @@ class ArmMonitor(Stateful):
         settings: Settings of the monitor.
 
     Attributes:
+        evidence: Samples since joints left their thresholds, and until what was isolated then is no longer on trial.
+        fresh: Those of a further alarm while something is on trial.
         believed: Effects of the whole arm that are present, with their numbers.
         contact: Contact of the moment; None without.
         apart: Whether joints by themselves explain what they show, so that it is no contact.
@@ -78,13 +79,13 @@ class ArmMonitor(Stateful):
 
     STATE = (
         "evidence",
+        "fresh",
         "detector",
         "believed",
         "contact",
         "apart",
         "carried_torque",
         "_since",
-        "_calm_since",
         "_refined_at",
         "_trial",
         "_votes",
@@ -101,7 +102,7 @@ class ArmMonitor(Stateful):
         settings: MonitorSettings,
     ) -> None:
         self.observer, self.bank, self.settings = observer, bank, settings
-        self.evidence = ArmEvidence(observer, bank.width, HYPOTHESES, healthy)
+        self.evidence, self.fresh = (ArmEvidence(observer, bank.width, HYPOTHESES, healthy) for _ in range(2))
         self.detector = ContactDetector(limits)
         self._since: float = np.inf  # [s], when the present evidence began
         for hypothesis in HYPOTHESES:
@@ -142,7 +143,6 @@ class ArmMonitor(Stateful):
         self.apart = False
         self._trial: ArmTrial | None = None
         self._votes: deque[int | None] = deque(maxlen=self.settings.votes)
-        self._calm_since = np.inf  # [s], since when no joint shows anything
         self._close()
 
     @property
@@ -180,6 +180,15 @@ class ArmMonitor(Stateful):
         open_question = lead > -self.settings.lead and t - self._since < self.settings.ambiguous_after
         return self._counts(self._decision) and (lead > self.settings.lead or open_question)
 
+    def forget(self, j: int) -> None:
+        """Forget the collected samples of a joint.
+
+        Args:
+            j: The joint's index.
+        """
+        for evidence in (self.evidence, self.fresh):
+            evidence.forget(j)
+
     # ------------------------------------------------------------- ticks
 
     def sample(self, dt: float) -> bool:
@@ -193,8 +202,9 @@ class ArmMonitor(Stateful):
         if self.believed:  # its formula may miss a share for a moment, as those of the joints' effects may
             self._carry_torque()
             o.state.amplitude = np.maximum(o.state.amplitude, np.abs(self.carried_torque))
-        if self.evidence.is_active:
-            self.evidence.add(o.time, o.q, o.v)
+        for evidence in (self.evidence, self.fresh):
+            if evidence.is_active:
+                evidence.add(o.time, o.q, o.v)
         if self.contact is not None and self.detector.present:
             self.contact = self._touched(self.contact.since)
         return self._is_in_contact != (self.contact is not None)
@@ -242,10 +252,10 @@ class ArmMonitor(Stateful):
         if self.contact is not None:
             joints |= {self.observer.nominal.robot.joint_index(j) for j in self.contact.joints}
         if not joints:
-            self._calm_since = min(self._calm_since, t)
             return self._refine(t)
         if self._since == np.inf:
             self._begin(t, joints)
+        self._part(sorted(joints))
         self._decision = found = self._decided(sorted(joints))
         leads = self._counts(found) and found.lead > self.settings.lead
         if found.joints_explain and not leads and not self.apart:
@@ -260,14 +270,27 @@ class ArmMonitor(Stateful):
     # ------------------------------------------------------------- beliefs
 
     def _begin(self, t: float, joints: set[int]) -> None:
-        """Ask what joints show, from now on unless what is on trial never held."""
-        held = t - self._calm_since
+        """Ask what joints show: what is on trial may have other numbers, may be wrong, or this is something else."""
         self._end_trial(t)
         was_wrong = self._trial is not None and self._withdraws(self._trial, joints)
-        if not was_wrong and (self._trial is None or held >= HELD):
+        if self._trial is not None:
+            self.fresh.start(self.observer.time)
+        elif not was_wrong:
             self.evidence.start(self.observer.time)
-        self._since, self._calm_since = t, np.inf
+        self._since = t
         self._votes.clear()
+
+    def _part(self, joints: Sequence[int]) -> None:
+        """Ask on the samples since the alarm alone if these say for sure what all since the trial began do not.
+
+        An arm may put down what it took some seconds before. The samples in between would hide it for as long again.
+        """
+        if not self.fresh.is_active or decide(self.evidence, self.bank, joints, self.settings).is_sure:
+            return
+        now = decide(self.fresh, self.bank, joints, self.settings)
+        if now.is_sure and now.lead > self.settings.lead:
+            self.evidence, self.fresh, self._trial = self.fresh, self.evidence, None
+            self.fresh.stop()
 
     def _commit(self, t: float, found: ArmDecision, joints: tuple[str, ...]) -> list[Event]:
         assert found.index is not None
@@ -373,7 +396,8 @@ class ArmMonitor(Stateful):
         o.state.residual = o.residual - explained
         o.state.amplitude = np.maximum(o.state.amplitude, np.abs(explained))
         self.moved |= self.evidence.rms(k, theta) > self.evidence.level
-        self.evidence.shift(k, theta)
+        for evidence in (self.evidence, self.fresh):
+            evidence.shift(k, theta)
 
     def _become(self, believed: tuple[Term, ...]) -> None:
         """Believe in effects of the whole arm, and compute the arm as it is with them from now on."""
@@ -392,6 +416,7 @@ class ArmMonitor(Stateful):
     def _close(self) -> None:
         """Take the present question as answered."""
         self._since = np.inf
+        self.fresh.stop()
         self._decision = UNDECIDED
         self._votes.clear()
 
