@@ -13,6 +13,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from benchmarks.markdown import Row, table
 from benchmarks.measured_logs import folder
 from benchmarks.monitored_logs.cases import DRAWS, EFFECT, SHARE, Case, planned
@@ -20,6 +22,7 @@ from benchmarks.monitored_logs.trial import monitor_of, with_effect
 from benchmarks.outcomes import tell
 from benchmarks.publishing import made_by, publish, stated
 from benchmarks.real_residuals.draws import NoSizeError
+from cdia_pin.effects import ExternalWrench, Term
 
 PRESENT = (0.2, 0.6)  # [1], begin and end of the effect over the length of the log
 
@@ -33,12 +36,16 @@ class Ended:
         effect: Label of the effect.
         believed: What was believed before its end.
         left: What is believed at the end of the log.
+        cleared: Time from its end until nothing is believed for the first time [s]; infinite if that never is.
+        wrong: Time after its end for which another name is said, contact left out [s].
     """
 
     case: Case
     effect: str
     believed: tuple[str, ...]
     left: tuple[str, ...]
+    cleared: float
+    wrong: float
 
 
 def main() -> None:
@@ -71,11 +78,23 @@ def monitored(case: Case) -> Ended:
     begin, end = (float(log.time[0] + share * log.duration) for share in PRESENT)
     watched, term = with_effect(case, log, begin, end)
     monitor = monitor_of(case.before)
-    believed: list[tuple[str, ...]] = [()]
-    monitor.replay(
-        watched, lambda s: believed.append(tuple(t.label for t in s.faults)) if s.time < end else None
+    said: list[tuple[float, tuple[str, ...]]] = [(begin, ())]
+    monitor.replay(watched, lambda s: said.append((s.time, _names(s.faults))))
+    after = [(t, names) for t, names in said if t >= end]
+    steps = np.diff([t for t, _ in after], append=after[-1][0])
+    return Ended(
+        case,
+        term.label,
+        believed=[names for t, names in said if t < end][-1],
+        left=after[-1][1],
+        cleared=next((t - end for t, names in after if not names), np.inf),
+        wrong=float(sum(dt for dt, (_, names) in zip(steps, after, strict=True) if {*names} - {term.label})),
     )
-    return Ended(case, term.label, believed[-1], tuple(sorted(t.label for t in monitor.faults)))
+
+
+def _names(faults: Sequence[Term]) -> tuple[str, ...]:
+    """Return the labels of faults, contact left out."""
+    return tuple(sorted(t.label for t in faults if not isinstance(t.effect, ExternalWrench)))
 
 
 def page(found: Sequence[Ended], command: str) -> str:
@@ -86,15 +105,38 @@ def page(found: Sequence[Ended], command: str) -> str:
         command: That made it.
     """
     arms = list(dict.fromkeys(f.case.arm for f in found))
-    rows = [(f.case.id, f.effect, ", ".join(f.believed), ", ".join(f.left)) for f in found if f.believed]
+    rows = [
+        (f.case.id, f.effect, ", ".join(f.believed), ", ".join(f.left), f"{f.cleared:.1f}", f"{f.wrong:.1f}")
+        for f in found
+        if f.believed
+    ]
     return "\n\n".join(
         [
             "# Effects that end in measured logs",
             made_by(command, ("numpy", "numba", "pin")),
             f"An effect of {SHARE:.0%} of its joint's RMS torque is there from {PRESENT[0]:.0%} to {PRESENT[1]:.0%} "
             "of a log. Those that are believed when it ends are asked.",
-            table(("arm", "believed when it ends", "nothing at the end of the log"), _by_arm(found, arms)),
-            table(("case", "put in", "believed when it ends", "at the end"), rows),
+            table(
+                (
+                    "arm",
+                    "believed when it ends",
+                    "nothing at the end of the log",
+                    "cleared after [s], median",
+                    "another name meanwhile",
+                ),
+                _by_arm(found, arms),
+            ),
+            table(
+                (
+                    "case",
+                    "put in",
+                    "believed when it ends",
+                    "at the end",
+                    "cleared after [s]",
+                    "another name for [s]",
+                ),
+                rows,
+            ),
         ]
     )
 
@@ -107,6 +149,8 @@ def _by_arm(found: Sequence[Ended], arms: Sequence[str]) -> Iterator[Row]:
             name,
             f"{len(believed)} of {len(some)}",
             f"{sum(not f.left for f in believed)} of {len(believed)}",
+            f"{np.median([f.cleared for f in believed]):.1f}" if believed else "–",
+            f"{sum(f.wrong > 0.0 for f in believed)} of {len(believed)}",
         )
 
 

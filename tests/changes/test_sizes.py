@@ -1,9 +1,13 @@
 """Sizes of changes: an interval that holds with another effect beside it and without."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, load_robot, what_changed
+from cdia_pin.changes import detection
 from cdia_pin.changes.sizes import covering
 from cdia_pin.effects import Term, ViscousFriction, parse_term
 from cdia_pin.logs import Log
@@ -66,3 +70,33 @@ def test_a_gain_is_as_large_and_as_certain_beside_what_is_only_likely() -> None:
         assert gain.theta[0] == pytest.approx(-0.3, abs=0.01)
         widths[offset] = gain.half_widths[0]
     assert max(widths.values()) < 0.03
+
+
+def test_a_gain_of_a_joint_that_carries_little_is_a_gain() -> None:
+    """A weaker drive needs more of all its torque: friction by the same share, where most of it is friction."""
+
+    def log(name: str, seed: int, gain: float = 0.0) -> Log:
+        made = pendulum_log(name, seed, level=3.0)
+        effort = made.effort.copy()
+        effort[:, 1] /= 1.0 + gain
+        return Log(made.joints, made.time, made.position, effort, source=name)
+
+    robot = load_robot("double_pendulum")
+    (change,) = what_changed(Dynamics(robot), log("a.csv", 5), log("b.csv", 6, gain=-0.2)).changes
+    assert change.term.label == "actuator_gain@joint2"
+    assert change.term.theta == pytest.approx((-0.2,), rel=0.1)
+
+
+def test_a_size_is_that_without_what_cannot_be_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two of the found changes have the same torque with the other sign; one of them cannot be named."""
+    gain, other = parse_term("actuator_gain@joint2: gain=0.3"), parse_term("joint_spring@joint2: stiffness=1")
+    beside, alone = (replace(gain, theta=(x,)).with_intervals(np.array([0.05])) for x in (0.3, 0.06))
+    terms = {0: beside, 1: other.with_intervals(np.array([0.1, 0.1]))}
+    fitted = {(0, 1): terms, (0,): {0: alone}}
+    monkeypatch.setattr(detection, "_sizes", lambda found, _: (fitted[found], []))
+    monkeypatch.setattr(detection, "sized_about_themselves", lambda _, kept: kept)
+    found = SimpleNamespace(chosen=(0, 1), search=None)
+    assert detection._sizes_of([0], found, terms, [], None)[0].theta == (0.06,)
+    assert detection._sizes_of([0, 1], found, terms, [], None) is terms
+    assert not detection._agree(alone, beside)
+    assert detection._agree(alone, alone)

@@ -1,12 +1,15 @@
 """Confidence: a repeat that could show an effect and does not speaks against it, one that could not says nothing."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.discovery.decision import Repeat
-from cdia_pin.discovery.trust import Trust, _doubted_scale, trust_in, variations
+from cdia_pin.discovery.trust import Trust, _doubted_scale, _without_descriptive, trust_in, variations
 from cdia_pin.effects import (
     CoulombFriction,
     Drift,
@@ -15,6 +18,7 @@ from cdia_pin.effects import (
     PerLog,
     Term,
     ViscousFriction,
+    parse_effect,
     parse_term,
 )
 from cdia_pin.effects.refinements import is_plain
@@ -200,3 +204,36 @@ def test_a_gain_that_is_not_established_leaves_the_scale_of_its_joint_open(confi
     doubt = _doubted_scale(model, known)
     assert doubt[robot.joint_index(other)] == pytest.approx(expected)
     assert doubt[robot.joint_index(one)] == 0.0
+
+
+def test_what_only_descriptive_effects_hold_up_is_likely(robot):
+    """A spring over the little that a joint moves is nearly an offset: each is large only beside the other."""
+    spring = Term(parse_effect("joint_spring@joint2"), (4.0, 0.0)).with_intervals(np.array([0.5, 0.5]))
+    gain = parse_term("actuator_gain@joint1: gain=0.2")
+    sure = Trust(Confidence.ESTABLISHED, np.zeros(1), np.zeros(1))
+    trust = {
+        FRICTION.label: sure,
+        spring.label: replace(sure, confidence=Confidence.DESCRIPTIVE),
+        gain.label: replace(sure, confidence=Confidence.DESCRIPTIVE),
+    }
+
+    def said(without):
+        whole = SimpleNamespace(
+            model=Dynamics(robot, (FRICTION, spring, gain)),
+            theta=lambda term: np.array([0.3]),
+            theta_without=lambda term, left_out: np.array([without]) if left_out == [spring] else None,
+            covariance=lambda term: np.array([[0.01**2]]),
+        )
+        return _without_descriptive(FRICTION, whole, trust)
+
+    assert said(0.31) == sure
+    assert said(0.10).confidence == "likely"
+    assert said(0.10).systematic == pytest.approx(0.2)
+
+
+def test_parameters_without_others_are_those_of_a_fit_without_them(robot):
+    logs = problem(robot)
+    viscous = parse_term("viscous_friction@joint2: coefficient=0.05")
+    both, alone = (Repeat.of(logs, Dynamics(robot, terms)) for terms in ((FRICTION, viscous), (FRICTION,)))
+    assert both.theta_without(FRICTION, [viscous]) == pytest.approx(alone.theta(FRICTION), rel=0.02)
+    assert both.theta_without(FRICTION, []) == pytest.approx(both.theta(FRICTION))
