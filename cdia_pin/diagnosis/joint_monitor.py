@@ -67,6 +67,7 @@ class JointMonitor(Stateful):
         "_names",
         "_doubted",
         "_mixed",
+        "_asks_again",
     )
 
     def __init__(
@@ -96,6 +97,7 @@ class JointMonitor(Stateful):
         self._names = TriedNames()
         self._doubted = np.inf  # [s], since when the belief is doubted
         self._mixed = False  # do the normal equations hold samples from before a belief failed?
+        self._asks_again = False  # has another name been found, and is it asked for again on new samples?
 
     def restart(self) -> None:
         """Start the present stage again after a gap in the data; beliefs stay."""
@@ -253,21 +255,39 @@ class JointMonitor(Stateful):
                 self.beliefs.clear_unknown()
                 self._rest()
                 return [self._event(t, EventStage.IDLE, "the unknown fault has cleared; it is remembered")]
+        if not self.isolation.is_enough:
+            return []
         decision = self.isolation.decide()
         self._votes.add(decision)
         if now.mask and self._votes.agree and self._has_faded:
             return self._gone(t)
-        sure = self._votes.agree and self._votes.are_clear
         if now.mask and decision.mask == now.mask:
-            found = self.isolation.belief(decision, now.verdict)
-            self.beliefs.hold(replace(found, rivals=now.rivals))
-            if now.verdict is not Verdict.AMBIGUOUS or not sure:
-                return []
-            only = replace(found, verdict=Verdict.UNIQUE, rivals=())
-            return self._commit(t, only, "the motion since then separates them")
-        if not sure or not decision.mask or (unknown and t - self.since < 2 * TRIAL_TIME):
+            return self._confirmed(t, decision)
+        sure = self._votes.agree and self._votes.are_clear
+        too_soon = unknown and t - self.since < 2 * TRIAL_TIME
+        return self._decided_again(t, decision) if sure and decision.mask and not too_soon else []
+
+    def _confirmed(self, t: float, decision: Decision) -> list[Event]:
+        """Update the parameters of what is believed; say so if it is the only explanation now."""
+        now, self._asks_again = self.beliefs.now, False
+        found = self.isolation.belief(decision, now.verdict)
+        self.beliefs.hold(replace(found, rivals=now.rivals))
+        if now.verdict is not Verdict.AMBIGUOUS or not (self._votes.agree and self._votes.are_clear):
             return []
-        before = ", ".join(term.label for term in self.faults) or str(now.verdict)
+        only = replace(found, verdict=Verdict.UNIQUE, rivals=())
+        return self._commit(t, only, "the motion since then separates them")
+
+    def _decided_again(self, t: float, decision: Decision) -> list[Event]:
+        """Believe in another name if new samples alone say so too.
+
+        Samples from before and after the end of a fault look like a combination that nearly cancels.
+        """
+        if self.beliefs.now.mask and not self._asks_again:
+            self._asks_again = True
+            self._votes.clear()
+            self.isolation.restart()
+            return []
+        before = ", ".join(term.label for term in self.faults) or str(self.beliefs.now.verdict)
         found = self.isolation.belief(decision, Verdict.UNIQUE)
         is_name = found.is_certain(self.bank) and self.isolation.determines(decision)
         return self._commit(t, found, f"decided again; before: {before}") if is_name else []
@@ -394,7 +414,7 @@ class JointMonitor(Stateful):
         return Stage.ACCOMMODATED if self.settings.accommodate else Stage.ISOLATED
 
     def _begin(self, t: float, stage: Stage) -> None:
-        self.stage, self.since = stage, t
+        self.stage, self.since, self._asks_again = stage, t, False
         self._votes.clear()
 
     def _no_longer(self, t: float, faults: tuple[Term, ...], reason: str) -> Event:
