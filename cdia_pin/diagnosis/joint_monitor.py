@@ -402,7 +402,7 @@ class JointMonitor(Stateful):
         """Whether the samples of late are nearer to no fault than to what was isolated."""
         then = self.beliefs.isolated
         same = then.mask == self.beliefs.now.mask
-        return same and self.isolation.is_enough and self.isolation.is_less_without(then)
+        return same and self.isolation.is_less_without(then)
 
     @property
     def _believes(self) -> bool:
