@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects import Channel, Effect, Signal
+from cdia_pin.effects import ALWAYS, Channel, Effect, Signal
 from cdia_pin.regression.experiment import Experiment, Prediction
 from cdia_pin.regression.noise import NoiseModel
 from cdia_pin.regression.shape_slopes import Slope
@@ -84,8 +84,9 @@ class DesignMatrix:
         traits = effect.traits
         # at zero, a nonlinear effect has the columns of a candidate
         bends = not traits.linear and theta is not None and bool(np.any(theta))
+        at_times = exact and prediction.profile(effect) != ALWAYS
         # slopes are right for the present parameters alone and cannot be reused
-        if isinstance(effect, Slope) or Signal.TORQUE in traits.depends_on or bends:
+        if isinstance(effect, Slope) or Signal.TORQUE in traits.depends_on or bends or at_times:
             values = self.experiment.columns(effect, prediction, theta)
             return Columns(values, None, np.full(len(joints), np.nan))
         fixed = self.fixed(effect, prediction)
