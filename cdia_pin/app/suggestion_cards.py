@@ -91,8 +91,6 @@ def _row(row: Suggestion, bench: Workbench, *, marked: bool = True) -> None:
             card.props["data-confidence"] = str(row.confidence)
             if marked:
                 confidence_chip(row.confidence)
-        if not row.plausible:
-            node("span", "held at a bound: not plausible", "chip warn")
         more = f", and {row.more} more" if row.more else ""
         node("p", ", ".join(row.numbers) + more, "numbers", title=row.parts)
         if row.confusions:

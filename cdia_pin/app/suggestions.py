@@ -38,7 +38,6 @@ class Suggestion:
         before: Error on data that was not fitted, over torque RMS, mean over the joints [1].
         after: The same with it.
         confidence: How far its name can be trusted; None if the search would not add it.
-        plausible: Whether its fit is physical without being held at a bound.
         confusions: Other explanations in words, each with the motion that would distinguish them.
     """
 
@@ -51,7 +50,6 @@ class Suggestion:
     before: float
     after: float
     confidence: Confidence | None
-    plausible: bool
     confusions: tuple[tuple[str, str], ...]
 
     @property
@@ -88,7 +86,6 @@ def suggestions(found: Discovery) -> list[Suggestion]:
             r.heldout_after,
             r.confusions,
             None,
-            r.plausible,
         )
         for r in found.ranking
         if r.term.label not in taken
@@ -103,7 +100,6 @@ def _suggestion(
     after: np.ndarray,
     confusions: tuple[Confusion, ...],
     confidence: Confidence | None,
-    plausible: bool = True,
 ) -> Suggestion:
     robot = found.model.robot
     telling = [r for r in rows if r["telling"]] or rows
@@ -118,6 +114,5 @@ def _suggestion(
         before=unseen_share(before, found),
         after=unseen_share(after, found),
         confidence=confidence,
-        plausible=plausible,
         confusions=tuple((confusion_words(c), c.motion) for c in rivals(term.effect, confusions)),
     )

@@ -86,7 +86,6 @@ class BeforeAfter(TypedDict):
 class RankedJson(FoundEffectJson):
     """What one candidate would explain by itself."""
 
-    plausible: bool
     heldout_rms: BeforeAfter
 
 

@@ -57,14 +57,12 @@ class Ranked:
         term: The effect with parameters and intervals, fitted together with the model as given.
         heldout_before: Held-out RMS residual of each joint without the effect [N·m or N], shape (n,).
         heldout_after: Held-out RMS residual of each joint with the effect [N·m or N], shape (n,).
-        plausible: True if the best fit is physical without a bound.
         confusions: Other effects that would explain about as much.
     """
 
     term: Term
     heldout_before: Array
     heldout_after: Array
-    plausible: bool
     confusions: tuple[Confusion, ...]
 
     def __repr__(self) -> str:
@@ -164,7 +162,6 @@ class Discovery:
             "ranking": [
                 {
                     **_entry(r.term, r.confusions, robot),
-                    "plausible": r.plausible,
                     "heldout_rms": {
                         "before": robot.by_joint(r.heldout_before),
                         "after": robot.by_joint(r.heldout_after),

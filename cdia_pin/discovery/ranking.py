@@ -52,7 +52,7 @@ def rank(problem: WhitenedProblem, model: Dynamics) -> tuple[Ranked, ...]:
         if not falls or _is_at_bound(term, model.robot):
             continue
         confusions = Alternatives(beside, [*present, c], settings=problem.settings.alternatives).of(c)
-        out.append(Ranked(term, before.heldout_rms, after.heldout_rms, plausible=True, confusions=confusions))
+        out.append(Ranked(term, before.heldout_rms, after.heldout_rms, confusions))
     torque = rms(problem.experiment.measured, problem.experiment.informative)
     return tuple(sorted(out, key=lambda r: mean_share(r.heldout_after, torque)))
 
@@ -68,7 +68,7 @@ def taken_first(ranking: Sequence[Ranked], steps: Sequence[Step]) -> tuple[Ranke
         return tuple(ranking)
     own = [r for r in ranking if r.term.label == first.label]
     errors = steps[0].heldout_rms, steps[1].heldout_rms
-    taken = own[0] if own else Ranked(first, *errors, plausible=True, confusions=steps[1].confusions)
+    taken = own[0] if own else Ranked(first, *errors, steps[1].confusions)
     return (taken, *(r for r in ranking if r is not taken))
 
 

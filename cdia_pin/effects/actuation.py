@@ -16,7 +16,8 @@ from cdia_pin.effects.traits import SensedFrom, Signal, Traits
 
 Array = NDArray[np.float64]
 
-HIGHEST_RIPPLE = 60.0  # [1/rad or 1/m], the fastest ripple that is searched for
+FASTEST_TURNING = 60.0  # [1/rad], the fastest ripple that is searched for: poles of a motor, teeth of a gear
+FASTEST_SLIDING = 400.0  # [1/m], the same of a slide: pulleys and screws whose turn is 16 mm or more
 OF_A_GEAR = (
     5.0  # [1/rad or 1/m], what repeats that often is called a ripple before two periods of it are seen
 )
@@ -130,9 +131,11 @@ class PositionRipple(JointEffect):
         Args:
             x: Motion and torques, N samples.
         """
-        travel = float(np.ptp(x.q[:, x.robot.joint_index(self.joint)]))
+        j = x.robot.joint_index(self.joint)
+        travel = float(np.ptp(x.q[:, j]))
         if travel < 1e-3:
             return []
+        fastest = FASTEST_SLIDING if x.robot.is_prismatic[j] else FASTEST_TURNING
         slowest = max(float(np.clip(OF_A_GEAR, TURN / 2 / travel, 2 * TURN / travel)), self.shape[0].lower)
         step = 0.35 * TURN / travel  # a third of a resolution cell
-        return [self.with_shape(frequency=float(w)) for w in np.arange(slowest, HIGHEST_RIPPLE, step)]
+        return [self.with_shape(frequency=float(w)) for w in np.arange(slowest, fastest, step)]

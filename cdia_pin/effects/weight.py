@@ -12,7 +12,6 @@ from cdia_pin.robot.model import RobotModel
 Array = NDArray[np.float64]
 
 POSTURES = 100  # postures [1] over the range of the joints; their largest torque is near the largest of all
-WIDEST = np.pi  # [rad or m], range of a joint without limits, to both sides
 LOADED = (
     0.1  # gravity torque over that of the most loaded joint [1]; below it tools and cables outweigh the links
 )
@@ -25,7 +24,7 @@ def largest_weight(robot: RobotModel) -> Array:
     Args:
         robot: The arm.
     """
-    lower, upper = np.maximum(robot.limits.lower, -WIDEST), np.minimum(robot.limits.upper, WIDEST)
+    lower, upper = robot.limits.usual_range(robot.is_prismatic)
     q = np.random.default_rng(0).uniform(lower, upper, (POSTURES, robot.n))
     weight = np.abs(robot.gravity(q)).max(axis=0)
     weight.setflags(write=False)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.effects import Effect, State, Varying
-from cdia_pin.identifiability.structural_rank import REACH, are_alike, random_states
+from cdia_pin.identifiability.structural_rank import are_alike, random_states
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -136,7 +136,7 @@ def weightless_remark(effects: Sequence[Effect], robot: RobotModel) -> str:
 
 def _posture(robot: RobotModel, rng: np.random.Generator) -> tuple[Array, Array]:
     """Return a posture away from the limits and the largest amplitude around it [rad or m], shape (n,) each."""
-    lower, upper = np.maximum(robot.limits.lower, -REACH), np.minimum(robot.limits.upper, REACH)
+    lower, upper = robot.limits.usual_range(robot.is_prismatic)
     middle = (lower + upper) / 2
     posture = middle + rng.uniform(-0.1, 0.1, robot.n) * (upper - lower)
     return posture, np.minimum(posture - lower, upper - posture)

@@ -14,7 +14,6 @@ Array = NDArray[np.float64]
 
 STATES = 300  # random states, far more than any effect has parameters
 SPEED, ACCELERATION = 1.0, 3.0  # [rad/s or m/s], [rad/s² or m/s²], their standard deviations
-REACH = np.pi  # [rad or m], where a joint has no limits
 NEGLIGIBLE = 1e-5  # singular value beside the largest, of columns of unit norm, that is rounding
 
 
@@ -96,7 +95,7 @@ def random_states(robot: RobotModel) -> State:
         robot: The arm.
     """
     rng = np.random.default_rng(0)
-    lower, upper = np.maximum(robot.limits.lower, -REACH), np.minimum(robot.limits.upper, REACH)
+    lower, upper = robot.limits.usual_range(robot.is_prismatic)
     q = rng.uniform(lower, upper, (STATES, robot.n))
     v, a = SPEED * rng.standard_normal(q.shape), ACCELERATION * rng.standard_normal(q.shape)
     time = np.arange(STATES, dtype=float)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects import Channel, Effect, Signal
+from cdia_pin.effects import ALWAYS, Channel, Effect, Signal
 from cdia_pin.regression.experiment import Experiment, Prediction
 from cdia_pin.regression.noise import NoiseModel
 from cdia_pin.regression.shape_slopes import Slope
@@ -17,6 +18,8 @@ Array = NDArray[np.float64]
 
 # Change of gravity [m/s²] up to which the columns of bodies are reused, because they change by 0.3 %.
 SAME_GRAVITY = 0.03
+RIDGE = 1e-6  # added to a Gram matrix's diagonal, over its trace [1], because columns may repeat each other
+WEAKEST = 1e-12  # least that is added [1/unit²], because a shape that no sample shows has columns of zeros
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,8 +84,9 @@ class DesignMatrix:
         traits = effect.traits
         # at zero, a nonlinear effect has the columns of a candidate
         bends = not traits.linear and theta is not None and bool(np.any(theta))
+        at_times = exact and prediction.profile(effect) != ALWAYS
         # slopes are right for the present parameters alone and cannot be reused
-        if isinstance(effect, Slope) or Signal.TORQUE in traits.depends_on or bends:
+        if isinstance(effect, Slope) or Signal.TORQUE in traits.depends_on or bends or at_times:
             values = self.experiment.columns(effect, prediction, theta)
             return Columns(values, None, np.full(len(joints), np.nan))
         fixed = self.fixed(effect, prediction)
@@ -143,15 +147,28 @@ class DesignMatrix:
         Returns:
             Columns [1 per unit], shape (C, p, K), and inverse Gram matrices, shape (C, p, p).
         """
+        if Signal.TORQUE in family[0].traits.depends_on:  # the next model has another torque
+            return self._whitened([self.of(e, prediction) for e in family], family[0], noise)
         known = self._families.get(family[0])
         if known is None or known[0] is not noise or known[1] != family:
-            (j,) = family[0].acts_on(self.experiment.robot)
-            used = self.experiment.informative[:, j]
-            stacked = np.stack([self.fixed(e, prediction)[:, 0, :] for e in family], axis=1)  # (K, C, p)
-            at = used[:, None, None]
-            white = np.where(at, noise.whiten(np.where(at, stacked, 0.0)), 0.0).transpose(1, 2, 0)
-            gram = white @ white.transpose(0, 2, 1)
-            ridge = 1e-6 * np.einsum("cpp->c", gram)[:, None, None] * np.eye(gram.shape[1])
-            known = (noise, family, np.ascontiguousarray(white), np.linalg.inv(gram + ridge))
+            columns = [self.fixed(e, prediction) for e in family]
+            known = (noise, family, *self._whitened(columns, family[0], noise))
             self._families[family[0]] = known
         return known[2:]
+
+    def _whitened(self, columns: Sequence[Array], of: Effect, noise: NoiseModel) -> tuple[Array, Array]:
+        """Return the whitened columns of C shapes of an effect of one joint, and their inverse Gram matrices.
+
+        Args:
+            columns: Columns of each shape, shape (K, 1, p) each.
+            of: One of the shapes.
+            noise: Noise of the joint.
+        """
+        (j,) = of.acts_on(self.experiment.robot)
+        at = self.experiment.informative[:, j, None, None]
+        stacked = np.stack([c[:, 0, :] for c in columns], axis=1)  # (K, C, p)
+        white = np.where(at, noise.whiten(np.where(at, stacked, 0.0)), 0.0).transpose(1, 2, 0)
+        gram = white @ white.transpose(0, 2, 1)
+        ridge = np.maximum(RIDGE * np.einsum("cpp->c", gram), WEAKEST)
+        inverse = np.linalg.inv(gram + ridge[:, None, None] * np.eye(gram.shape[1]))
+        return np.ascontiguousarray(white), inverse

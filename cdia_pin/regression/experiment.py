@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Channel, Effect, Signal, State
+from cdia_pin.effects import ALWAYS, Channel, Effect, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
 from cdia_pin.logs.motion import names_of
@@ -261,7 +261,8 @@ class Experiment:
         Args:
             effect: The effect, in the model or not.
             prediction: Prediction of the model that has the effect, or for which it is a candidate.
-            theta: Parameters at which a nonlinear effect is differentiated, shape (p,); zero if omitted.
+            theta: Parameters of the effect if the model has it, shape (p,): a nonlinear effect is differentiated there,
+                and the effect has the profile of the model's term. Zero and always present if omitted.
             at: Which of the joints that the effect acts on are wanted; all if omitted.
 
         Returns:
@@ -270,14 +271,17 @@ class Experiment:
         acts_on = list(effect.acts_on(self.robot))
         joints = acts_on if at is None else [acts_on[i] for i in at]
         every, rows = list(range(self.robot.n)), []
+        profile = ALWAYS if theta is None else prediction.profile(effect)
         for segment, torques in zip(self.segments, prediction.torques, strict=True):
             x = segment.state
             if Signal.GRAVITY in effect.traits.depends_on and prediction.model.turns_gravity:
                 x = prediction.model.under_gravity(x)
-            if Signal.TORQUE in effect.traits.depends_on:
+            if Signal.TORQUE in profile.depends_on.union(effect.traits.depends_on):
                 x = x.with_effort(torques.actuator)
             phi = effect.basis(x) if theta is None or effect.traits.linear else effect.jacobian(x, theta)
             part = phi if joints == every else phi[:, joints, :]
+            if profile != ALWAYS:
+                part = profile(x)[:, None, None] * part
             gain = torques.gain[:, joints]
             if effect.traits.channel is not Channel.TORQUE_READING and (gain != 1.0).any():
                 part = part / gain[:, :, None]

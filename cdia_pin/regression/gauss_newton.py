@@ -53,6 +53,11 @@ def is_exact(effect: Effect) -> bool:
     return effect.traits.linear and Signal.TORQUE not in effect.traits.depends_on
 
 
+def _is_linear(model: Dynamics) -> bool:
+    """Return True if normal equations describe a model exactly, at any size of its parameters."""
+    return all(is_exact(t.effect) and Signal.TORQUE not in t.profile.depends_on for t in model.terms)
+
+
 def fitted_together(
     regression: Regression,
     model: Dynamics,
@@ -88,7 +93,7 @@ def refit(
     """
     model, equations = _iterated(regression, model, iterations)
     effects, of_shapes = [t.effect for t in model.terms], list(slopes(model))
-    if of_shapes or not all(map(is_exact, effects)):
+    if of_shapes or not _is_linear(model):
         equations = regression.normal_equations(model, [*effects, *of_shapes])
     return model, equations
 
@@ -105,7 +110,7 @@ def _iterated(
     every = range(len(effects))
     # parameters before the last step, what may be left after it [1], and how often it was halved
     kept, limit, halved = (np.zeros(0), np.inf, 0) if before is None else (*before, 0)
-    most, steps = 1 if all(map(is_exact, effects)) else iterations, 0
+    most, steps = 1 if _is_linear(model) else iterations, 0
     while steps < most:
         equations = regression.normal_equations(model, effects)
         theta = model.theta

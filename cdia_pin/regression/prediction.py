@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.dynamics.torques import Torques
+from cdia_pin.effects import ALWAYS, Effect, Profile, Term
+from cdia_pin.errors import EffectError
 
 Array = NDArray[np.float64]
 
@@ -32,6 +34,30 @@ class Prediction:
 
     def __repr__(self) -> str:
         return f"Prediction({self.model!r}, {len(self.residual)} compared samples)"
+
+    @cached_property
+    def present(self) -> dict[Effect, Term]:
+        """Terms of the model by their effect.
+
+        Raises:
+            EffectError: If two terms have the same effect, because normal equations name parameters by it.
+        """
+        out: dict[Effect, Term] = {}
+        for term in self.model.terms:
+            if term.effect in out:
+                raise EffectError(
+                    f"{term.label} is in the model twice; a model is fitted to logs with each effect once"
+                )
+            out[term.effect] = term
+        return out
+
+    def profile(self, effect: Effect) -> Profile:
+        """Return the profile of the model's term of an effect; always present if the model has none.
+
+        Args:
+            effect: The effect.
+        """
+        return self.present[effect].profile if effect in self.present else ALWAYS
 
     @cached_property
     def gains(self) -> tuple[Array, NDArray[np.bool_]]:

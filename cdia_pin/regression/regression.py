@@ -61,10 +61,13 @@ class Regression:
             like: Normal equations around a model that differs only in effects of some joints, of effects that differ
                 only there and in their shape. A torque changes no other joint's torque, so that the rest is reused.
             but: Indices of those joints.
+
+        Raises:
+            EffectError: If two terms of the model have the same effect.
         """
         prediction = self.experiment.predict(model) if isinstance(model, Dynamics) else model
         robot = self.experiment.robot
-        present = {t.effect: np.array(t.theta) for t in prediction.model.terms}
+        present = {e: np.array(t.theta) for e, t in prediction.present.items()}
         parameters = ParameterBlocks.of(effects)
         anew = range(robot.n) if like is None else sorted(but)
         reused: list[list[_Reused]] = [[] for _ in range(robot.n)]

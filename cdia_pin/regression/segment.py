@@ -50,6 +50,12 @@ class Segment:
         return np.asarray(time - time[0])
 
     @property
+    def duration(self) -> float:
+        """Time that the motion lasts, without the pauses between its stretches [s]."""
+        ends = np.cumsum(self.motion.stretches, dtype=int)[:-1]
+        return float(sum(np.ptp(part) for part in np.split(self.motion.time, ends)))
+
+    @property
     def pace(self) -> float:
         """Time between compared samples [s]."""
         return self.motion.decimation / self.motion.rate

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Effect, Parameter, State, Traits, WrappedEffect
+from cdia_pin.effects import ALWAYS, Effect, Parameter, Profile, State, Traits, WrappedEffect
 from cdia_pin.errors import EffectError
 from cdia_pin.robot.model import RobotModel
 
@@ -29,12 +29,14 @@ class Slope(WrappedEffect):
         theta: The term's parameters.
         of_shape: Name of the shape parameter s.
         limits: Least and largest Δs, in the unit of the shape.
+        profile: Where the term is present.
     """
 
     effect: Effect
     theta: tuple[float, ...]
     of_shape: str
     limits: tuple[float, float] = (-np.inf, np.inf)
+    profile: Profile = ALWAYS
 
     name = "slope"
     equation = "∂(Φ θ)/∂s Δs"
@@ -44,7 +46,9 @@ class Slope(WrappedEffect):
     @property
     def traits(self) -> Traits:
         """Signals and channel of the effect; a slope is linear, has either sign and leaves gravity as it is."""
-        return replace(self.effect.traits, linear=True, dissipative=False, turns_gravity=False)
+        inner = self.effect.traits
+        signals = self.profile.depends_on.union(inner.depends_on)
+        return replace(inner, depends_on=signals, linear=True, dissipative=False, turns_gravity=False)
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]
@@ -70,7 +74,8 @@ class Slope(WrappedEffect):
         here, theta = self.effect.shape_values[self.of_shape], np.array(self.theta)
         below, above = (self._at(here + step * self._size) for step in (-STEP, STEP))
         apart = above.shape_values[self.of_shape] - below.shape_values[self.of_shape]
-        return np.asarray((above.torque(x, theta) - below.torque(x, theta))[:, :, None] / apart)
+        slope = np.asarray((above.torque(x, theta) - below.torque(x, theta))[:, :, None] / apart)
+        return slope if self.profile == ALWAYS else self.profile(x)[:, None, None] * slope
 
     def prior_scale(self, robot: RobotModel) -> Array:
         """Return the size of the shape, because the shape was searched for in a range of about that width.
@@ -109,4 +114,4 @@ def slopes(model: Dynamics) -> Iterator[Slope]:
     """
     for term in model.terms:
         for name in term.effect.shape_values:
-            yield Slope(term.effect, term.theta, name)
+            yield Slope(term.effect, term.theta, name, profile=term.profile)

@@ -50,13 +50,13 @@ def in_half(segments: Sequence[Segment], half: int) -> NDArray[np.bool_]:
 
 
 def distinct_time(segments: Sequence[Segment]) -> float:
-    """Return how long the motions of logs last, each counted once [s].
+    """Return how long the motions of logs last, each counted once and without pauses [s].
 
     Args:
         segments: The logs.
     """
     motions = _motions(_placed(segments))
-    return sum(m.distinct / len(m.measured) * float(np.ptp(m.motion.time)) for m in motions)
+    return sum(m.distinct / len(m.measured) * m.duration for m in motions)
 
 
 def within(blocks: Sequence[Block], samples: NDArray[np.bool_]) -> list[Block]:

@@ -30,7 +30,6 @@ Array = NDArray[np.float64]
 FLOOR = "floor"
 TRIED = 100  # [postures], random ones in which pairs of shapes are tried
 ALWAYS = 0.95  # [1], share of these postures in which a pair must touch to count as overlapping
-WIDEST = np.pi  # [rad or m], largest position of these postures where the URDF states no limit
 FINE = (
     1000  # [vertices]; a finer mesh is replaced by its convex hull, which contains it and is 100 times faster
 )
@@ -148,9 +147,7 @@ class CollisionModel:
 
     def _usual_contacts(self) -> list[int]:
         """Return the indices of the pairs that touch in nearly all postures."""
-        limits = self.robot.limits
-        lower, upper = np.maximum(limits.lower, -WIDEST), np.minimum(limits.upper, WIDEST)
-        lower, upper = np.minimum(lower, upper), np.maximum(lower, upper)
+        lower, upper = self.robot.limits.usual_range(self.robot.is_prismatic)
         counts = np.zeros(len(self._shapes.collisionPairs))
         for posture in np.random.default_rng(0).uniform(lower, upper, (TRIED, self.robot.n)):
             if self._touches(posture, first=False):

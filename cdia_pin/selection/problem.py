@@ -208,7 +208,7 @@ class Problem:
 
     def _lack_of_fit(self, prediction: Prediction, effects: Sequence[Effect]) -> LackOfFit:
         """Look for structure that effects leave, as if each joint had its own parameters of them."""
-        present = {t.effect: np.array(t.theta) for t in prediction.model.terms}
+        present = {e: np.array(t.theta) for e, t in prediction.present.items()}
         own: list[list[Array]] = [
             [np.zeros((len(prediction.residual), 0))] for _ in self.experiment.robot.joints
         ]

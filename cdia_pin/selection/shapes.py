@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Term
+from cdia_pin.effects import ALWAYS, Term
 from cdia_pin.regression.bounded_fit import bounded_fit
 from cdia_pin.regression.gauss_newton import DIVERGED, fitted_together, has_converged, with_parameters
 from cdia_pin.regression.regression import Regression
@@ -37,6 +37,8 @@ def refine_shapes(regression: Regression, model: Dynamics, known: Collection[str
     """
     shaped = [t for t in model.terms if t.effect.shape and t.label not in known]
     for term in shaped:
+        if term.profile != ALWAYS:  # a try is no term of the model, and would have no profile
+            continue
         names = list(term.effect.shape_values)
         for name in names * (SWEEPS if len(names) > 1 else 1):
             model = _refined(regression, model, term.label, name)

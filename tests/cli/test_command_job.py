@@ -96,7 +96,7 @@ def test_the_answer_is_short_and_the_rest_comes_on_request(cdia, discovered, log
 
 def test_discover_ranks_single_candidates(discovery):
     first = discovery["ranking"][0]
-    assert {"effect", "joints", "parameters", "plausible", "heldout_rms", "confusable_with"} <= set(first)
+    assert {"effect", "joints", "parameters", "heldout_rms", "confusable_with"} <= set(first)
 
 
 def test_the_saved_model_makes_the_error_fall(cdia, discovery, log, out):

@@ -9,6 +9,7 @@ import pytest
 from cdia_pin import Dynamics, compare, discover, load_robot
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.discovery import DiscoveryVerdict
+from cdia_pin.discovery.discovery_documents import FoundEffectJson
 from cdia_pin.effects import CoulombFriction, Payload, Term, TorqueOffset
 from cdia_pin.identifiability import Confusion
 from cdia_pin.robot.inertia import parameters_of
@@ -220,6 +221,7 @@ def test_the_ranking_names_what_was_found_and_what_it_would_do_alone(found):
     assert (best.heldout_after <= best.heldout_before * 1.01).all()
     for entry in found.to_dict()["ranking"]:
         assert set(entry["heldout_rms"]) == {"before", "after"}
+        assert set(entry) - set(FoundEffectJson.__annotations__) == {"heldout_rms"}
 
 
 def test_progress_goes_from_none_to_all(pendulum, made):

@@ -9,7 +9,7 @@ from cdia_pin import load_robot
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.regression.time_blocks import distinct_time, in_half, time_blocks, within
-from tests.made_logs import conditioned, make
+from tests.made_logs import CUTOFF, conditioned, make
 
 BLOCKS = 8
 PERIOD = 6.0  # [s]
@@ -98,6 +98,15 @@ def test_a_motion_that_two_logs_drive_is_in_the_same_blocks(pendulum):
     np.testing.assert_array_equal(second[:shared], first[lag : lag + shared])
     assert set(first) & set(third) <= {first.max()}
     assert distinct_time(given) < 0.75 * sum(np.ptp(s.motion.time) for s in given)
+
+
+def test_a_pause_of_a_log_is_no_time_of_its_motion(pendulum):
+    log = make(pendulum, duration=20.0).log
+    paused = replace(log, time=log.time + np.where(log.time < 10.0, 0.0, 30.0))
+    for whole, parts in ((log, 1), (paused, 2)):
+        (segment,) = Experiment.of(pendulum, [condition(whole, pendulum, CUTOFF)]).segments
+        assert len(segment.motion.stretches or [0]) == parts
+        assert distinct_time([segment]) == pytest.approx(20.0, abs=0.1)
 
 
 def test_a_motion_is_the_same_at_another_cutoff(pendulum):
