@@ -25,6 +25,7 @@ from cdia_pin.effects import (
     LoadFriction,
     Term,
 )
+from cdia_pin.effects.load_stribeck import LoadStribeckFriction
 from cdia_pin.effects.refinements import PLAIN_FRICTION
 from cdia_pin.effects.traits import Signal
 from cdia_pin.regression.cross_validation import held_out_rms
@@ -33,6 +34,7 @@ from cdia_pin.selection.problem import WhitenedProblem
 
 Array = NDArray[np.float64]
 
+UNDER_LOAD = (LoadFriction.name, LoadStribeckFriction.name)  # also where it differs between logs, or drifts
 LEAST_ERROR = 1e-12  # [N·m or N], below every measured torque: a joint without error must not divide by zero
 
 
@@ -85,7 +87,7 @@ def held_out_growth(problem: WhitenedProblem, model: Dynamics, plain: Dynamics) 
 
 def _is_under_load_alone(term: Term, model: Dynamics) -> bool:
     """Tell whether a term is friction under load, and its joint has no other dry friction."""
-    return term.effect.name == LoadFriction.name and not any(
+    return term.effect.name in UNDER_LOAD and not any(
         is_friction_of_joint(t.effect)
         and t.effect.scope == term.effect.scope
         and Signal.DIRECTION in t.effect.traits.depends_on

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, Log, load_robot
+from cdia_pin.discovery.missing_effects import PLAINER
+from cdia_pin.discovery.plain_forms import with_plain_forms
 from cdia_pin.discovery.plain_friction import _of_each_joint, with_plain_friction
 from cdia_pin.effects import CoulombFriction, PerLog, ViscousFriction, parse_term
 from cdia_pin.regression.gauss_newton import fitted_together
@@ -50,16 +52,22 @@ def test_what_was_given_stays(robot):
     }
 
 
-def test_where_the_load_hardly_changes_dry_friction_is_coulomb_friction(robot):
-    weight = f"torque_offset@joint2: offset={WEIGHT}"
-    plain = named(
-        robot,
+@pytest.mark.parametrize(
+    "found",
+    [
         "load_friction@joint2: coefficient=0.1",
-        lambda v, _: WEIGHT + 0.3 * np.sign(v),
-        given=(weight,),
-    )
+        "load_stribeck_friction@joint2: coefficient=0.1, breakaway=0.02, decay=10",
+    ],
+)
+def test_where_the_load_hardly_changes_dry_friction_is_coulomb_friction(robot, found):
+    weight = f"torque_offset@joint2: offset={WEIGHT}"
+    plain = named(robot, found, lambda v, _: WEIGHT + 0.3 * np.sign(v), given=(weight,))
     assert "coulomb_friction@joint2" in labels(plain)
-    assert "load_friction@joint2" not in labels(plain)
+    assert parse_term(found).label not in labels(plain)
+
+
+def test_the_plain_form_of_friction_under_load_may_stand_for_coulomb_friction_too():
+    assert with_plain_friction in PLAINER[PLAINER.index(with_plain_forms) :]
 
 
 def test_friction_that_follows_the_load_stays(robot):
