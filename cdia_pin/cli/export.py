@@ -10,7 +10,7 @@ import typer
 
 from cdia_pin import schemas
 from cdia_pin.cli.console import stdout, warn
-from cdia_pin.cli.export_lines import NO_MOTION, TORQUES, show_contents, show_ranges
+from cdia_pin.cli.export_lines import NO_MOTION, TORQUES, show_contents, show_least_bodies, show_ranges
 from cdia_pin.cli.failures import CommandError
 from cdia_pin.cli.inputs import load_inputs
 from cdia_pin.cli.next_command import command_line, show_next
@@ -78,18 +78,23 @@ def export(
     require_writable(*files.values(), ranges, json, inputs=[model, known.robot.urdf])
     if not known.terms:
         raise CommandError(f"{model} has no terms: every file would be as the URDF is")
+    from cdia_pin.regression.least_bodies import with_least_bodies
+
+    in_files, replaced = with_least_bodies(known) if files else (known, ())
     made = {}
     for key, file in files.items():
         try:
-            made[key] = Export.of(key, file, known)
+            made[key] = Export.of(key, file, in_files)
         except NothingHeldError as nothing:
             if len(files) == 1 and ranges is None:
                 raise
             warn(f"{nothing}; {file} is not written")
     document: dict[str, dict[str, object]] = {}
     for key, one in made.items():
-        document[key] = {"file": str(one.file), **one.show(console, known)}
+        document[key] = {"file": str(one.file), **one.show(console, in_files)}
         console.print()
+    held = {label for one in made.values() for label in one.values.held}
+    show_least_bodies(console, [t for t in replaced if t.label in held], in_files)
     if ranges is not None:
         document["ranges"] = {"file": str(ranges), **show_ranges(console, known)}
         console.print()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
     from cdia_pin.dynamics import Dynamics
     from cdia_pin.dynamics.simulator_values import SimulatorValues
+    from cdia_pin.effects import Term
     from cdia_pin.robot import RobotModel
 
 IN, OUT = "in the ", "not in the "
@@ -40,6 +41,26 @@ def show_contents(
         "left_out": values.left_out,
         "lacking_rms": torque,
     }
+
+
+def show_least_bodies(console: Console, unknown: Sequence[Term], model: Dynamics) -> None:
+    """Print which bodies of a file are the least that give the torque, because no motion shows their mass.
+
+    Args:
+        console: Where.
+        unknown: The terms as they were fitted.
+        model: The model with the least bodies.
+    """
+    from cdia_pin.viewers.words import number
+
+    for term in unknown:
+        mass, least = term.theta[0], model.find(term.label).theta[0]
+        low, high = term.ci95[0] if term.ci95 else (mass, mass)
+        console.print(
+            f"The motion does not show the mass of {term.label} ({number(low, 2)} to {number(high, 2)} kg). Files hold "
+            f"the least change that gives the same torque: {number(least, 2)} kg in place of {number(mass, 2)} kg.\n",
+            markup=False,
+        )
 
 
 def show_ranges(console: Console, model: Dynamics) -> dict[str, object]:

@@ -30,6 +30,14 @@ from cdia_pin.threads import on_one_thread
 PASSES = (
     5  # searches at most [1], each with the noise that the one before left; it ends sooner if nothing changes
 )
+# The steps to plainer effects. The plain form of friction under load may stand for Coulomb friction too.
+PLAINER = (
+    with_plain_friction,
+    with_plain_forms,
+    with_plain_friction,
+    with_plain_bodies,
+    with_weighed_payload,
+)
 
 
 @on_one_thread
@@ -124,7 +132,7 @@ def _answer(
     report: Progress,
     findings: tuple[Phenomenon, ...],
 ) -> Discovery:
-    for plainer in (with_plain_friction, with_plain_forms, with_plain_bodies, with_weighed_payload):
+    for plainer in PLAINER:
         with suppress(*DIVERGED):  # then the model stays as it is
             found = plainer(problem, found, model)
     report("ranking the effects", 0.85)

@@ -25,6 +25,7 @@ from cdia_pin.effects import (
     LoadFriction,
     Term,
 )
+from cdia_pin.effects.load_stribeck import LoadStribeckFriction
 from cdia_pin.effects.refinements import PLAIN_FRICTION
 from cdia_pin.effects.traits import Signal
 from cdia_pin.regression.cross_validation import held_out_rms
@@ -33,14 +34,15 @@ from cdia_pin.selection.problem import WhitenedProblem
 
 Array = NDArray[np.float64]
 
+UNDER_LOAD = (LoadFriction.name, LoadStribeckFriction.name)  # also where it differs between logs, or drifts
 LEAST_ERROR = 1e-12  # [N·m or N], below every measured torque: a joint without error must not divide by zero
 
 
 def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynamics) -> Dynamics:
     """Return a model in which joints have friction of their own, rather than between two of them or under load alone.
 
-    Friction between two joints stays if both have friction of their own, or if it is visible beside that. Friction
-    under load stays if it is visible beside Coulomb and viscous friction of its joint.
+    Friction between two joints stays if both have friction of their own, or if it is visible beside that and predicts
+    them clearly better. Friction under load stays if it is visible beside Coulomb and viscous friction of its joint.
 
     Args:
         problem: The logs and their noise.
@@ -52,20 +54,27 @@ def with_plain_friction(problem: WhitenedProblem, model: Dynamics, given: Dynami
     known = {t.label for t in given.terms}
     for term in [t for t in model.terms if t.label not in known and _is_under_load_alone(t, model)]:
         model = _with_dry_friction(problem, model, term)
-    crowded = Repeat.of(problem.problem, model).crowded
     rubbing = {t.effect.scope[0] for t in model.terms if is_friction_of_joint(t.effect)}
-    doubtful = [
+    between = [
         t
         for t in model.terms
         if isinstance(t.effect, CoupledFriction)
         and t.label not in known
         and not set(t.effect.scope) <= rubbing  # beside friction of both joints it stands for neither
-        and not crowded.is_visible(t)
     ]
-    if not doubtful:
+    if not between:
         return model
-    kept = replace(model, terms=tuple(t for t in model.terms if t not in doubtful))
-    return with_certain(problem, kept, _of_each_joint(doubtful, [t.effect for t in kept.terms]))
+    crowded = Repeat.of(problem.problem, model).crowded
+    doubtful = [t for t in between if not crowded.is_visible(t)]
+    if doubtful:
+        model = _with_own_friction(problem, model, doubtful)
+    for term in [t for t in between if t not in doubtful]:
+        # where joints move in step, the fit beside all others may share its torque out in any way
+        plain = _with_own_friction(problem, model, [term])
+        growth = held_out_growth(problem, model, plain)[list(term.effect.acts_on(model.robot))]
+        if growth.mean() <= problem.settings.confidence.worth_of_refinement:
+            model = plain
+    return model
 
 
 def held_out_growth(problem: WhitenedProblem, model: Dynamics, plain: Dynamics) -> Array:
@@ -83,9 +92,16 @@ def held_out_growth(problem: WhitenedProblem, model: Dynamics, plain: Dynamics) 
     return np.asarray(after / before)
 
 
+def _with_own_friction(problem: WhitenedProblem, model: Dynamics, between: Sequence[Term]) -> Dynamics:
+    """Return a model with certain friction of each joint in the place of friction between two."""
+    labels = {t.label for t in between}
+    rest = replace(model, terms=tuple(t for t in model.terms if t.label not in labels))
+    return with_certain(problem, rest, _of_each_joint(between, [t.effect for t in rest.terms]))
+
+
 def _is_under_load_alone(term: Term, model: Dynamics) -> bool:
     """Tell whether a term is friction under load, and its joint has no other dry friction."""
-    return term.effect.name == LoadFriction.name and not any(
+    return term.effect.name in UNDER_LOAD and not any(
         is_friction_of_joint(t.effect)
         and t.effect.scope == term.effect.scope
         and Signal.DIRECTION in t.effect.traits.depends_on

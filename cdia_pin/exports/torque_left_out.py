@@ -24,8 +24,7 @@ def torque_left_out(values: SimulatorValues, model: Dynamics) -> dict[str, dict[
         RMS torque [N·m or N] by joint, for the label of each term that is not held or not whole. It is empty if the
         model remembers no motion.
     """
-    motions = model.learned_from
-    states = [_state(m, name, model) for m, name in zip(motions, names_of(motions), strict=True)]
+    states = states_of(model)
     if not states:
         return {}
     predicted = [model.torques(x).reading for x in states]
@@ -35,6 +34,16 @@ def torque_left_out(values: SimulatorValues, model: Dynamics) -> dict[str, dict[
         lacking = [p - held.torques(x).reading for p, x in zip(predicted, states, strict=True)]
         out[label] = model.robot.by_joint(np.sqrt(np.mean(np.square(np.vstack(lacking)), axis=0)))
     return out
+
+
+def states_of(model: Dynamics) -> list[State]:
+    """Return the states along all motions that a model was learned from, N samples each.
+
+    Args:
+        model: The model.
+    """
+    motions = model.learned_from
+    return [_state(m, name, model) for m, name in zip(motions, names_of(motions), strict=True)]
 
 
 def _without(model: Dynamics, beyond: Beyond) -> Dynamics:
