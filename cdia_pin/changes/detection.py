@@ -27,6 +27,7 @@ from cdia_pin.identifiability.rival_names import has_another_name
 from cdia_pin.logs.conditioning import Motion, condition
 from cdia_pin.logs.log import Log
 from cdia_pin.progress import Progress, silent
+from cdia_pin.regression.effort_scale import doubted_scale, scale_error
 from cdia_pin.regression.experiment import Experiment, rms
 from cdia_pin.robot.model import RobotModel
 from cdia_pin.selection.discovery_settings import DiscoverySettings
@@ -177,6 +178,8 @@ def sized_changes(
         # what cannot be named may have stood for the same torque with the other sign: then neither of the two is there
         named = _there(*_sizes(sized_about_themselves(search, tuple(named)), run_to_run))
     sizes = _sizes_of(named, found, terms, usual, run_to_run)
+    model = search.differing.given.model
+    doubt = doubted_scale(model.terms, model.robot)
     out: list[Change] = []
     for one in (c for c in named if not sizes[c].may_be_nothing):
         term = sizes[one]
@@ -191,6 +194,8 @@ def sized_changes(
         if is_doubtful or has_another_name(term, confusions, search.differing.experiment.robot):
             confidence = Confidence.LIKELY
         lost = (without - with_all) / 2
+        scale = scale_error(term.effect, torque, doubt)  # a gain of the model may be something else
+        term = term.less_certain(scale * np.abs(term.theta)) if scale else term
         out.append(Change(term, before, torque, lost, confusions, confidence))
     parts = _parts_of_others(found, out)
     if parts:

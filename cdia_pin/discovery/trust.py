@@ -32,7 +32,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.motion import Motion
 from cdia_pin.regression.design_matrix import DesignMatrix
-from cdia_pin.regression.effort_scale import effort_tolerance, scale_error
+from cdia_pin.regression.effort_scale import doubted_scale, effort_tolerance, scale_error
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.regression.intervals import NORMAL_95
 from cdia_pin.selection.discovery_settings import ConfidenceSettings
@@ -107,7 +107,8 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         of_speeds = np.where(by_speed > by_time, NORMAL_95 * by_speed, 0.0)
         out[term.label] = Trust(confidence, of_speeds, systematic)
     out = {t.label: _without_descriptive(t, whole, out) for t in found}
-    doubt = _doubted_scale(model, out)
+    likely = (t for t in found if out[t.label].confidence is not Confidence.ESTABLISHED)
+    doubt = doubted_scale(likely, model.robot)
 
     def widened(term: Term) -> Trust:
         theta, known = np.array(term.theta), out[term.label]
@@ -134,20 +135,6 @@ def _without_descriptive(term: Term, whole: Repeat, trust: Mapping[str, Trust]) 
     if (moved <= HELD_UP * np.hypot(statistical, known.systematic)).all():
         return known
     return replace(known, confidence=Confidence.LIKELY, systematic=np.maximum(known.systematic, moved))
-
-
-def _doubted_scale(model: Dynamics, trust: Mapping[str, Trust]) -> Array:
-    """Return by how much other effects change if gains that are not established are left out [1], shape (n,).
-
-    A model with a gain α states an effect of the measured torque f as (1 + α) f.
-    """
-    out = np.zeros(model.robot.n)
-    for term in model.terms:
-        known = trust.get(term.label)
-        if isinstance(term.effect, ActuatorGain) and known and known.confidence is not Confidence.ESTABLISHED:
-            gain = term.theta[0]
-            out[model.robot.joint_index(term.effect.joint)] = abs(gain) / (1 + gain)
-    return out
 
 
 def _confidence(

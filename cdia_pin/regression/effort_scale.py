@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects import Channel, Effect, Signal
+from cdia_pin.effects import ActuatorGain, Channel, Effect, Signal, Term
 from cdia_pin.regression.experiment import Experiment
+from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
@@ -46,6 +49,22 @@ def stated_tolerance(experiment: Experiment) -> Array:
     """
     stated = _stated(experiment)
     return np.max(stated, axis=0) if stated else np.zeros(experiment.robot.n)
+
+
+def doubted_scale(gains: Iterable[Term], robot: RobotModel) -> Array:
+    """Return by how much other effects change if gains are left out [1], shape (n,).
+
+    A model with a gain α states an effect of the measured torque f as (1 + α) f.
+
+    Args:
+        gains: The terms of a model that may be something else; those that are no gain say nothing.
+        robot: The arm.
+    """
+    out = np.zeros(robot.n)
+    for term in gains:
+        if isinstance(term.effect, ActuatorGain):
+            out[robot.joint_index(term.effect.joint)] = abs(term.theta[0]) / (1 + term.theta[0])
+    return out
 
 
 def _stated(experiment: Experiment) -> list[Array]:

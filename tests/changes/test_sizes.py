@@ -100,3 +100,18 @@ def test_a_size_is_that_without_what_cannot_be_named(monkeypatch: pytest.MonkeyP
     assert detection._sizes_of([0, 1], found, terms, [], None) is terms
     assert not detection._agree(alone, beside)
     assert detection._agree(alone, alone)
+
+
+@pytest.mark.parametrize(("gain", "least"), [(0.0, 0.0), (0.5, 0.1)])
+def test_an_interval_reaches_to_where_the_gain_of_the_model_is_something_else(
+    gain: float, least: float
+) -> None:
+    """A model with a gain of 0.5 states 0.45 N·m where the measured torque shows 0.3."""
+    robot = load_robot("double_pendulum")
+    model = Dynamics(robot, (parse_term(f"actuator_gain@joint2: gain={gain}"),)) if gain else Dynamics(robot)
+    logs = (pendulum_log(name, 5, level=level, gain=gain) for name, level in (("a.csv", 0.6), ("b.csv", 0.9)))
+    (change,) = what_changed(model, *logs).changes
+    assert change.term.label == "coulomb_friction@joint2"
+    ((low, high),) = change.term.ci95
+    assert low < 0.3 < high
+    assert high - change.term.theta[0] > least

@@ -9,7 +9,7 @@ import pytest
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.discovery.decision import Repeat
-from cdia_pin.discovery.trust import Trust, _doubted_scale, _without_descriptive, trust_in, variations
+from cdia_pin.discovery.trust import Trust, _without_descriptive, trust_in, variations
 from cdia_pin.effects import (
     CoulombFriction,
     Drift,
@@ -24,6 +24,7 @@ from cdia_pin.effects import (
 from cdia_pin.effects.refinements import is_plain
 from cdia_pin.logs import Log
 from cdia_pin.regression.block_evidence import BlockFits
+from cdia_pin.regression.effort_scale import doubted_scale
 from cdia_pin.selection import DiscoverySettings
 from cdia_pin.selection.problem import Problem
 from tests.made_logs import motion
@@ -191,18 +192,12 @@ def test_noise_alone_is_not_certain_whatever_the_number_of_parameters():
         assert repeat.certainty(term) < 3.0
 
 
-@pytest.mark.parametrize(
-    ("confidence", "expected"), [("descriptive", 1.5), ("likely", 1.5), ("established", 0.0)]
-)
-def test_a_gain_that_is_not_established_leaves_the_scale_of_its_joint_open(confidence, expected):
+def test_a_gain_that_may_be_something_else_leaves_the_scale_of_its_joint_open():
     robot = load_robot("scara")
     one, other = robot.joints[:2]
-    terms = (f"actuator_gain@{other}: gain=-0.6", f"coulomb_friction@{other}: level=0.4")
-    model = Dynamics(robot, tuple(map(parse_term, terms)))
-    nothing = np.zeros(1)
-    known = {t.label: Trust(Confidence(confidence), nothing, nothing) for t in model.terms}
-    doubt = _doubted_scale(model, known)
-    assert doubt[robot.joint_index(other)] == pytest.approx(expected)
+    terms = map(parse_term, (f"actuator_gain@{other}: gain=-0.6", f"coulomb_friction@{other}: level=0.4"))
+    doubt = doubted_scale(terms, robot)
+    assert doubt[robot.joint_index(other)] == pytest.approx(1.5)
     assert doubt[robot.joint_index(one)] == 0.0
 
 
