@@ -30,6 +30,9 @@ TRIAL_TIME = 3.0  # [s]; a belief that fails sooner was wrong, one that fails la
 # Where four combinations or more fitted alike on measured arms, it was a push or an error of the model.
 MOST_ALIKE = 2  # rivals that a name may have [1]
 CALM_TIME = 0.5  # [s] below the threshold after which an alarm without a fault is dismissed
+ENDED_TIME = (
+    1.0  # [s] of a residual below the threshold without any correction, after which a fault may have ended
+)
 REACTION_LOOKS = 2  # looks after a decision in which an alarm is not answered: the filters still settle
 CLEARED = "cleared; the fault is remembered"
 DOUBT_ABSENCES = 1.5  # [1], times `gone_after` that a doubt waits, so that a fault can be seen to clear first
@@ -67,6 +70,7 @@ class JointMonitor(Stateful):
         "_names",
         "_doubted",
         "_mixed",
+        "_beyond",
         "_asks_again",
     )
 
@@ -97,6 +101,7 @@ class JointMonitor(Stateful):
         self._names = TriedNames()
         self._doubted = np.inf  # [s], since when the belief is doubted
         self._mixed = False  # do the normal equations hold samples from before a belief failed?
+        self._beyond = -np.inf  # [s], when the residual was beyond the threshold, whatever is believed
         self._asks_again = False  # has another name been found, and is it asked for again on new samples?
 
     def restart(self) -> None:
@@ -202,6 +207,8 @@ class JointMonitor(Stateful):
         """
         if self.lasts or self.observer.state.exceeded[self.j] >= self.settings.debounce:
             self.last_alarm = t
+        if abs(self.observer.residual[self.j]) > self.observer.threshold[self.j]:
+            self._beyond = t
         self.beliefs.look()
         if self.waits:
             return []
@@ -278,11 +285,11 @@ class JointMonitor(Stateful):
         return self._commit(t, only, "the motion since then separates them")
 
     def _decided_again(self, t: float, decision: Decision) -> list[Event]:
-        """Believe in another name if new samples alone say so too.
+        """Believe in another name; where the fault may have ended, only if the samples since say so too.
 
-        Samples from before and after the end of a fault look like a combination that nearly cancels.
+        Samples from before and after an end look like a combination that nearly cancels.
         """
-        if self.beliefs.now.mask and not self._asks_again:
+        if self.beliefs.now.mask and t - self._beyond > ENDED_TIME and not self._asks_again:
             self._asks_again = True
             self._votes.clear()
             self.isolation.restart()
