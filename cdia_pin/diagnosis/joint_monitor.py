@@ -70,6 +70,7 @@ class JointMonitor(Stateful):
         "_names",
         "_doubted",
         "_mixed",
+        "_gone_at",
         "_beyond",
         "_asks_again",
     )
@@ -101,6 +102,7 @@ class JointMonitor(Stateful):
         self._names = TriedNames()
         self._doubted = np.inf  # [s], since when the belief is doubted
         self._mixed = False  # do the normal equations hold samples from before a belief failed?
+        self._gone_at = -np.inf  # [s], when all that was believed was cleared
         self._beyond = -np.inf  # [s], when the residual was beyond the threshold, whatever is believed
         self._asks_again = False  # has another name been found, and is it asked for again on new samples?
 
@@ -197,7 +199,8 @@ class JointMonitor(Stateful):
         self.beliefs.reconsider()
         self._begin(t, Stage.DETECTED)
         self._mixed = False
-        return [detection]
+        was_there = t - self._gone_at < TRIAL_TIME  # what was said to be gone was not, so its name was wrong
+        return [detection, *self._commit_unknown(t)] if was_there and self._names.fail() else [detection]
 
     def look(self, t: float) -> list[Event]:
         """Take a decision from the normal equations, and check what is believed.
@@ -389,6 +392,7 @@ class JointMonitor(Stateful):
     def _gone(self, t: float) -> list[Event]:
         """Clear all that is believed, because the residual is less without it."""
         faults = self.beliefs.clear(self.bank.members(self.beliefs.now.mask))
+        self._gone_at = t
         self._rest()
         return [self._no_longer(t, faults, CLEARED)]
 
