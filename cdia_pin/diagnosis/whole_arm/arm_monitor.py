@@ -255,7 +255,7 @@ class ArmMonitor(Stateful):
             return self._refine(t)
         if self._since == np.inf:
             self._begin(t, joints)
-        self._part(sorted(joints))
+        self._ask_since_alarm(sorted(joints))
         self._decision = found = self._decided(sorted(joints))
         leads = self._counts(found) and found.lead > self.settings.lead
         if found.joints_explain and not leads and not self.apart:
@@ -280,7 +280,7 @@ class ArmMonitor(Stateful):
         self._since = t
         self._votes.clear()
 
-    def _part(self, joints: Sequence[int]) -> None:
+    def _ask_since_alarm(self, joints: Sequence[int]) -> None:
         """Ask on the samples since the alarm alone if these say for sure what all since the trial began do not.
 
         An arm may put down what it took some seconds before. The samples in between would hide it for as long again.
