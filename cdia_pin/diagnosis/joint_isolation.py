@@ -189,3 +189,8 @@ class Votes(Stateful):
     def are_clear(self) -> bool:
         """Whether no decision had a rival."""
         return not any(ambiguous for _, ambiguous in self._last)
+
+    @property
+    def are_sure(self) -> bool:
+        """Whether all decisions are for the same combination, and none had a rival."""
+        return self.agree and self.are_clear

@@ -273,16 +273,16 @@ class JointMonitor(Stateful):
             return self._gone(t)
         if now.mask and decision.mask == now.mask:
             return self._confirmed(t, decision)
-        sure = self._votes.agree and self._votes.are_clear
         too_soon = unknown and t - self.since < 2 * TRIAL_TIME
-        return self._decided_again(t, decision) if sure and decision.mask and not too_soon else []
+        is_another = self._votes.are_sure and decision.mask and not too_soon
+        return self._decided_again(t, decision) if is_another else []
 
     def _confirmed(self, t: float, decision: Decision) -> list[Event]:
         """Update the parameters of what is believed; say so if it is the only explanation now."""
         now, self._asks_again = self.beliefs.now, False
         found = self.isolation.belief(decision, now.verdict)
         self.beliefs.hold(replace(found, rivals=now.rivals))
-        if now.verdict is not Verdict.AMBIGUOUS or not (self._votes.agree and self._votes.are_clear):
+        if now.verdict is not Verdict.AMBIGUOUS or not self._votes.are_sure:
             return []
         only = replace(found, verdict=Verdict.UNIQUE, rivals=())
         return self._commit(t, only, "the motion since then separates them")

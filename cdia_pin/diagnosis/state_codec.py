@@ -29,7 +29,7 @@ from cdia_pin.robot.model import RobotModel
 TYPES: Final[dict[str, str]] = {
     "ArmDecision": "cdia_pin.diagnosis.whole_arm.isolation",
     "ArmSample": "cdia_pin.diagnosis.thesis.sample_interval",
-    "ArmTrial": "cdia_pin.diagnosis.whole_arm.arm_monitor",
+    "ArmTrial": "cdia_pin.diagnosis.whole_arm.trial",
     "Contact": "cdia_pin.diagnosis.whole_arm.wrench",
     "ContactLimits": "cdia_pin.diagnosis.whole_arm.contact",
     "Decision": "cdia_pin.diagnosis.isolation",

@@ -40,9 +40,8 @@ from cdia_pin.selection.problem import Problem
 
 Array = NDArray[np.float64]
 
-# Half widths [1] by which an effect may move where all that is descriptive is left out. A sound payload moved by 0.3 on
-# a measured leg, payloads of 1.2 and 1.4 kg that a wrench and a spring held up moved by 6 and 7.
-HELD_UP = 2.0
+# On measured legs a sound payload moved by 0.3 half widths, and those that a wrench and a spring held up by 6 and 7.
+HELD_UP = 2.0  # half widths [1] by which an effect may move where all that is descriptive is left out
 
 
 @dataclass(frozen=True)
@@ -130,6 +129,8 @@ def _without_descriptive(term: Term, whole: Repeat, trust: Mapping[str, Trust]) 
         and trust[t.label].confidence is Confidence.DESCRIPTIVE
         and not isinstance(t.effect, ActuatorGain)
     ]
+    if not left_out:
+        return known
     moved = np.abs(whole.theta_without(term, left_out) - whole.theta(term))
     statistical = np.maximum(NORMAL_95 * np.sqrt(np.diag(whole.covariance(term))), known.of_speeds)
     if (moved <= HELD_UP * np.hypot(statistical, known.systematic)).all():

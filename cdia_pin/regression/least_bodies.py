@@ -23,9 +23,8 @@ from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 
-# Difference of the torque over what the model leaves that counts as much as a change by the whole link [1]. On four
-# legs of a Go2 the error grows by 1.5 % at most.
-SAME = 0.1
+# With a tenth the error of four measured legs grows by 1.5 % at most.
+SAME = 0.1  # difference of the torque over what the model leaves [1] that counts as much as a change by the whole link
 LEAST_LEFT = 1e-6  # [1], over the measured torque: a model that leaves nothing must not divide by zero
 LEAST_MASS = 0.02  # [1], of the arm's mass: a URDF's mass of a link may be a placeholder
 LEAST_RADIUS = 0.03  # [m], radius of gyration of a link, likewise

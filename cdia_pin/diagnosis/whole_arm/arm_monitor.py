@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
 from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
 from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES, Hypothesis
 from cdia_pin.diagnosis.whole_arm.isolation import UNDECIDED, ArmDecision, decide, region_95
+from cdia_pin.diagnosis.whole_arm.trial import ArmTrial, is_gone, why
 from cdia_pin.diagnosis.whole_arm.wrench import Contact
 from cdia_pin.effects import Term
 
@@ -37,24 +38,6 @@ Array = NDArray[np.float64]
 LONGEST_CONTACT = 10.0  # [s], after which joints decide by themselves: nobody leans on an arm for longer
 TRIAL = 10.0  # [s] after its isolation, for which an effect is updated, and withdrawn if joints alarm again
 REFINED_EVERY = 1.0  # [s] between two updates: each makes a robot model, in a fraction of a millisecond
-GONE_SHARE = 0.15  # [1], share of an effect that may be left when it counts as cleared
-
-
-@dataclass(frozen=True)
-class ArmTrial:
-    """An effect that was believed in of late.
-
-    Attributes:
-        index: Of its hypothesis.
-        before: What was believed before.
-        moved: By how much its parameters have changed since, shape (shown,).
-        since: When [s].
-    """
-
-    index: int
-    before: tuple[Term, ...]
-    moved: Array
-    since: float
 
 
 class ArmMonitor(Stateful):
@@ -307,7 +290,7 @@ class ArmMonitor(Stateful):
         if term is None:
             self._trial = None
             return [*events, Event(t, EventStage.IDLE, joints, Verdict.NONE, (before,), reason="cleared")]
-        events.append(Event(t, EventStage.ISOLATION, joints, Verdict.UNIQUE, (term,), reason=_why(term)))
+        events.append(Event(t, EventStage.ISOLATION, joints, Verdict.UNIQUE, (term,), reason=why(term)))
         if self.settings.accommodate:
             events.append(Event(t, EventStage.ACCOMMODATION, joints, Verdict.UNIQUE, (term,)))
         return events
@@ -341,7 +324,7 @@ class ArmMonitor(Stateful):
         """Tell whether a decision is that what was believed is gone; its numbers may miss zero to either side."""
         assert found.index is not None
         old, shown = self._known(HYPOTHESES[found.index])
-        return old is not None and _is_gone(shown, found)
+        return old is not None and is_gone(shown, found)
 
     def _changed(self, found: ArmDecision) -> Term:
         """Return the effect of a decision as it would be with the change that was found."""
@@ -423,21 +406,3 @@ class ArmMonitor(Stateful):
     def _touched(self, since: float) -> Contact:
         o, d = self.observer, self.detector
         return Contact.of(d.deviation, d.limit, o.nominal.robot, o.q, since)
-
-
-def _is_gone(before: Array, change: ArmDecision) -> bool:
-    """Tell whether nearly nothing is left of an effect: it was put down, or stands upright again.
-
-    Args:
-        before: Its parameters as they were, shape (shown,).
-        change: By how much they changed.
-    """
-    after = before + change.theta
-    return not change.differs(after) or change.distance(after) < GONE_SHARE * change.distance(before)
-
-
-def _why(term: Term) -> str:
-    """Return the reason for an effect of the whole arm in words."""
-    no_number = (np.abs(term.theta) <= term.half_widths)[term.half_widths > 0].all()
-    unknown = "; this motion shows that it is there, and none of its numbers by itself" if no_number else ""
-    return f"one cause for all joints{unknown}"

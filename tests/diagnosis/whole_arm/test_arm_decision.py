@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from cdia_pin.diagnosis.whole_arm.arm_monitor import _is_gone, _why
 from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES
 from cdia_pin.diagnosis.whole_arm.isolation import ArmDecision
+from cdia_pin.diagnosis.whole_arm.trial import is_gone, why
 
 PAYLOAD = HYPOTHESES[0]
 HANGS_AT = 0.3  # [m]
@@ -36,12 +36,12 @@ def test_two_parameters_that_cancel_in_the_torque_are_nothing() -> None:
 
 def test_the_event_says_that_no_number_is_known() -> None:
     found = decision((0.3, 0.0, 0.0, 0.09))
-    assert "none of its numbers" in _why(PAYLOAD.term(found.theta, found.half))
-    assert _why(PAYLOAD.term(np.array([2.0, 0.0, 0.0, 0.1]), found.half)) == "one cause for all joints"
+    assert "none of its numbers" in why(PAYLOAD.term(found.theta, found.half))
+    assert why(PAYLOAD.term(np.array([2.0, 0.0, 0.0, 0.1]), found.half)) == "one cause for all joints"
 
 
 @pytest.mark.parametrize(
-    ("change", "is_gone"),
+    ("change", "gone"),
     [
         ((-0.3, 0.0, 0.0, -0.09), True),
         ((-0.27, 0.0, 0.0, -0.08), True),  # a tenth is left, as its formula may miss
@@ -50,5 +50,5 @@ def test_the_event_says_that_no_number_is_known() -> None:
         ((0.0, 0.0, 0.0, 0.0), False),
     ],
 )
-def test_what_is_put_down_is_gone(change: tuple[float, ...], is_gone: bool) -> None:
-    assert _is_gone(np.array([0.3, 0.0, 0.0, 0.09]), decision(change)) == is_gone
+def test_what_is_put_down_is_gone(change: tuple[float, ...], gone: bool) -> None:
+    assert is_gone(np.array([0.3, 0.0, 0.0, 0.09]), decision(change)) == gone
