@@ -11,6 +11,7 @@ from cdia_pin.app.session import Session
 from cdia_pin.dynamics import save_model
 from cdia_pin.errors import ModelError
 from cdia_pin.exports.formats import FORMATS
+from cdia_pin.regression.least_bodies import with_least_bodies
 from cdia_pin.viewers import write_report
 
 
@@ -26,14 +27,14 @@ def model_file(session: Session) -> bytes:
 
 
 def urdf_file(session: Session) -> bytes:
-    """Return the URDF with what it can hold of the present model.
+    """Return the URDF with what it can hold of the present model, without masses that no motion shows.
 
     Relative mesh paths hold from the folder of the robot's own URDF.
 
     Raises:
         ModelError: If the model has no term with a place in a URDF.
     """
-    model, urdf = session.present.model, FORMATS["urdf"]
+    (model, _), urdf = with_least_bodies(session.present.model), FORMATS["urdf"]
     values = urdf.values(model)
     if not values.held:
         have = ", ".join(values.left_out) or "no terms"

@@ -8,10 +8,12 @@ from cdia_pin.app.history import Version
 from cdia_pin.app.inputs import Request
 from cdia_pin.app.session import Session
 from cdia_pin.dynamics.urdf_terms import UrdfValues
+from cdia_pin.regression.least_bodies import with_least_bodies
 
 IMPORTS = {
     "parse_effect": "from cdia_pin.effects import parse_effect",
     "UrdfValues": "from cdia_pin.dynamics.urdf_terms import UrdfValues",
+    "with_least_bodies": "from cdia_pin.regression.least_bodies import with_least_bodies",
     "write_report": "from cdia_pin.viewers import write_report",
 }
 PUBLIC = (
@@ -57,8 +59,10 @@ def _writing(session: Session) -> Iterator[str]:
     yield "print(given.relative_rms, improved.relative_rms)  # error over torque RMS, joint by joint"
     record = ", record=found.record" if session.history.at else ""
     yield f'save_model(model, "model.json"{record})'
-    model = session.present.model
+    model, of_unknown_mass = with_least_bodies(session.present.model)
     if UrdfValues.of(model.terms, model.robot).held:
+        if of_unknown_mass:
+            yield "model, _ = with_least_bodies(model)  # without masses that no motion shows"
         arguments = "**UrdfValues.of(model.terms, robot).arguments"
         yield f'write_corrected_urdf(robot, "corrected.urdf", {arguments})'
     yield 'write_report("report.html", given, improved=improved)'

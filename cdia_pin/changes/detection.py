@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -223,16 +223,16 @@ def _sizes_of(
     run_to_run: RunToRun,
 ) -> Mapping[int, Term]:
     """Return the sizes of what is named, beside usual differences of friction and nothing else that was found."""
-    slight = {u.joint for u in usual}
-    kept = tuple(c for c in found.chosen if c in named or _is_usual(terms[c], slight))
+    slight = _labels(usual)
+    kept = tuple(c for c in found.chosen if c in named or terms[c].label in slight)
     if not named or len(kept) == len(found.chosen):
         return terms
     return _sizes(sized_about_themselves(found.search, kept), run_to_run)[0]
 
 
-def _is_usual(term: Term, slight: Container[str]) -> bool:
-    """Tell whether a difference is of the friction of a joint that differs by no more than that of an unchanged arm."""
-    return is_friction_of_joint(term.effect) and term.effect.scope[0] in slight
+def _labels(usual: Sequence[UsualFriction]) -> set[str]:
+    """Return the labels of changes that differ by no more than those of an unchanged arm."""
+    return {label for u in usual for label in u.effects}
 
 
 def _agree(one: Term, other: Term) -> bool:
@@ -243,8 +243,8 @@ def _agree(one: Term, other: Term) -> bool:
 
 def _there(terms: Mapping[int, Term], usual: Sequence[UsualFriction]) -> list[int]:
     """Return the changes that are neither usual nor, within their intervals, nothing."""
-    slight = {u.joint for u in usual}
-    return [c for c, t in terms.items() if not (t.may_be_nothing or _is_usual(t, slight))]
+    slight = _labels(usual)
+    return [c for c, t in terms.items() if not (t.may_be_nothing or t.label in slight)]
 
 
 def _falls_below_nothing(term: Term, before: Sequence[float] | None) -> bool:

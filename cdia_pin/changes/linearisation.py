@@ -21,8 +21,9 @@ from cdia_pin.regression.parameter_blocks import ParameterBlocks
 Array = NDArray[np.float64]
 
 # The first step makes nearly all of the difference, but not of an encoder's zero where links are wrong: each leaves a
-# third of the error there, 4 % of the zero after two and 0.6 % after four.
-STEPS = 4  # largest number of steps [1], half a second each
+# third of the error there, or half of it with the other sign. On a leg of a Go2 six steps settle, and the zero is 0.095
+# rad where 0.101 was put in; the search's estimate is 0.147.
+STEPS = 8  # largest number of steps [1], half a second each
 CLEAR = 2.0  # standard deviations [1] by which a parameter differs from zero, those of a 95 % interval
 SETTLED = 0.2  # standard deviations [1]; a smaller step is the last, since it moves the interval by a tenth of its half
 
@@ -60,7 +61,8 @@ def sized_about_themselves(search: ChangeSearch, chosen: tuple[int, ...]) -> Fou
 def _settled(search: ChangeSearch, chosen: Sequence[int]) -> tuple[Array, Array]:
     """Return the parameters of changes and their covariance, after steps about their own size.
 
-    Where a step leads to a model that fits worse than one without the changes, it is the search's estimate.
+    Where they end at a model that fits worse than one without the changes, it is the search's estimate. On the way they
+    may, since the first step may be too long.
     """
     effects, differing = [search.evidence.effects[c] for c in chosen], search.differing
     first = theta, covariance = search.evidence.estimate(chosen)
@@ -71,9 +73,9 @@ def _settled(search: ChangeSearch, chosen: Sequence[int]) -> tuple[Array, Array]
             step, covariance = about.evidence().estimate(range(len(effects)))
         except DIVERGED:
             return first
-        if not (about.misfit <= differing.misfit and np.isfinite(step).all()):
+        if not np.isfinite(step).all():
             return first
         theta = theta + step
         if np.all(np.abs(step) <= SETTLED * np.sqrt(np.diag(covariance))):
             break
-    return theta, covariance
+    return (theta, covariance) if about.misfit <= differing.misfit else first

@@ -1,7 +1,8 @@
-"""Friction from run to run: it differs a little although nothing happened to the arm.
+"""From run to run, friction and the scale of a torque differ a little although nothing happened to the arm.
 
 Temperature, grease and the time at rest before a run are in no log. So a change of friction is named only if it is
-larger than what an unchanged arm shows. The other joints of the same two logs say how much that is here.
+larger than what an unchanged arm shows, and the interval of a gain allows for it. The other joints of the same two logs
+say how much that is here.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
-from cdia_pin.effects import Effect, Term
+from cdia_pin.effects import ActuatorGain, Effect, Term
 from cdia_pin.effects.refinements import is_plain
 from cdia_pin.phrases import some
 from cdia_pin.regression.experiment import rms
@@ -26,6 +27,8 @@ from cdia_pin.selection.discovery_settings import RunToRunSettings
 
 Array = NDArray[np.float64]
 
+LEAST_CERTAINTY = 1e-9  # [1], so that none is divided by zero
+LEAST_TORQUE = 1e-12  # [N·m or N], likewise
 MEDIAN_OF_NORMAL = 0.6745  # median of |x| over the standard deviation of a normal x [1]
 
 
@@ -69,12 +72,16 @@ class RunToRun:
             (n,).
         growth: Share by which the friction differs, without what its uncertainty explains, negative where it fell; NaN
             where it is not known [1], shape (n,).
+        scales: Share by which the torque differs, likewise [1], shape (n,).
+        visible_gain: Gain from which on what it scales besides friction would be visible [1], shape (n,).
         settings: How much an unchanged arm shows.
     """
 
     joints: tuple[str, ...]
     friction: Array
     growth: Array
+    scales: Array
+    visible_gain: Array
     settings: RunToRunSettings
 
     def __repr__(self) -> str:
@@ -89,9 +96,16 @@ class RunToRun:
             chosen: Indices of what it found.
         """
         x = search.differing
-        torque = _common_friction(x)
-        growth = _growth(search, chosen, torque)
-        return cls(x.experiment.robot.joints, rms(torque, x.counted), growth, x.settings.run_to_run)
+        friction = _common_friction(x)
+        others = np.maximum(rms(x.experiment.measured + friction, x.counted), LEAST_TORQUE)
+        return cls(
+            x.experiment.robot.joints,
+            rms(friction, x.counted),
+            _growth(search, chosen, friction),
+            _scales(search, chosen),
+            search.settings.least_torque * x.torque / others,
+            x.settings.run_to_run,
+        )
 
     def spread(self, joint: int) -> float:
         """Return the standard deviation of the share by which a joint's friction differs though nothing happened [1].
@@ -99,11 +113,15 @@ class RunToRun:
         Args:
             joint: Index of the joint.
         """
-        rule, others = self.settings, np.delete(self.growth, joint)
+        rule = self.settings
+        return min(self._spread(self.growth, joint, rule.spread), rule.largest_spread)
+
+    def _spread(self, differences: Array, joint: int, known: float) -> float:
+        """Return a standard deviation that is known beforehand and that other joints show, together [1]."""
+        weight, others = self.settings.weight, np.delete(differences, joint)
         others = others[np.isfinite(others)]
         seen = float(np.median(np.abs(others))) / MEDIAN_OF_NORMAL if len(others) else 0.0
-        known = rule.weight * rule.spread**2 + len(others) * seen**2
-        return min(float(np.sqrt(known / (rule.weight + len(others)))), rule.largest_spread)
+        return float(np.sqrt((weight * known**2 + len(others) * seen**2) / (weight + len(others))))
 
     def limit(self, joint: int) -> float:
         """Return the share of its friction by which a joint may differ although nothing happened [1].
@@ -122,25 +140,30 @@ class RunToRun:
         return self.limit(joint) * float(self.friction[joint])
 
     def allowed_for(self, term: Term, torque: Array) -> Term:
-        """Return a change of friction whose total intervals allow for what friction differs by from run to run.
+        """Return a change whose total intervals allow for how friction and scales of torques differ from run to run.
 
         A part of the difference would be there although nothing happened. Blocks of the same two runs do not show it.
 
         Args:
-            term: A change with intervals; one that is not of friction stays as it is.
+            term: A change with intervals; one that is neither of friction nor of a gain stays as it is.
             torque: Its RMS torque [N·m or N], shape (n,).
         """
-        if not term.effect.traits.dissipative or not term.effect.scope:
-            return term
         joints = [self.joints.index(j) for j in term.effect.scope]
+        if isinstance(term.effect, ActuatorGain):
+            spread = self._spread(self.scales, joints[0], self.settings.scale)
+            return term.less_certain(NORMAL_95 * spread * np.abs(1.0 + np.array(term.theta)))
+        if not term.effect.traits.dissipative or not joints:
+            return term
         usual = np.array([self.spread(j) for j in joints]) * self.friction[joints]
-        share = np.linalg.norm(usual) / max(float(np.linalg.norm(torque[joints])), 1e-12)
+        share = np.linalg.norm(usual) / max(float(np.linalg.norm(torque[joints])), LEAST_TORQUE)
         return term.less_certain(NORMAL_95 * share * np.abs(term.theta))
 
     def usual(
         self, search: ChangeSearch, chosen: Sequence[int], terms: Sequence[Term]
     ) -> list[UsualFriction]:
         """Return the joints whose friction differs, but no more than that of an unchanged arm.
+
+        A gain of a joint that carries little scales friction, and nothing else that would be visible.
 
         Args:
             search: The search for changes.
@@ -151,7 +174,7 @@ class RunToRun:
         torque = np.zeros_like(x.prediction.residual)  # what friction of any kind differs by
         labels: dict[int, list[str]] = {}
         for c, term in zip(chosen, terms, strict=True):
-            if is_friction_of_joint(term.effect):
+            if is_friction_of_joint(term.effect) or self._scales_friction(term):
                 j = self.joints.index(term.effect.scope[0])
                 group = x.changes[search.evidence.effects[c]]
                 torque += group.torque(np.array(term.theta), len(self.joints))
@@ -159,10 +182,16 @@ class RunToRun:
         out = []
         size = np.hypot(rms(torque, x.counted), rms(torque, x.counted_before))  # where it is, or was
         for j, own in labels.items():
-            share, limit = float(size[j]) / max(float(self.friction[j]), 1e-12), self.limit(j)
+            share, limit = float(size[j]) / max(float(self.friction[j]), LEAST_TORQUE), self.limit(j)
             if share <= limit:
                 out.append(UsualFriction(self.joints[j], tuple(own), share, limit))
         return out
+
+    def _scales_friction(self, term: Term) -> bool:
+        """Tell whether a change is a gain, and what it scales is friction as far as can be seen."""
+        if not isinstance(term.effect, ActuatorGain):
+            return False
+        return abs(term.theta[0]) < float(self.visible_gain[self.joints.index(term.effect.joint)])
 
 
 def _common_friction(x: Differing) -> Array:
@@ -196,6 +225,21 @@ def _growth(search: ChangeSearch, chosen: Sequence[int], friction: Array) -> Arr
             per_unit[parts[k]] = along @ x.changes[evidence.effects[asked[k]]].columns[j] / power
         share, variance = float(per_unit @ best), float(per_unit @ covariance @ per_unit)
         out[j] = np.copysign(np.sqrt(max(share**2 - variance, 0.0)), share)
+    return out
+
+
+def _scales(search: ChangeSearch, chosen: Sequence[int]) -> Array:
+    """Return the share by which the torque of each joint differs, as `_growth` does of friction [1], shape (n,)."""
+    effects, fits = search.evidence.effects, search.evidence.fits(chosen)
+    robot = search.differing.experiment.robot
+    out = np.full(robot.n, np.nan)
+    for c, effect in enumerate(effects):
+        if isinstance(effect.effect, ActuatorGain) and effect.sign > 0 and c not in chosen:
+            (share,) = fits.theta[c]
+            variance = (share / max(fits.certainty[c], LEAST_CERTAINTY)) ** 2
+            out[robot.joint_index(effect.effect.joint)] = np.copysign(
+                np.sqrt(max(share**2 - variance, 0.0)), share
+            )
     return out
 
 

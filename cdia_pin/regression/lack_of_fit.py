@@ -74,7 +74,9 @@ class LackOfFit:
 
 
 def slow_columns(experiment: Experiment, j: int) -> Array:
-    """Return smooth functions of a joint's position and speed, of time, and of the other joints.
+    """Return smooth functions of a joint's position and speed, of time, of the other joints, and what a log adds.
+
+    Of several logs each may have an offset and friction of its own.
 
     Args:
         experiment: The conditioned logs.
@@ -93,12 +95,21 @@ def slow_columns(experiment: Experiment, j: int) -> Array:
         *(_bases(signal[:, j], NEURONS) for signal in (q, v)),
         np.column_stack([speed, speed * t, q[:, j] * v[:, j]]),
         *([np.column_stack([*scaled, *(s**2 for s in scaled)])] if scaled else []),
+        *(np.column_stack([of_log, of_log * speed]) for of_log in _all_logs_but_one(experiment)),
     ]
     return np.column_stack(columns)
 
 
+def _all_logs_but_one(experiment: Experiment) -> list[Array]:
+    """Return one for the compared samples of a log and zero for others, shape (K,) each, for all logs but the first."""
+    logs = np.repeat([s.state.log for s in experiment.segments], experiment.lengths)
+    return [np.asarray(logs == log, dtype=float) for log in experiment.logs[1:]]
+
+
 def smooth_columns(experiment: Experiment, prediction: Prediction, j: int) -> Array:
     """Return the slow columns and smooth functions of the acceleration and of the load, which depends on it.
+
+    Of several logs each may have a load of its own.
 
     Args:
         experiment: The conditioned logs.
@@ -112,7 +123,8 @@ def smooth_columns(experiment: Experiment, prediction: Prediction, j: int) -> Ar
     load = np.concatenate(
         [s.motion.sampled(t.actuator) for s, t in zip(experiment.segments, prediction.torques, strict=True)]
     )
-    return np.column_stack([slow_columns(experiment, j), _bases(load[:, j], NEURONS), a, np.abs(a)])
+    of_logs = [of_log * load[:, j] for of_log in _all_logs_but_one(experiment)]
+    return np.column_stack([slow_columns(experiment, j), _bases(load[:, j], NEURONS), a, np.abs(a), *of_logs])
 
 
 def lack_of_fit(

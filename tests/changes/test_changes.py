@@ -175,8 +175,9 @@ def test_what_was_there_before_and_is_gone_is_found_with_the_other_sign(fault, n
 
 def friction(*growth):
     """Friction of an arm whose joints differ by some shares."""
-    joints = tuple(f"joint{k}" for k in range(len(growth)))
-    return RunToRun(joints, np.ones(len(growth)), np.array(growth), RunToRunSettings())
+    n = len(growth)
+    joints, unknown = tuple(f"joint{k}" for k in range(n)), np.full(n, np.nan)
+    return RunToRun(joints, np.ones(n), np.array(growth), unknown, np.ones(n), RunToRunSettings())
 
 
 @pytest.mark.parametrize(

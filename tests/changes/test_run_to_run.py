@@ -1,23 +1,29 @@
 """Friction from run to run: what every arm shows is no change, and what one joint alone shows is."""
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 import pytest
 
 from benchmarks.plant import Fault
+from cdia_pin import Dynamics, load_robot, what_changed
 from cdia_pin.changes.run_to_run import NORMAL_95, RunToRun, as_phenomena
-from cdia_pin.effects import CoulombFriction, CoupledFriction, Payload, Term, TorqueOffset
+from cdia_pin.effects import ActuatorGain, CoulombFriction, CoupledFriction, Payload, Term, TorqueOffset
 from cdia_pin.selection.discovery_settings import RunToRunSettings
 from tests.changes.test_changes import changed
 from tests.hidden_plants import plant_of
+from tests.made_logs import make
 
 RULE = RunToRunSettings()
 
 
-def arm(*growth):
-    """Friction of an arm whose joints differ by some shares."""
-    return RunToRun(
-        tuple(f"joint{k}" for k in range(len(growth))), np.ones(len(growth)), np.array(growth), RULE
-    )
+def arm(*growth, scales=None, visible_gain=0.1):
+    """Friction, and scales of torques, of an arm whose joints differ by some shares."""
+    n = len(growth)
+    scales = np.full(n, np.nan) if scales is None else np.array(scales)
+    names = tuple(f"joint{k}" for k in range(n))
+    return RunToRun(names, np.ones(n), np.array(growth), scales, np.full(n, visible_gain), RULE)
 
 
 def test_alone_a_joint_may_differ_by_what_is_known_beforehand():
@@ -54,6 +60,36 @@ def test_the_usual_difference_of_two_joints_counts_for_friction_between_them():
     seen = Term(CoupledFriction("joint0", "joint1"), (1.0, 0.0)).with_intervals(np.zeros(2))
     found = arm(np.nan, np.nan).allowed_for(seen, np.ones(2))
     np.testing.assert_allclose(found.half_widths, [NORMAL_95 * RULE.spread, 0.0])
+
+
+def test_the_interval_of_a_gain_allows_for_scales_that_differ():
+    seen = Term(ActuatorGain("joint0"), (-0.2,)).with_intervals(np.array([0.01]))
+    alone, steady, unsteady = (
+        arm(*[np.nan] * 4, scales=[np.nan, *others]).allowed_for(seen, np.ones(4)).half_widths[0]
+        for others in ([np.nan] * 3, [0.0] * 3, [0.03, -0.04, 0.03])
+    )
+    assert alone == pytest.approx(np.hypot(0.01, NORMAL_95 * RULE.scale * 0.8))
+    assert 0.01 < steady < alone < unsteady
+
+
+@pytest.mark.parametrize(("level", "named"), [(3.0, 0), (0.05, 1)])
+def test_a_gain_of_a_joint_that_carries_little_is_a_change_of_its_friction(level, named):
+    """Six percent less torque is usual where nearly all of it is friction, and is not where it carries links."""
+
+    def log(name, seed, share):
+        dry = partial(dry_friction, level)
+        made = make(load_robot("double_pendulum"), dry, seed=seed, noise=0.003, duration=24.0)
+        return replace(made.log, effort=made.log.effort * [1.0, share], source=name)
+
+    found = what_changed(
+        Dynamics(load_robot("double_pendulum")), log("a.csv", 5, 1.0), log("b.csv", 6, 1 / 1.06)
+    )
+    assert [c.term.label for c in found.changes] == ["actuator_gain@joint2"] * named
+    assert len(found.usual) == 1 - named
+
+
+def dry_friction(level, q, v, a):
+    return np.column_stack([0 * q[:, 0], -level * np.tanh(v[:, 1] / 0.01)])
 
 
 @pytest.mark.parametrize("effect", [Payload(), TorqueOffset("joint0")])

@@ -8,6 +8,7 @@ import pytest
 from benchmarks.plant import Fault
 from cdia_pin import Dynamics, discover, load_model, load_robot, save_model
 from cdia_pin.changes.detection import searched
+from cdia_pin.discovery.beyond_model import updated
 from cdia_pin.effects import parse_term
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.selection import DiscoverySettings
@@ -54,6 +55,18 @@ def test_what_did_not_change_keeps_its_value(base):
     found = discover(base, run(GROWN, 1003))
     label = "viscous_friction@elbow_joint"
     assert found.model.find(label).theta == base.find(label).theta
+
+
+def test_a_parameter_that_is_updated_again_and_again_does_not_become_less_certain():
+    """Each log tells it to ±0.1, and its difference to the last log to ±0.14."""
+    robot = load_robot("ur5")
+    term = parse_term("coulomb_friction@elbow_joint: level=3", robot)
+    model = Dynamics(robot, (term.with_intervals(np.array([0.1])),))
+    for _ in range(6):
+        model = updated(model, term.with_theta([0.1]).with_intervals(np.array([0.14])))
+    (grown,) = model.terms
+    assert grown.theta[0] == pytest.approx(3.6)
+    np.testing.assert_allclose(grown.half_widths, 0.14)
 
 
 def test_a_new_effect_is_no_change_of_the_model(base):

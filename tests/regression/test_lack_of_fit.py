@@ -5,6 +5,7 @@ import pytest
 
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.effects import Term, parse_effect
+from cdia_pin.regression.gauss_newton import refit
 from cdia_pin.regression.lack_of_fit import smooth_columns
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 from cdia_pin.selection.problem import Problem
@@ -32,8 +33,8 @@ def on_first(f):
     return lambda q, v, a: np.column_stack([f(q, v, a), np.zeros(len(q))])
 
 
-def problem_of(robot, made):
-    return Problem.of(Dynamics(robot), [made.log], [], SETTINGS)
+def problem_of(robot, *made):
+    return Problem.of(Dynamics(robot), [m.log for m in made], [], SETTINGS)
 
 
 def structure_of(robot, made, *terms):
@@ -58,15 +59,37 @@ def test_noise_is_no_structure(colour, pendulum):
         assert not structure.left.any(), seed
 
 
+def fitted_to(problem, robot, *names):
+    model = Dynamics(robot, tuple(Term(parse_effect(f"{n}@joint1"), (0.0,)) for n in names))
+    return refit(problem.with_first_noise(model).regression, model)[0]
+
+
+@pytest.mark.parametrize(
+    "what",
+    [
+        lambda q, v, a: 0.05 * np.ones(len(q)),
+        lambda q, v, a: -0.05 * np.sign(v[:, 0]),
+        lambda q, v, a: 0.05 * a[:, 0],
+    ],
+    ids=["offset", "friction", "load"],
+)
+def test_what_only_one_of_two_logs_has_is_structure(what, pendulum):
+    """The model has the effects, so that only their sizes per log are left."""
+    names = ("torque_offset", "coulomb_friction", "rotor_inertia")
+    one = make(pendulum, noise=NOISE, seed=3)
+    other, alike = (
+        make(pendulum, on_first(f), noise=NOISE, seed=4) for f in (what, lambda q, v, a: 0.0 * a[:, 0])
+    )
+    for second, left in ((other, True), (alike, False)):
+        problem = problem_of(pendulum, one, second)
+        assert problem.lack_of_fit(fitted_to(problem, pendulum, *names)).left.tolist() == [left, False]
+
+
 def test_what_the_model_holds_is_no_structure(pendulum):
     made = make(pendulum, on_first(lambda q, v, a: -0.05 * v[:, 0] + 0.1), noise=NOISE, seed=4)
     assert structure_of(pendulum, made).left[0]
-    terms = [Term(parse_effect(f"{n}@joint1"), (0.0,)) for n in ("viscous_friction", "torque_offset")]
-    from cdia_pin.regression.gauss_newton import refit
-
     problem = problem_of(pendulum, made)
-    model = Dynamics(pendulum, tuple(terms))
-    fitted, _ = refit(problem.with_first_noise(model).regression, model)
+    fitted = fitted_to(problem, pendulum, "viscous_friction", "torque_offset")
     assert not problem.lack_of_fit(fitted).left.any()
 
 

@@ -1,11 +1,14 @@
 """A body whose mass the motion does not show is as small as its torque allows."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, load_robot, save_model
+from cdia_pin.app.exports import urdf_file
+from cdia_pin.app.python_lines import _writing
 from cdia_pin.cli import main
 from cdia_pin.effects import parse_term
 from cdia_pin.exports.torque_left_out import states_of
@@ -51,6 +54,16 @@ def test_an_exported_urdf_holds_it_and_the_command_says_so(tmp_path, capsys):
     assert code == 0 and "does not show the mass of link_inertia@joint1 (−9.0 to 12 kg)" in said
     before, after = (load_robot(r).inertial_parameters[0, 0] for r in ("double_pendulum", file))
     assert after == pytest.approx(before, rel=0.1)
+
+
+def test_the_app_exports_it_and_its_python_lines_say_so(tmp_path):
+    model = estimated(lower=-9.0, upper=12.0)
+    file = tmp_path / "corrected.urdf"
+    session = SimpleNamespace(present=SimpleNamespace(model=model), history=SimpleNamespace(at=0))
+    file.write_bytes(urdf_file(session))
+    before, after = (load_robot(r).inertial_parameters[0, 0] for r in ("double_pendulum", file))
+    assert after == pytest.approx(before, rel=0.1)
+    assert any(line.startswith("model, _ = with_least_bodies(model)") for line in _writing(session))
 
 
 def test_a_known_mass_stays():
