@@ -224,7 +224,7 @@ def _growth(search: ChangeSearch, chosen: Sequence[int], friction: Array) -> Arr
         for k in own:
             per_unit[parts[k]] = along @ x.changes[evidence.effects[asked[k]]].columns[j] / power
         share, variance = float(per_unit @ best), float(per_unit @ covariance @ per_unit)
-        out[j] = np.copysign(np.sqrt(max(share**2 - variance, 0.0)), share)
+        out[j] = _beyond_chance(share, variance)
     return out
 
 
@@ -237,10 +237,13 @@ def _scales(search: ChangeSearch, chosen: Sequence[int]) -> Array:
         if isinstance(effect.effect, ActuatorGain) and effect.sign > 0 and c not in chosen:
             (share,) = fits.theta[c]
             variance = (share / max(fits.certainty[c], LEAST_CERTAINTY)) ** 2
-            out[robot.joint_index(effect.effect.joint)] = np.copysign(
-                np.sqrt(max(share**2 - variance, 0.0)), share
-            )
+            out[robot.joint_index(effect.effect.joint)] = _beyond_chance(share, variance)
     return out
+
+
+def _beyond_chance(value: float, variance: float) -> float:
+    """Return an estimate without what its variance explains of its square, with its sign."""
+    return float(np.copysign(np.sqrt(max(value**2 - variance, 0.0)), value))
 
 
 def as_phenomena(usual: Sequence[UsualFriction]) -> tuple[Phenomenon, ...]:

@@ -102,8 +102,8 @@ def slow_columns(experiment: Experiment, j: int) -> Array:
 
 def _all_logs_but_one(experiment: Experiment) -> list[Array]:
     """Return one for the compared samples of a log and zero for others, shape (K,) each, for all logs but the first."""
-    logs = np.repeat([s.state.log for s in experiment.segments], experiment.lengths)
-    return [np.asarray(logs == log, dtype=float) for log in experiment.logs[1:]]
+    segments, lengths = experiment.segments, experiment.lengths
+    return [np.repeat([float(s.state.log == log) for s in segments], lengths) for log in experiment.logs[1:]]
 
 
 def smooth_columns(experiment: Experiment, prediction: Prediction, j: int) -> Array:

@@ -24,12 +24,12 @@ from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import NO_CONTACT, Event, EventStage, Verdict
 from cdia_pin.diagnosis.whole_arm import evidence_kernel, isolation_kernel
-from cdia_pin.diagnosis.whole_arm.belief import carried, is_possible
+from cdia_pin.diagnosis.whole_arm.belief import carried, changed, ends, is_possible, known
 from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
 from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
-from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES, Hypothesis
+from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES
 from cdia_pin.diagnosis.whole_arm.isolation import UNDECIDED, ArmDecision, decide, region_95
-from cdia_pin.diagnosis.whole_arm.trial import ArmTrial, is_gone, why
+from cdia_pin.diagnosis.whole_arm.trial import ArmTrial, why
 from cdia_pin.diagnosis.whole_arm.wrench import Contact
 from cdia_pin.effects import Term
 
@@ -316,27 +316,11 @@ class ArmMonitor(Stateful):
         found = decide(self.evidence, self.bank, joints, self.settings)
         if not self._counts(found):  # then it says nothing, possible or not
             return found
-        if self._ends(found) or is_possible(self._changed(found), self.observer.nominal.robot):
+        if ends(self.believed, found) or is_possible(
+            changed(self.believed, found), self.observer.nominal.robot
+        ):
             return found
         return replace(UNDECIDED, joints_explain=found.joints_explain)
-
-    def _ends(self, found: ArmDecision) -> bool:
-        """Tell whether a decision is that what was believed is gone; its numbers may miss zero to either side."""
-        assert found.index is not None
-        old, shown = self._known(HYPOTHESES[found.index])
-        return old is not None and is_gone(shown, found)
-
-    def _changed(self, found: ArmDecision) -> Term:
-        """Return the effect of a decision as it would be with the change that was found."""
-        assert found.index is not None
-        hypothesis = HYPOTHESES[found.index]
-        _, shown = self._known(hypothesis)
-        return hypothesis.term(shown + found.theta, found.half)
-
-    def _known(self, hypothesis: Hypothesis) -> tuple[Term | None, Array]:
-        """Return what is believed of a hypothesis, and its estimated parameters; zero if it is not believed."""
-        old = next((b for b in self.believed if b.effect == hypothesis.effect), None)
-        return old, np.zeros(hypothesis.shown) if old is None else np.array(old.theta[: hypothesis.shown])
 
     def _end_trial(self, t: float) -> None:
         """End the trial of what was isolated so long ago that it is no longer in doubt."""
@@ -362,11 +346,10 @@ class ArmMonitor(Stateful):
     def _believe(self, found: ArmDecision) -> Term:
         """Add a change to what is believed; return the effect as it is now, or as it was if it is gone."""
         assert found.index is not None
-        hypothesis = HYPOTHESES[found.index]
-        old, shown = self._known(hypothesis)
+        old, shown = known(self.believed, found)
         others = tuple(b for b in self.believed if b is not old)
-        gone = self._ends(found)
-        term, moved = self._changed(found), -shown if gone else found.theta
+        gone = ends(self.believed, found)
+        term, moved = changed(self.believed, found), -shown if gone else found.theta
         self._move(found.index, moved)
         self._become(others if gone else (*others, term))
         if self._trial is not None:

@@ -1,11 +1,16 @@
-"""The arm with what it is believed to carry, and the torque that this takes."""
+"""The arm with what it is believed to carry, what a decision makes of that, and the torque that it takes."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis.nominal import Nominal
+from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES, Hypothesis
+from cdia_pin.diagnosis.whole_arm.isolation import ArmDecision
+from cdia_pin.diagnosis.whole_arm.trial import is_gone
 from cdia_pin.effects import BaseTilt, Term
 from cdia_pin.robot.inertia import pseudo_inertia
 from cdia_pin.robot.model import RobotModel
@@ -31,6 +36,45 @@ def carried(nominal: Nominal, terms: tuple[Term, ...]) -> RobotModel:
             g = g + term.effect.tilt(robot, theta)
         pi += term.effect.on_links(theta, robot)
     return robot.with_inertial_parameters(pi).with_gravity(g)
+
+
+def known(believed: Sequence[Term], found: ArmDecision) -> tuple[Term | None, Array]:
+    """Return the believed effect that a decision is about, and its estimated parameters; zero if it is not believed.
+
+    Args:
+        believed: Believed effects of the whole arm.
+        found: A decision for one of the hypotheses.
+    """
+    hypothesis = _hypothesis(found)
+    old = next((b for b in believed if b.effect == hypothesis.effect), None)
+    return old, np.zeros(hypothesis.shown) if old is None else np.array(old.theta[: hypothesis.shown])
+
+
+def changed(believed: Sequence[Term], found: ArmDecision) -> Term:
+    """Return the effect of a decision as it would be with the change that was found.
+
+    Args:
+        believed: Believed effects of the whole arm.
+        found: A decision for one of the hypotheses.
+    """
+    _, shown = known(believed, found)
+    return _hypothesis(found).term(shown + found.theta, found.half)
+
+
+def ends(believed: Sequence[Term], found: ArmDecision) -> bool:
+    """Tell whether a decision is that what was believed is gone; its numbers may miss zero to either side.
+
+    Args:
+        believed: Believed effects of the whole arm.
+        found: A decision for one of the hypotheses.
+    """
+    old, shown = known(believed, found)
+    return old is not None and is_gone(shown, found)
+
+
+def _hypothesis(found: ArmDecision) -> Hypothesis:
+    assert found.index is not None
+    return HYPOTHESES[found.index]
 
 
 def is_possible(term: Term, robot: RobotModel) -> bool:
