@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from benchmarks.real_residuals import own_logs
+from benchmarks.real_residuals import other_arms, own_logs
 from benchmarks.real_residuals.recordings import ARMS, MeasuredArm
 from cdia_pin import load_robot
 from cdia_pin.logs import write_log
@@ -53,3 +53,22 @@ def test_a_log_that_cannot_be_read_is_said(tmp_path, monkeypatch, capsys):
     with pytest.raises(SystemExit, match="2"):
         run(monkeypatch, log)
     assert "position" in capsys.readouterr().err
+
+
+def test_pages_of_single_arms_become_one_table(tmp_path, monkeypatch):
+    line = "| `compare A B`, effects of 25 %: exactly the effect is named | ≥ 85% | 75 % (3/4) | 4 | no |"
+    for arm in ("one", "two"):
+        (tmp_path / f"results-other-arm-{arm}.md").write_text(f"# Known\n\n{line}\n", encoding="utf-8")
+    page = tmp_path / "table.md"
+    monkeypatch.setattr(sys, "argv", ["other_arms", "--docs", str(tmp_path), "--out", str(page)])
+    other_arms.main()
+    rows = page.read_text(encoding="utf-8").splitlines()
+    assert "| [one](results-other-arm-one.md) | 3 of 4 | – | – | – | – | – |" in rows
+    assert "| all 2 | 6 of 8 | – | – | – | – | – |" in rows
+
+
+def test_a_folder_without_pages_is_an_error(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["other_arms", "--docs", str(tmp_path)])
+    with pytest.raises(SystemExit):
+        other_arms.main()
+    assert "no page results-other-arm-*.md" in capsys.readouterr().err
