@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import chain
 from typing import Generic, Self, TypeVar
 
@@ -129,21 +129,23 @@ class BlockEvidence(Generic[E]):
         """
         first = len(regression.precision) - sum(e.size for e in effects)
         grams = [regression.gram_of(block) for block in blocks]
-        whole = np.sum(grams, axis=0)
+        whole = reduce(np.add, grams)
         prior = np.diag(regression.precision[:first])
-        training, unseen = [], []
+        size = len(whole) - first
+        training = np.empty((len(blocks) + len(parts), size, size))
+        unseen = np.empty((len(blocks), size, size))
         for k, left_out in enumerate(chain(grams, map(regression.gram_of, parts))):
             rest = whole - left_out
             common = ScaledGram.of(rest[:first, :first] + prior, RIDGE).solve(rest[:first, first:])
-            training.append(rest[first:, first:] - rest[first:, :first] @ common)
+            training[k] = rest[first:, first:] - rest[first:, :first] @ common
             if k < len(blocks):
                 inner, across = left_out[:first, :first], left_out[first:, :first]
-                unseen.append(_left_of(left_out[first:, first:], across, inner, common))
+                unseen[k] = _left_of(left_out[first:, first:], across, inner, common)
         common = ScaledGram.of(whole[:first, :first] + prior, RIDGE).solve(whole[:first, first:])
         total = whole[first:, first:] - whole[first:, :first] @ common
         norms = np.maximum(np.diag(whole)[first:-1], 1e-300)
         scale = np.concatenate([np.zeros(0), *(e.prior_scale(robot) for e in effects)])
-        return cls(tuple(effects), np.array(training), np.array(unseen), total, norms, 1.0 / scale**2)
+        return cls(tuple(effects), training, unseen, total, norms, 1.0 / scale**2)
 
     @cached_property
     def parameters(self) -> ParameterBlocks:
@@ -156,7 +158,8 @@ class BlockEvidence(Generic[E]):
         Args:
             chosen: Indices of the set.
         """
-        return np.asarray(self._beside(chosen)[1][:, -1, -1])
+        response = np.array([[-1]])
+        return np.asarray(self._beside(chosen, response)[1][:, 0, 0, 0])
 
     def fits(self, chosen: Sequence[int]) -> BlockFits:
         """Return the fit of each effect beside a set, and what it explains; zero for members of the set.
@@ -170,25 +173,24 @@ class BlockEvidence(Generic[E]):
         return self._fits[key]
 
     def _fitted(self, chosen: tuple[int, ...]) -> BlockFits:
-        training, unseen, total = self._beside(chosen)
-        count, blocks = len(self.effects), len(unseen)
+        count, blocks = len(self.effects), len(self.unseen)
         thetas: list[Array] = [np.zeros(e.size) for e in self.effects]
         certainties, gains = np.zeros((2, count)), np.zeros((count, blocks))
         for size, members in self._by_size.items():
             own = np.array([self.parameters.indices([c]) for c in members])
-            rows, columns = own[:, :, None], own[:, None, :]
+            with_response = np.column_stack([own, np.full(len(own), -1)])
+            training, unseen, total = self._beside(chosen, with_response)
             ridge = (REPEATED * self.norms[own] + self.prior[own])[:, None, :] * np.eye(size)
-            right = training[:, own, -1]
-            theta = np.linalg.solve(training[:, rows, columns] + ridge, right[..., None])[..., 0]
-            whole = total[rows, columns] + ridge
-            best = np.linalg.solve(whole, total[own, -1][..., None])[..., 0]
+            seen = training[:, :, :-1, :-1] + ridge
+            theta = np.linalg.solve(seen, training[:, :, :-1, -1:])[..., 0]
+            whole = total[:, :-1, :-1] + ridge
+            best = np.linalg.solve(whole, total[:, :-1, -1:])[..., 0]
             blind = theta[:blocks]  # to the block that is predicted
-            gains[members] = 2 * np.einsum("bcp,bcp->cb", blind, unseen[:, own, -1]) - np.einsum(
-                "bcp,bcpq,bcq->cb", blind, unseen[:, rows, columns], blind
+            gains[members] = 2 * np.einsum("bcp,bcp->cb", blind, unseen[:, :, :-1, -1]) - np.einsum(
+                "bcp,bcpq,bcq->cb", blind, unseen[:, :, :-1, :-1], blind
             )
             norms = np.sqrt(np.einsum("cpp->cp", whole))  # to compare parameters of different units
-            known = training[blocks:, rows, columns] + ridge
-            both = self._covariances((theta - best) * norms, _concentration(known, whole))
+            both = self._covariances((theta - best) * norms, _concentration(seen[blocks:], whole))
             for certainty, covariance in zip(certainties, both, strict=True):
                 certainty[members] = certainty_of(best * norms, covariance)
             for c, value in zip(members, best, strict=True):
@@ -247,21 +249,38 @@ class BlockEvidence(Generic[E]):
     def _ridge(self, at: NDArray[np.intp]) -> Array:
         return np.diag(RIDGE * self.norms[at] + self.prior[at])
 
-    def _beside(self, chosen: Sequence[int]) -> tuple[Array, Array, Array]:
-        """Return all normal equations after a set is taken out as well."""
+    def _beside(self, chosen: Sequence[int], own: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+        """Return the normal equations of some groups of columns, each by itself, after a set is taken out as well.
+
+        Args:
+            chosen: Indices of the set.
+            own: Positions of the columns of each group, shape (G, q).
+
+        Returns:
+            Without each block and each part, of each block, and of all samples, shape (…, G, q, q).
+        """
+        rows, columns = own[:, :, None], own[:, None, :]
+        training, unseen, total = (x[..., rows, columns] for x in (self.training, self.unseen, self.total))
         at = self.parameters.indices(chosen)
         if not len(at):
-            return self.training, self.unseen, self.total
-        ridge = self._ridge(at)
-        training, unseen = np.empty_like(self.training), np.empty_like(self.unseen)
+            return training, unseen, total
+        ridge, inner = self._ridge(at), np.ix_(at, at)
+
+        def shared(equations: Array) -> tuple[Array, Array]:
+            across = equations[at[:, None, None], own]
+            flat = across.reshape(len(at), -1)
+            return across, ScaledGram.of(equations[inner] + ridge).solve(flat).reshape(across.shape)
+
         for k, seen in enumerate(self.training):
-            share = ScaledGram.of(seen[np.ix_(at, at)] + ridge).solve(seen[at])
-            training[k] = seen - seen[:, at] @ share
+            across, share = shared(seen)
+            training[k] -= _products(across, share)
             if k < len(unseen):
                 block = self.unseen[k]
-                unseen[k] = _left_of(block, block[:, at], block[np.ix_(at, at)], share)
-        share = ScaledGram.of(self.total[np.ix_(at, at)] + ridge).solve(self.total[at])
-        return training, unseen, self.total - self.total[:, at] @ share
+                half = _products(
+                    block[at[:, None, None], own] - 0.5 * np.tensordot(block[inner], share, 1), share
+                )
+                unseen[k] -= half + half.transpose(0, 2, 1)
+        return training, unseen, total - _products(*shared(self.total))
 
     def _covariances(self, moved: Array, concentration: Array) -> tuple[Array, Array]:
         """Return the covariance of the parameters of several effects by the jackknife, shape (C, p, p) each.
@@ -308,6 +327,16 @@ def _left_of(own: Array, across: Array, inner: Array, share: Array) -> Array:
     """
     half = (across - 0.5 * share.T @ inner) @ share
     return own - half - half.T
+
+
+def _products(left: Array, right: Array) -> Array:
+    """Return LᵀR of each group of columns, shape (G, q, q).
+
+    Args:
+        left: L, shape (p, G, q).
+        right: R, shape (p, G, q).
+    """
+    return np.asarray(left.transpose(1, 2, 0) @ right.transpose(1, 0, 2))
 
 
 def _concentration(known: Array, whole: Array) -> Array:
