@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
 from typing import Self
 
@@ -15,7 +16,6 @@ from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
 from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
-from cdia_pin.regression.experiment import rms
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.discovery_settings import ChangeSettings
 
@@ -130,9 +130,17 @@ class ChangeSearch:
             change: Index of the change.
             theta: Its parameters, shape (p,).
         """
-        x = self.differing
-        effect = self.evidence.effects[change]
-        return rms(x.changes[effect].torque(theta, x.experiment.robot.n), x.counted_with(effect))
+        squares = self._squares
+        if change not in squares:
+            squares[change] = self.differing.mean_squares(self.evidence.effects[change])
+        out = np.zeros(self.differing.experiment.robot.n)
+        for j, square in squares[change].items():
+            out[j] = np.sqrt(max(float(theta @ square @ theta), 0.0))
+        return out
+
+    @cached_property
+    def _squares(self) -> dict[int, dict[int, Array]]:
+        return {}
 
     def visible_sizes(self, chosen: Sequence[int]) -> dict[int, float]:
         """Return from which size on a change of one parameter of one joint is visible beside a set, in its unit.
@@ -145,7 +153,7 @@ class ChangeSearch:
         """
         x = self.differing
         out: dict[int, float] = {}
-        powers, samples = self.evidence.powers(chosen), x.counted.sum(axis=0)
+        powers, samples = self.evidence.powers(chosen), x.samples
         for c, change in enumerate(self.evidence.effects):
             joints = change.acts_on(x.experiment.robot)
             if c in chosen or change.size > 1 or change.shape or len(joints) > 1 or change.sign < 0:
@@ -305,7 +313,7 @@ class ChangeSearch:
 
     def _is_visible(self, change: int, fits: BlockFits) -> bool:
         x, torque = self.differing, self.torque(change, fits.theta[change])
-        samples = x.counted_with(self.evidence.effects[change]).sum(axis=0)
+        samples = x.samples_with(self.evidence.effects[change])
         return self.settings.is_visible(float(fits.gain[change]), torque, x.size, x.torque, samples)
 
 

@@ -29,6 +29,7 @@ from cdia_pin.selection.problem import GENERIC_SIZE
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Counts = NDArray[np.intp]
 
 ROUNDS = 2  # rounds [1] of weighting, because weights and residuals depend on each other
 
@@ -187,6 +188,32 @@ class Differing:
             change: The change.
         """
         return self.counted if change.sign > 0 else self.counted_before
+
+    @cached_property
+    def samples(self) -> Counts:
+        """Number of samples of the logs after that count [1], shape (n,)."""
+        return np.asarray(self.counted.sum(axis=0))
+
+    def samples_with(self, change: Difference) -> Counts:
+        """Return the number of samples that count of the logs in which a change is present [1], shape (n,).
+
+        Args:
+            change: The change.
+        """
+        return self.samples if change.sign > 0 else np.asarray(self.counted_before.sum(axis=0))
+
+    def mean_squares(self, change: Difference) -> dict[int, Array]:
+        """Return the mean of XᵀX of a change over the samples that count of the logs that have it, of each joint.
+
+        Args:
+            change: The change, of p parameters.
+
+        Returns:
+            By the joint's index, in the square of the unit of a column, shape (p, p) each.
+        """
+        counted, samples = self.counted_with(change), np.maximum(self.samples_with(change), 1)
+        columns = ((j, x[counted[:, j]]) for j, x in self.changes[change].columns.items())
+        return {j: x.T @ x / samples[j] for j, x in columns}
 
     @cached_property
     def torque(self) -> Array:

@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 E = TypeVar("E", bound=Effect)
 
+ALL, LAST = slice(None), slice(-1, None)  # columns; the last one is the response
+
 # Sum of squares of an effect beside others over that without them [1], at least; a division by zero is none.
 LEAST_POWER = 1e-12
 # Up to this it may be chance: where four parts and 32 blocks estimate the same variance, it is exceeded in one case of
@@ -158,8 +160,8 @@ class BlockEvidence(Generic[E]):
         Args:
             chosen: Indices of the set.
         """
-        response = np.array([[-1]])
-        return np.asarray(self._beside(chosen, response)[1][:, 0, 0, 0])
+        of_response = self._shares(chosen, LAST)
+        return np.asarray(self._beside(chosen, of_response, np.array([[-1]]))[1][:, 0, 0, 0])
 
     def fits(self, chosen: Sequence[int]) -> BlockFits:
         """Return the fit of each effect beside a set, and what it explains; zero for members of the set.
@@ -176,10 +178,11 @@ class BlockEvidence(Generic[E]):
         count, blocks = len(self.effects), len(self.unseen)
         thetas: list[Array] = [np.zeros(e.size) for e in self.effects]
         certainties, gains = np.zeros((2, count)), np.zeros((count, blocks))
+        shares = self._shares(chosen)
         for size, members in self._by_size.items():
             own = np.array([self.parameters.indices([c]) for c in members])
             with_response = np.column_stack([own, np.full(len(own), -1)])
-            training, unseen, total = self._beside(chosen, with_response)
+            training, unseen, total = self._beside(chosen, shares, with_response)
             ridge = (REPEATED * self.norms[own] + self.prior[own])[:, None, :] * np.eye(size)
             seen = training[:, :, :-1, :-1] + ridge
             theta = np.linalg.solve(seen, training[:, :, :-1, -1:])[..., 0]
@@ -249,38 +252,46 @@ class BlockEvidence(Generic[E]):
     def _ridge(self, at: NDArray[np.intp]) -> Array:
         return np.diag(RIDGE * self.norms[at] + self.prior[at])
 
-    def _beside(self, chosen: Sequence[int], own: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+    def _shares(self, chosen: Sequence[int], columns: slice = ALL) -> Array:
+        """Return how a set would explain each column: its parameters without each block and part, and from all samples.
+
+        Args:
+            chosen: Indices of the set, p parameters.
+            columns: Which of the columns, Q of them; all by default.
+
+        Returns:
+            Shape (B + parts + 1, p, Q).
+        """
+        at = self.parameters.indices(chosen)
+        own, ridge, every = np.ix_(at, at), self._ridge(at), (*self.training, self.total)
+        return np.array([ScaledGram.of(x[own] + ridge).solve(x[at, columns]) for x in every])
+
+    def _beside(
+        self, chosen: Sequence[int], shares: Array, own: NDArray[np.intp]
+    ) -> tuple[Array, Array, Array]:
         """Return the normal equations of some groups of columns, each by itself, after a set is taken out as well.
 
         Args:
             chosen: Indices of the set.
+            shares: How the set would explain the columns, those of the groups or all.
             own: Positions of the columns of each group, shape (G, q).
 
         Returns:
-            Without each block and each part, of each block, and of all samples, shape (…, G, q, q).
+            Without each block and part, of each block, and of all samples, shape (…, G, q, q).
         """
         rows, columns = own[:, :, None], own[:, None, :]
         training, unseen, total = (x[..., rows, columns] for x in (self.training, self.unseen, self.total))
         at = self.parameters.indices(chosen)
         if not len(at):
             return training, unseen, total
-        ridge, inner = self._ridge(at), np.ix_(at, at)
-
-        def shared(equations: Array) -> tuple[Array, Array]:
-            across = equations[at[:, None, None], own]
-            flat = across.reshape(len(at), -1)
-            return across, ScaledGram.of(equations[inner] + ridge).solve(flat).reshape(across.shape)
-
-        for k, seen in enumerate(self.training):
-            across, share = shared(seen)
-            training[k] -= _products(across, share)
-            if k < len(unseen):
-                block = self.unseen[k]
-                half = _products(
-                    block[at[:, None, None], own] - 0.5 * np.tensordot(block[inner], share, 1), share
-                )
-                unseen[k] -= half + half.transpose(0, 2, 1)
-        return training, unseen, total - _products(*shared(self.total))
+        share, of_set = shares[..., own], at[:, None, None]
+        training -= _products(self.training[:, of_set, own], share[:-1])
+        blind = share[: len(unseen)]  # to the block that is predicted
+        inner = self.unseen[:, at[:, None], at]
+        explained = (inner @ blind.reshape(*inner.shape[:2], -1)).reshape(blind.shape)
+        half = _products(self.unseen[:, of_set, own] - 0.5 * explained, blind)
+        unseen -= half + half.swapaxes(-1, -2)
+        return training, unseen, total - _products(self.total[of_set, own], share[-1])
 
     def _covariances(self, moved: Array, concentration: Array) -> tuple[Array, Array]:
         """Return the covariance of the parameters of several effects by the jackknife, shape (C, p, p) each.
@@ -330,13 +341,13 @@ def _left_of(own: Array, across: Array, inner: Array, share: Array) -> Array:
 
 
 def _products(left: Array, right: Array) -> Array:
-    """Return LᵀR of each group of columns, shape (G, q, q).
+    """Return LᵀR of each group of columns, shape (…, G, q, q).
 
     Args:
-        left: L, shape (p, G, q).
-        right: R, shape (p, G, q).
+        left: L, shape (…, p, G, q).
+        right: R, shape (…, p, G, q).
     """
-    return np.asarray(left.transpose(1, 2, 0) @ right.transpose(1, 0, 2))
+    return np.asarray(np.moveaxis(left, -3, -1) @ np.moveaxis(right, -3, -2))
 
 
 def _concentration(known: Array, whole: Array) -> Array:
