@@ -234,11 +234,6 @@ class Differing:
         pairs = product(logs[self.before :], logs[: self.before])
         return any(after.lag_behind(before) is not None for after, before in pairs)
 
-    @property
-    def misfit(self) -> float:
-        """Sum of squares of what the model leaves where it counts, in units of what is left there [1]."""
-        return float(np.sum(np.where(self.used, self.residual / self.size, 0.0) ** 2))
-
     @cached_property
     def residual(self) -> Array:
         """What the model leaves of the logs as recorded, as far as columns tell [N·m or N], shape (K, n)."""

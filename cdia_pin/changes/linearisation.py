@@ -61,8 +61,8 @@ def sized_about_themselves(search: ChangeSearch, chosen: tuple[int, ...]) -> Fou
 def _settled(search: ChangeSearch, chosen: Sequence[int]) -> tuple[Array, Array]:
     """Return the parameters of changes and their covariance, after steps about their own size.
 
-    Where they end at a model that fits worse than one without the changes, it is the search's estimate. On the way they
-    may, since the first step may be too long.
+    Where they end at a model that leaves more beside the common structure than one without the changes, it is the
+    search's estimate. On the way they may, since the first step may be too long.
     """
     effects, differing = [search.evidence.effects[c] for c in chosen], search.differing
     first = theta, covariance = search.evidence.estimate(chosen)
@@ -70,7 +70,8 @@ def _settled(search: ChangeSearch, chosen: Sequence[int]) -> tuple[Array, Array]
     for _ in range(STEPS):
         try:
             about = differing.about(dict(zip(effects, parts.split(theta), strict=True)))
-            step, covariance = about.evidence().estimate(range(len(effects)))
+            evidence = about.evidence()
+            step, covariance = evidence.estimate(range(len(effects)))
         except DIVERGED:
             return first
         if not np.isfinite(step).all():
@@ -78,4 +79,4 @@ def _settled(search: ChangeSearch, chosen: Sequence[int]) -> tuple[Array, Array]
         theta = theta + step
         if np.all(np.abs(step) <= SETTLED * np.sqrt(np.diag(covariance))):
             break
-    return (theta, covariance) if about.misfit <= differing.misfit else first
+    return (theta, covariance) if evidence.left <= search.evidence.left else first

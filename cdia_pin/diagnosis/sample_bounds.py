@@ -41,6 +41,7 @@ SPEED_RESOLUTION = (
 )
 TORQUE_RESOLUTION = 0.02  # [1], of the effort limit: step of the torque that is never suspicious
 SMALL_SPEED = 0.01  # [1], of the largest speed, from which a sudden zero on all joints is suspicious
+ZERO_MARGIN = 2.0  # [1], over the largest value from which all joints of a healthy arm went to zero at once
 REST_SHARE = 0.005  # [1], of the largest speed: below it a joint may be at rest
 DRIFT_SHARE = 0.01  # [1], of the largest speed: bias of a velocity that is never suspicious
 TRAVEL_SHARE = 0.001  # [1], the same for a signal that stays the same, which is evidence by itself
@@ -124,8 +125,10 @@ class SampleBounds:
         still = sum((np.diff(run.position, axis=0) == 0).sum(axis=0) for run in runs)
         array = _static(robot, speed, effort, low, high)
         array[rows.ACCELERATION] = usual / QUICKEST_START
-        array[rows.ZERO_VELOCITY], array[rows.REST_SPEED] = SMALL_SPEED * usual, REST_SHARE * usual
-        array[rows.ZERO_TORQUE] = TORQUE_RESOLUTION * load
+        array[rows.REST_SPEED] = REST_SHARE * usual
+        array[rows.ZERO_VELOCITY] = np.maximum(SMALL_SPEED * usual, ZERO_MARGIN * _before_zeros(speeds))
+        efforts = [run.effort for run in runs]
+        array[rows.ZERO_TORQUE] = np.maximum(TORQUE_RESOLUTION * load, ZERO_MARGIN * _before_zeros(efforts))
         array[rows.VELOCITY_SLACK] = np.maximum(MARGIN * step, SPEED_RESOLUTION * usual)
         array[rows.POSITION_SLACK] = ERROR_MARGIN * error + SPEED_RESOLUTION * usual * period
         array[rows.TORQUE_SLACK] = MARGIN * torque + TORQUE_RESOLUTION * load
@@ -208,6 +211,16 @@ def _speed(run: Log) -> Array:
         return run.velocity
     steps = np.diff(run.position, axis=0) / np.diff(run.time)[:, None]
     return np.vstack([steps[:1], steps])
+
+
+def _before_zeros(signals: Sequence[Array]) -> Array:
+    """Return the largest value of each joint before all joints read zero at once, as coarse signals do, shape (n,).
+
+    Args:
+        signals: A signal of each run, shape (K, n) each.
+    """
+    before = [np.abs(x[:-1])[(x[1:] == 0.0).all(axis=1)] for x in signals]
+    return np.asarray(np.max(np.vstack([*before, np.zeros((1, signals[0].shape[1]))]), axis=0))
 
 
 def _survey(n: int, runs: Sequence[Log], speeds: Sequence[Array], period: float) -> Array:

@@ -341,8 +341,10 @@ class SampleCheck(Stateful):
             accused = [(self._joints[j], codes.signal_of(flags[j]), flags[j]) for j in np.flatnonzero(flags)]
         elif kind == codes.OUTSIDE:
             accused = [(self._joints[j], s, code) for s, j in self._outside(q, v, tau)]
-        elif kind in (codes.JUMP, codes.ZEROED):
+        elif kind == codes.JUMP:
             accused = [(self._joints[int(self._scalars[rows.JOINT])], signal, code)]
+        elif kind == codes.ZEROED:
+            accused = [(joint, signal, code) for joint in self._joints]
         else:
             return
         new = self.sensors.accuse(accused, self._since, is_first_only=kind != codes.OUTSIDE)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
 
-from cdia_pin.effects import Channel, Signal, Term, parse_effect
+from cdia_pin.effects import Channel, Effect, Signal, Term, parse_effect
 from cdia_pin.errors import ModelError
 from cdia_pin.logs.motion import Motion
 from cdia_pin.phrases import shortened, some
@@ -93,6 +93,16 @@ class ModelTerms:
     def turns_gravity(self) -> bool:
         """True if terms change the gravity that acts on the arm."""
         return bool(self._turning)
+
+    def moves(self, effect: Effect) -> bool:
+        """Tell whether terms move the positions that an effect sees from those that the encoders read.
+
+        Args:
+            effect: The effect, in the model or not.
+        """
+        at_true_positions = effect.traits.channel not in (Channel.POSITION_READING, Channel.TORQUE_READING)
+        sees = at_true_positions and Signal.POSITION in effect.traits.depends_on
+        return sees and bool(self.on(Channel.POSITION_READING))
 
     def on(self, channel: Channel) -> tuple[Term, ...]:
         """Return the terms of a channel.

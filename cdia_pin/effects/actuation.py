@@ -22,6 +22,7 @@ OF_A_GEAR = (
     5.0  # [1/rad or 1/m], what repeats that often is called a ripple before two periods of it are seen
 )
 TURN = 2 * np.pi
+LEAST_TRAVEL = 1e-3  # [rad or m], of a joint that shows a ripple
 
 
 @dataclass(frozen=True)
@@ -131,11 +132,23 @@ class PositionRipple(JointEffect):
         Args:
             x: Motion and torques, N samples.
         """
-        j = x.robot.joint_index(self.joint)
-        travel = float(np.ptp(x.q[:, j]))
-        if travel < 1e-3:
+        j, travel = x.robot.joint_index(self.joint), self._travel(x)
+        if travel < LEAST_TRAVEL:
             return []
         fastest = FASTEST_SLIDING if x.robot.is_prismatic[j] else FASTEST_TURNING
         slowest = max(float(np.clip(OF_A_GEAR, TURN / 2 / travel, 2 * TURN / travel)), self.shape[0].lower)
         step = 0.35 * TURN / travel  # a third of a resolution cell
         return [self.with_shape(frequency=float(w)) for w in np.arange(slowest, fastest, step)]
+
+    def nearly_alike(self, x: State) -> Sequence[Self]:
+        """Return the ripples one resolution cell slower and faster; with them its size may change along the joint.
+
+        Args:
+            x: Motion and torques, N samples.
+        """
+        travel, least = self._travel(x), self.shape[0].lower
+        beside = (self.frequency - TURN / travel, self.frequency + TURN / travel) if travel > 0 else ()
+        return [self.with_shape(frequency=w) for w in beside if least <= w <= self.shape[0].upper]
+
+    def _travel(self, x: State) -> float:
+        return float(np.ptp(x.q[:, x.robot.joint_index(self.joint)]))

@@ -226,3 +226,11 @@ class Effect(Scoped, ABC):
             x: Motion and torques, N samples.
         """
         return [self]
+
+    def nearly_alike(self, x: State) -> Sequence[Self]:
+        """Return the effect at the nearest shapes that this motion tells from its own; none where it has no shape.
+
+        Args:
+            x: Motion and torques, N samples.
+        """
+        return []

@@ -245,6 +245,14 @@ class WrappedEffect(Effect):
         """
         return [replace(self, effect=e) for e in self.effect.shape_grid(x)]  # type: ignore[type-var]
 
+    def nearly_alike(self, x: State) -> Sequence[Self]:
+        """Return the effect at the nearest shapes of the inner effect that this motion tells from its own.
+
+        Args:
+            x: Motion and torques, N samples.
+        """
+        return [replace(self, effect=e) for e in self.effect.nearly_alike(x)]  # type: ignore[type-var]
+
     def to_dict(self) -> EffectRecord:
         """Refuse to write what no file can hold; a subclass with a form in files overrides it.
 

@@ -166,7 +166,8 @@ class Conversion:
         Returns:
             Factor [N·m or N per unit of the log], shape (n,).
         """
-        scale = np.where(robot.is_prismatic, 1.0, TORQUES[self.torque])
+        of_current = self.torque in CURRENTS  # a slide's force is in N, its drive's current is a current
+        scale = np.where(robot.is_prismatic & (not of_current), 1.0, TORQUES[self.torque])
         gears = np.array([self.reduction.get(j, 1.0) for j in robot.joints])
         return np.asarray(scale * gears * _signs(robot.joints, self.flip_effort))
 

@@ -154,6 +154,11 @@ class BlockEvidence(Generic[E]):
         """Position of the parameters of each effect."""
         return ParameterBlocks.of(self.effects)
 
+    @property
+    def left(self) -> float:
+        """What the common structure leaves of all samples [1]."""
+        return float(self.total[-1, -1])
+
     def unexplained(self, chosen: Sequence[int]) -> Array:
         """Return what a set leaves of each block when that block is left out [1], shape (B,).
 

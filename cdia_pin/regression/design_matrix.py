@@ -84,9 +84,9 @@ class DesignMatrix:
         traits = effect.traits
         # at zero, a nonlinear effect has the columns of a candidate
         bends = not traits.linear and theta is not None and bool(np.any(theta))
-        at_times = exact and prediction.profile(effect) != ALWAYS
+        is_own = exact and (prediction.profile(effect) != ALWAYS or prediction.model.moves(effect))
         # slopes are right for the present parameters alone and cannot be reused
-        if isinstance(effect, Slope) or Signal.TORQUE in traits.depends_on or bends or at_times:
+        if isinstance(effect, Slope) or Signal.TORQUE in traits.depends_on or bends or is_own:
             values = self.experiment.columns(effect, prediction, theta)
             return Columns(values, None, np.full(len(joints), np.nan))
         fixed = self.fixed(effect, prediction)

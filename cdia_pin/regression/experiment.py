@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 
 # Postures per log [1] at which the mass matrix is computed, because all of them would take long.
 POSTURES = 200
+SHIFT = 1e-4  # [rad or m], step of an encoder's zero by which its columns are differences
 MOST_PREDICTIONS = 4  # predictions [1] that are kept, of some MB each
 NO_LOAD = 1e-9  # variation of a load [N·m or N] that comes from rounding
 FEWEST_SAMPLES = 40  # compared samples of a log [1]; fewer do not determine the noise of a joint
@@ -270,11 +271,19 @@ class Experiment:
         """
         acts_on = list(effect.acts_on(self.robot))
         joints = acts_on if at is None else [acts_on[i] for i in at]
+        if (
+            theta is not None
+            and effect.traits.channel is Channel.POSITION_READING
+            and effect in prediction.present
+        ):
+            return self._of_shift(effect, prediction)[:, joints, None]
         every, rows = list(range(self.robot.n)), []
         profile = ALWAYS if theta is None else prediction.profile(effect)
         for segment, torques in zip(self.segments, prediction.torques, strict=True):
             x = segment.state
-            if Signal.GRAVITY in effect.traits.depends_on and prediction.model.turns_gravity:
+            if theta is not None and prediction.model.moves(effect):
+                x = prediction.model.true_state(x)
+            elif Signal.GRAVITY in effect.traits.depends_on and prediction.model.turns_gravity:
                 x = prediction.model.under_gravity(x)
             if Signal.TORQUE in profile.depends_on.union(effect.traits.depends_on):
                 x = x.with_effort(torques.actuator)
@@ -288,6 +297,22 @@ class Experiment:
             flat = segment.motion.compared(part.reshape(len(part), -1))
             rows.append(flat.reshape(len(flat), len(joints), -1))
         return rows[0] if len(rows) == 1 else np.vstack(rows)
+
+    def _of_shift(self, effect: Effect, prediction: Prediction) -> Array:
+        """Return the derivative of the residual by an encoder's zero, which moves all terms of the model, shape (K, n).
+
+        Args:
+            effect: The effect, in the model.
+            prediction: Prediction of the model.
+        """
+        model, term = prediction.model, prediction.present[effect]
+
+        def left(step: float) -> Array:
+            moved = term.with_theta((term.theta[0] + step,))
+            terms = tuple(moved if t is term else t for t in model.terms)
+            return self._predicted(Dynamics(model.robot, terms)).residual
+
+        return (left(-SHIFT) - left(SHIFT)) / (2.0 * SHIFT)
 
     def torque_of(self, effect: Effect, theta: Array, efforts: Sequence[Array]) -> Array:
         """Return the torque of an effect at the compared samples of all segments, filtered like the torques.

@@ -286,3 +286,24 @@ def test_whatever_was_in_the_samples_good_ones_pass_afterwards(spoiled):
     outcomes, _ = feed(checked, *s)
     assert set(outcomes[550:]) == {Outcome.ACCEPTED}
     assert checked.faults == ()
+
+
+def test_coarse_velocities_that_are_all_zero_at_times_are_good():
+    """Steps of 0.28 rad/s: all joints of a slow arm read zero at once, from one step up."""
+
+    def coarse(seed):
+        log = motion(10.0, seed)
+        step = 0.28
+        slow = Log(
+            log.joints, 4 * log.time, log.position, log.effort, step * np.rint(log.velocity / 4 / step)
+        )
+        return slow, (slow.velocity == 0.0).all(axis=1)
+
+    healthy, zeros = coarse(0)
+    assert zeros.any() and not zeros.all()
+    checked = SampleCheck(ROBOT.joints, SampleBounds.learned(ROBOT, [healthy]), True)
+    log, zeros = coarse(1)
+    assert zeros[1:][~zeros[:-1]].any()  # it goes to zero from one step
+    outcomes, news = feed(checked, log.time, log.position, log.velocity, log.effort)
+    assert Outcome.BAD not in outcomes
+    assert not news

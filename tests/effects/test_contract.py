@@ -541,6 +541,7 @@ def test_an_effect_that_overrides_nothing_is_the_other_one(name, effect):
     ):
         assert getattr(effect, fact) == getattr(inner, fact)
     assert [e.effect for e in effect.shape_grid(x)] == list(inner.shape_grid(x))
+    assert [e.effect for e in effect.nearly_alike(x)] == list(inner.nearly_alike(x))
 
 
 @each(lambda effect: effect.memories)

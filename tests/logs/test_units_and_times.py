@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from cdia_pin import read_log
+from cdia_pin import load_robot, read_log
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Conversion, write_log
 from cdia_pin.logs.gains import NOMINAL_TOLERANCE, read_gains
 from cdia_pin.logs.timestamps import in_order, in_seconds
 from tests.made_logs import make
+from tests.one_joint import write_urdf
 
 STEPS = np.arange(100)
 
@@ -77,6 +78,12 @@ def test_conversions_mean_the_same_in_python_and_on_the_command_line():
         angle="deg", flip_effort=("a", "b"), reduction={"a": 100.0, "b": 50.5}, use_velocity=False
     )
     assert Conversion.of({"angle": "deg"}) == Conversion.of("angle=deg")
+
+
+def test_currents_of_a_slide_are_currents_and_its_force_is_in_newton(tmp_path):
+    robot = load_robot(str(write_urdf("prismatic", tmp_path)))
+    assert Conversion.of("torque=mA").effort_scale(robot) == pytest.approx([1e-3])
+    assert Conversion.of("torque=Nmm").effort_scale(robot) == pytest.approx([1.0])
 
 
 def test_several_conversions_fit_in_one_text():
