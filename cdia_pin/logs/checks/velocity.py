@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.motion import CUTOFF, SmoothedMotion, longest_stretch
 from cdia_pin.logs.checks.sampling import has_even_clock
+from cdia_pin.logs.checks.uncounted_time import Pauses, uncounted
 from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
 from cdia_pin.logs.log import Log
 
@@ -92,7 +93,7 @@ _KNOWN = {
 
 
 def check_velocity(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]:
-    """Compare recorded velocities with the derivative of the positions: sign, scale, lag.
+    """Compare recorded velocities with the derivative of the positions: pauses of the recorder, sign, scale, lag.
 
     Args:
         log: The log.
@@ -119,7 +120,12 @@ def check_velocity(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]
             value={"joints": zero},
             misleads=False,
         )
-    matches = _matches(log, [k for k in moving if log.velocity[:, k].any()])
+    told = [k for k in moving if log.velocity[:, k].any()]
+    pauses = uncounted(log, told)
+    if pauses is not None:
+        yield _pauses(log, pauses)
+        return
+    matches = _matches(log, told)
     odd = {k: m for k, m in matches.items() if abs(m.scale - 1.0) > 0.03 or m.unexplained > 0.02}
     alike: dict[Mismatch, list[int]] = {}
     for k, match in odd.items():
@@ -129,7 +135,7 @@ def check_velocity(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]
         return
     for cause, where in alike.items():
         names = [log.joints[k] for k in where]
-        told = (
+        places = (
             names
             if cause is not _SCALED
             else [f"{log.joints[k]} ({matches[k].scale:.3g} times)" for k in where]
@@ -137,7 +143,7 @@ def check_velocity(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]
         yield Finding(
             Topic.VELOCITY,
             cause.severity,
-            f"the recorded velocity {cause.meaning} on {', '.join(told)}",
+            f"the recorded velocity {cause.meaning} on {', '.join(places)}",
             joint=names[0] if len(names) == 1 else None,
             advice=cause.advice.format(joints=",".join(names)),
             value={log.joints[k]: asdict(matches[k]) for k in where},
@@ -147,6 +153,18 @@ def check_velocity(log: Log, motion: SmoothedMotion | None) -> Iterator[Finding]
     if fine:
         of = f" of {', '.join(log.joints[k] for k in fine)}" if odd else ""
         yield _lag(np.array([m.lag for m in fine.values()]), log.rate, len(fine), of)
+
+
+def _pauses(log: Log, pauses: Pauses) -> Finding:
+    """Return the finding on pauses that the times do not count."""
+    return Finding(
+        Topic.VELOCITY,
+        Severity.ERROR,
+        f"the times leave out {pauses.number} pauses or more, of {pauses.usual:.3g} s mostly: between rows the joints "
+        f"travel many times as far as their velocities say; {pauses.lost:.3g} s in all beside {log.duration:.3g} s",
+        advice="record the time of each row with the controller's clock, not by counting rows; no conversion mends it",
+        value=pauses._asdict(),
+    )
 
 
 def _have_one_factor(matches: Mapping[int, VelocityMatch]) -> bool:
