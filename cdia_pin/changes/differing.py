@@ -141,7 +141,7 @@ class Differing:
         Args:
             changes: Parameters of the changes, shape (p,) each.
         """
-        x, columns = self.experiment, self.columns
+        x, columns = self.experiment, self.columns.following_zeros()
         left = {change: theta - self.put_right.get(change, 0.0) for change, theta in changes.items()}
         terms = [Term(change, tuple(theta)) for change, theta in left.items()]
         prediction = x.predict(plainly_fitted(Dynamics(x.robot, (*self.given.model.terms, *terms)), x))

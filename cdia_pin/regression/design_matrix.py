@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,14 +47,25 @@ class DesignMatrix:
 
     Args:
         experiment: The conditioned logs.
+
+    Attributes:
+        follows_zeros: Whether the columns of a model's own effects are those at its true positions, as encoders' zeros
+            move them. A search takes them at the positions that are read: exact ones lead it into unusual effects.
     """
 
     def __init__(self, experiment: Experiment) -> None:
         self.experiment = experiment
+        self.follows_zeros = False
         self._fixed: dict[Effect, Array] = {}
         self._weighed: tuple[Array, dict[Effect, Array]] = (np.zeros(3), {})
         self._gravity: tuple[Prediction, Array] | None = None
         self._families: dict[Effect, tuple[NoiseModel, list[Effect], Array, Array]] = {}
+
+    def following_zeros(self) -> DesignMatrix:
+        """Return the same columns, those of a model's own effects at its true positions."""
+        out = copy(self)
+        out.follows_zeros = True
+        return out
 
     def of(self, effect: Effect, prediction: Prediction, theta: Array | None = None) -> Array:
         """Return the columns of an effect.
@@ -84,10 +96,11 @@ class DesignMatrix:
         traits = effect.traits
         # at zero, a nonlinear effect has the columns of a candidate
         bends = not traits.linear and theta is not None and bool(np.any(theta))
-        is_own = exact and (prediction.profile(effect) != ALWAYS or prediction.model.moves(effect))
+        moves = self.follows_zeros and prediction.model.moves(effect)
+        is_own = exact and (moves or prediction.profile(effect) != ALWAYS)
         # slopes are right for the present parameters alone and cannot be reused
         if isinstance(effect, Slope) or Signal.TORQUE in traits.depends_on or bends or is_own:
-            values = self.experiment.columns(effect, prediction, theta)
+            values = self.experiment.columns(effect, prediction, theta, follows_zeros=self.follows_zeros)
             return Columns(values, None, np.full(len(joints), np.nan))
         fixed = self.fixed(effect, prediction)
         mean, varies = prediction.gains

@@ -256,6 +256,7 @@ class Experiment:
         theta: Array | None = None,
         *,
         at: NDArray[np.intp] | None = None,
+        follows_zeros: bool = False,
     ) -> Array:
         """Return the derivative of the residual by each parameter of an effect, filtered like the torques.
 
@@ -265,23 +266,22 @@ class Experiment:
             theta: Parameters of the effect if the model has it, shape (p,): a nonlinear effect is differentiated there,
                 and the effect has the profile of the model's term. Zero and always present if omitted.
             at: Which of the joints that the effect acts on are wanted; all if omitted.
+            follows_zeros: Whether the columns of an effect in the model are those at the model's true positions, and
+                that of an encoder's zero is of all that it moves; else those of the positions that are read.
 
         Returns:
             Columns of the joints that the effect acts on [N·m or N per unit], shape (K, len(acts_on), p).
         """
         acts_on = list(effect.acts_on(self.robot))
         joints = acts_on if at is None else [acts_on[i] for i in at]
-        if (
-            theta is not None
-            and effect.traits.channel is Channel.POSITION_READING
-            and effect in prediction.present
-        ):
+        exact = follows_zeros and theta is not None
+        if exact and effect.traits.channel is Channel.POSITION_READING and effect in prediction.present:
             return self._of_shift(effect, prediction)[:, joints, None]
         every, rows = list(range(self.robot.n)), []
         profile = ALWAYS if theta is None else prediction.profile(effect)
         for segment, torques in zip(self.segments, prediction.torques, strict=True):
             x = segment.state
-            if theta is not None and prediction.model.moves(effect):
+            if exact and prediction.model.moves(effect):
                 x = prediction.model.true_state(x)
             elif Signal.GRAVITY in effect.traits.depends_on and prediction.model.turns_gravity:
                 x = prediction.model.under_gravity(x)
