@@ -2,8 +2,8 @@
 
 Positions and torques pass the same zero-phase filter. Each torque that is computed from the positions passes it
 again, together with the measured torque, and both are decimated to the bandwidth that is left. So both sides of
-M q̈ + nle = τ + f are treated alike [Gautier1997], but for steps: dry friction of filtered speeds passes one filter, that
-of the arm both.
+M q̈ + nle = τ + f are treated alike [Gautier1997], but for steps: dry friction of filtered speeds passes one filter,
+that of the arm both.
 """
 
 from __future__ import annotations
