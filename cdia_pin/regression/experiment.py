@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 # Postures per log [1] at which the mass matrix is computed, because all of them would take long.
 POSTURES = 200
-SHIFT = 1e-4  # [rad or m], step of an encoder's zero by which its columns are differences
+SHIFT = 1e-4  # [rad or m], step of an encoder's zero for differences: small beside a ripple, large beside rounding
 MOST_PREDICTIONS = 4  # predictions [1] that are kept, of some MB each
 NO_LOAD = 1e-9  # variation of a load [N·m or N] that comes from rounding
 FEWEST_SAMPLES = 40  # compared samples of a log [1]; fewer do not determine the noise of a joint
