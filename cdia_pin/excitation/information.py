@@ -141,6 +141,7 @@ def planned(robot: RobotModel, *trajectories: Trajectory, cutoff: float = CUTOFF
 def _record(condition: str, rate: float, cutoff: float, decimation: int) -> MotionRecord:
     return MotionRecord(
         cutoff=cutoff,
+        motion_cutoff=rate / 2,
         trim=0.0,
         source="planned",
         condition=condition,

@@ -1,9 +1,9 @@
 """Conditioning of a log: motion, accelerations and torques that can be compared, with a record of every step.
 
-Positions and torques pass the same zero-phase filter. Each torque that is computed from the positions passes it
-again, together with the measured torque, and both are decimated to the bandwidth that is left. So both sides of
-M q̈ + nle = τ + f are treated alike [Gautier1997], but for steps: dry friction of filtered speeds passes one filter,
-that of the arm both.
+Positions and torques pass the same zero-phase filter, of the motion. Each torque that is computed from the positions
+and the measured torque pass another, of the comparison, and both are decimated to the bandwidth that is left. So both
+sides of M q̈ + nle = τ + f are treated alike [Gautier1997]. The filter of the motion is wider: it blurs the step of the
+arm's friction at a reversal, not the one that is computed, and what is beyond the comparison's cut-off does not count.
 """
 
 from __future__ import annotations
@@ -52,15 +52,19 @@ class Conditioning:
     """Settings of the conditioning.
 
     Attributes:
-        cutoff: Cut-off of the zero-phase filter [Hz]; chosen from the log if None.
+        cutoff: Cut-off of the compared torques [Hz]; chosen from the log if None.
         trim: Length cut from both ends, where the filter lacks neighbours [periods of the cut-off].
         most: Largest number of compared samples [1]. Of a longer log stretches are looked at, which are spread evenly
             over it; all of it if None.
+        motion_band: Cut-off of the motion over that of the compared torques [1]. With 1 Coulomb friction comes out up
+            to 6 % too large and viscous friction as much too small, with 1.5 up to 0.7 %; a wider band makes speeds
+            noisier (docs/results-blurred-steps.md).
     """
 
     cutoff: float | None = None
     trim: float = 2.0
     most: int | None = None
+    motion_band: float = 1.5
 
 
 def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None) -> Motion:
@@ -130,13 +134,14 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         notes.append(_said_of_gaps(log, len({other.start for _, other in between})))
     raw_effort = _joined(log.effort[p] for p in parts) if len(looked_at) > 1 else log.effort
     steps = np.array([quantum(of_joint) for of_joint in _joined(even.position[p] for p in parts).T])
-    by = Filter(cutoff, rate, every, min(STEPLESS, cutoff), steps)
+    wide = min(settings.motion_band * cutoff, HIGHEST_SHARE_GIVEN * rate)
+    by = Filter(cutoff, wide, rate, every, min(STEPLESS, cutoff), steps)
     filtered = [
         FilteredPart.of(even, block, within, by)
         for part, within in between
         for block in blocks(part, by.block, every)
     ]
-    speed_noise, acceleration_noise = _noise(filtered, cutoff, rate)
+    speed_noise, acceleration_noise = _noise(filtered, by)
     busiest = np.max([p.busiest for p in filtered], axis=0)
     parted = {name: [getattr(p, name) for p in filtered] for name in ("q", "v", "a", "effort", "temperature")}
     del filtered  # a signal's parts are freed as soon as they are joined
@@ -160,6 +165,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         effort_step=np.array([_effort_step(of_joint) for of_joint in raw_effort.T]),
         record=MotionRecord(
             cutoff=cutoff,
+            motion_cutoff=wide,
             trim=settings.trim,
             source=log.source,
             condition=log.condition,
@@ -190,14 +196,20 @@ def _said_of_gaps(log: Log, used: int) -> str:
     )
 
 
-def _noise(parts: Sequence[FilteredPart], cutoff: float, rate: float) -> tuple[Array, Array]:
-    """Estimate standard deviations of the speed [rad/s] and of the acceleration [rad/s²], shape (n,) each."""
+def _noise(parts: Sequence[FilteredPart], by: Filter) -> tuple[Array, Array]:
+    """Estimate standard deviations of the speed [rad/s] and of the compared acceleration [rad/s²], shape (n,) each."""
     # of white noise of the positions, from what the filter removed
-    white = np.sqrt(mean([p.removed for p in parts], parts)) / np.sqrt(max(1.0 - 2 * cutoff / rate, 0.1))
-    of_speed = white * 2 * np.pi * cutoff * np.sqrt(2 * cutoff / rate / 3)
-    # white noise of a filtered position: noise of its acceleration from noise of its speed
-    of_acceleration = of_speed * 2 * np.pi * cutoff * np.sqrt(3 / 5)
+    white = np.sqrt(mean([p.removed for p in parts], parts)) / np.sqrt(
+        max(1.0 - 2 * by.motion / by.rate, 0.1)
+    )
+    of_speed = _of_derivative(white, 1, by.motion, by.rate)
+    of_acceleration = _of_derivative(white, 2, by.cutoff, by.rate)
     return of_speed, np.maximum(of_acceleration, np.sqrt(mean([p.rounding for p in parts], parts)))
+
+
+def _of_derivative(white: Array, order: int, cutoff: float, rate: float) -> Array:
+    """Return the standard deviation of a derivative of white noise below a cut-off [1/s per order], shape (n,)."""
+    return np.asarray(white * (2 * np.pi * cutoff) ** order * np.sqrt(2 * cutoff / rate / (2 * order + 1)))
 
 
 def _joined(signals: Iterable[Array]) -> Array:

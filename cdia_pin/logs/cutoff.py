@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.logs.derivatives import differentiate, zero_phase
+from cdia_pin.logs.derivatives import zero_phase
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.stretches import stretches
 from cdia_pin.robot.model import RobotModel
@@ -18,7 +18,9 @@ Array = NDArray[np.float64]
 # [Hz], range of the cut-off: a working motion of an arm needs the lower end, and the resonances of its structure
 # lie near the upper end
 LOWEST_CUTOFF, HIGHEST_CUTOFF = 5.0, 25.0
-HIGHEST_SHARE = 0.15  # [1], of the log's rate; nearer to half the rate, central differences lose amplitude
+HIGHEST_SHARE = (
+    0.15  # [1], of the log's rate: seven samples a period, of which a held or late one is a small part
+)
 FINEST = 1e-15  # [1], smallest floor of a position over its peak power: an error of about 10⁻⁶ of its travel
 FINEST_EFFORT = 1e-9  # [1], the same for torques, which no sensor measures that finely
 FLAT = 10.0  # [1], power over the spectrum's floor below which a band holds noise only
@@ -76,9 +78,8 @@ def choose_cutoff(even: Log, robot: RobotModel) -> float:
 
 def _computed(part: Log, robot: RobotModel, cutoff: float, rate: float, every: int) -> Array:
     """Return the rigid-body torque of the filtered positions [N·m or N], one of so many samples."""
-    q = zero_phase(part.position, cutoff, rate)
-    v = differentiate(q, rate)
-    return robot.inverse_dynamics(*(x[::every] for x in (q, v, differentiate(v, rate))))
+    motion = (zero_phase(part.position, cutoff, rate, derivative=d) for d in range(3))
+    return robot.inverse_dynamics(*(x[::every] for x in motion))
 
 
 def _spectrum(parts: Sequence[Array], rate: float) -> tuple[Array, Array]:

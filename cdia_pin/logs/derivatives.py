@@ -1,4 +1,4 @@
-"""Derivatives of measured signals: uniform resampling, a filter without lag, central differences."""
+"""Derivatives of measured signals: uniform resampling, and a filter without lag that differentiates."""
 
 from __future__ import annotations
 
@@ -84,24 +84,29 @@ def sampled_at(log: Log, time: Array) -> Log:
     )
 
 
-def zero_phase(signal: ArrayLike, cutoff: float, rate: float, *, order: int = 4) -> Array:
-    r"""Low-pass a signal without lag: Butterworth forward and backward, odd padding.
+def zero_phase(
+    signal: ArrayLike, cutoff: float, rate: float, *, derivative: int = 0, order: int = 4
+) -> Array:
+    r"""Low-pass a signal without lag, or a derivative of it: Butterworth forward and backward, odd padding.
 
     .. math:: |H(f)|^2 = \frac{1}{1 + (\tan(\pi f/r) / \tan(\pi f_c/r))^{2 n}}
 
     The product of both passes, |H|², is applied in the frequency domain to the signal without the line through its
     ends. The rest is odd about both ends, so the result equals filtfilt with endless odd padding. A constant and a
     ramp pass unchanged. As with any odd padding, the first and the last sample pass unfiltered: cut about
-    ``rate / cutoff`` samples from each end before derivatives are used.
+    ``rate / cutoff`` samples from each end before derivatives are used. A derivative is that of the filtered signal
+    between the samples: (2 π i f)ᵈ in the same domain. Central differences lose amplitude, 8 % of an acceleration at
+    10 Hz where the rate is 125 Hz.
 
     Args:
         signal: Uniformly sampled signal, shape (N,) or (N, n), in any unit.
         cutoff: Frequency at which the two passes together halve the amplitude [Hz].
         rate: Sampling rate [Hz].
+        derivative: Order of the derivative d, 0 to 2 [1].
         order: Order of the Butterworth filter of one pass [1].
 
     Returns:
-        Filtered signal, shape and unit of ``signal``.
+        Filtered signal or its derivative [unit of ``signal`` per sᵈ], shape of ``signal``.
 
     Raises:
         LogError: If the cutoff is not between 0 and half the sampling rate.
@@ -111,54 +116,37 @@ def zero_phase(signal: ArrayLike, cutoff: float, rate: float, *, order: int = 4)
     x = np.asarray(signal, dtype=np.float64)
     margin = int(np.ceil(MARGIN * rate / cutoff))
     if len(x) <= BLOCK or 4 * margin > BLOCK:
-        return _filtered(x, cutoff, rate, order)
+        return _filtered(x, cutoff, rate, derivative, order)
     out = np.empty_like(x)
     for first in range(0, len(x), BLOCK - 2 * margin):
         start = min(max(first - margin, 0), len(x) - BLOCK)
         last = min(first + BLOCK - 2 * margin, len(x))
-        block = _filtered(x[start : start + BLOCK], cutoff, rate, order)
+        block = _filtered(x[start : start + BLOCK], cutoff, rate, derivative, order)
         out[first:last] = block[first - start : last - start]
     return out
 
 
-def _filtered(x: Array, cutoff: float, rate: float, order: int) -> Array:
+def _filtered(x: Array, cutoff: float, rate: float, derivative: int, order: int) -> Array:
     """Filter a signal as `zero_phase` says, in one piece, column by column."""
     if x.ndim > 1 and not x.shape[1]:
         return x.copy()
     if x.ndim > 1:
-        return np.column_stack([_filtered(column, cutoff, rate, order) for column in x.T]).reshape(x.shape)
+        columns = [_filtered(column, cutoff, rate, derivative, order) for column in x.T]
+        return np.column_stack(columns).reshape(x.shape)
     count = len(x)
     if count < 3:
-        return x.copy()
-    share = np.linspace(0.0, 1.0, count)
-    line = x[0] + share * (x[-1] - x[0])
+        return x.copy() if not derivative else np.zeros_like(x)
+    share, rise = np.linspace(0.0, 1.0, count), x[-1] - x[0]
+    line = x[0] + share * rise
     inside = x - line
     odd = np.concatenate([inside, -inside[-2:0:-1]])  # one period of the odd extension, (2 N − 2, …)
     spectrum = np.fft.rfft(odd)
     angle = np.pi * np.fft.rfftfreq(len(odd))  # π f / rate, up to π/2
     with np.errstate(over="ignore"):
         gain = 1.0 / (1.0 + (np.tan(angle) / np.tan(np.pi * cutoff / rate)) ** (2 * order))
-    smooth = np.fft.irfft(spectrum * gain, n=len(odd))
-    return np.asarray(line + smooth[:count])
-
-
-def differentiate(signal: ArrayLike, rate: float) -> Array:
-    """Differentiate by central differences, one-sided of second order at the ends.
-
-    Args:
-        signal: Uniformly sampled signal, shape (N,) or (N, n), N ≥ 3.
-        rate: Sampling rate [Hz].
-
-    Returns:
-        Derivative [unit of ``signal`` per s], shape of ``signal``.
-
-    Raises:
-        LogError: If there are fewer than three samples.
-    """
-    x = np.asarray(signal, dtype=np.float64)
-    if len(x) < 3:
-        raise LogError(f"a derivative needs at least 3 samples, found {len(x)}")
-    return np.asarray(np.gradient(x, 1.0 / rate, axis=0, edge_order=2))
+    smooth = np.fft.irfft(spectrum * gain * (2j * rate * angle) ** derivative, n=len(odd))
+    of_line = (line, rise * rate / (count - 1), 0.0)[derivative]
+    return np.asarray(of_line + smooth[:count])
 
 
 def speed_of(position: Array, time: Array) -> Array:

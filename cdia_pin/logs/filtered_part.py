@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.logs.derivatives import BLOCK, MARGIN, differentiate, zero_phase
+from cdia_pin.logs.derivatives import BLOCK, MARGIN, zero_phase
 from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
@@ -22,7 +22,8 @@ class Filter:
     """How a part of a log is filtered.
 
     Attributes:
-        cutoff: Cut-off of the zero-phase filter [Hz].
+        cutoff: Cut-off of the filter that compared torques pass [Hz].
+        motion: Cut-off of the filter that positions and torques pass before [Hz].
         rate: Rate of the log [Hz].
         every: Samples of the log for each one that is kept [1].
         stepless: Cut-off of a motion that holds no steps of the encoder any more [Hz].
@@ -30,6 +31,7 @@ class Filter:
     """
 
     cutoff: float
+    motion: float
     rate: float
     every: int
     stepless: float
@@ -76,8 +78,8 @@ class FilteredPart:
         effort: Torques [N·m or N], shape (N, n).
         temperature: Temperatures [°C], shape (N, n); None if they were not recorded.
         removed: Variance of what the filter removed from the positions [rad² or m²], shape (n,).
-        rounding: Power of the acceleration that rounding of the positions leaves [(rad/s²)²], shape (n,).
-        busiest: Power of the acceleration in the second where it is largest [(rad/s²)²], shape (n,).
+        rounding: Power of the compared acceleration that rounding of the positions leaves [(rad/s²)²], shape (n,).
+        busiest: Power of the compared acceleration in the second where it is largest [(rad/s²)²], shape (n,).
         count: Samples of the log in this part [1].
     """
 
@@ -104,20 +106,18 @@ class FilteredPart:
         around = by.around(part, within)
         inside = slice(part.start - around.start, part.stop - around.start)
         raw = even.position[around]
-        q = zero_phase(raw, by.cutoff, by.rate)
-        v = differentiate(q, by.rate)
-        a = differentiate(v, by.rate)[inside]
-        effort = zero_phase(even.effort[around], by.cutoff, by.rate)
+        q, v, a = (zero_phase(raw, by.motion, by.rate, derivative=d) for d in range(3))
+        effort = zero_phase(even.effort[around], by.motion, by.rate)
         warmth = None if even.temperature is None else even.temperature[around]
         return cls(
             q[inside][:: by.every].copy(),
             v[inside][:: by.every].copy(),
-            a[:: by.every].copy(),
+            a[inside][:: by.every].copy(),
             effort[inside][:: by.every].copy(),
-            None if warmth is None else zero_phase(warmth, by.cutoff, by.rate)[inside][:: by.every],
+            None if warmth is None else zero_phase(warmth, by.motion, by.rate)[inside][:: by.every],
             np.var(raw[inside] - q[inside], axis=0),
             _rounding(raw, inside, by),
-            _busiest(a, by.rate),
+            _busiest(zero_phase(a, by.cutoff, by.rate)[inside], by.rate),
             part.stop - part.start,
         )
 
@@ -135,13 +135,13 @@ def mean(values: Sequence[Array], parts: Sequence[FilteredPart]) -> Array:
 
 
 def _busiest(a: Array, rate: float) -> Array:
-    """Return the power of each acceleration in the second where it is largest [(rad/s²)²], shape (n,)."""
+    """Return the power of each compared acceleration in the second where it is largest [(rad/s²)²], shape (n,)."""
     count = max(1, min(len(a), int(len(a) / (STRETCH * rate))))
     return np.asarray(np.max([np.mean(piece**2, axis=0) for piece in np.array_split(a, count)], axis=0))
 
 
 def _rounding(position: Array, inside: slice, by: Filter) -> Array:
-    """Estimate the power of the acceleration that rounding of the positions leaves in the band, shape (n,).
+    """Estimate the power of the compared acceleration that rounding of the positions leaves, shape (n,).
 
     It is 0 for positions that are not rounded. Rounding noise is not white where a joint moves evenly, and it beats
     where the steps of the encoder meet the samples. So a much smoother motion is rounded once more.
@@ -150,5 +150,5 @@ def _rounding(position: Array, inside: slice, by: Filter) -> Array:
         return by.steps
     safe, smooth = np.where(by.steps > 0, by.steps, 1.0), zero_phase(position, by.stepless, by.rate)
     error = np.where(by.steps > 0, np.round(smooth / safe) * safe - smooth, 0.0)
-    again = differentiate(differentiate(zero_phase(error, by.cutoff, by.rate), by.rate), by.rate)
+    again = zero_phase(error, by.cutoff, by.rate, derivative=2)
     return np.asarray(np.mean(again[inside] ** 2, axis=0))

@@ -27,7 +27,8 @@ class MotionRecord(TypedDict):
     """Record of a conditioning, as results and reports write it.
 
     Attributes:
-        cutoff: Cut-off of the filter [Hz].
+        cutoff: Cut-off of the compared torques [Hz].
+        motion_cutoff: Cut-off of positions, velocities, accelerations and torques before they are compared [Hz].
         trim: Length cut from both ends [periods of the cut-off].
         source: Name of the log.
         condition: Condition that the log shares with others; empty if none.
@@ -41,6 +42,7 @@ class MotionRecord(TypedDict):
     """
 
     cutoff: float
+    motion_cutoff: float
     trim: float
     source: str
     condition: str
@@ -63,12 +65,12 @@ class Motion:
         q: Positions [rad or m], shape (N, n).
         v: Velocities [rad/s or m/s], shape (N, n).
         a: Accelerations [rad/s² or m/s²], shape (N, n); zero for a joint whose accelerations are only noise.
-        effort: Torques, filtered once like the positions [N·m or N], shape (N, n).
+        effort: Torques, filtered like the positions [N·m or N], shape (N, n).
         rate: Samples per second of all of these [Hz].
-        cutoff: Cut-off of the filter [Hz].
+        cutoff: Cut-off of the compared torques [Hz], below that of the motion.
         decimation: Number of samples per compared torque [1].
         speed_noise: Standard deviation of the noise in v [rad/s or m/s], shape (n,).
-        acceleration_noise: Standard deviation of the error of a [rad/s² or m/s²], shape (n,).
+        acceleration_noise: Standard deviation of the error of a below `cutoff` [rad/s² or m/s²], shape (n,).
         effort_step: Step between the levels of rounded torques [N·m or N], shape (n,); 0 where they are not rounded.
         record: Record of the conditioning, for files and reports.
         temperature: Temperatures of the joints [°C], shape (N, n); None if they were not recorded.

@@ -79,7 +79,7 @@ def test_no_possible_parameters_cost_less(robot):
 
 def test_where_nothing_holds_it_is_plain_least_squares(robot):
     _, estimate = fitted(
-        robot, make(robot, lambda q, v, a: -0.3 * np.tanh(v / 1e-3) - 0.2 * v, noise=1e-2), 1.0
+        robot, make(robot, lambda q, v, a: -0.3 * np.tanh(v / 1e-3) - 0.2 * v - 0.05 * a, noise=1e-2), 1.0
     )
     free = unconstrained(estimate.equations.total, estimate.prior)
     assert is_possible(estimate, free)  # else something holds

@@ -26,7 +26,7 @@ from cdia_pin.logs.checks.motion import motion_of
 from cdia_pin.logs.checks.sampling import quantum
 from cdia_pin.logs.checks.stuck import check_stuck
 from cdia_pin.logs.conditioning import condition
-from cdia_pin.logs.derivatives import differentiate, zero_phase
+from cdia_pin.logs.derivatives import zero_phase
 from cdia_pin.logs.reversals import reversals
 from tests.one_joint import write_urdf
 
@@ -635,7 +635,7 @@ def test_a_wrong_velocity_does_not_mislead_a_search_but_wrong_times_do(ur5, ur5_
 
 def small_arm_log(robot, arm, log):
     """What a log of an arm would be if it were driven along the motion of another."""
-    made = log.position, log.velocity, differentiate(log.velocity, log.rate)
+    made = log.position, log.velocity, np.gradient(log.velocity, 1 / log.rate, axis=0)
     effort = arm.inverse_dynamics(*made) + 0.02 * np.tanh(log.velocity / 0.01) * log.effort.std(axis=0)
     return replace(log, effort=effort, joints=robot.joints)
 
@@ -664,7 +664,7 @@ def test_another_unit_is_not_another_arm(ur5, ur5_log):
 def before_its_gears(log):
     """The log with the torques of the motors: friction and some inertia, and gravity that a spring carries."""
     ratios = np.array([160.0, 270.0, 250.0, 90.0, 120.0, 60.0])
-    speed = differentiate(log.position, log.rate)
+    speed = np.gradient(log.position, 1 / log.rate, axis=0)
     rng = np.random.default_rng(3)
     noise = 0.02 * rng.standard_normal(log.effort.shape)
     friction = log.effort.std(axis=0).max() * (np.tanh(speed / 0.01) + 0.3 * speed)
@@ -686,7 +686,7 @@ def test_torques_before_the_gears_are_those_of_the_motors_and_not_of_a_small_arm
 def test_friction_alone_makes_no_small_arm_likely(ur5_log):
     """A small arm needs so little torque beside this friction that any would do."""
     large = load_robot("ur10")
-    speed = differentiate(ur5_log.position, ur5_log.rate)
+    speed = np.gradient(ur5_log.position, 1 / ur5_log.rate, axis=0)
     noise = np.random.default_rng(3).standard_normal(speed.shape)
     log = replace(ur5_log, effort=15 * np.tanh(speed / 0.01) + 5 * speed + noise, joints=large.joints)
     assert not check_log(log, large).about("robot")
@@ -703,7 +703,7 @@ def test_shares_too_large_for_percents_are_factors(ur5, ur5_log):
 
 def test_a_heavy_payload_is_not_another_arm(ur5, ur5_log):
     loaded = Dynamics(ur5, (parse_term("payload: mass=8, first_moment_z=0.8"),))
-    made = ur5_log.position, ur5_log.velocity, differentiate(ur5_log.velocity, ur5_log.rate)
+    made = ur5_log.position, ur5_log.velocity, np.gradient(ur5_log.velocity, 1 / ur5_log.rate, axis=0)
     check = check_log(replace(ur5_log, effort=loaded.inverse_dynamics(*made)), ur5)
     assert not check.about("robot")
 

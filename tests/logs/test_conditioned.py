@@ -9,7 +9,7 @@ from cdia_pin import load_robot
 from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, check_log
 from cdia_pin.logs.conditioning import Conditioning, condition
-from cdia_pin.logs.derivatives import differentiate, zero_phase
+from cdia_pin.logs.derivatives import zero_phase
 from tests.made_logs import make
 
 NOISE = 2e-5  # [rad]
@@ -52,7 +52,7 @@ def test_the_acceleration_that_the_steps_of_an_encoder_make_is_known(amplitude):
     step = 2 * np.pi / counts
     log = Log(arm.joints, t, np.round(true / step) * step, effort=arm.gravity(true))
     motion = condition(log, arm, Conditioning(cutoff=5.0))
-    a = differentiate(differentiate(zero_phase(log.position - true, 5.0, rate), rate), rate)
+    a = zero_phase(log.position - true, 5.0, rate, derivative=2)
     made = np.sqrt(np.mean(a[200:-200] ** 2, axis=0))
     ratio = motion.acceleration_noise / made
     assert ((ratio > 0.75) & (ratio < 1.75)).all()  # rather too large: steps may beat with the samples

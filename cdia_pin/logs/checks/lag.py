@@ -14,7 +14,7 @@ from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.fit import physical_columns
 from cdia_pin.logs.checks.motion import SAMPLES, SmoothedMotion, longest_stretch
 from cdia_pin.logs.checks.velocity import vertex
-from cdia_pin.logs.derivatives import BLOCK, differentiate, uniform, zero_phase
+from cdia_pin.logs.derivatives import BLOCK, uniform, zero_phase
 from cdia_pin.logs.jackknife import jackknife_error
 from cdia_pin.logs.log import Log
 
@@ -169,15 +169,14 @@ def _prepare(
     if len(even.time) < 2 * edge + 60:
         return None
     index = np.arange(edge, len(even.time) - edge, max(1, (len(even.time) - 2 * edge) // SAMPLES))
-    q = zero_phase(even.position, cutoff, rate)
-    v = differentiate(q, rate)
+    q, v, a = (zero_phase(even.position, cutoff, rate, derivative=d) for d in range(3))
     effort = zero_phase(even.effort, cutoff, rate)
     still = np.where(robot.is_prismatic, 0.01, 0.05)
     motion = SmoothedMotion(
         time=even.time[index],
         q=q[index],
         v=v[index],
-        a=differentiate(v, rate)[index],
+        a=a[index],
         effort=effort[index],
         moves=np.ptp(q[index], axis=0) > still,
     )

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
-from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
+from cdia_pin.logs.derivatives import uniform, zero_phase
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.recorded_parts import recorded_parts
 from cdia_pin.logs.reversals import reversals
@@ -112,11 +112,9 @@ def motion_of(log: Log, is_prismatic: Mask, cutoff: float = CUTOFF) -> SmoothedM
     for k in range(len(still)):
         joint = np.s_[:, k : k + 1]
         whole = zero_phase(even.position[joint], cutoff, rate)
-        span = np.full_like(whole[kept], np.ptp(whole[edge:-edge]))
-        parts = [whole[kept].copy()]
-        for _ in ("velocity", "acceleration"):
-            whole = differentiate(whole, rate)
-            parts.append(whole[kept].copy())
+        parts, span = [whole[kept].copy()], np.full_like(whole[kept], np.ptp(whole[edge:-edge]))
+        for d in (1, 2):
+            parts.append(zero_phase(even.position[joint], cutoff, rate, derivative=d)[kept].copy())
         whole = zero_phase(even.effort[joint], cutoff, rate)
         thin.append(np.stack([*parts, whole[kept], span]))
     q, v, a, effort, span = np.concatenate(thin, axis=2)

@@ -12,7 +12,7 @@ from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.motion import CUTOFF, SmoothedMotion, longest_stretch
 from cdia_pin.logs.checks.sampling import has_even_clock
 from cdia_pin.logs.checks.uncounted_time import Pauses, uncounted
-from cdia_pin.logs.derivatives import differentiate, uniform, zero_phase
+from cdia_pin.logs.derivatives import uniform, zero_phase
 from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
@@ -198,7 +198,7 @@ def _matches(log: Log, joints: list[int]) -> dict[int, VelocityMatch]:
     assert even.velocity is not None
     rate = even.rate
     cutoff = min(CUTOFF, 0.2 * rate)
-    derived = differentiate(zero_phase(even.position[:, joints], cutoff, rate), rate)
+    derived = zero_phase(even.position[:, joints], cutoff, rate, derivative=1)
     recorded = zero_phase(even.velocity[:, joints], cutoff, rate)
     edge = int((1.0 / cutoff + LAGS) * rate) + 2
     index = np.arange(edge, len(even.time) - edge, max(1, int(rate // (5 * cutoff))))

@@ -1,0 +1,161 @@
+"""Measure what the filters do to steps of dry friction, and write docs/results-blurred-steps.md.
+
+Usage:
+    python -m benchmarks.blurred_steps
+
+An arm is moved along a prescribed motion. MuJoCo computes its torque, and friction of a known law is added, without any
+noise. Least squares over the compared samples, links known, then shows the bias of the conditioning alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.markdown import details, table
+from benchmarks.outcomes import CHECKOUT
+from benchmarks.plant import Fourier, MujocoPlant
+from benchmarks.publishing import made_by, publish
+from cdia_pin import Dynamics, Log
+from cdia_pin.logs.conditioning import Conditioning, condition
+from cdia_pin.regression import Experiment
+
+Array = NDArray[np.float64]
+
+PAGE = CHECKOUT / "docs" / "results-blurred-steps.md"
+ARM, DURATION, RATE = "ur5", 60.0, 250.0  # [s], [Hz]
+SEEDS = (1, 2)
+BASES = (
+    0.1,
+    0.25,
+)  # [Hz], base frequency of the motion: a joint turns back some 30 and some 80 times a minute
+CUTOFFS = (5.0, 10.0, 20.0)  # [Hz]
+BANDS = (1.0, 1.25, 1.5, 2.0, 3.0)  # [1], cut-off of the motion over that of the compared torques
+HEADS = ("parameter", *(f"{band:g}" for band in BANDS))
+DECAY = 8.0  # [s/rad], of the friction that falls with speed
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law of friction that is linear in its parameters.
+
+    Attributes:
+        name: What it is.
+        parameters: Names of its parameters.
+        values: Their true values [N·m], of the last one [N·m·s/rad].
+    """
+
+    name: str
+    parameters: tuple[str, ...]
+    values: tuple[float, ...]
+
+    def columns(self, sign: Array, speed: Array) -> Array:
+        """Return its columns along a motion, shape (N, parameters).
+
+        Args:
+            sign: Sign of the speed [1], shape (N,).
+            speed: Speed [rad/s], shape (N,).
+        """
+        steps = {
+            "Coulomb": (sign,),
+            "falls with speed": (sign, np.exp(-DECAY * np.abs(speed)) * sign),
+            "differs by direction": (sign * (sign > 0), sign * (sign < 0)),
+        }[self.name]
+        return np.column_stack([*steps, speed])
+
+
+LAWS = (
+    Law("Coulomb", ("level", "viscous"), (5.0, 4.0)),
+    Law("falls with speed", ("level", "beyond it at rest", "viscous"), (5.0, 3.0, 4.0)),
+    Law("differs by direction", ("forward", "backward", "viscous"), (6.0, 4.0, 4.0)),
+)
+
+
+def errors(law: Law, cutoff: float, band: float, base: float) -> Array:
+    """Return the errors of a law's parameters on every joint, of all seeds, as shares [1], shape (K, parameters).
+
+    Args:
+        law: The law of the friction.
+        cutoff: Cut-off of the compared torques [Hz].
+        band: Cut-off of the motion over it [1].
+        base: Base frequency of the motion [Hz].
+    """
+    plant, time = MujocoPlant(ARM), np.arange(0.0, DURATION, 1 / RATE)
+    return np.vstack(
+        [list(_of_joints(plant, law, cutoff, band, _moved(plant, base, seed, time))) for seed in SEEDS]
+    )
+
+
+def _moved(plant: MujocoPlant, base: float, seed: int, time: Array) -> Log:
+    """Return a motion with the torque of the links alone."""
+    q, v, a = plant.plan(Fourier(base=base), DURATION, seed)(time)
+    return Log(plant.joints, time, q, plant.nominal.inverse_dynamics(q, v, a), velocity=v)
+
+
+def _of_joints(plant: MujocoPlant, law: Law, cutoff: float, band: float, bare: Log) -> Iterator[Array]:
+    assert bare.velocity is not None
+    friction = [law.columns(np.sign(v), v) @ law.values for v in bare.velocity.T]
+    log = Log(bare.joints, bare.time, bare.position, bare.effort + np.column_stack(friction))
+    motion = condition(log, plant.robot, Conditioning(cutoff, motion_band=band))
+    experiment = Experiment.of(plant.robot, [motion])
+    measured = -experiment.predict(Dynamics(plant.robot)).residual
+    sign = np.tanh(motion.v / experiment.segments[0].state.sign_width)
+    for j, moves in enumerate(experiment.moving.T):
+        columns = motion.compared(law.columns(sign[:, j], motion.v[:, j]))
+        found, *_ = np.linalg.lstsq(columns[moves], measured[moves, j], rcond=None)
+        yield found / law.values - 1.0
+
+
+def page() -> str:
+    """Measure, and return the page as Markdown."""
+    conditions = [(base, cutoff) for base in BASES for cutoff in CUTOFFS]
+    summary, parts = [], []
+    for law in LAWS:
+        found = {
+            (*c, band): errors(law, cutoff=c[1], band=band, base=c[0]) for c in conditions for band in BANDS
+        }
+        every = [np.vstack([found[*c, band] for c in conditions]) for band in BANDS]
+        summary += [(law.name, *row) for row in _rows(law, every)]
+        rows = [
+            (f"{base:g} Hz", f"{cutoff:g} Hz", *row)
+            for base, cutoff in conditions
+            for row in _rows(law, [found[base, cutoff, band] for band in BANDS])
+        ]
+        parts.append(details(law.name, table(("base of the motion", "cut-off", *HEADS), rows)))
+    return "\n\n".join([
+        "# Steps of friction and the filters",
+        made_by("python -m benchmarks.blurred_steps", ("pin", "mujoco", "numpy")),
+        f"A UR5 moves for {DURATION:g} s along a sum of five sines, in {len(SEEDS)} draws at {RATE:g} Hz. MuJoCo "
+        "computes the torque of the links. Friction of a known law is added on every joint, without any noise. Its "
+        "parameters come from least squares over the compared samples.",
+        "Columns are `Conditioning.motion_band`: the cut-off of the motion over that of the compared torques. With 1 "
+        "the step of the measured torque at a reversal passes two filters, and that of the computed friction one. A "
+        "cell gives the mean error / the largest one.",
+        table(("friction", *HEADS), summary),
+        "By motion and cut-off:",
+        *parts,
+    ]) + "\n"  # fmt: skip
+
+
+def _rows(law: Law, found: Sequence[Array]) -> Iterator[tuple[str, ...]]:
+    for k, name in enumerate(law.parameters):
+        yield (name, *(f"{100 * e[:, k].mean():+.2f} / {100 * np.abs(e[:, k]).max():.2f} %" for e in found))
+
+
+def main() -> None:
+    """Measure, and write the page."""
+    given = argparse.ArgumentParser(
+        prog="python -m benchmarks.blurred_steps",
+        description="Measure what the filters do to steps of friction.",
+    )
+    given.add_argument("--out", type=Path, default=PAGE, help="page to write")
+    publish(page(), given.parse_args().out)
+
+
+if __name__ == "__main__":
+    main()
