@@ -27,9 +27,10 @@ Array = NDArray[np.float64]
 
 # Delays that are tried [s]; on measured arms a delay's column is right within such a step.
 DELAYS = np.linspace(-LATEST, LATEST, 21)
-# Share of what the common structure leaves [1] that a delay must explain for a second search, beyond what a delay of the
-# other side alike explains. It only saves time, because what is taken out in vain leaves more: with 0, 0.005 and 0.02 the ten comparisons of an AIRBOT, whose 23 ms
-# explain 0.03 to 0.06, and 58 pairs of unchanged logs are decided alike.
+# Share of what the common structure leaves [1] that a delay must explain for a second search, beyond what a delay of
+# the other side alike explains. It only saves time, because what is taken out in vain leaves more: with 0, 0.005 and
+# 0.02 the ten comparisons of an AIRBOT, whose 23 ms explain 0.03 to 0.06, and 58 pairs of unchanged logs are decided
+# alike.
 LEAST_SHARE = 0.01
 
 
