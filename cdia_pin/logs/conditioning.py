@@ -52,7 +52,7 @@ class Conditioning:
     """Settings of the conditioning.
 
     Attributes:
-        cutoff: Cut-off of the compared torques [Hz]; chosen from the log if None.
+        cutoff: End of the band that is compared [Hz]; chosen from the log if None.
         trim: Length cut from both ends, where the filter lacks neighbours [periods of the cut-off].
         most: Largest number of compared samples [1]. Of a longer log stretches are looked at, which are spread evenly
             over it; all of it if None.

@@ -22,8 +22,8 @@ class Filter:
     """How a part of a log is filtered.
 
     Attributes:
-        cutoff: Cut-off of the filter that compared torques pass [Hz].
-        motion: Cut-off of the filter that positions and torques pass before [Hz].
+        cutoff: End of the band that is compared [Hz].
+        motion: Cut-off of the filter that positions and torques pass [Hz].
         rate: Rate of the log [Hz].
         every: Samples of the log for each one that is kept [1].
         stepless: Cut-off of a motion that holds no steps of the encoder any more [Hz].

@@ -65,7 +65,7 @@ def test_figaroh_says_why_it_is_absent(bench):
 def test_a_page_counts_joints_and_names_who_was_absent(bench):
     urdf = bench.column("URDF", Dynamics(bench.case.robot))
     fitted = least_squares(bench)
-    ours = bench.left("cdia identify", 0.5 * np.ones_like(bench.unseen.measured) * NOISE)
+    ours = bench.left("cdia identify", 0.3 * np.ones_like(bench.unseen.measured) * NOISE)
     measured = Measured(bench, (urdf, fitted, ours), absent="no figaroh here")
     said = page([measured], {"made": []})
     assert "| full least squares, moving | 10 Hz | 2 of 2 | 2 of 2 | yes |" in said

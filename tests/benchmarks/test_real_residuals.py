@@ -74,9 +74,8 @@ def residual(along: FilteredLog, log: Log, term: Term | None = None) -> np.ndarr
 def test_an_inserted_effect_is_what_the_residual_changes_by(effect: str, along: FilteredLog) -> None:
     put, motion = Insertion(term_of(effect, along), along), along.segment.motion
     changed = residual(along, put.into(along.log)) - residual(along, along.log)
-    expected = motion.compared(
-        zero_phase(put.torque(), motion.cutoff, motion.rate)
-    )  # as measured torques are
+    # as measured torques are
+    expected = motion.compared(zero_phase(put.torque(), motion.record["motion_cutoff"], motion.rate))
     assert rms(changed - expected).max() < 0.02 * rms(expected).max()
 
 

@@ -103,14 +103,16 @@ def test_the_model_remembers_its_log(identified, runs, robot, tmp_path):
 
 
 def test_intervals_cover_friction_and_rotors(identified, robot):
-    model = identified["strong"].model
+    plant, faults = plant_of(ARM), hidden(robot)
+    others = [identify(Dynamics(robot), plant.run(faults, motion=Fourier(), seed=s).log) for s in (2, 3)]
     covered = []
-    for fault in hidden(robot):
-        if fault.effect == "link_inertia":
-            continue
-        (value,) = (v for v in fault.parameters.values() if isinstance(v, float))
-        ((lower, upper),) = model.find(f"{fault.effect}@{fault.joint}").ci95
-        covered.append(lower <= value <= upper)
+    for model in (identified["strong"].model, *(found.model for found in others)):
+        for fault in faults:
+            if fault.effect == "link_inertia":
+                continue
+            (value,) = (v for v in fault.parameters.values() if isinstance(v, float))
+            ((lower, upper),) = model.find(f"{fault.effect}@{fault.joint}").ci95
+            covered.append(lower <= value <= upper)
     assert np.mean(covered) >= 0.9
 
 
