@@ -56,8 +56,8 @@ class Conditioning:
         trim: Length cut from both ends, where the filter lacks neighbours [periods of the cut-off].
         most: Largest number of compared samples [1]. Of a longer log stretches are looked at, which are spread evenly
             over it; all of it if None.
-        motion_band: Cut-off of the motion over that of the compared torques [1]. With 1 Coulomb friction comes out up
-            to 6 % too large and viscous friction as much too small, with 1.5 up to 0.7 %; a wider band makes speeds
+        motion_band: Cut-off of the motion over the end of the compared band [1]. With 1 Coulomb friction comes out up
+            to 6 % too large and viscous friction as much too small, with 1.5 up to 0.3 %; a wider band makes speeds
             noisier (docs/results-blurred-steps.md).
     """
 
@@ -103,6 +103,10 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         cutoff = choose_cutoff(even.slice(longest.start, longest.stop), robot)
     else:
         cutoff = settings.cutoff
+    if not settings.motion_band >= 1:
+        raise LogError(
+            f"the filter of the motion must be as wide as the compared band, motion_band={settings.motion_band:g}"
+        )
     if not 0 < cutoff < HIGHEST_SHARE_GIVEN * rate:
         raise LogError(
             f"{log.source}: a cut-off of {cutoff:g} Hz is too high for a log of {rate:.4g} Hz; "

@@ -117,7 +117,7 @@ def motion_from(document: Any) -> Motion:
         parts = given or [(float(document["start"]), count)]
         if sum(k for _, k in parts) != count or min(k for _, k in parts) < 1:
             raise LogError(f"stretches of {[k for _, k in parts]} samples are no motion of {count}")
-        return Motion(
+        motion = Motion(
             joints=joints,
             time=np.concatenate([first + np.arange(k) / rate for first, k in parts]),
             rate=rate,
@@ -129,3 +129,7 @@ def motion_from(document: Any) -> Motion:
             stretches=tuple(k for _, k in given),
             **arrays,
         )
+        first = float(motion.record.get("motion_cutoff", motion.cutoff))
+        if not first >= motion.cutoff:
+            raise LogError(f"a motion filtered at {first:g} Hz, below its {motion.cutoff:g} Hz")
+        return motion

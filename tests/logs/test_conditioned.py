@@ -10,6 +10,7 @@ from cdia_pin.errors import LogError
 from cdia_pin.logs import Log, check_log
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.derivatives import zero_phase
+from cdia_pin.logs.motion_file import motion_document, motion_from
 from tests.made_logs import make
 
 NOISE = 2e-5  # [rad]
@@ -97,6 +98,22 @@ def test_the_compared_band_does_not_depend_on_the_filter_of_the_motion(log, band
     both = [1 / (1 + (frequency / c) ** 8) for c in (band * 10.0, motion.compared_cutoff)]
     assert np.prod(both) == pytest.approx(0.5)
     assert motion.compared_cutoff == pytest.approx(10.0 if band == 1.0 else 9.0, rel=0.03)
+
+
+@pytest.mark.parametrize("band", [0.0, 0.8, np.nan])
+def test_a_motion_narrower_than_what_is_compared_is_refused(log, band):
+    arm, run = log
+    with pytest.raises(LogError, match="as wide as the compared band"):
+        condition(run, arm, Conditioning(cutoff=10.0, motion_band=band))
+
+
+@pytest.mark.parametrize("given", [1.0, 0.0, "wide", None])
+def test_a_stored_motion_with_impossible_filters_is_refused(log, given):
+    arm, run = log
+    document = motion_document(condition(run, arm, Conditioning(cutoff=10.0)))
+    record = {**document["record"], "motion_cutoff": given}
+    with pytest.raises(LogError):
+        motion_from({**document, "record": record})
 
 
 def test_a_motion_that_was_filtered_once_keeps_its_filter(log):
