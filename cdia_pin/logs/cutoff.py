@@ -18,9 +18,7 @@ Array = NDArray[np.float64]
 # [Hz], range of the cut-off: a working motion of an arm needs the lower end, and the resonances of its structure
 # lie near the upper end
 LOWEST_CUTOFF, HIGHEST_CUTOFF = 5.0, 25.0
-HIGHEST_SHARE = (
-    0.15  # [1], of the log's rate: seven samples a period, of which a held or late one is a small part
-)
+HIGHEST_SHARE = 0.15  # [1], of the log's rate: seven samples a period, so that a held one is a small part
 FINEST = 1e-15  # [1], smallest floor of a position over its peak power: an error of about 10⁻⁶ of its travel
 FINEST_EFFORT = 1e-9  # [1], the same for torques, which no sensor measures that finely
 FLAT = 10.0  # [1], power over the spectrum's floor below which a band holds noise only

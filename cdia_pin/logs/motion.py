@@ -131,9 +131,8 @@ class Motion:
         Both filters together halve the amplitude where two filters at `cutoff` do. So the band that is compared does
         not depend on how wide the filter of the motion is.
         """
-        half = (
-            np.sqrt(2) - 1
-        )  # (f / cutoff)⁸ at the frequency f where two filters at the cut-off halve the amplitude
+        # two filters at the cut-off halve the amplitude at the frequency f of which this is (f / cutoff)⁸
+        half = np.sqrt(2) - 1
         first = 1 / (1 + half * (self.cutoff / self.record.get("motion_cutoff", self.cutoff)) ** 8)
         return float(self.cutoff * (half / (2 * first - 1)) ** (1 / 8))
 
