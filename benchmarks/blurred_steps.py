@@ -38,7 +38,7 @@ BASES = (
     0.25,
 )  # [Hz], base frequency of the motion: a joint turns back some 30 and some 80 times a minute
 CUTOFFS = (5.0, 10.0, 20.0)  # [Hz]
-BANDS = (1.0, 1.25, 1.5, 2.0, 3.0)  # [1], cut-off of the motion over the end of the compared band
+BANDS = (1.0, 1.25, 1.5, 2.0, 3.0)  # [1], cut-off of the motion over that of the compared torques
 HEADS = ("parameter", *(f"{band:g}" for band in BANDS))
 NOISY = range(11, 15)  # seeds of logs with noise
 LENGTHS = (30.0, 60.0, 120.0)  # [s], of logs with noise
@@ -87,7 +87,7 @@ def errors(law: Law, cutoff: float, band: float, base: float) -> Array:
 
     Args:
         law: The law of the friction.
-        cutoff: End of the compared band [Hz].
+        cutoff: Cut-off of the compared torques [Hz].
         band: Cut-off of the motion over it [1].
         base: Base frequency of the motion [Hz].
     """
@@ -102,7 +102,7 @@ def held(band: float, duration: float) -> tuple[int, int]:
     """Count the intervals of `identify` that hold the Coulomb and the viscous friction of each joint, and all.
 
     Args:
-        band: Cut-off of the motion over the end of the compared band [1].
+        band: Cut-off of the motion over that of the compared torques [1].
         duration: Length of the log [s].
     """
     plant, settings = MujocoPlant(ARM), IdentificationSettings(Conditioning(motion_band=band), refine=False)
@@ -162,7 +162,7 @@ def page() -> str:
         f"A UR5 moves for {DURATION:g} s along a sum of five sines, in {len(SEEDS)} draws at {RATE:g} Hz. MuJoCo "
         "computes the torque of the links. Friction of a known law is added on every joint, without any noise. Its "
         "parameters come from least squares over the compared samples.",
-        "Columns are `Conditioning.motion_band`: the cut-off of the motion over the end of the compared band. With 1 "
+        "Columns are `Conditioning.motion_band`: the cut-off of the motion over that of the compared torques. With 1 "
         "the step of the measured torque at a reversal passes two equal filters, and that of the computed friction one "
         "of them. A cell gives the mean error / the largest one.",
         table(("friction", *HEADS), summary),

@@ -52,12 +52,12 @@ class Conditioning:
     """Settings of the conditioning.
 
     Attributes:
-        cutoff: End of the band that is compared [Hz]; chosen from the log if None.
+        cutoff: Cut-off of the compared torques [Hz]; chosen from the log if None.
         trim: Length cut from both ends, where the filter lacks neighbours [periods of the cut-off].
         most: Largest number of compared samples [1]. Of a longer log stretches are looked at, which are spread evenly
             over it; all of it if None.
-        motion_band: Cut-off of the motion over the end of the compared band [1]. With 1 Coulomb friction comes out up
-            to 6 % too large and viscous friction as much too small, with 1.5 up to 0.3 %; a wider band makes speeds
+        motion_band: Cut-off of the motion over that of the compared torques [1]. With 1 Coulomb friction comes out up
+            to 6 % too large and viscous friction as much too small, with 1.5 up to 0.7 %; a wider band makes speeds
             noisier (docs/results-blurred-steps.md).
     """
 
@@ -105,7 +105,8 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         cutoff = settings.cutoff
     if not settings.motion_band >= 1:
         raise LogError(
-            f"the filter of the motion must be as wide as the compared band, motion_band={settings.motion_band:g}"
+            "the filter of the motion must be as wide as that of the compared torques, "
+            f"motion_band={settings.motion_band:g}"
         )
     if not 0 < cutoff < HIGHEST_SHARE_GIVEN * rate:
         raise LogError(

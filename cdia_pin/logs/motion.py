@@ -27,7 +27,7 @@ class MotionRecord(TypedDict):
     """Record of a conditioning, as results and reports write it.
 
     Attributes:
-        cutoff: End of the band that is compared [Hz].
+        cutoff: Cut-off of the compared torques [Hz].
         motion_cutoff: Cut-off of positions, velocities, accelerations and torques before they are compared [Hz].
         trim: Length cut from both ends [periods of the cut-off].
         source: Name of the log.
@@ -67,7 +67,7 @@ class Motion:
         a: Accelerations [rad/s² or m/s²], shape (N, n); zero for a joint whose accelerations are only noise.
         effort: Torques, filtered like the positions [N·m or N], shape (N, n).
         rate: Samples per second of all of these [Hz].
-        cutoff: End of the band that is compared [Hz], see `compared_cutoff`.
+        cutoff: Cut-off of the compared torques [Hz], below that of the motion.
         decimation: Number of samples per compared torque [1].
         speed_noise: Standard deviation of the noise in v [rad/s or m/s], shape (n,).
         acceleration_noise: Standard deviation of the error of a below `cutoff` [rad/s² or m/s²], shape (n,).
@@ -124,26 +124,14 @@ class Motion:
             start += length
         return out
 
-    @property
-    def compared_cutoff(self) -> float:
-        """Cut-off of the filter that compared torques pass after that of the motion [Hz].
-
-        Both filters together halve the amplitude where two filters at `cutoff` do. So the band that is compared does
-        not depend on how wide the filter of the motion is.
-        """
-        # two filters at the cut-off halve the amplitude at the frequency f of which this is (f / cutoff)⁸
-        half = np.sqrt(2) - 1
-        first = 1 / (1 + half * (self.cutoff / self.record.get("motion_cutoff", self.cutoff)) ** 8)
-        return float(self.cutoff * (half / (2 * first - 1)) ** (1 / 8))
-
     @cached_property
     def _kernel(self) -> Array:
         """Impulse response of the filter of compared torques [1], shape (2 reach + 1,)."""
         shortest = min(self.stretches, default=len(self.time))
-        reach = min(int(np.ceil(KERNEL / self.compared_cutoff * self.rate)), shortest - 1)
+        reach = min(int(np.ceil(KERNEL / self.cutoff * self.rate)), shortest - 1)
         impulse = np.zeros(4 * reach + 1)
         impulse[2 * reach] = 1.0
-        kernel = zero_phase(impulse, self.compared_cutoff, self.rate)[reach : 3 * reach + 1]
+        kernel = zero_phase(impulse, self.cutoff, self.rate)[reach : 3 * reach + 1]
         return np.asarray(kernel / kernel.sum())
 
     @cached_property

@@ -41,8 +41,7 @@ def by_hand(robot, log):
     """Predicted and measured torque at the compared samples, by the plain filter on every sample."""
     m = condition(log, robot, CUTOFF)
     both = [
-        zero_phase(x, m.compared_cutoff, m.rate)[m.kept]
-        for x in (robot.inverse_dynamics(m.q, m.v, m.a), m.effort)
+        zero_phase(x, m.cutoff, m.rate)[m.kept] for x in (robot.inverse_dynamics(m.q, m.v, m.a), m.effort)
     ]
     use = Experiment.of(robot, [m]).informative
     return *both, use, m

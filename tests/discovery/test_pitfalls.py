@@ -141,7 +141,7 @@ def test_coulomb_is_not_called_stribeck_and_a_wide_stribeck_is(plant, ur5, found
 
 def test_both_sides_pass_the_same_filter(ur5, friction):
     motion = condition(friction.log, ur5, Conditioning(cutoff=12.0))
-    plain = zero_phase(motion.effort, motion.compared_cutoff, motion.rate)[motion.kept]
+    plain = zero_phase(motion.effort, motion.cutoff, motion.rate)[motion.kept]
     assert motion.compared(motion.effort) == pytest.approx(plain, abs=1e-5 * np.abs(plain).max())
 
 

@@ -14,7 +14,8 @@ from cdia_pin.effects.body import Body
 from cdia_pin.errors import LogError
 from cdia_pin.identification import IdentificationSettings, identify
 from cdia_pin.identification.base import base_reduction
-from cdia_pin.logs.conditioning import Conditioning
+from cdia_pin.logs.conditioning import Conditioning, condition
+from cdia_pin.regression import Experiment
 from cdia_pin.robot.inertia import at_centre_of_mass, is_physical, parameters_of
 from cdia_pin.selection import DiscoverySettings, Problem
 from tests.hidden_plants import plant_of
@@ -77,10 +78,12 @@ def identified(robot, runs):
     }
 
 
-def test_an_unseen_motion_is_predicted_to_the_noise(identified, runs):
-    found = identified["strong"]
-    conditioned = found.record["holdout"][0]
-    noise = runs["unseen"].noise_std * np.sqrt(2 * conditioned["cutoff"] / conditioned["log_rate"])
+def test_an_unseen_motion_is_predicted_to_the_noise(identified, runs, robot):
+    """Of the torque, and of the rounded positions through the accelerations."""
+    found, unseen = identified["strong"], runs["unseen"]
+    motion = condition(unseen.log, robot)
+    noise = unseen.noise_std * np.sqrt(2 * motion.cutoff / motion.record["log_rate"])
+    noise = np.hypot(noise, Experiment.of(robot, [motion]).blur)
     assert (found.heldout_after < 1.5 * noise).all()
     assert (found.heldout_after < 0.05 * found.heldout_before).all()
 

@@ -102,7 +102,7 @@ def test_a_motion_of_stretches_is_kept_in_a_file(log, scara):
 def test_compared_torques_are_those_of_the_filter(log, scara, trim):
     motion = condition(log, scara, Conditioning(CUTOFF, trim))
     torque = motion.a
-    expected = zero_phase(torque, motion.compared_cutoff, motion.rate)[motion.kept]
+    expected = zero_phase(torque, motion.cutoff, motion.rate)[motion.kept]
     assert motion.compared(torque) == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
     assert motion.compared(torque[:, 0]) == pytest.approx(motion.compared(torque)[:, 0], abs=1e-12)
 

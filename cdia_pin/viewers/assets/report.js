@@ -260,7 +260,7 @@ function regions() {
 }
 
 const RECORDED = {
-  cutoff: "end of the band that is compared [Hz]", motion_cutoff: "cut-off of the motion [Hz]",
+  cutoff: "cut-off of the compared torques [Hz]", motion_cutoff: "cut-off of the motion [Hz]",
   trim: "cut from both ends [periods of the cut-off]", source: "log", log_rate: "rate of the log [Hz]",
   motion_rate: "rate of positions, velocities, accelerations [Hz]", compared_rate: "rate of compared torques [Hz]",
   blocks: "blocks of time, each predicted from the others", effects: "effects tried",
