@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.logs.derivatives import zero_phase
+from cdia_pin.logs.derivatives import smooth_motion, zero_phase
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.stretches import stretches
 from cdia_pin.robot.model import RobotModel
@@ -76,8 +76,7 @@ def choose_cutoff(even: Log, robot: RobotModel) -> float:
 
 def _computed(part: Log, robot: RobotModel, cutoff: float, rate: float, every: int) -> Array:
     """Return the rigid-body torque of the filtered positions [N·m or N], one of so many samples."""
-    motion = (zero_phase(part.position, cutoff, rate, derivative=d) for d in range(3))
-    return robot.inverse_dynamics(*(x[::every] for x in motion))
+    return robot.inverse_dynamics(*(x[::every] for x in smooth_motion(part.position, cutoff, rate)))
 
 
 def _spectrum(parts: Sequence[Array], rate: float) -> tuple[Array, Array]:

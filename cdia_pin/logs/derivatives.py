@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +20,7 @@ BLOCK = 2**17 + 1  # [samples], of a block with its margins
 MARGIN = (
     15.0  # [periods of the cut-off], after which the filter's impulse response is below 10⁻¹⁵ of its peak
 )
+ORDER = 4  # [1], of the Butterworth filter of one pass
 LARGEST_GROWTH = 4.0  # [1], samples of the grid over those of the log; above it most of the log is gaps
 
 
@@ -85,7 +87,7 @@ def sampled_at(log: Log, time: Array) -> Log:
 
 
 def zero_phase(
-    signal: ArrayLike, cutoff: float, rate: float, *, derivative: int = 0, order: int = 4
+    signal: ArrayLike, cutoff: float, rate: float, *, derivative: int = 0, order: int = ORDER
 ) -> Array:
     r"""Low-pass a signal without lag, or a derivative of it: Butterworth forward and backward, odd padding.
 
@@ -111,42 +113,70 @@ def zero_phase(
     Raises:
         LogError: If the cutoff is not between 0 and half the sampling rate.
     """
+    return _derivatives(signal, cutoff, rate, (derivative,), order)[0]
+
+
+def smooth_motion(position: ArrayLike, cutoff: float, rate: float) -> tuple[Array, Array, Array]:
+    """Return filtered positions with their first and second derivatives, as `zero_phase` does one by one.
+
+    Args:
+        position: Uniformly sampled positions [rad or m], shape (N, n).
+        cutoff: Cut-off of the filter [Hz].
+        rate: Sampling rate [Hz].
+
+    Returns:
+        Positions [rad or m], velocities and accelerations [per s and s²], shape (N, n) each.
+
+    Raises:
+        LogError: If the cutoff is not between 0 and half the sampling rate.
+    """
+    q, v, a = _derivatives(position, cutoff, rate, (0, 1, 2), ORDER)
+    return q, v, a
+
+
+def _derivatives(
+    signal: ArrayLike, cutoff: float, rate: float, derivatives: Sequence[int], order: int
+) -> list[Array]:
+    """Return derivatives of a filtered signal, of a long one in blocks."""
     if not 0.0 < cutoff < 0.5 * rate:
         raise LogError(f"cutoff {cutoff:g} Hz must lie between 0 and half the sampling rate {rate:g} Hz")
     x = np.asarray(signal, dtype=np.float64)
     margin = int(np.ceil(MARGIN * rate / cutoff))
     if len(x) <= BLOCK or 4 * margin > BLOCK:
-        return _filtered(x, cutoff, rate, derivative, order)
-    out = np.empty_like(x)
+        return _filtered(x, cutoff, rate, derivatives, order)
+    out = [np.empty_like(x) for _ in derivatives]
     for first in range(0, len(x), BLOCK - 2 * margin):
         start = min(max(first - margin, 0), len(x) - BLOCK)
         last = min(first + BLOCK - 2 * margin, len(x))
-        block = _filtered(x[start : start + BLOCK], cutoff, rate, derivative, order)
-        out[first:last] = block[first - start : last - start]
+        blocks = _filtered(x[start : start + BLOCK], cutoff, rate, derivatives, order)
+        for whole, block in zip(out, blocks, strict=True):
+            whole[first:last] = block[first - start : last - start]
     return out
 
 
-def _filtered(x: Array, cutoff: float, rate: float, derivative: int, order: int) -> Array:
-    """Filter a signal as `zero_phase` says, in one piece, column by column."""
+def _filtered(x: Array, cutoff: float, rate: float, derivatives: Sequence[int], order: int) -> list[Array]:
+    """Filter a signal in one piece, column by column."""
     if x.ndim > 1 and not x.shape[1]:
-        return x.copy()
+        return [x.copy() for _ in derivatives]
     if x.ndim > 1:
-        columns = [_filtered(column, cutoff, rate, derivative, order) for column in x.T]
-        return np.column_stack(columns).reshape(x.shape)
+        columns = [_filtered(column, cutoff, rate, derivatives, order) for column in x.T]
+        return [np.column_stack(of_all).reshape(x.shape) for of_all in zip(*columns, strict=True)]
     count = len(x)
     if count < 3:
-        return x.copy() if not derivative else np.zeros_like(x)
+        return [np.zeros_like(x) if d else x.copy() for d in derivatives]
     share, rise = np.linspace(0.0, 1.0, count), x[-1] - x[0]
     line = x[0] + share * rise
     inside = x - line
     odd = np.concatenate([inside, -inside[-2:0:-1]])  # one period of the odd extension, (2 N − 2, …)
-    spectrum = np.fft.rfft(odd)
     angle = np.pi * np.fft.rfftfreq(len(odd))  # π f / rate, up to π/2
     with np.errstate(over="ignore"):
         gain = 1.0 / (1.0 + (np.tan(angle) / np.tan(np.pi * cutoff / rate)) ** (2 * order))
-    smooth = np.fft.irfft(spectrum * gain * (2j * rate * angle) ** derivative, n=len(odd))
-    of_line = (line, rise * rate / (count - 1), 0.0)[derivative]
-    return np.asarray(of_line + smooth[:count])
+    spectrum = np.fft.rfft(odd) * gain
+    of_line = (line, rise * rate / (count - 1), 0.0)
+    return [
+        of_line[d] + np.fft.irfft(spectrum * (2j * rate * angle) ** d, n=len(odd))[:count]
+        for d in derivatives
+    ]
 
 
 def speed_of(position: Array, time: Array) -> Array:

@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.logs.derivatives import BLOCK, MARGIN, zero_phase
+from cdia_pin.logs.derivatives import BLOCK, MARGIN, smooth_motion, zero_phase
 from cdia_pin.logs.log import Log
 
 Array = NDArray[np.float64]
@@ -106,7 +106,7 @@ class FilteredPart:
         around = by.around(part, within)
         inside = slice(part.start - around.start, part.stop - around.start)
         raw = even.position[around]
-        q, v, a = (zero_phase(raw, by.motion, by.rate, derivative=d) for d in range(3))
+        q, v, a = smooth_motion(raw, by.motion, by.rate)
         effort = zero_phase(even.effort[around], by.motion, by.rate)
         warmth = None if even.temperature is None else even.temperature[around]
         return cls(

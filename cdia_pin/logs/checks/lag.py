@@ -14,7 +14,7 @@ from cdia_pin.logs.checks.finding import Finding, Severity, Topic
 from cdia_pin.logs.checks.fit import physical_columns
 from cdia_pin.logs.checks.motion import SAMPLES, SmoothedMotion, longest_stretch
 from cdia_pin.logs.checks.velocity import vertex
-from cdia_pin.logs.derivatives import BLOCK, uniform, zero_phase
+from cdia_pin.logs.derivatives import BLOCK, smooth_motion, uniform, zero_phase
 from cdia_pin.logs.jackknife import jackknife_error
 from cdia_pin.logs.log import Log
 
@@ -169,7 +169,7 @@ def _prepare(
     if len(even.time) < 2 * edge + 60:
         return None
     index = np.arange(edge, len(even.time) - edge, max(1, (len(even.time) - 2 * edge) // SAMPLES))
-    q, v, a = (zero_phase(even.position, cutoff, rate, derivative=d) for d in range(3))
+    q, v, a = smooth_motion(even.position, cutoff, rate)
     effort = zero_phase(even.effort, cutoff, rate)
     still = np.where(robot.is_prismatic, 0.01, 0.05)
     motion = SmoothedMotion(
