@@ -11,7 +11,7 @@ counted how many intervals of `identify` hold the truth.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
@@ -33,10 +33,8 @@ Array = NDArray[np.float64]
 PAGE = CHECKOUT / "docs" / "results-blurred-steps.md"
 ARM, DURATION, RATE = "ur5", 60.0, 250.0  # [s], [Hz]
 SEEDS = (1, 2)
-BASES = (
-    0.1,
-    0.25,
-)  # [Hz], base frequency of the motion: a joint turns back some 30 and some 80 times a minute
+# [Hz], base frequency of the motion: a joint turns back some 30 and some 80 times a minute
+BASES = (0.1, 0.25)
 CUTOFFS = (5.0, 10.0, 20.0)  # [Hz]
 BANDS = (1.0, 1.25, 1.5, 2.0, 3.0)  # [1], cut-off of the motion over that of the compared torques
 HEADS = ("parameter", *(f"{band:g}" for band in BANDS))
@@ -53,12 +51,14 @@ class Law:
     Attributes:
         name: What it is.
         parameters: Names of its parameters.
-        values: Their true values [N·m], of the last one [N·m·s/rad].
+        values: Their true values [N·m], of the last one, which is viscous, [N·m·s/rad].
+        steps: Returns the columns of the others from the sign of the speed [1] and the speed [rad/s].
     """
 
     name: str
     parameters: tuple[str, ...]
     values: tuple[float, ...]
+    steps: Callable[[Array, Array], tuple[Array, ...]]
 
     def columns(self, sign: Array, speed: Array) -> Array:
         """Return its columns along a motion, shape (N, parameters).
@@ -67,18 +67,23 @@ class Law:
             sign: Sign of the speed [1], shape (N,).
             speed: Speed [rad/s], shape (N,).
         """
-        steps = {
-            "Coulomb": (sign,),
-            "falls with speed": (sign, np.exp(-DECAY * np.abs(speed)) * sign),
-            "differs by direction": (sign * (sign > 0), sign * (sign < 0)),
-        }[self.name]
-        return np.column_stack([*steps, speed])
+        return np.column_stack([*self.steps(sign, speed), speed])
 
 
 LAWS = (
-    Law("Coulomb", ("level", "viscous"), (5.0, 4.0)),
-    Law("falls with speed", ("level", "beyond it at rest", "viscous"), (5.0, 3.0, 4.0)),
-    Law("differs by direction", ("forward", "backward", "viscous"), (6.0, 4.0, 4.0)),
+    Law("Coulomb", ("level", "viscous"), (5.0, 4.0), lambda s, _: (s,)),
+    Law(
+        "falls with speed",
+        ("level", "beyond it at rest", "viscous"),
+        (5.0, 3.0, 4.0),
+        lambda s, v: (s, np.exp(-DECAY * np.abs(v)) * s),
+    ),
+    Law(
+        "differs by direction",
+        ("forward", "backward", "viscous"),
+        (6.0, 4.0, 4.0),
+        lambda s, _: (s * (s > 0), s * (s < 0)),
+    ),
 )
 
 
@@ -98,8 +103,8 @@ def errors(law: Law, cutoff: float, band: float, base: float) -> Array:
     )
 
 
-def held(band: float, duration: float) -> tuple[int, int]:
-    """Count the intervals of `identify` that hold the Coulomb and the viscous friction of each joint, and all.
+def held(band: float, duration: float) -> str:
+    """Count the intervals of `identify` that hold the Coulomb and the viscous friction of each joint, of how many.
 
     Args:
         band: Cut-off of the motion over that of the compared torques [1].
@@ -118,7 +123,7 @@ def held(band: float, duration: float) -> tuple[int, int]:
         for joint, (name, true) in product(plant.joints, zip(FOUND, LAWS[0].values, strict=True)):
             ((low, high),) = model.find(f"{name}@{joint}").ci95
             hits.append(low <= true <= high)
-    return sum(hits), len(hits)
+    return f"{sum(hits)} of {len(hits)}"
 
 
 def _log(plant: MujocoPlant, law: Law, base: float, seed: int, duration: float) -> Log:
@@ -172,15 +177,11 @@ def page() -> str:
         "are 95 % intervals that hold the true friction of a joint.",
         table(
             ("length of the log", *(f"{band:g}" for band in BANDS[::2])),
-            [(f"{length:g} s", *(_share(*held(band, length)) for band in BANDS[::2])) for length in LENGTHS],
+            [(f"{length:g} s", *(held(band, length) for band in BANDS[::2])) for length in LENGTHS],
         ),
         "## By motion and cut-off",
         *parts,
     ]) + "\n"  # fmt: skip
-
-
-def _share(hits: int, of: int) -> str:
-    return f"{hits} of {of}"
 
 
 def _rows(law: Law, found: Sequence[Array]) -> Iterator[tuple[str, ...]]:
