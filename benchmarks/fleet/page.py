@@ -115,7 +115,7 @@ def page(
     parts += [
         f"At a stated {most:g} a year, where chance says most, {counted} come instead of {number(expected, 2)}: the "
         f"stated rate holds to a factor of {number(counted / expected, 2)}.",
-        "### Noise of long tails",
+        "### Noise of long tails, and with a memory",
         f"Courses of {LOGS} logs that we drew ourselves, with one regressor (`python -m benchmarks.fleet.tails`): "
         f"false alarms of {COURSES} courses without a change, and how often the 95 % interval of a change holds its "
         f"size, of {CHANGED}; sizes in standard deviations of a log.",

@@ -1,11 +1,12 @@
 """Courses of known noise: how often chance gives an alarm, and how often an interval holds the size of a change.
 
 Usage:
-    python -m benchmarks.fleet.tails              # a minute
+    python -m benchmarks.fleet.tails              # two minutes
     python -m benchmarks.fleet.tails --freedom 4  # with another number of degrees of freedom of a log
 
-The values of logs have longer tails than normal ones, because their motions differ. These draws need no plant, so they
-are many. `FREEDOM_OF_A_LOG` was chosen on other draws of them.
+The values of logs have longer tails than normal ones, because their motions differ, and may follow those of the logs
+before, as a season does. These draws need no plant, so they are many. `FREEDOM_OF_A_LOG` was chosen on other draws of
+them.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ from numpy.typing import NDArray
 from benchmarks.markdown import table
 from cdia_pin.fleet import step_search
 from cdia_pin.fleet.alarm_limit import alarm_limit
-from cdia_pin.fleet.course_trend import INTERVAL
 from cdia_pin.fleet.onset import find_onset
+from cdia_pin.regression.intervals import NORMAL_95
 
 Array = NDArray[np.float64]
 
@@ -37,6 +38,8 @@ NOISE: dict[str, Draw] = {
     "Laplace": lambda rng: rng.laplace(size=LOGS) / np.sqrt(2),
     "Student, 5 degrees of freedom": lambda rng: rng.standard_t(5, LOGS) / np.sqrt(5 / 3),
     "Student, 3 degrees of freedom": lambda rng: rng.standard_t(3, LOGS) / np.sqrt(3),
+    "normal, follows its neighbour by 0.3": lambda rng: _following(rng, 0.3),
+    "normal, follows its neighbour by 0.6": lambda rng: _following(rng, 0.6),
 }
 
 
@@ -66,6 +69,14 @@ def _row(name: str, draw: Draw, number: int) -> Iterator[object]:
             yield f"{100 * held / CHANGED:.0f} %"
 
 
+def _following(rng: np.random.Generator, share: float) -> Array:
+    """Return values of variance one, each of which holds a share of the one before it, shape (LOGS,)."""
+    values = rng.standard_normal(LOGS)
+    for k in range(1, LOGS):
+        values[k] = share * values[k - 1] + np.sqrt(1 - share**2) * values[k]
+    return values
+
+
 def _columns(rng: np.random.Generator) -> Array:
     return np.column_stack([np.ones(LOGS), rng.standard_normal(LOGS)])
 
@@ -79,7 +90,7 @@ def _holds(noise: Array, columns: Array, size: float, logs: int, rng: np.random.
     began = int(rng.integers(LOGS // 3, 2 * LOGS // 3))
     values = noise + size * np.clip((np.arange(LOGS) - began + 1) / logs, 0.0, 1.0)
     onset = find_onset(values, np.full(LOGS, 1e-3), columns)
-    return abs(onset.size - size) < INTERVAL * onset.deviation
+    return abs(onset.size - size) < NORMAL_95 * onset.deviation
 
 
 def main() -> None:

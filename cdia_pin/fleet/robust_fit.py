@@ -22,6 +22,9 @@ CLIP = 2.5  # c, standard deviations [1] beyond which a value counts no more; a 
 CLIPPED_VARIANCE = 0.9556  # of a standard normal value that is clipped there [1]
 ROUNDS = 3  # rounds [1] of weights and clipped values, which depend on each other
 LEAST = 1e-6  # variance over the largest one that is possible [1]
+LARGEST_MEMORY = (
+    0.8  # autocorrelation of neighbours [1]; above it a course wanders, and a step is as likely as none
+)
 RIDGE = 1e-10  # added to a unit diagonal [1], so that columns that repeat each other can be solved
 TRIED = 40  # variances that are tried [1]; between them it is interpolated, to a hundredth
 TRIALS = np.geomspace(LEAST, 1.0, TRIED)
@@ -90,7 +93,7 @@ def fit_once(values: Array, stated: Array, columns: Array, clipped: Array, varia
     deviation = np.sqrt(after)
     reach = CLIP * deviation
     left = np.clip(values - fitted, -reach, reach)
-    inflation = _inflation(left / deviation, count)
+    inflation = _inflation(left / deviation, count, p)
     deviations = np.sqrt(np.sum(inverse**2, axis=-1) * inflation[..., None])
     return RobustFit(fitted, b, deviations, fitted + left, after)
 
@@ -140,12 +143,18 @@ def _variance(left: Array, deviations: Array, count: Counts, share: Array) -> Ar
     return np.asarray(np.where(more[..., None], stated + found, stated * found))
 
 
-def _inflation(scaled: Array, count: Counts) -> Array:
+def _inflation(scaled: Array, count: Counts, p: int) -> Array:
     """Return by how much values that follow their neighbours widen a variance [1], shape (…).
 
-    Only the autocorrelation that is clearly there counts: chance gives one of 1/√N.
+    What p columns leave of noise without memory has an autocorrelation of -p/N: it is added again. What chance gives
+    besides is not taken off, since noise with memory would then give false alarms (`python -m benchmarks.fleet.tails`).
+
+    Args:
+        scaled: What the fit leaves over its standard deviation [1], shape (…, N).
+        count: Number of logs, shape (…).
+        p: Number of columns that were fitted.
     """
     power = np.sum(scaled**2, axis=-1)
     seen = np.sum(scaled[..., 1:] * scaled[..., :-1], axis=-1) / np.maximum(power, 1e-300)
-    rho = np.clip(seen - 1.0 / np.sqrt(count), 0.0, 0.8)
+    rho = np.clip(seen + p / count, 0.0, LARGEST_MEMORY)
     return np.asarray((1 + rho) / (1 - rho))

@@ -39,7 +39,7 @@ def test_one_bad_log_is_no_alarm_however_bad(error):
 
 
 def test_what_the_temperature_does_is_no_step():
-    warm = 27 + 8 * np.sin(np.arange(COUNT) / 9) + noise(1)
+    warm = 27 + 8 * np.tanh((np.arange(COUNT) - 30) / 6) + noise(1)  # [°C], summer comes
     values = 10.0 - 0.3 * warm + 0.3 * noise(2)
     columns = np.column_stack([ONE, warm - warm.mean()])
     with_it, without = find_step(values, STATED, columns), find_step(values, STATED, ONE)
