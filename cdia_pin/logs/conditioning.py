@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.cutoff import LOWEST_CUTOFF, choose_cutoff
-from cdia_pin.logs.derivatives import uniform
+from cdia_pin.logs.derivatives import second_cutoff, uniform
 from cdia_pin.logs.filtered_part import Filter, FilteredPart, mean
 from cdia_pin.logs.held_stretch import without_idle_end
 from cdia_pin.logs.log import Log
@@ -140,7 +140,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
     raw_effort = _joined(log.effort[p] for p in parts) if len(looked_at) > 1 else log.effort
     steps = np.array([quantum(of_joint) for of_joint in _joined(even.position[p] for p in parts).T])
     wide = min(settings.motion_band * cutoff, HIGHEST_SHARE_GIVEN * rate)
-    by = Filter(cutoff, wide, rate, every, min(STEPLESS, cutoff), steps)
+    by = Filter(second_cutoff(cutoff, wide), wide, rate, every, min(STEPLESS, cutoff), steps)
     filtered = [
         FilteredPart.of(even, block, within, by)
         for part, within in between
