@@ -3,7 +3,8 @@
 Positions and torques pass the same zero-phase filter, of the motion. Each torque that is computed from the positions
 and the measured torque pass another, of the comparison, and both are decimated to the bandwidth that is left. So both
 sides of M q̈ + nle = τ + f are treated alike [Gautier1997]. The filter of the motion is wider: it blurs the step of the
-arm's friction at a reversal, not the one that is computed, and what is beyond the comparison's cut-off does not count.
+arm's friction at a reversal, not the one that is computed. That of the comparison is narrower in turn, so that both
+pass as much as two equal ones.
 """
 
 from __future__ import annotations
@@ -118,8 +119,10 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             f"{log.source}: a cut-off of {cutoff:g} Hz is too low for a log of {even.duration:.4g} s, which must hold "
             "a period of it"
         )
-    every = max(1, int(rate / (MOTION_OVERSAMPLING * cutoff)))
-    again = max(1, int(rate / every / (TORQUE_OVERSAMPLING * cutoff)))
+    wide = min(settings.motion_band * cutoff, HIGHEST_SHARE_GIVEN * rate)
+    narrow = second_cutoff(cutoff, wide)
+    every = max(1, int(rate / (MOTION_OVERSAMPLING * narrow)))
+    again = max(1, int(rate / every / (TORQUE_OVERSAMPLING * narrow)))
     most = None if settings.most is None else settings.most * every * again
     looked_at = stretches(len(even.time), most, every)
     shortest = int(np.ceil(max(SHORTEST_PART, 2 * settings.trim + 1) / cutoff * rate))
@@ -139,8 +142,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         notes.append(_said_of_gaps(log, len({other.start for _, other in between})))
     raw_effort = _joined(log.effort[p] for p in parts) if len(looked_at) > 1 else log.effort
     steps = np.array([quantum(of_joint) for of_joint in _joined(even.position[p] for p in parts).T])
-    wide = min(settings.motion_band * cutoff, HIGHEST_SHARE_GIVEN * rate)
-    by = Filter(second_cutoff(cutoff, wide), wide, rate, every, min(STEPLESS, cutoff), steps)
+    by = Filter(narrow, wide, rate, every, min(STEPLESS, cutoff), steps)
     filtered = [
         FilteredPart.of(even, block, within, by)
         for part, within in between

@@ -125,15 +125,19 @@ class Motion:
             start += length
         return out
 
+    @property
+    def comparison_cutoff(self) -> float:
+        """Cut-off of the comparison's filter [Hz]."""
+        return second_cutoff(self.cutoff, self.record.get("motion_cutoff", self.cutoff))
+
     @cached_property
     def _kernel(self) -> Array:
         """Impulse response of the comparison's filter [1], shape (2 reach + 1,)."""
         shortest = min(self.stretches, default=len(self.time))
-        cutoff = second_cutoff(self.cutoff, self.record.get("motion_cutoff", self.cutoff))
         reach = min(int(np.ceil(KERNEL / self.cutoff * self.rate)), shortest - 1)
         impulse = np.zeros(4 * reach + 1)
         impulse[2 * reach] = 1.0
-        kernel = zero_phase(impulse, cutoff, self.rate)[reach : 3 * reach + 1]
+        kernel = zero_phase(impulse, self.comparison_cutoff, self.rate)[reach : 3 * reach + 1]
         return np.asarray(kernel / kernel.sum())
 
     @cached_property

@@ -124,4 +124,4 @@ class RestSettings:
                 before = time - at[np.maximum(k - 1, 0)]
                 after = at[np.minimum(k, len(at) - 1)] - time
                 out[:, j] = np.minimum(np.abs(before), np.abs(after))
-        return out * motion.cutoff
+        return out * motion.comparison_cutoff
