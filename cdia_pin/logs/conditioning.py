@@ -99,11 +99,7 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
     even = uniform(log)
     rate = (len(even.time) - 1) / even.duration
     recorded = on_grid(recorded_parts(log), log, even)
-    if settings.cutoff is None:
-        longest = max(recorded, key=lambda part: part.stop - part.start)
-        cutoff = choose_cutoff(even.slice(longest.start, longest.stop), robot)
-    else:
-        cutoff = settings.cutoff
+    cutoff = _chosen(even, recorded, robot) if settings.cutoff is None else settings.cutoff
     if not settings.motion_band >= 1:
         raise LogError(
             "the filter of the motion must be as wide as that of the compared torques, "
@@ -191,6 +187,12 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         effort_tolerance=log.effort_tolerance,
         stretches=lengths,
     )
+
+
+def _chosen(even: Log, recorded: Sequence[slice], robot: RobotModel) -> float:
+    """Return the cut-off that the longest part between two gaps asks for [Hz]."""
+    longest = max(recorded, key=lambda part: part.stop - part.start)
+    return choose_cutoff(even.slice(longest.start, longest.stop), robot)
 
 
 def _said_of_gaps(log: Log, used: int) -> str:
