@@ -58,7 +58,7 @@ class Conditioning:
         most: Largest number of compared samples [1]. Of a longer log stretches are looked at, which are spread evenly
             over it; all of it if None.
         motion_band: Cut-off of the motion over that of the compared torques [1]. With 1 Coulomb friction comes out up
-            to 6 % too large and viscous friction as much too small, with 1.5 up to 0.7 %; a wider band makes speeds
+            to 6 % too large and viscous friction as much too small, with 1.5 up to 0.4 %; a wider band makes speeds
             noisier (docs/results-blurred-steps.md).
     """
 
