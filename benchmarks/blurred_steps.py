@@ -169,7 +169,7 @@ def page() -> str:
         "parameters come from least squares over the compared samples.",
         "Columns are `Conditioning.motion_band`: the cut-off of the motion over that of the compared torques. With 1 "
         "the step of the measured torque at a reversal passes two equal filters, and that of the computed friction one "
-        "of them. The second filter is narrower in turn. A cell gives the mean error / the largest one.",
+        "of them. A cell gives the mean error / the largest one.",
         table(("friction", *HEADS), summary),
         "## Intervals of `cdia identify`",
         f"The same arm with Coulomb and viscous friction, a base of {max(BASES):g} Hz, in {len(NOISY)} other draws: "

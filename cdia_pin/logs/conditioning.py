@@ -3,8 +3,7 @@
 Positions and torques pass the same zero-phase filter, of the motion. Each torque that is computed from the positions
 and the measured torque pass another, of the comparison, and both are decimated to the bandwidth that is left. So both
 sides of M q̈ + nle = τ + f are treated alike [Gautier1997]. The filter of the motion is wider: it blurs the step of the
-arm's friction at a reversal, not the one that is computed. That of the comparison is narrower in turn, so that both
-pass as much as two equal ones.
+arm's friction at a reversal, not the one that is computed, and what is beyond the comparison's cut-off does not count.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 
 from cdia_pin.errors import LogError
 from cdia_pin.logs.cutoff import LOWEST_CUTOFF, choose_cutoff
-from cdia_pin.logs.derivatives import second_cutoff, uniform
+from cdia_pin.logs.derivatives import uniform
 from cdia_pin.logs.filtered_part import Filter, FilteredPart, mean
 from cdia_pin.logs.held_stretch import without_idle_end
 from cdia_pin.logs.log import Log
@@ -58,7 +57,7 @@ class Conditioning:
         most: Largest number of compared samples [1]. Of a longer log stretches are looked at, which are spread evenly
             over it; all of it if None.
         motion_band: Cut-off of the motion over that of the compared torques [1]. With 1 Coulomb friction comes out up
-            to 6 % too large and viscous friction as much too small, with 1.5 up to 0.4 %; a wider band makes speeds
+            to 6 % too large and viscous friction as much too small, with 1.5 up to 0.7 %; a wider band makes speeds
             noisier (docs/results-blurred-steps.md).
     """
 
@@ -99,7 +98,11 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
     even = uniform(log)
     rate = (len(even.time) - 1) / even.duration
     recorded = on_grid(recorded_parts(log), log, even)
-    cutoff = _chosen(even, recorded, robot) if settings.cutoff is None else settings.cutoff
+    if settings.cutoff is None:
+        longest = max(recorded, key=lambda part: part.stop - part.start)
+        cutoff = choose_cutoff(even.slice(longest.start, longest.stop), robot)
+    else:
+        cutoff = settings.cutoff
     if not settings.motion_band >= 1:
         raise LogError(
             "the filter of the motion must be as wide as that of the compared torques, "
@@ -115,10 +118,8 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
             f"{log.source}: a cut-off of {cutoff:g} Hz is too low for a log of {even.duration:.4g} s, which must hold "
             "a period of it"
         )
-    wide = min(settings.motion_band * cutoff, HIGHEST_SHARE_GIVEN * rate)
-    narrow = second_cutoff(cutoff, wide)
-    every = max(1, int(rate / (MOTION_OVERSAMPLING * narrow)))
-    again = max(1, int(rate / every / (TORQUE_OVERSAMPLING * narrow)))
+    every = max(1, int(rate / (MOTION_OVERSAMPLING * cutoff)))
+    again = max(1, int(rate / every / (TORQUE_OVERSAMPLING * cutoff)))
     most = None if settings.most is None else settings.most * every * again
     looked_at = stretches(len(even.time), most, every)
     shortest = int(np.ceil(max(SHORTEST_PART, 2 * settings.trim + 1) / cutoff * rate))
@@ -138,7 +139,8 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         notes.append(_said_of_gaps(log, len({other.start for _, other in between})))
     raw_effort = _joined(log.effort[p] for p in parts) if len(looked_at) > 1 else log.effort
     steps = np.array([quantum(of_joint) for of_joint in _joined(even.position[p] for p in parts).T])
-    by = Filter(narrow, wide, rate, every, min(STEPLESS, cutoff), steps)
+    wide = min(settings.motion_band * cutoff, HIGHEST_SHARE_GIVEN * rate)
+    by = Filter(cutoff, wide, rate, every, min(STEPLESS, cutoff), steps)
     filtered = [
         FilteredPart.of(even, block, within, by)
         for part, within in between
@@ -187,12 +189,6 @@ def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None)
         effort_tolerance=log.effort_tolerance,
         stretches=lengths,
     )
-
-
-def _chosen(even: Log, recorded: Sequence[slice], robot: RobotModel) -> float:
-    """Return the cut-off that the longest part between two gaps asks for [Hz]."""
-    longest = max(recorded, key=lambda part: part.stop - part.start)
-    return choose_cutoff(even.slice(longest.start, longest.stop), robot)
 
 
 def _said_of_gaps(log: Log, used: int) -> str:

@@ -134,21 +134,6 @@ def smooth_motion(position: ArrayLike, cutoff: float, rate: float) -> tuple[Arra
     return q, v, a
 
 
-def second_cutoff(cutoff: float, first: float) -> float:
-    """Return the cut-off of a second filter, so that both pass half an amplitude where two filters of one cut-off do.
-
-    Args:
-        cutoff: Cut-off of the two equal filters [Hz].
-        first: Cut-off of the first filter, at least as high [Hz].
-
-    Returns:
-        Cut-off [Hz]: `cutoff` if the first filter has it too, 0.9 times that if the first one lets all pass.
-    """
-    half = np.sqrt(2.0) - 1.0  # (f / cutoff)^(2 ORDER) where two equal filters pass half
-    passed = 1.0 / (1.0 + half * (cutoff / first) ** (2 * ORDER))
-    return float(cutoff * (half / (2.0 * passed - 1.0)) ** (0.5 / ORDER))
-
-
 def _derivatives(
     signal: ArrayLike, cutoff: float, rate: float, derivatives: Sequence[int], order: int
 ) -> list[Array]:

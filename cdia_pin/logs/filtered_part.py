@@ -22,7 +22,7 @@ class Filter:
     """How a part of a log is filtered.
 
     Attributes:
-        cutoff: Cut-off of the comparison's filter [Hz].
+        cutoff: Cut-off of the compared torques [Hz].
         motion: Cut-off of the filter that positions and torques pass [Hz].
         rate: Rate of the log [Hz].
         every: Samples of the log for each one that is kept [1].

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 from numpy.typing import ArrayLike, NDArray
 
-from cdia_pin.logs.derivatives import second_cutoff, zero_phase
+from cdia_pin.logs.derivatives import zero_phase
 from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.phrases import shortened
 
@@ -67,8 +67,7 @@ class Motion:
         a: Accelerations [rad/s² or m/s²], shape (N, n); zero for a joint whose accelerations are only noise.
         effort: Torques, filtered like the positions [N·m or N], shape (N, n).
         rate: Samples per second of all of these [Hz].
-        cutoff: Cut-off of the compared torques [Hz]: they pass the filters of the motion and of the comparison, which
-            together are as wide as two equal ones of this cut-off.
+        cutoff: Cut-off of the compared torques [Hz], below that of the motion.
         decimation: Number of samples per compared torque [1].
         speed_noise: Standard deviation of the noise in v [rad/s or m/s], shape (n,).
         acceleration_noise: Standard deviation of the error of a below `cutoff` [rad/s² or m/s²], shape (n,).
@@ -125,19 +124,14 @@ class Motion:
             start += length
         return out
 
-    @property
-    def comparison_cutoff(self) -> float:
-        """Cut-off of the comparison's filter [Hz]."""
-        return second_cutoff(self.cutoff, self.record.get("motion_cutoff", self.cutoff))
-
     @cached_property
     def _kernel(self) -> Array:
-        """Impulse response of the comparison's filter [1], shape (2 reach + 1,)."""
+        """Impulse response of the filter of compared torques [1], shape (2 reach + 1,)."""
         shortest = min(self.stretches, default=len(self.time))
         reach = min(int(np.ceil(KERNEL / self.cutoff * self.rate)), shortest - 1)
         impulse = np.zeros(4 * reach + 1)
         impulse[2 * reach] = 1.0
-        kernel = zero_phase(impulse, self.comparison_cutoff, self.rate)[reach : 3 * reach + 1]
+        kernel = zero_phase(impulse, self.cutoff, self.rate)[reach : 3 * reach + 1]
         return np.asarray(kernel / kernel.sum())
 
     @cached_property

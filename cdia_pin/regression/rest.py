@@ -28,8 +28,8 @@ class RestSettings:
         width_over_speed: Least width over the 95th percentile of the speeds driven [1].
         near_rest: Speed below which a joint counts as near rest, over the width [1]. There friction is whatever keeps
             the joint where it is.
-        least_distance: Time from rest or a reversal at which a sample counts, in periods of the comparison's cut-off
-            [1]. The filter blurs friction that is nearer.
+        least_distance: Time from rest or a reversal at which a sample counts, in periods of the cut-off [1]. The filter
+            blurs friction that is nearer.
         resting_share: A joint near rest for longer than this share of each log is taken as resting [1].
         one_way_share: A joint that moves one of its ways for less than this share of its motion [1] shows no
             difference between its directions.
@@ -85,7 +85,7 @@ class RestSettings:
         """Return True for samples that are far enough from rest.
 
         Args:
-            distance: Time from rest, in periods of the comparison's cut-off [1], any shape.
+            distance: Time from rest, in periods of the cut-off [1], any shape.
 
         Returns:
             Shape as given.
@@ -96,7 +96,7 @@ class RestSettings:
         """Return classes of distance, 0 at rest and largest far away.
 
         Args:
-            distance: Time from rest, in periods of the comparison's cut-off [1], any shape.
+            distance: Time from rest, in periods of the cut-off [1], any shape.
 
         Returns:
             Shape as given.
@@ -112,7 +112,7 @@ class RestSettings:
             width: Width over which their sgn is smoothed [rad/s or m/s], scalar or shape (m,).
 
         Returns:
-            Time in periods of the comparison's cut-off [1], shape (K, m).
+            Time in periods of the cut-off [1], shape (K, m).
         """
         near_rest = np.abs(v) < self.near_rest * width
         time, out = motion.sampled(motion.time), np.full((len(motion.kept), v.shape[1]), np.inf)
@@ -124,4 +124,4 @@ class RestSettings:
                 before = time - at[np.maximum(k - 1, 0)]
                 after = at[np.minimum(k, len(at) - 1)] - time
                 out[:, j] = np.minimum(np.abs(before), np.abs(after))
-        return out * motion.comparison_cutoff
+        return out * motion.cutoff

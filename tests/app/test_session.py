@@ -239,7 +239,7 @@ def test_suggestions_begin_with_what_the_search_would_add(searched):
 
 
 def test_confusions_become_motions_to_record(searched):
-    tried = searched.add("viscous_friction@elbow_joint").search()  # it is Coulomb friction
+    tried = searched.add("asymmetric_friction@elbow_joint").search()
     said = doubts(tried)
     assert any("friction" in d.pair and ("slowly" in d.motion or "speeds" in d.motion) for d in said), [
         (d.pair, d.motion) for d in said
