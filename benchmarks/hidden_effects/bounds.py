@@ -84,7 +84,9 @@ def _autocovariance(motion: Motion, keep: float, rate: float, count: int) -> Arr
     for d in range(apart):
         impulse = np.zeros(count)
         impulse[middle + d] = 1.0
-        kernel[:, apart - 1 - d] = motion.compared(zero_phase(impulse, motion.cutoff, rate)[::every])
+        kernel[:, apart - 1 - d] = motion.compared(
+            zero_phase(impulse, motion.record["motion_cutoff"], rate)[::every]
+        )
     memory = np.sqrt(1 - keep**2) * keep ** np.arange(round(40 / (1 - keep)))
     response = fftconvolve(kernel.ravel(), memory)
     whole = fftconvolve(response, response[::-1])[len(response) - 1 :: apart]
