@@ -36,7 +36,7 @@ SEEDS = (1, 2)
 # [Hz], base frequency of the motion: a joint turns back some 30 and some 80 times a minute
 BASES = (0.1, 0.25)
 CUTOFFS = (5.0, 10.0, 20.0)  # [Hz]
-BANDS = (1.0, 1.25, 1.5, 2.0, 3.0)  # [1], cut-off of the motion over that of the compared torques
+BANDS = (1.0, 1.25, 1.7, 2.0, 3.0)  # [1], cut-off of the motion over that of the compared torques
 HEADS = ("parameter", *(f"{band:g}" for band in BANDS))
 NOISY = range(11, 15)  # seeds of logs with noise
 LENGTHS = (30.0, 60.0, 120.0)  # [s], of logs with noise
@@ -138,7 +138,7 @@ def _of_joints(plant: MujocoPlant, law: Law, log: Log, conditioning: Conditionin
     motion = condition(log, plant.robot, conditioning)
     experiment = Experiment.of(plant.robot, [motion])
     measured = -experiment.predict(Dynamics(plant.robot)).residual
-    sign = np.tanh(motion.v / experiment.segments[0].state.sign_width)
+    sign = experiment.segments[0].state.sign
     for j, moves in enumerate(experiment.moving.T):
         columns = motion.compared(law.columns(sign[:, j], motion.v[:, j]))
         found, *_ = np.linalg.lstsq(columns[moves], measured[moves, j], rcond=None)

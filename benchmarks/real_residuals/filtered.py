@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from cdia_pin.effects import State
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import condition
+from cdia_pin.logs.derivatives import zero_phase
 from cdia_pin.regression.experiment import Experiment, Segment
 from cdia_pin.robot import RobotModel
 
@@ -48,8 +50,24 @@ class FilteredLog:
 
     @cached_property
     def state(self) -> State:
-        """The filtered motion under the measured torque."""
-        return self.segment.state.with_effort(self.segment.motion.effort)
+        """The filtered motion under the measured torque, which passes the same filter."""
+        motion = self.segment.motion
+        return self.segment.state.with_effort(
+            zero_phase(motion.effort, motion.record["motion_cutoff"], motion.rate)
+        )
+
+    @cached_property
+    def state_of_log(self) -> State:
+        """The same at the times of the log, where a step of friction is one: no part of the program smooths it."""
+        x, time = self.state, self.segment.motion.time
+        at = np.clip(self.log.time, time[0], time[-1])
+        q, v, a, effort = (CubicSpline(time, s)(at) for s in (x.q, x.v, x.a, x.effort))
+        warmth = (
+            None
+            if x.temperature is None
+            else np.column_stack([np.interp(at, time, s) for s in x.temperature.T])
+        )
+        return replace(x, q=q, v=v, a=a, effort=effort, time=at, temperature=warmth, sampled_every=0.0)
 
     @cached_property
     def torque_rms(self) -> Array:
@@ -79,15 +97,6 @@ class FilteredLog:
             torque: Along the filtered motion [N·m or N], shape (N, n).
         """
         return rms(self.segment.motion.compared(torque))
-
-    def at_log_times(self, torque: Array) -> Array:
-        """Return a torque of the motion at the times of the log [N·m or N], shape (number of samples, n).
-
-        Args:
-            torque: Along the filtered motion [N·m or N], shape (N, n).
-        """
-        time = self.segment.motion.time
-        return np.column_stack([np.interp(self.log.time, time, column) for column in torque.T])
 
 
 def rms(signal: Array) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.real_residuals.filtered import FilteredLog
-from cdia_pin.effects import Signal, Term
+from cdia_pin.effects import Signal, State, Term
 from cdia_pin.effects.actuation import ActuatorGain
 from cdia_pin.effects.body import Body
 from cdia_pin.effects.sensing import EffortDelay, EncoderOffset
@@ -31,14 +31,17 @@ class Insertion:
 
     def torque(self) -> Array:
         """Return the torque f that the model misses along the filtered motion [N·m or N], shape (N, n)."""
-        x, effect = self.along.state, self.term.effect
+        return self._torque(self.along.state)
+
+    def _torque(self, x: State) -> Array:
+        effect = self.term.effect
         if isinstance(effect, Body):
-            return self._of_body(effect)
+            return self._of_body(effect, x)
         if isinstance(effect, EncoderOffset):  # the joint is at q, the encoder will read q − δ
             read = x.with_position(x.q - self.term.shift(x))
             return self.term.torque(read)
         if Signal.TORQUE in self.term.depends_on and not isinstance(effect, EffortDelay):
-            return x.effort - self._driven(x.effort)
+            return x.effort - self._driven(x)
         return self.term.torque(x)
 
     def into(self, log: Log) -> Log:
@@ -71,20 +74,18 @@ class Insertion:
                 [np.interp(earlier, log.time, log.effort[:, j]) for j in joints]
             )
         else:
-            effort -= sign * self.along.at_log_times(self.torque())
+            effort -= sign * self._torque(self.along.state_of_log)
         return replace(log, effort=effort)
 
-    def _of_body(self, effect: Body) -> Array:
+    def _of_body(self, effect: Body, x: State) -> Array:
         """Return the torque of the arm without the body, less that of the arm with it."""
-        x, robot = self.along.state, self.along.robot
+        robot = self.along.robot
         bodies = robot.inertial_parameters.copy()
         bodies[effect.carrier(robot)] = effect.total(np.array(self.term.theta), robot)
         heavier = robot.with_inertial_parameters(bodies)
         return x.rigid_torque - heavier.inverse_dynamics(x.q, x.v, x.a)
 
-    def _driven(self, effort: Array) -> Array:
+    def _driven(self, x: State) -> Array:
         """Return the torque that the drives need with an effect in proportion to it [N·m or N], shape (N, n)."""
-        share = np.divide(
-            self.term.torque(self.along.state), effort, out=np.zeros_like(effort), where=effort != 0
-        )
-        return effort / (1.0 + share)
+        share = np.divide(self.term.torque(x), x.effort, out=np.zeros_like(x.effort), where=x.effort != 0)
+        return x.effort / (1.0 + share)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.joint_effect import JointEffect
 from cdia_pin.effects.parameter import Parameter
+from cdia_pin.effects.smooth_sign import smooth_sign
 from cdia_pin.effects.state import JointState, State
 from cdia_pin.effects.traits import SensedFrom, Signal, Traits
 from cdia_pin.errors import EffectError
@@ -272,7 +273,8 @@ class CoupledFriction(Effect):
         shared = x.v[:, i] + x.v[:, j]
         width = np.hypot(*np.broadcast_to(x.sign_width, (x.robot.n,))[[i, j]])
         out = np.zeros((len(x), x.robot.n, 2))
-        columns = np.column_stack([-shared, -np.tanh(shared / width)])
+        change = (x.a[:, i] + x.a[:, j]) * x.sampled_every
+        columns = np.column_stack([-shared, -smooth_sign(shared, width, change)])
         out[:, i, :] = columns
         out[:, j, :] = columns
         return out

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.effects.rigid_motion import RigidMotion
+from cdia_pin.effects.smooth_sign import smooth_sign
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -65,6 +66,8 @@ class State:
             (N, 3); None where it does not.
         memory: z of effects with memory at the first sample, shape (m,) by effect; the initial one where it is missing.
         temperature: Temperatures of the joints [°C], shape (N, n); None where nobody measured them.
+        sampled_every: Time over which sgn(v) is averaged, that between samples of a measured motion [s]; 0 for its
+            value at an instant. A step that falls between two samples is late or early otherwise.
     """
 
     robot: RobotModel
@@ -78,6 +81,7 @@ class State:
     gravity_change: Array | None = None
     memory: Mapping[Any, Array] = field(default_factory=dict)
     temperature: Array | None = None
+    sampled_every: float = 0.0
 
     @classmethod
     def of(
@@ -140,7 +144,17 @@ class State:
         change = None if self.gravity_change is None else self.gravity_change[at]
         q, v, a, effort, time = (s[at] for s in (self.q, self.v, self.a, self.effort, self.time))
         warmth = None if self.temperature is None else self.temperature[at]
-        return State(self.robot, q, v, a, effort, time, self.sign_width, self.log, change, temperature=warmth)
+        return replace(
+            self,
+            q=q,
+            v=v,
+            a=a,
+            effort=effort,
+            time=time,
+            gravity_change=change,
+            memory={},
+            temperature=warmth,
+        )
 
     def with_effort(self, effort: Array) -> State:
         """Return the same motion under other actuator torques, keeping what was computed for it.
@@ -186,7 +200,7 @@ class State:
     @cached_property
     def sign(self) -> Array:
         """Smoothed sgn(v) [1], shape (N, n)."""
-        return np.tanh(self.v / self.sign_width)
+        return smooth_sign(self.v, self.sign_width, self.a * self.sampled_every)
 
     @property
     def rigid_torque(self) -> Array:

@@ -57,14 +57,14 @@ class Conditioning:
         most: Largest number of compared samples [1]. Of a longer log stretches are looked at, which are spread evenly
             over it; all of it if None.
         motion_band: Cut-off of the motion over that of the compared torques [1]. With 1 Coulomb friction comes out up
-            to 6 % too large and viscous friction as much too small, with 1.5 up to 0.7 %; a wider band makes speeds
+            to 6 % too large and viscous friction as much too small, with 1.7 up to 0.4 %; a wider band makes speeds
             noisier (docs/results-blurred-steps.md).
     """
 
     cutoff: float | None = None
     trim: float = 2.0
     most: int | None = None
-    motion_band: float = 1.5
+    motion_band: float = 1.7
 
 
 def condition(log: Log, robot: RobotModel, settings: Conditioning | None = None) -> Motion:

@@ -89,6 +89,7 @@ class Experiment:
                 width,
                 name,
                 temperature=motion.temperature,
+                sampled_every=1.0 / motion.rate,
             )
             measured = motion.compared(motion.effort)
             if len(measured) < FEWEST_SAMPLES:
