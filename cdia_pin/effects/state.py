@@ -66,8 +66,8 @@ class State:
             (N, 3); None where it does not.
         memory: z of effects with memory at the first sample, shape (m,) by effect; the initial one where it is missing.
         temperature: Temperatures of the joints [°C], shape (N, n); None where nobody measured them.
-        sampled_every: Time over which sgn(v) is averaged, that between samples of a measured motion [s]; 0 for its
-            value at an instant. A step that falls between two samples is late or early otherwise.
+        sampled_every: Time between the samples of a motion whose torques are filtered [s]: a step of sgn(v) between
+            two of them is then neither late nor early, see `smooth_sign`. 0 for sgn(v) at instants.
     """
 
     robot: RobotModel
@@ -199,7 +199,7 @@ class State:
 
     @cached_property
     def sign(self) -> Array:
-        """Smoothed sgn(v) [1], shape (N, n)."""
+        """Smoothed sgn(v) [1], shape (N, n), see `smooth_sign`."""
         return smooth_sign(self.v, self.sign_width, self.a * self.sampled_every)
 
     @property

@@ -29,7 +29,7 @@ class RestSettings:
         near_rest: Speed below which a joint counts as near rest, over the width [1]. There friction is whatever keeps
             the joint where it is.
         least_distance: Time from rest or a reversal at which a sample counts, in periods of the cut-off [1]. The filter
-            blurs friction that is nearer.
+            mixes what is nearer with the joint at rest, which may stick.
         resting_share: A joint near rest for longer than this share of each log is taken as resting [1].
         one_way_share: A joint that moves one of its ways for less than this share of its motion [1] shows no
             difference between its directions.
