@@ -81,7 +81,7 @@ def test_beside_structure_the_plain_name_is_given(robot, refined, torque, plain)
 
 def test_a_small_refinement_stays_if_it_leaves_nothing(robot):
     def little(v):
-        return np.where(v > 0, 1.3, 0.7) * LEVEL * np.sign(v)
+        return np.where(v > 0, 0.52, 0.28) * np.sign(v)
 
     assert named(robot, ASYMMETRIC, little, noise=0.4) == {"asymmetric_friction"}
     plain = {"coulomb_friction", "torque_offset"}
