@@ -50,7 +50,7 @@ class FilteredLog:
 
     @cached_property
     def state(self) -> State:
-        """The filtered motion under the measured torque, which passes the same filter."""
+        """The filtered motion under the measured torque, filtered twice: noise of a sensor loads no joint."""
         motion = self.segment.motion
         return self.segment.state.with_effort(
             zero_phase(motion.effort, motion.record["motion_cutoff"], motion.rate)
