@@ -273,8 +273,8 @@ class CoupledFriction(Effect):
         shared = x.v[:, i] + x.v[:, j]
         width = np.hypot(*np.broadcast_to(x.sign_width, (x.robot.n,))[[i, j]])
         out = np.zeros((len(x), x.robot.n, 2))
-        change = (x.a[:, i] + x.a[:, j]) * x.sampled_every
-        columns = np.column_stack([-shared, -smooth_sign(shared, width, change)])
+        sign = smooth_sign(shared, width, x.a[:, i] + x.a[:, j], x.sampled_every)
+        columns = np.column_stack([-shared, -sign])
         out[:, i, :] = columns
         out[:, j, :] = columns
         return out

@@ -12,11 +12,12 @@ Array = NDArray[np.float64]
 SLOW = 1e-2
 
 
-def smooth_sign(v: ArrayLike, width: ArrayLike, change: ArrayLike = 0.0) -> Array:
+def smooth_sign(v: ArrayLike, width: ArrayLike, a: ArrayLike = 0.0, period: float = 0.0) -> Array:
     r"""Return tanh(v / w), or in a sampled motion what a filter of its samples needs in place of it.
 
     A step that falls between two samples is up to half a sample late or early if it is sampled at instants. So its
-    integral is sampled, for a speed that changes evenly, and differentiated by a central difference of fourth order:
+    integral is sampled, for a speed that changes evenly by c = a T, and differentiated by a central difference of
+    fourth order:
 
     .. math:: \frac{27 (I_{1/2} - I_{-1/2}) - (I_{3/2} - I_{-3/2})}{24\, c}, \qquad
         I_k = w \ln \cosh \frac{v + k c}{w}
@@ -24,15 +25,17 @@ def smooth_sign(v: ArrayLike, width: ArrayLike, change: ArrayLike = 0.0) -> Arra
     Args:
         v: Speeds [rad/s or m/s], any shape.
         width: Speed w below which the sign is smoothed [rad/s or m/s], of a shape that v can take.
-        change: Change c of the speed from one sample to the next [rad/s or m/s], of a shape that v can take; 0 for
-            the sign at an instant.
+        a: Accelerations [rad/s² or m/s²], of a shape that v can take.
+        period: Time T between two samples [s]; 0 for the sign at an instant.
 
     Returns:
         Within ± 1 at an instant, in a sampled motion beside a step up to a twelfth more [1], shape of v.
     """
     middle: Array = np.asarray(v, float) / np.asarray(width, float)
-    step: Array = np.asarray(change, float) / np.asarray(width, float)
     at_once = np.tanh(middle)
+    if not period:  # in a simulation or a control loop, sample by sample
+        return at_once
+    step: Array = np.asarray(a, float) * period / np.asarray(width, float)
     fast = np.abs(step) > SLOW
     if not fast.any():
         return at_once

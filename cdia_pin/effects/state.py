@@ -200,7 +200,7 @@ class State:
     @cached_property
     def sign(self) -> Array:
         """Smoothed sgn(v) [1], shape (N, n), see `smooth_sign`."""
-        return smooth_sign(self.v, self.sign_width, self.a * self.sampled_every)
+        return smooth_sign(self.v, self.sign_width, self.a, self.sampled_every)
 
     @property
     def rigid_torque(self) -> Array:

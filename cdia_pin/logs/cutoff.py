@@ -25,9 +25,10 @@ FLAT = 10.0  # [1], power over the spectrum's floor below which a band holds noi
 AMPLIFIED = 2.0  # [1], computed over measured torque above which a band holds noise: accelerations amplify it
 NOISE_BAND = 0.3  # [1], of the rate; above it spectra show the noise floor alone
 JUDGED = 2**17  # samples [1] by which the cut-off is chosen, of a longer log in stretches
-# [1], cut-off over the end of the band, where noise is largest: a third of an amplitude passes there. At 1 and with
-# sgn at instants `discover` left 6 % more of the URDF's error in 53 measured logs.
-WITHIN = 0.9
+# At 1 and with sgn at instants `discover` left 6 % more of the URDF's error in 53 measured logs.
+WITHIN = (
+    0.9  # [1], cut-off over the end of the band: noise is largest there, and a third of its amplitude passes
+)
 BANDS = (
     13  # bands between the lowest and the highest cut-off, each wider than the one before by the same factor
 )

@@ -31,9 +31,8 @@ def only_step(robot, log):
 
 
 def test_friction_in_proportion_to_the_load_that_falls_with_speed_is_found(arm):
-    made = make(
-        arm, seed=3, rate=400.0
-    )  # at 100 Hz a reversal is between two samples, and so is the fall at rest
+    # at 100 Hz a reversal is between two samples, and so is the fall at rest
+    made = make(arm, seed=3, rate=400.0)
     share = 0.1 + 0.25 * np.exp(-np.abs(made.v[:, 0]) / 0.15)
     load = made.log.effort[:, 0] / (1 - share * np.sign(made.v[:, 0]) * np.sign(made.log.effort[:, 0]))
     term, verdict = only_step(arm, replace(made.log, effort=np.column_stack([load, made.log.effort[:, 1]])))
