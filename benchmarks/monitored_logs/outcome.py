@@ -26,6 +26,8 @@ class Outcome(JsonLine):
         early: Detections before it, or at all where nothing was put in.
         named: Labels believed in at the end.
         sets: Sets of labels that the last isolation of each joint, and of the arm, left possible, best first.
+        size_error: Error of the first parameter of the effect, if it is believed at the end, over its size [1].
+        size_half: Half width of its 95 % interval, over the same [1].
         contacts: Number of contacts said.
         ever: Labels that were isolated at any time, contacts left out.
         mass: Payload's mass at the end [kg].
@@ -51,6 +53,8 @@ class Outcome(JsonLine):
     early: int = 0
     named: tuple[str, ...] = ()
     sets: tuple[tuple[tuple[str, ...], ...], ...] = ()
+    size_error: float = nan
+    size_half: float = nan
     contacts: int = 0
     ever: tuple[str, ...] = ()
     mass: float = nan
@@ -84,6 +88,11 @@ class Outcome(JsonLine):
     def holds(self) -> bool:
         """Whether it is among what the monitor leaves possible, alone on its joint."""
         return self.is_right or any((self.effect,) in one for one in self.sets)
+
+    @property
+    def is_within(self) -> bool:
+        """Whether the 95 % interval of the effect's first parameter holds what was put in."""
+        return self.size_error <= self.size_half
 
     @property
     def is_noticed(self) -> bool:

@@ -43,6 +43,10 @@ def _median(value: str, unit: str = "") -> Measure:
     return measure
 
 
+def _is_sized(o: Outcome) -> bool:
+    return not np.isnan(o.size_error)
+
+
 def _says_wrong(o: Outcome) -> bool:
     return any(not label.startswith("unknown@") for label in o.ever)
 
@@ -147,6 +151,13 @@ PARTS = (
             RIGHT,
             Claim("named at the end", "", of_cases(lambda o: o.is_right)),
             Claim("named, and nothing else anywhere", "", of_cases(lambda o: o.is_alone)),
+            Claim("error of the size of what is named, median", "", _median("size_error")),
+            Claim(
+                "95 % interval of what is named holds the size",
+                "",
+                of_cases(lambda o: o.is_within, _is_sized),
+            ),
+            Claim("half width of the interval over the size, median", "", _median("size_half")),
             Claim("a detection before it began", "", of_cases(lambda o: o.early > 0)),
             NOTICED,
             EITHER,

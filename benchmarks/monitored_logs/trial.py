@@ -69,6 +69,8 @@ def run_case(case: Case) -> Outcome:
         kept=log.duration,
         said=tuple(_in_words(e, start) for e in events if e.stage != "accommodation"),
     )
+    if term is not None:
+        out = _with_size(out, monitor, term)
     if case.kind == WEIGHT:
         out = _with_mass(out, monitor, isolations, detections)
         out = _with_compared_mass(out, lasting)
@@ -109,6 +111,16 @@ def with_effect(case: Case, log: Log, begin: float, end: float = np.inf) -> tupl
 def _is_blind(term: Term, monitor: Monitor) -> bool:
     sight = monitor.record["sight"]
     return all(sight[joint]["blind"] for joint in term.effect.scope or sight)
+
+
+def _with_size(out: Outcome, monitor: Monitor, term: Term) -> Outcome:
+    found = next((t for t in monitor.faults if t.label == term.label), None)
+    if found is None:
+        return out
+    true = term.theta[0]
+    return replace(
+        out, size_error=abs(found.theta[0] / true - 1.0), size_half=float(found.half_widths[0]) / abs(true)
+    )
 
 
 def _with_mass(out: Outcome, monitor: Monitor, isolations: list[Event], detections: list[float]) -> Outcome:

@@ -24,7 +24,7 @@ from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.status import NO_CONTACT, Event, EventStage, Verdict
 from cdia_pin.diagnosis.whole_arm import evidence_kernel, isolation_kernel
-from cdia_pin.diagnosis.whole_arm.belief import carried, changed, ends, is_possible, known
+from cdia_pin.diagnosis.whole_arm.belief import carried, changed, ends, is_possible, known, refines
 from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
 from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
 from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES
@@ -52,7 +52,7 @@ class ArmMonitor(Stateful):
 
     Attributes:
         evidence: Samples since joints left their thresholds, and until what was isolated then is no longer on trial.
-        fresh: Those of a further alarm while something is on trial.
+        fresh: Those since the last joint left its threshold, while something is on trial or in question already.
         believed: Effects of the whole arm that are present, with their numbers.
         contact: Contact of the moment; None without.
         apart: Whether joints by themselves explain what they show, so that it is no contact.
@@ -69,6 +69,7 @@ class ArmMonitor(Stateful):
         "apart",
         "carried_torque",
         "_since",
+        "_asked",
         "_refined_at",
         "_trial",
         "_votes",
@@ -238,6 +239,9 @@ class ArmMonitor(Stateful):
             return self._refine(t)
         if self._since == np.inf:
             self._begin(t, joints)
+        elif not self._asked[list(joints)].all():  # another joint joins, perhaps by another cause
+            self.fresh.start(self.observer.time)
+        self._asked[list(joints)] = True
         self._ask_since_alarm(sorted(joints))
         self._decision = found = self._decided(sorted(joints))
         leads = self._counts(found) and found.lead > self.settings.lead
@@ -264,9 +268,10 @@ class ArmMonitor(Stateful):
         self._votes.clear()
 
     def _ask_since_alarm(self, joints: Sequence[int]) -> None:
-        """Ask on the samples since the alarm alone if these say for sure what all since the trial began do not.
+        """Ask on the samples since the last alarm alone if these say for sure what all samples do not.
 
-        An arm may put down what it took some seconds before. The samples in between would hide it for as long again.
+        An arm may put down what it took some seconds before, or take it while a joint is in question for a cause of its
+        own. The samples in between would hide it for as long again.
         """
         if not self.fresh.is_active or decide(self.evidence, self.bank, joints, self.settings).is_sure:
             return
@@ -274,6 +279,7 @@ class ArmMonitor(Stateful):
         if now.is_sure and now.lead > self.settings.lead:
             self.evidence, self.fresh, self._trial = self.fresh, self.evidence, None
             self.fresh.stop()
+            self._since = self.evidence.since
 
     def _commit(self, t: float, found: ArmDecision, joints: tuple[str, ...]) -> list[Event]:
         assert found.index is not None
@@ -306,8 +312,8 @@ class ArmMonitor(Stateful):
         if not self.evidence.is_active or t - self._refined_at < REFINED_EVERY:
             return []
         self._refined_at = t
-        found = self._decided(())
-        if found.index == self._trial.index and found.is_sure:
+        found = decide(self.evidence, self.bank, (), self.settings, self._trial.index)
+        if refines(self.believed, found, self.observer.nominal.robot):
             self._believe(found)
         return []
 
@@ -382,6 +388,7 @@ class ArmMonitor(Stateful):
     def _close(self) -> None:
         """Take the present question as answered."""
         self._since = np.inf
+        self._asked = np.zeros(self.observer.nominal.robot.n, bool)
         self.fresh.stop()
         self._decision = UNDECIDED
         self._votes.clear()

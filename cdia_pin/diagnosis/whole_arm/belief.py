@@ -72,6 +72,22 @@ def ends(believed: Sequence[Term], found: ArmDecision) -> bool:
     return old is not None and is_gone(shown, found)
 
 
+def refines(believed: Sequence[Term], found: ArmDecision, robot: RobotModel) -> bool:
+    """Tell whether the samples since its isolation know a believed effect better: its numbers differ, or are closer.
+
+    Args:
+        believed: Believed effects of the whole arm.
+        found: A decision for the hypothesis of the effect.
+        robot: The healthy arm.
+    """
+    if found.index is None or ends(believed, found):
+        return False
+    old, _ = known(believed, found)
+    now = changed(believed, found)
+    is_closer = old is not None and np.prod(found.half) < np.prod(old.half_widths[: len(found.half)])
+    return (found.is_sure or is_closer) and is_possible(now, robot)
+
+
 def _hypothesis(found: ArmDecision) -> Hypothesis:
     assert found.index is not None
     return HYPOTHESES[found.index]

@@ -104,7 +104,11 @@ UNDECIDED = ArmDecision(None, np.zeros(0), np.zeros((0, 0)), -np.inf, 0.0)
 
 
 def decide(
-    evidence: ArmEvidence, bank: Bank, alarmed: Sequence[int], settings: MonitorSettings
+    evidence: ArmEvidence,
+    bank: Bank,
+    alarmed: Sequence[int],
+    settings: MonitorSettings,
+    only: int | None = None,
 ) -> ArmDecision:
     """Decide from the present normal equations.
 
@@ -113,6 +117,7 @@ def decide(
         bank: Known effects of the joints.
         alarmed: Joints that have left their thresholds.
         settings: Penalty of a parameter.
+        only: Index of the one hypothesis that is fitted; all of them if omitted.
     """
     has_alarmed = np.zeros(len(evidence.weight), bool)
     has_alarmed[list(alarmed)] = True
@@ -120,7 +125,8 @@ def decide(
     theta, precision = np.empty(size), np.empty((size, size))
     best, lead, explained, left, share = isolation_kernel.decided(
         evidence.gram, evidence.weight, evidence.level, evidence.independent, has_alarmed, bank.ends,
-        evidence.ends, evidence.prior, evidence.unusual, settings.price, theta, precision,
+        evidence.ends, evidence.prior, evidence.unusual, settings.price, -1 if only is None else only,
+        theta, precision,
     )  # fmt: skip
     if best < 0:
         return UNDECIDED

@@ -114,7 +114,7 @@ def of_arm(gram, unit, first, end, prior, theta, precision):
 
 @njit(cache=True, error_model="numpy")
 def decided(
-    gram, weight, level, independent, alarmed, own_ends, ends, prior, unusual, price, theta, precision
+    gram, weight, level, independent, alarmed, own_ends, ends, prior, unusual, price, only, theta, precision
 ):
     """Return the effect that gains most, and what there is to know of it; −1 if there is too little motion.
 
@@ -129,6 +129,7 @@ def decided(
         prior: Prior standard deviations of their parameters, ``inf`` where nothing is known, shape (A,).
         unusual: Which of them arms hardly ever have, shape (K,).
         price: Penalty of a parameter [1].
+        only: Index of the one effect that is fitted; −1 for all.
         theta: Parameters of all effects; filled, shape (A,).
         precision: Inverses of their covariances at the healthy noise; blocks are filled, shape (A, A).
 
@@ -142,6 +143,8 @@ def decided(
         return best, first, explained, left, 0.0
     joints, share = of_joints(gram, unit, alarmed, own_ends, price)
     for i in range(len(ends) - 1):
+        if only >= 0 and i != only:
+            continue
         a, b = ends[i] - ends[0], ends[i + 1] - ends[0]
         gain, its_share, its_rest = of_arm(
             gram, unit, ends[i], ends[i + 1], prior[a:b], theta[a:b], precision[a:b, a:b]
