@@ -182,10 +182,11 @@ class ArmMonitor(Stateful):
             dt: Time since the last one [s].
         """
         o = self.observer
-        self.detector.add(o.time, dt, o.remainder, o.state.moving, o.state.nle)
         if self.believed:  # its formula may miss a share for a moment, as those of the joints' effects may
             self._carry_torque()
             o.state.amplitude = np.maximum(o.state.amplitude, np.abs(self.carried_torque))
+        rough = kernels.ROUGHNESS * o.state.amplitude
+        self.detector.add(o.time, dt, o.remainder, o.state.moving, o.state.nle, rough)
         for evidence in (self.evidence, self.fresh):
             if evidence.is_active:
                 evidence.add(o.time, o.q, o.v)

@@ -2,7 +2,8 @@
 
 The remainder's slow part is followed and subtracted, so that neither a model's error nor what dry friction holds at
 rest counts. What is left is compared with the largest value of healthy runs, at rest and in motion apart. A joint that
-has just started or stopped may be off by its friction besides. At rest, friction also takes up what the load changes.
+has just started or stopped may be off by its friction besides, and one with a believed fault or load by a share of its
+torque, since formulas miss some. At rest, friction also takes up what the load changes.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ class ContactDetector(Stateful):
     def _tried_once(self) -> None:
         """Take a sample in the types of a control loop."""
         none = np.zeros(len(self.limit))
-        self.add(0.0, 0.0, none, none, none)
+        self.add(0.0, 0.0, none, none, none, none)
 
     def reset(self) -> None:
         """Return to the start: the next sample is the slow part."""
@@ -99,7 +100,7 @@ class ContactDetector(Stateful):
         s[rows.RECOVERED], s[rows.PRESENT], s[rows.LASTED] = t + RECOVERY, 0.0, 0.0
         s[rows.FOLLOWS] = 1.0
 
-    def add(self, t: float, dt: float, remainder: Array, moving: Array, load: Array) -> None:
+    def add(self, t: float, dt: float, remainder: Array, moving: Array, load: Array, rough: Array) -> None:
         """Add a sample.
 
         Args:
@@ -108,5 +109,6 @@ class ContactDetector(Stateful):
             remainder: Residual less the torque of what is believed [N·m or N], shape (n,).
             moving: Share of the filter's memory in which each joint moved [1], shape (n,).
             load: What gravity and motion take of each joint by the model [N·m or N], shape (n,).
+            rough: What the formulas of what is believed may miss of each joint [N·m or N], shape (n,).
         """
-        contact_kernel.follow(self._limits, self._state, self._scalars, remainder, moving, load, t, dt)
+        contact_kernel.follow(self._limits, self._state, self._scalars, remainder, moving, load, rough, t, dt)

@@ -39,7 +39,7 @@ DEBOUNCE = 0.02  # [s] for which a contact must be there, or gone, before it cou
 
 
 @njit(cache=True, error_model="numpy")
-def follow(limits, state, scalars, remainder, moving, load, t, dt):
+def follow(limits, state, scalars, remainder, moving, load, rough, t, dt):
     """Take a sample: follow the slow parts, and notice when contact begins or ends.
 
     Args:
@@ -49,6 +49,7 @@ def follow(limits, state, scalars, remainder, moving, load, t, dt):
         remainder: Residual less the torque of what is believed [N·m or N], shape (n,).
         moving: Share of the filter's memory in which each joint moved [1], shape (n,).
         load: What gravity and motion take of each joint by the model [N·m or N], shape (n,).
+        rough: What the formulas of what is believed may miss of each joint [N·m or N], shape (n,).
         t: Time [s].
         dt: Time since the last sample [s].
     """
@@ -66,7 +67,7 @@ def follow(limits, state, scalars, remainder, moving, load, t, dt):
         friction = limits[FRICTION, j]
         held = min(abs(load[j] - state[SLOW_LOAD, j]), friction)
         limit = limits[REST, j] + held if moving[j] < RESTING else limits[MOVING, j]
-        limit += changing * friction
+        limit += changing * friction + rough[j]
         state[DEVIATION, j], state[CHANGING, j], state[LIMIT, j] = deviation, changing, limit
         size = abs(deviation)
         ratio = size / limit

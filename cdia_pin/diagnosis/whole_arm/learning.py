@@ -61,7 +61,7 @@ def learn(
     """
     n, settings = observer.nominal.robot.n, observer.settings
     rest, moving, resting, moved = (np.zeros(n) for _ in range(4))
-    still = np.zeros(n)  # zero: the energy of the torque is not used here
+    still = np.zeros(n)  # zero: the energy of the torque is not used here, and nothing is believed
     largest, friction = np.zeros_like(lasting.limit), np.zeros(n)
     for run in runs:
         detector = ContactDetector(_without_limits(n))
@@ -75,7 +75,7 @@ def learn(
                 continue
             share = observer.state.moving
             friction = np.maximum(friction, observer.state.known_amplitude)
-            detector.add(observer.time, dt, observer.remainder, share, observer.state.nle)
+            detector.add(observer.time, dt, observer.remainder, share, observer.state.nle, still)
             off = np.abs(detector.deviation)
             moving = np.maximum(moving, np.where(share < RESTING, 0.0, off))
             rest = np.maximum(rest, np.where(share < RESTING, off, 0.0))

@@ -14,13 +14,16 @@ LIMITS = ContactLimits(rest=np.full(3, 0.5), moving=np.full(3, 1.0), friction=np
 
 
 def watched(
-    remainders: np.ndarray, moving: np.ndarray | float = 1.0, load: np.ndarray | float = 0.0
+    remainders: np.ndarray,
+    moving: np.ndarray | float = 1.0,
+    load: np.ndarray | float = 0.0,
+    rough: float = 0.0,
 ) -> list[bool]:
     """Feed a detector a series; return whether there was contact at each sample."""
     detector, out = ContactDetector(LIMITS), []
     share, loads = np.broadcast_to(moving, remainders.shape), np.broadcast_to(load, remainders.shape)
     for k, remainder in enumerate(remainders):
-        detector.add(k * DT, DT, remainder, share[k], loads[k])
+        detector.add(k * DT, DT, remainder, share[k], loads[k], np.full(3, rough))
         out.append(detector.present)
     return out
 
@@ -37,6 +40,12 @@ def test_a_push_on_two_joints_is_contact_at_once_and_gone_when_it_is_gone() -> N
     assert not any(said[:100])
     assert all(said[105:200])
     assert not any(said[205:])
+
+
+def test_what_is_believed_may_miss_a_share_of_its_torque() -> None:
+    """A load of 15 N·m whose formula is 3 N·m off is no hand, and a hand of twice that is one."""
+    assert not any(watched(pushed([0, 1], 3.0), rough=3.0))
+    assert all(watched(pushed([0, 1], 6.0), rough=3.0)[105:200])
 
 
 def test_a_hand_that_stays_after_an_impact_is_still_there() -> None:

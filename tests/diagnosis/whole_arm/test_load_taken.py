@@ -54,3 +54,12 @@ def test_a_load_is_named_though_a_joint_was_in_question_before(monitor, seed):
     monitor.replay(run(seed, loaded=True), see)
     assert "detected" in before[-1], "no joint is in question, so that this shows nothing"
     assert ever == {"payload"}
+
+
+@pytest.mark.parametrize("seed", [7, 402])
+def test_a_load_is_no_hand_once_it_is_named(monitor, seed):
+    """Before, its formula was off by more than a healthy arm is, and contact was said."""
+    events = monitor.replay(run(seed, loaded=True))
+    named = next(e.time for e in events if any(t.label == "payload" for t in e.faults))
+    later = {t.label for e in events if e.time > named + 0.5 for t in e.faults}
+    assert not {label for label in later if label.startswith("external_wrench")}
