@@ -37,6 +37,8 @@ Array = NDArray[np.float64]
 
 LONGEST_CONTACT = 10.0  # [s], after which joints decide by themselves: nobody leans on an arm for longer
 TRIAL = 10.0  # [s] after its isolation, for which an effect is updated, and withdrawn if joints alarm again
+# [s], within which joints leave their thresholds by one cause: each when the motion first shows enough of it
+ONE_AFTER_ANOTHER = 2.0
 REFINED_EVERY = 1.0  # [s] between two updates: each makes a robot model, in a fraction of a millisecond
 
 
@@ -51,8 +53,9 @@ class ArmMonitor(Stateful):
         settings: Settings of the monitor.
 
     Attributes:
-        evidence: Samples since joints left their thresholds, and until what was isolated then is no longer on trial.
-        fresh: Those since the last joint left its threshold, while something is on trial or in question already.
+        evidence: Samples since joints left their thresholds for what is in question, until what was isolated then is no
+            longer on trial.
+        fresh: Those since further joints left their thresholds, while something is on trial or in question already.
         believed: Effects of the whole arm that are present, with their numbers.
         contact: Contact of the moment; None without.
         apart: Whether joints by themselves explain what they show, so that it is no contact.
@@ -69,7 +72,7 @@ class ArmMonitor(Stateful):
         "apart",
         "carried_torque",
         "_since",
-        "_asked",
+        "_in_question",
         "_refined_at",
         "_trial",
         "_votes",
@@ -185,8 +188,7 @@ class ArmMonitor(Stateful):
         if self.believed:  # its formula may miss a share for a moment, as those of the joints' effects may
             self._carry_torque()
             o.state.amplitude = np.maximum(o.state.amplitude, np.abs(self.carried_torque))
-        rough = kernels.ROUGHNESS * o.state.amplitude
-        self.detector.add(o.time, dt, o.remainder, o.state.moving, o.state.nle, rough)
+        self.detector.add(o.time, dt, o.remainder, o.state.moving, o.state.nle, o.state.amplitude)
         for evidence in (self.evidence, self.fresh):
             if evidence.is_active:
                 evidence.add(o.time, o.q, o.v)
@@ -240,11 +242,13 @@ class ArmMonitor(Stateful):
             return self._refine(t)
         if self._since == np.inf:
             self._begin(t, joints)
-        elif not self._asked[list(joints)].all():  # another joint joins, perhaps by another cause
+        elif not self._in_question.issuperset(alarmed) and self._is_apart_from_the_last:
             self.fresh.start(self.observer.time)
-        self._asked[list(joints)] = True
-        self._ask_since_alarm(sorted(joints))
-        self._decision = found = self._decided(sorted(joints))
+        self._in_question = frozenset(alarmed)
+        found = self._decided(sorted(joints))
+        if self.fresh.is_active and not (found.is_sure and found.lead > self.settings.lead):
+            found = self._decided_anew(t, sorted(joints)) or found
+        self._decision = found
         leads = self._counts(found) and found.lead > self.settings.lead
         if found.joints_explain and not leads and not self.apart:
             self.apart = True
@@ -268,25 +272,36 @@ class ArmMonitor(Stateful):
         self._since = t
         self._votes.clear()
 
-    def _ask_since_alarm(self, joints: Sequence[int]) -> None:
-        """Ask on the samples since the last alarm alone if these say for sure what all samples do not.
+    @property
+    def _is_apart_from_the_last(self) -> bool:
+        """Whether a joint that leaves its threshold now does so long after the one before, perhaps by another cause."""
+        last = self.fresh if self.fresh.is_active else self.evidence
+        return self.observer.time - last.since > ONE_AFTER_ANOTHER
+
+    def _decided_anew(self, t: float, joints: Sequence[int]) -> ArmDecision | None:
+        """Go on with the samples since a later alarm alone, if these say for sure what it is.
 
         An arm may put down what it took some seconds before, or take it while a joint is in question for a cause of its
-        own. The samples in between would hide it for as long again.
+        own. The samples in between would hide it for as long again. What was on trial is so no longer.
+
+        Returns:
+            The decision on them; None if they do not, and all samples stay.
         """
-        if not self.fresh.is_active or decide(self.evidence, self.bank, joints, self.settings).is_sure:
-            return
-        now = decide(self.fresh, self.bank, joints, self.settings)
-        if now.is_sure and now.lead > self.settings.lead:
-            self.evidence, self.fresh, self._trial = self.fresh, self.evidence, None
-            self.fresh.stop()
-            self._since = self.evidence.since
+        now = self._decided(joints, self.fresh)
+        if not now.is_sure or now.lead <= self.settings.lead:
+            return None
+        self.evidence, self.fresh, self._trial = self.fresh, self.evidence, None
+        self.fresh.stop()
+        self._since = t - (self.observer.time - self.evidence.since)
+        self._votes.clear()
+        return now
 
     def _commit(self, t: float, found: ArmDecision, joints: tuple[str, ...]) -> list[Event]:
         assert found.index is not None
         if self._trial is None or self._trial.index != found.index:
             self._trial = ArmTrial(found.index, self.believed, np.zeros_like(found.theta), t)
         before = self._believe(found)
+        self.detector.settle(self.observer.time, self.observer.remainder)
         term = next((b for b in self.believed if b.label == before.label), None)
         events = []
         if self.contact is not None:
@@ -315,12 +330,14 @@ class ArmMonitor(Stateful):
         self._refined_at = t
         found = decide(self.evidence, self.bank, (), self.settings, self._trial.index)
         if refines(self.believed, found, self.observer.nominal.robot):
+            before = self.observer.remainder.copy()
             self._believe(found)
+            self.detector.shift(self.observer.remainder - before)
         return []
 
-    def _decided(self, joints: Sequence[int]) -> ArmDecision:
-        """Return the present decision; none if the arm with what it says would be impossible."""
-        found = decide(self.evidence, self.bank, joints, self.settings)
+    def _decided(self, joints: Sequence[int], evidence: ArmEvidence | None = None) -> ArmDecision:
+        """Return the decision on samples, all if omitted; none if the arm with what it says would be impossible."""
+        found = decide(evidence or self.evidence, self.bank, joints, self.settings)
         if not self._counts(found):  # then it says nothing, possible or not
             return found
         if ends(self.believed, found) or is_possible(
@@ -347,6 +364,7 @@ class ArmMonitor(Stateful):
             return False
         self._move(trial.index, -trial.moved)
         self._become(trial.before)
+        self.detector.settle(self.observer.time, self.observer.remainder)
         self._trial = None
         return True
 
@@ -379,7 +397,6 @@ class ArmMonitor(Stateful):
         for j in range(o.nominal.robot.n):
             o.refresh(j)
         self._carry_torque()
-        self.detector.settle(o.time, o.remainder)
 
     def _columns(self, k: int) -> Array:
         """Return the filtered columns of a hypothesis, shape (n, shown)."""
@@ -389,7 +406,7 @@ class ArmMonitor(Stateful):
     def _close(self) -> None:
         """Take the present question as answered."""
         self._since = np.inf
-        self._asked = np.zeros(self.observer.nominal.robot.n, bool)
+        self._in_question: frozenset[int] = frozenset()
         self.fresh.stop()
         self._decision = UNDECIDED
         self._votes.clear()

@@ -2,8 +2,8 @@
 
 The remainder's slow part is followed and subtracted, so that neither a model's error nor what dry friction holds at
 rest counts. What is left is compared with the largest value of healthy runs, at rest and in motion apart. A joint that
-has just started or stopped may be off by its friction besides, and one with a believed fault or load by a share of its
-torque, since formulas miss some. At rest, friction also takes up what the load changes.
+has just started or stopped may be off by its friction besides. Where a fault or a load is believed, a share of its
+torque may be missed besides. At rest, friction also takes up what the load changes.
 """
 
 from __future__ import annotations
@@ -100,7 +100,15 @@ class ContactDetector(Stateful):
         s[rows.RECOVERED], s[rows.PRESENT], s[rows.LASTED] = t + RECOVERY, 0.0, 0.0
         s[rows.FOLLOWS] = 1.0
 
-    def add(self, t: float, dt: float, remainder: Array, moving: Array, load: Array, rough: Array) -> None:
+    def shift(self, change: Array) -> None:
+        """Take a change of the remainder into the slow part, because what is believed has other numbers now.
+
+        Args:
+            change: [N·m or N], shape (n,).
+        """
+        self._state[rows.SLOW] += change
+
+    def add(self, t: float, dt: float, remainder: Array, moving: Array, load: Array, believed: Array) -> None:
         """Add a sample.
 
         Args:
@@ -109,6 +117,8 @@ class ContactDetector(Stateful):
             remainder: Residual less the torque of what is believed [N·m or N], shape (n,).
             moving: Share of the filter's memory in which each joint moved [1], shape (n,).
             load: What gravity and motion take of each joint by the model [N·m or N], shape (n,).
-            rough: What the formulas of what is believed may miss of each joint [N·m or N], shape (n,).
+            believed: Largest torque of what is believed of each joint of late [N·m or N], shape (n,).
         """
-        contact_kernel.follow(self._limits, self._state, self._scalars, remainder, moving, load, rough, t, dt)
+        contact_kernel.follow(
+            self._limits, self._state, self._scalars, remainder, moving, load, believed, t, dt
+        )

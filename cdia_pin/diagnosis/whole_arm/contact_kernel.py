@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from cdia_pin.diagnosis.kernels import ROUGHNESS
 from cdia_pin.diagnosis.whole_arm.contact_rows import (
     BEGUN,
     CHANGING,
@@ -39,7 +40,7 @@ DEBOUNCE = 0.02  # [s] for which a contact must be there, or gone, before it cou
 
 
 @njit(cache=True, error_model="numpy")
-def follow(limits, state, scalars, remainder, moving, load, rough, t, dt):
+def follow(limits, state, scalars, remainder, moving, load, believed, t, dt):
     """Take a sample: follow the slow parts, and notice when contact begins or ends.
 
     Args:
@@ -49,7 +50,8 @@ def follow(limits, state, scalars, remainder, moving, load, rough, t, dt):
         remainder: Residual less the torque of what is believed [N·m or N], shape (n,).
         moving: Share of the filter's memory in which each joint moved [1], shape (n,).
         load: What gravity and motion take of each joint by the model [N·m or N], shape (n,).
-        rough: What the formulas of what is believed may miss of each joint [N·m or N], shape (n,).
+        believed: Largest torque of what is believed of each joint of late [N·m or N], shape (n,). Its formula may miss
+            a share of it.
         t: Time [s].
         dt: Time since the last sample [s].
     """
@@ -67,7 +69,7 @@ def follow(limits, state, scalars, remainder, moving, load, rough, t, dt):
         friction = limits[FRICTION, j]
         held = min(abs(load[j] - state[SLOW_LOAD, j]), friction)
         limit = limits[REST, j] + held if moving[j] < RESTING else limits[MOVING, j]
-        limit += changing * friction + rough[j]
+        limit += changing * friction + ROUGHNESS * believed[j]
         state[DEVIATION, j], state[CHANGING, j], state[LIMIT, j] = deviation, changing, limit
         size = abs(deviation)
         ratio = size / limit
