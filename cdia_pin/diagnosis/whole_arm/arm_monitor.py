@@ -80,6 +80,8 @@ class ArmMonitor(Stateful):
     )
     DERIVED = ("moved",)
 
+    _in_question: frozenset[int]  # joints that have left their thresholds, at the last look
+
     def __init__(
         self,
         observer: MomentumObserver,
@@ -406,7 +408,7 @@ class ArmMonitor(Stateful):
     def _close(self) -> None:
         """Take the present question as answered."""
         self._since = np.inf
-        self._in_question: frozenset[int] = frozenset()
+        self._in_question = frozenset()
         self.fresh.stop()
         self._decision = UNDECIDED
         self._votes.clear()
