@@ -29,9 +29,8 @@ from cdia_pin.regression.intervals import NORMAL_95
 
 Array = NDArray[np.float64]
 
-LEAST_NOISE = (
-    0.25  # [1], least variance of what is left over that of a healthy residual: few samples say little
-)
+# [1], least energy of what is left over that of one independent healthy sample: few samples say little
+LEAST_NOISE = 0.25
 LONG_ENOUGH = 1.0  # [s] of motion, for which no push follows the formulas of effects of several joints
 EXPLAINED_APART = 0.9  # [1], share of each joint's remainder that one effect must explain to rule out a push
 
@@ -131,6 +130,7 @@ def decide(
     if best < 0:
         return UNDECIDED
     first, end = (int(e) - evidence.width for e in evidence.ends[best : best + 2])
+    # Both grow with the samples, so an interval is that of one: what a model lacks does not average out over postures.
     inverse = precision[first:end, first:end] / max(LEAST_NOISE, left)
     seen = bool(alarmed) and float(evidence.weight[has_alarmed].min()) >= LONG_ENOUGH
     apart = seen and share >= EXPLAINED_APART

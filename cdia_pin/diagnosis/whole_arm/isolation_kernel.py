@@ -134,8 +134,8 @@ def decided(
         precision: Inverses of their covariances at the healthy noise; blocks are filled, shape (A, A).
 
     Returns:
-        Index, lead over all other causes [1], share of the remainder that it explains [1], mean square of what it
-        leaves over that of a healthy residual [1], and least share that the joints' own effects explain [1].
+        Index, lead over all other causes [1], share of the remainder that it explains [1], energy of what it leaves of
+        a joint over that of one independent healthy sample [1], and least share that the joints' own effects explain.
     """
     best, first, second, explained, left = -1, -np.inf, -np.inf, 0.0, 0.0
     unit = units(gram, weight, level, independent)

@@ -15,14 +15,24 @@ ARM = load_robot("ur5")
 MASS = 2.5  # [kg]
 LOAD = parse_term(f"payload: mass={MASS}, first_moment_x=0.05, first_moment_y=0.07, first_moment_z=0.15", ARM)
 TAKEN = 8.0  # [s]
+PUSH = np.array([0.0, 30.0, 30.0])  # [N]
 
 
-def run(seed, *, loaded=False):
-    """A run of an arm whose model is wrong by half a newton metre at each posture, that may take a load."""
+def run(seed, *, loaded=False, pushed=()):
+    """A run of an arm whose model is wrong by half a newton metre at each posture, that may take a load and be pushed.
+
+    Args:
+        seed: Of the motion.
+        loaded: Whether it takes the load.
+        pushed: From when to when it is pushed [s].
+    """
     made = make(ARM, lambda q, v, a: 0.5 * np.sin(3.0 * q), seed=seed, duration=30.0, noise=0.2)
     carried, free = (Dynamics(ARM, terms).inverse_dynamics(made.q, made.v, made.a) for terms in ((LOAD,), ()))
-    is_there = ((made.log.time >= TAKEN) & loaded)[:, None]
-    return replace(made.log, effort=made.log.effort + np.where(is_there, carried - free, 0.0))
+    time, effort = made.log.time, made.log.effort.copy()
+    effort[(time >= TAKEN) & loaded] += (carried - free)[(time >= TAKEN) & loaded]
+    for k in np.flatnonzero((time >= pushed[0]) & (time < pushed[1])) if pushed else ():
+        effort[k] -= ARM.link_end_jacobians(made.q[k])[-1][:3].T @ PUSH
+    return replace(made.log, effort=effort)
 
 
 @pytest.fixture(scope="module")
@@ -63,3 +73,10 @@ def test_a_load_is_no_hand_once_it_is_named(monitor, seed):
     named = next(e.time for e in events if any(t.label == "payload" for t in e.faults))
     later = {t.label for e in events if e.time > named + 0.5 for t in e.faults}
     assert not {label for label in later if label.startswith("external_wrench")}
+
+
+@pytest.mark.parametrize("begin", [11.0, 12.3, 14.6])
+def test_a_push_is_said_while_a_load_is_on_trial(monitor, begin):
+    events = monitor.replay(run(2, loaded=True, pushed=(begin, begin + 1.0)))
+    said = [e.time for e in events for t in e.faults if t.label.startswith("external_wrench@")]
+    assert any(begin < time < begin + 0.3 for time in said)
