@@ -115,7 +115,7 @@ def _is_blind(term: Term, monitor: Monitor) -> bool:
 
 def _with_size(out: Outcome, monitor: Monitor, term: Term) -> Outcome:
     found = next((t for t in monitor.faults if t.label == term.label), None)
-    if found is None:
+    if found is None or found.ci95 is None:
         return out
     true = term.theta[0]
     return replace(

@@ -42,6 +42,7 @@ TYPES: Final[dict[str, str]] = {
     "Learned": "cdia_pin.diagnosis.whole_arm.learning",
     "MonitorSettings": "cdia_pin.diagnosis.monitor_settings",
     "Neurons": "cdia_pin.diagnosis.thesis.basis",
+    "Question": "cdia_pin.diagnosis.whole_arm.question",
     "SampleBounds": "cdia_pin.diagnosis.sample_bounds",
     "ScaledGains": "cdia_pin.diagnosis.thesis.gains",
     "SensorCondition": "cdia_pin.diagnosis.sensor_fault",

@@ -29,6 +29,7 @@ from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
 from cdia_pin.diagnosis.whole_arm.evidence import ArmEvidence
 from cdia_pin.diagnosis.whole_arm.hypotheses import HYPOTHESES
 from cdia_pin.diagnosis.whole_arm.isolation import UNDECIDED, ArmDecision, decide, region_95
+from cdia_pin.diagnosis.whole_arm.question import Question
 from cdia_pin.diagnosis.whole_arm.trial import ArmTrial, why
 from cdia_pin.diagnosis.whole_arm.wrench import Contact
 from cdia_pin.effects import Term
@@ -37,8 +38,6 @@ Array = NDArray[np.float64]
 
 LONGEST_CONTACT = 10.0  # [s], after which joints decide by themselves: nobody leans on an arm for longer
 TRIAL = 10.0  # [s] after its isolation, for which an effect is updated, and withdrawn if joints alarm again
-# [s], within which joints leave their thresholds by one cause: each when the motion first shows enough of it
-ONE_AFTER_ANOTHER = 2.0
 REFINED_EVERY = 1.0  # [s] between two updates: each makes a robot model, in a fraction of a millisecond
 
 
@@ -53,8 +52,7 @@ class ArmMonitor(Stateful):
         settings: Settings of the monitor.
 
     Attributes:
-        evidence: Samples since joints left their thresholds for what is in question, until what was isolated then is no
-            longer on trial.
+        evidence: Samples since the first alarm of the question; kept while its answer is on trial.
         fresh: Those since further joints left their thresholds, while something is on trial or in question already.
         believed: Effects of the whole arm that are present, with their numbers.
         contact: Contact of the moment; None without.
@@ -71,8 +69,7 @@ class ArmMonitor(Stateful):
         "contact",
         "apart",
         "carried_torque",
-        "_since",
-        "_in_question",
+        "_question",
         "_refined_at",
         "_trial",
         "_votes",
@@ -80,7 +77,7 @@ class ArmMonitor(Stateful):
     )
     DERIVED = ("moved",)
 
-    _in_question: frozenset[int]  # joints that have left their thresholds, at the last look
+    _question: Question | None  # what is asked; None if nothing is
 
     def __init__(
         self,
@@ -93,7 +90,6 @@ class ArmMonitor(Stateful):
         self.observer, self.bank, self.settings = observer, bank, settings
         self.evidence, self.fresh = (ArmEvidence(observer, bank.width, HYPOTHESES, healthy) for _ in range(2))
         self.detector = ContactDetector(limits)
-        self._since: float = np.inf  # [s], when the present evidence began
         for hypothesis in HYPOTHESES:
             region_95(hypothesis.shown)  # imports SciPy's part before the first tick
         if not isolation_kernel.decided.signatures:
@@ -147,7 +143,7 @@ class ArmMonitor(Stateful):
     @property
     def asked_since(self) -> float:
         """When joints began to show what is in question [s]; infinite if nothing is."""
-        return self._since
+        return np.inf if self._question is None else self._question.since
 
     def is_touched(self, t: float) -> bool:
         """Tell whether there is contact, or its end is not certain yet: then nothing must be corrected.
@@ -166,7 +162,7 @@ class ArmMonitor(Stateful):
         if self.contact is not None and t - self.contact.since < LONGEST_CONTACT:
             return True
         lead = self._decision.lead
-        open_question = lead > -self.settings.lead and t - self._since < self.settings.ambiguous_after
+        open_question = lead > -self.settings.lead and t - self.asked_since < self.settings.ambiguous_after
         return self._counts(self._decision) and (lead > self.settings.lead or open_question)
 
     def forget(self, j: int) -> None:
@@ -242,14 +238,15 @@ class ArmMonitor(Stateful):
             joints |= {self.observer.nominal.robot.joint_index(j) for j in self.contact.joints}
         if not joints:
             return self._refine(t)
-        if self._since == np.inf:
+        if self._question is None:
+            self._question = Question.of(joints, t)
             self._begin(t, joints)
-        elif not self._in_question.issuperset(alarmed) and self._is_apart_from_the_last:
+        self._question, is_late = self._question.joined_by(joints, t)
+        if is_late:
             self.fresh.start(self.observer.time)
-        self._in_question = frozenset(alarmed)
         found = self._decided(sorted(joints))
         if self.fresh.is_active and not (found.is_sure and found.lead > self.settings.lead):
-            found = self._decided_anew(t, sorted(joints)) or found
+            found = self._decided_anew(sorted(joints)) or found
         self._decision = found
         leads = self._counts(found) and found.lead > self.settings.lead
         if found.joints_explain and not leads and not self.apart:
@@ -271,20 +268,13 @@ class ArmMonitor(Stateful):
             self.fresh.start(self.observer.time)
         elif not was_wrong:
             self.evidence.start(self.observer.time)
-        self._since = t
         self._votes.clear()
 
-    @property
-    def _is_apart_from_the_last(self) -> bool:
-        """Whether a joint that leaves its threshold now does so long after the one before, perhaps by another cause."""
-        last = self.fresh if self.fresh.is_active else self.evidence
-        return self.observer.time - last.since > ONE_AFTER_ANOTHER
-
-    def _decided_anew(self, t: float, joints: Sequence[int]) -> ArmDecision | None:
+    def _decided_anew(self, joints: Sequence[int]) -> ArmDecision | None:
         """Go on with the samples since a later alarm alone, if these say for sure what it is.
 
         An arm may put down what it took some seconds before, or take it while a joint is in question for a cause of its
-        own. The samples in between would hide it for as long again. What was on trial is so no longer.
+        own. The samples in between would hide it for as long again. This ends the trial.
 
         Returns:
             The decision on them; None if they do not, and all samples stay.
@@ -294,7 +284,8 @@ class ArmMonitor(Stateful):
             return None
         self.evidence, self.fresh, self._trial = self.fresh, self.evidence, None
         self.fresh.stop()
-        self._since = t - (self.observer.time - self.evidence.since)
+        if self._question is not None:
+            self._question = self._question.of_the_further()
         self._votes.clear()
         return now
 
@@ -330,7 +321,10 @@ class ArmMonitor(Stateful):
         if not self.evidence.is_active or t - self._refined_at < REFINED_EVERY:
             return []
         self._refined_at = t
+        best = decide(self.evidence, self.bank, (), self.settings)
         found = decide(self.evidence, self.bank, (), self.settings, self._trial.index)
+        if best.index != found.index and found.is_sure:
+            return []  # its numbers differ, but another effect of the whole arm would explain that better
         if refines(self.believed, found, self.observer.nominal.robot):
             before = self.observer.remainder.copy()
             self._believe(found)
@@ -407,8 +401,7 @@ class ArmMonitor(Stateful):
 
     def _close(self) -> None:
         """Take the present question as answered."""
-        self._since = np.inf
-        self._in_question = frozenset()
+        self._question = None
         self.fresh.stop()
         self._decision = UNDECIDED
         self._votes.clear()

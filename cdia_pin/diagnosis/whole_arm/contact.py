@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cdia_pin.diagnosis import kernels
 from cdia_pin.diagnosis.kernel_cache import first_call
 from cdia_pin.diagnosis.stateful import Stateful
 from cdia_pin.diagnosis.whole_arm import contact_kernel
@@ -50,7 +51,7 @@ class ContactDetector(Stateful):
         self._limits = np.array([limits.rest, limits.moving, limits.friction])
         self._state, self._scalars = np.zeros((rows.STATE_ROWS, len(limits.rest))), np.zeros(rows.SCALARS)
         if not contact_kernel.follow.signatures:
-            first_call("the detector of contact", (contact_kernel,), self._tried_once)
+            first_call("the detector of contact", (contact_kernel, kernels), self._tried_once)
         self.reset()
 
     def _tried_once(self) -> None:

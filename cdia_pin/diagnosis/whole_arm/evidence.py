@@ -35,13 +35,12 @@ class ArmEvidence(Stateful):
     Attributes:
         gram: Gram matrices, upper triangles, shape (n, P + A + 1, P + A + 1).
         weight: Duration of the samples in them, old ones discounted [s], shape (n,).
-        since: When they began to be collected [s]; not a number while they are not.
         ends: First of the A columns of each hypothesis among those of [y z], and the last one's end.
         prior: Prior standard deviations of the A parameters, ``inf`` where nothing is known, shape (A,).
         unusual: Which hypotheses arms in use hardly ever have.
     """
 
-    STATE = ("gram", "weight", "since", "_rows", "_previous")
+    STATE = ("gram", "weight", "_rows", "_since", "_previous")
     DERIVED = ("_robot", "_on_regressors", "_used")
 
     def __init__(
@@ -63,7 +62,7 @@ class ArmEvidence(Stateful):
     @property
     def is_active(self) -> bool:
         """Whether samples are collected."""
-        return not np.isnan(self.since)
+        return not np.isnan(self._since)
 
     @property
     def columns(self) -> Array:
@@ -77,11 +76,11 @@ class ArmEvidence(Stateful):
             t: Time [s].
         """
         self.stop()
-        self.since = t
+        self._since = t
 
     def stop(self) -> None:
         """Collect no more."""
-        self.since = np.nan
+        self._since = np.nan
         self._previous: tuple[float, Array, Array] | None = None  # time, velocity, columns
         self.gram[:], self.weight[:] = 0.0, 0.0
 
@@ -106,7 +105,7 @@ class ArmEvidence(Stateful):
             o.remainder,
             o.state.moving,
             o.bandwidth,
-            t - self.since,
+            t - self._since,
             dt,
             exp(-dt / o.settings.memory),
         )

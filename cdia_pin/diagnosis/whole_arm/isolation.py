@@ -130,7 +130,8 @@ def decide(
     if best < 0:
         return UNDECIDED
     first, end = (int(e) - evidence.width for e in evidence.ends[best : best + 2])
-    # Both grow with the samples, so an interval is that of one: what a model lacks does not average out over postures.
+    # Precision and misfit both grow with the samples. So the interval is as wide as that of one independent sample:
+    # what a model lacks does not average out over postures.
     inverse = precision[first:end, first:end] / max(LEAST_NOISE, left)
     seen = bool(alarmed) and float(evidence.weight[has_alarmed].min()) >= LONG_ENOUGH
     apart = seen and share >= EXPLAINED_APART

@@ -5,6 +5,7 @@ import pytest
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
 from cdia_pin.diagnosis.status import Event, EventStage, Verdict
+from cdia_pin.diagnosis.whole_arm.question import Question
 from cdia_pin.effects import parse_term
 
 BEGIN = 2.0
@@ -33,7 +34,7 @@ def test_a_cause_of_the_whole_arm_takes_back_what_a_joint_decided_since_it_began
     monitor, t = isolated
     engine = monitor.engine
     cause = Event(t, EventStage.ISOLATION, monitor.model.robot.joints, Verdict.UNIQUE, ())
-    engine.arm._since = since
+    engine.arm._question = Question.of({1}, since)
     monkeypatch.setattr(engine.arm, "look", lambda *_: [cause])
     said = engine._look_at_arm(t, t)
     assert bool(engine.joint_monitors[1].faults) == stays

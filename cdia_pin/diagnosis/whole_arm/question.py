@@ -1,0 +1,54 @@
+"""What joints ask of the whole arm: since when, which joints, and whether some joined so late that they ask another."""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from dataclasses import dataclass, replace
+from math import inf
+
+# [s], within which joints leave their thresholds by one cause: each when the motion first shows enough of it
+ONE_AFTER_ANOTHER = 2.0
+
+
+@dataclass(frozen=True)
+class Question:
+    """An open question.
+
+    Attributes:
+        since: When joints began to show what is asked [s].
+        joints: Indices of the joints that have shown it.
+        joined: When the last of them joined [s].
+        further: When joints first joined long after the ones before, perhaps by another cause [s]; ∞ before.
+    """
+
+    since: float
+    joints: frozenset[int]
+    joined: float
+    further: float = inf
+
+    @classmethod
+    def of(cls, joints: Set[int], t: float) -> Question:
+        """Begin to ask.
+
+        Args:
+            joints: Indices of the joints that leave their thresholds.
+            t: Time [s].
+        """
+        return cls(t, frozenset(joints), t)
+
+    def joined_by(self, joints: Set[int], t: float) -> tuple[Question, bool]:
+        """Return the question with all joints that show it, and whether some joined long after the ones before.
+
+        Args:
+            joints: Indices of the joints that are beyond their thresholds now.
+            t: Time [s].
+        """
+        if joints <= self.joints:
+            return self, False
+        is_late = t - self.joined > ONE_AFTER_ANOTHER
+        further = min(self.further, t) if is_late else self.further
+        return replace(self, joints=self.joints | joints, joined=t, further=further), is_late
+
+    def of_the_further(self) -> Question:
+        """Return the question of what the joints that joined late show; the same one if none did."""
+        return self if self.further == inf else replace(self, since=self.further, further=inf)
