@@ -17,13 +17,13 @@ class Question:
     Attributes:
         since: When joints began to show what is asked [s].
         joints: Indices of the joints that have shown it.
-        joined: When the last of them joined [s].
-        further: When joints first joined long after the ones before, perhaps by another cause [s]; ∞ before.
+        latest: When the first of the joints did that may show the same as the next one to join [s].
+        further: When joints first joined late, perhaps by another cause [s]; ∞ before.
     """
 
     since: float
     joints: frozenset[int]
-    joined: float
+    latest: float
     further: float = inf
 
     @classmethod
@@ -37,7 +37,7 @@ class Question:
         return cls(t, frozenset(joints), t)
 
     def joined_by(self, joints: Set[int], t: float) -> tuple[Question, bool]:
-        """Return the question with all joints that show it, and whether some joined long after the ones before.
+        """Return the question with all joints that show it, and whether some joined late.
 
         Args:
             joints: Indices of the joints that are beyond their thresholds now.
@@ -45,9 +45,10 @@ class Question:
         """
         if joints <= self.joints:
             return self, False
-        is_late = t - self.joined > ONE_AFTER_ANOTHER
-        further = min(self.further, t) if is_late else self.further
-        return replace(self, joints=self.joints | joints, joined=t, further=further), is_late
+        now = replace(self, joints=self.joints | joints)
+        if t - self.latest <= ONE_AFTER_ANOTHER:
+            return now, False
+        return replace(now, latest=t, further=min(self.further, t)), True
 
     def of_the_further(self) -> Question:
         """Return the question of what the joints that joined late show; the same one if none did."""
