@@ -64,9 +64,7 @@ Neurons = namedtuple(
 )
 
 NEURON_PERIOD = 4  # ticks between two evaluations of the neurons, which cost more than the rest of the tick
-# [1], share of a believed fault that its formula may miss for a moment, as friction's does at rest, and a load's whose
-# numbers are a little off
-ROUGHNESS = 0.2
+ROUGHNESS = 0.2  # [1], share of a believed effect that its formula may miss, as those of friction at rest and of loads
 VISIBLE = 2.0  # [1], torque of an effect over the threshold, from which its absence would show
 GONE_SHARE = (
     0.1  # [1], share of an absent effect's torque by which the residual may be off beside the threshold

@@ -77,8 +77,6 @@ class ArmMonitor(Stateful):
     )
     DERIVED = ("moved",)
 
-    _question: Question | None  # what is asked; None if nothing is
-
     def __init__(
         self,
         observer: MomentumObserver,
@@ -90,6 +88,7 @@ class ArmMonitor(Stateful):
         self.observer, self.bank, self.settings = observer, bank, settings
         self.evidence, self.fresh = (ArmEvidence(observer, bank.width, HYPOTHESES, healthy) for _ in range(2))
         self.detector = ContactDetector(limits)
+        self._question: Question | None = None
         for hypothesis in HYPOTHESES:
             region_95(hypothesis.shown)  # imports SciPy's part before the first tick
         if not isolation_kernel.decided.signatures:
@@ -232,21 +231,25 @@ class ArmMonitor(Stateful):
             t: Time [s].
             alarmed: Indices of the joints that have left their thresholds and are not decided.
         """
-        joints = set(alarmed)
+        asking = set(alarmed)
         self.moved[:] = False
         if self.contact is not None:
-            joints |= {self.observer.nominal.robot.joint_index(j) for j in self.contact.joints}
-        if not joints:
+            asking |= {self.observer.nominal.robot.joint_index(j) for j in self.contact.joints}
+        if not asking:
             return self._refine(t)
+        joints = sorted(asking)
         if self._question is None:
-            self._question = Question.of(joints, t)
+            self._question = Question.of(asking, t)
             self._begin(t, joints)
-        self._question, is_late = self._question.joined_by(joints, t)
+        self._question, is_late = self._question.joined_by(asking, t)
         if is_late:
             self.fresh.start(self.observer.time)
-        found = self._decided(sorted(joints))
-        if self.fresh.is_active and not (found.is_sure and found.lead > self.settings.lead):
-            found = self._decided_anew(sorted(joints)) or found
+        found = self._decided(joints)
+        if self.fresh.is_active and not self._is_clear(found):
+            newer = self._decided(joints, self.fresh)
+            if self._is_clear(newer):
+                found, self._question = newer, self._question.of_the_further()
+                self._go_on_afresh()
         self._decision = found
         leads = self._counts(found) and found.lead > self.settings.lead
         if found.joints_explain and not leads and not self.apart:
@@ -256,11 +259,11 @@ class ArmMonitor(Stateful):
         agree = len(self._votes) == self._votes.maxlen and len(set(self._votes)) == 1
         if not leads or not agree:
             return []
-        return self._commit(t, found, tuple(self.observer.nominal.robot.joints[j] for j in sorted(joints)))
+        return self._commit(t, found, tuple(self.observer.nominal.robot.joints[j] for j in joints))
 
     # ------------------------------------------------------------- beliefs
 
-    def _begin(self, t: float, joints: set[int]) -> None:
+    def _begin(self, t: float, joints: Sequence[int]) -> None:
         """Ask what joints show: what is on trial may have other numbers, may be wrong, or this is something else."""
         self._end_trial(t)
         was_wrong = self._trial is not None and self._withdraws(self._trial, joints)
@@ -270,24 +273,15 @@ class ArmMonitor(Stateful):
             self.evidence.start(self.observer.time)
         self._votes.clear()
 
-    def _decided_anew(self, joints: Sequence[int]) -> ArmDecision | None:
-        """Go on with the samples since a later alarm alone, if these say for sure what it is.
+    def _go_on_afresh(self) -> None:
+        """Go on with the samples since a later alarm alone, because these say for sure what it is; end the trial.
 
         An arm may put down what it took some seconds before, or take it while a joint is in question for a cause of its
-        own. The samples in between would hide it for as long again. This ends the trial.
-
-        Returns:
-            The decision on them; None if they do not, and all samples stay.
+        own. The samples in between would hide it for as long again.
         """
-        now = self._decided(joints, self.fresh)
-        if not now.is_sure or now.lead <= self.settings.lead:
-            return None
         self.evidence, self.fresh, self._trial = self.fresh, self.evidence, None
         self.fresh.stop()
-        if self._question is not None:
-            self._question = self._question.of_the_further()
         self._votes.clear()
-        return now
 
     def _commit(self, t: float, found: ArmDecision, joints: tuple[str, ...]) -> list[Event]:
         assert found.index is not None
@@ -321,10 +315,11 @@ class ArmMonitor(Stateful):
         if not self.evidence.is_active or t - self._refined_at < REFINED_EVERY:
             return []
         self._refined_at = t
-        best = decide(self.evidence, self.bank, (), self.settings)
-        found = decide(self.evidence, self.bank, (), self.settings, self._trial.index)
-        if best.index != found.index and found.is_sure:
-            return []  # its numbers differ, but another effect of the whole arm would explain that better
+        found = decide(self.evidence, self.bank, (), self.settings)
+        if found.index != self._trial.index:
+            found = decide(self.evidence, self.bank, (), self.settings, self._trial.index)
+            if found.is_sure:
+                return []  # its numbers differ, but another effect of the whole arm would explain that better
         if refines(self.believed, found, self.observer.nominal.robot):
             before = self.observer.remainder.copy()
             self._believe(found)
@@ -351,12 +346,16 @@ class ArmMonitor(Stateful):
         """Tell whether a decision may be believed if it leads: what is on trial needs no more than other numbers."""
         return found.is_sure or (self._trial is not None and found.index == self._trial.index)
 
-    def _withdraws(self, trial: ArmTrial, joints: set[int]) -> bool:
+    def _is_clear(self, found: ArmDecision) -> bool:
+        """Tell whether a decision is sure, and leads all other causes."""
+        return found.is_sure and found.lead > self.settings.lead
+
+    def _withdraws(self, trial: ArmTrial, joints: Sequence[int]) -> bool:
         """Withdraw what is on trial if another effect explains all samples better; return whether it does."""
         self.evidence.shift(trial.index, -trial.moved)
-        found = decide(self.evidence, self.bank, sorted(joints), self.settings)
+        found = decide(self.evidence, self.bank, joints, self.settings)
         self.evidence.shift(trial.index, trial.moved)
-        if found.index == trial.index or not found.is_sure or found.lead < self.settings.lead:
+        if found.index == trial.index or not self._is_clear(found):
             return False
         self._move(trial.index, -trial.moved)
         self._become(trial.before)

@@ -29,8 +29,9 @@ from cdia_pin.regression.intervals import NORMAL_95
 
 Array = NDArray[np.float64]
 
-# [1], least energy of what is left over that of one independent healthy sample: few samples say little
-LEAST_NOISE = 0.25
+LEAST_NOISE = (
+    0.25  # [1], least energy left over that of one independent healthy sample: few samples say little
+)
 LONG_ENOUGH = 1.0  # [s] of motion, for which no push follows the formulas of effects of several joints
 EXPLAINED_APART = 0.9  # [1], share of each joint's remainder that one effect must explain to rule out a push
 

@@ -61,7 +61,7 @@ def learn(
     """
     n, settings = observer.nominal.robot.n, observer.settings
     rest, moving, resting, moved = (np.zeros(n) for _ in range(4))
-    still = np.zeros(n)  # zero: the energy of the torque is not used here, and nothing is believed
+    zero = np.zeros(n)  # No energy of the torque is used here, and no effect is believed.
     largest, friction = np.zeros_like(lasting.limit), np.zeros(n)
     for run in runs:
         detector = ContactDetector(_without_limits(n))
@@ -75,13 +75,13 @@ def learn(
                 continue
             share = observer.state.moving
             friction = np.maximum(friction, observer.state.known_amplitude)
-            detector.add(observer.time, dt, observer.remainder, share, observer.state.nle, still)
+            detector.add(observer.time, dt, observer.remainder, share, observer.state.nle, zero)
             off = np.abs(detector.deviation)
             moving = np.maximum(moving, np.where(share < RESTING, 0.0, off))
             rest = np.maximum(rest, np.where(share < RESTING, off, 0.0))
             resting += dt * (share < RESTING)
             moved += dt * (share >= RESTING)
-            lasting.add(dt, observer.filtered, observer.remainder, still, observer.state.steady)
+            lasting.add(dt, observer.filtered, observer.remainder, zero, observer.state.steady)
             largest = np.maximum(largest, lasting.explained())
     observer.reset()
     alignment.reset()

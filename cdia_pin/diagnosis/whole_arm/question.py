@@ -6,8 +6,9 @@ from collections.abc import Set
 from dataclasses import dataclass, replace
 from math import inf
 
-# [s], within which joints leave their thresholds by one cause: each when the motion first shows enough of it
-ONE_AFTER_ANOTHER = 2.0
+ONE_AFTER_ANOTHER = (
+    2.0  # [s], in which one cause shows on all joints: each needs a motion that takes its torque
+)
 
 
 @dataclass(frozen=True)
@@ -17,7 +18,7 @@ class Question:
     Attributes:
         since: When joints began to show what is asked [s].
         joints: Indices of the joints that have shown it.
-        latest: When the first of the joints did that may show the same as the next one to join [s].
+        latest: When the newest samples began to be collected: at the first alarm, or at the last late one [s].
         further: When joints first joined late, perhaps by another cause [s]; ∞ before.
     """
 

@@ -4,30 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_logs import make
+from loaded_arms import ARM, loaded_run
 
 from cdia_pin.diagnosis import Monitor
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import parse_term
-from cdia_pin.robot import load_robot
 
-ARM = load_robot("ur5")
-LOAD = parse_term("payload: mass=2.5, first_moment_x=0.05, first_moment_y=0.07, first_moment_z=0.15", ARM)
 WRIST = ARM.joint_index("wrist_1_joint")
 FRICTION = 1.5  # [N·m]
 
 
-def run(seed, *loaded, friction_from=np.inf, duration=45.0):
-    """A run of an arm whose model is wrong by half a newton metre at each posture, with a load at some times [s]."""
-    made = make(ARM, lambda q, v, a: 0.5 * np.sin(3.0 * q), seed=seed, duration=duration, noise=0.2)
-    t, effort = made.log.time, made.log.effort.copy()
-    carried = Dynamics(ARM, (LOAD,)).inverse_dynamics(made.q, made.v, made.a)
-    extra = carried - Dynamics(ARM).inverse_dynamics(made.q, made.v, made.a)
-    for begin, end in loaded:
-        there = (t >= begin) & (t < end)
-        effort[there] += extra[there]
-    effort[t >= friction_from, WRIST] += FRICTION * np.sign(made.v[t >= friction_from, WRIST])
-    return replace(made.log, effort=effort, source=f"run {seed}")
+def run(seed, *loaded, friction_from=np.inf):
+    """A run of an arm with a load at some times [s], and with friction from some time on."""
+    made, log = loaded_run(seed, *loaded, duration=45.0)
+    effort, rubs = log.effort.copy(), log.time >= friction_from
+    effort[rubs, WRIST] += FRICTION * np.sign(made.v[rubs, WRIST])
+    return replace(log, effort=effort)
 
 
 @pytest.fixture(scope="module")

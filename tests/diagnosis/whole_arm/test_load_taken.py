@@ -4,35 +4,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_logs import make
+from loaded_arms import ARM, MASS, loaded_run
 
 from cdia_pin.diagnosis import Monitor
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import parse_term
-from cdia_pin.robot import load_robot
 
-ARM = load_robot("ur5")
-MASS = 2.5  # [kg]
-LOAD = parse_term(f"payload: mass={MASS}, first_moment_x=0.05, first_moment_y=0.07, first_moment_z=0.15", ARM)
 TAKEN = 8.0  # [s]
 PUSH = np.array([0.0, 30.0, 30.0])  # [N]
+NEVER = (np.inf, np.inf)  # [s]
 
 
-def run(seed, *, loaded=False, pushed=()):
-    """A run of an arm whose model is wrong by half a newton metre at each posture, that may take a load and be pushed.
-
-    Args:
-        seed: Of the motion.
-        loaded: Whether it takes the load.
-        pushed: From when to when it is pushed [s].
-    """
-    made = make(ARM, lambda q, v, a: 0.5 * np.sin(3.0 * q), seed=seed, duration=30.0, noise=0.2)
-    carried, free = (Dynamics(ARM, terms).inverse_dynamics(made.q, made.v, made.a) for terms in ((LOAD,), ()))
-    time, effort = made.log.time, made.log.effort.copy()
-    effort[(time >= TAKEN) & loaded] += (carried - free)[(time >= TAKEN) & loaded]
-    for k in np.flatnonzero((time >= pushed[0]) & (time < pushed[1])) if pushed else ():
+def run(seed, *, loaded=False, pushed=NEVER):
+    """A run of an arm that may take the load, and be pushed from some time to another [s]."""
+    made, log = loaded_run(seed, (TAKEN, np.inf) if loaded else NEVER, duration=30.0)
+    effort = log.effort.copy()
+    for k in np.flatnonzero((log.time >= pushed[0]) & (log.time < pushed[1])):
         effort[k] -= ARM.link_end_jacobians(made.q[k])[-1][:3].T @ PUSH
-    return replace(made.log, effort=effort)
+    return replace(log, effort=effort)
 
 
 @pytest.fixture(scope="module")
