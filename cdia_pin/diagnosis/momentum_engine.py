@@ -296,7 +296,7 @@ class MomentumEngine(Stateful):
         new = self.arm.look(t, [m.j for m in self.joint_monitors if m.is_undecided])
         for j in np.flatnonzero(self.arm.moved):
             self.joint_monitors[j].collect_again()
-        if new:
+        if new and self.arm.asked_since == np.inf:  # the question is answered
             self._excuse_joints()
         if any(e.stage is EventStage.ISOLATION for e in new):
             for monitor in self.joint_monitors:

@@ -38,6 +38,7 @@ Array = NDArray[np.float64]
 
 LONGEST_CONTACT = 10.0  # [s], after which joints decide by themselves: nobody leans on an arm for longer
 TRIAL = 10.0  # [s] after its isolation, for which an effect is updated, and withdrawn if joints alarm again
+WITHDRAWN = "another cause explains all samples better"  # reason for which a belief ends that was wrong
 REFINED_EVERY = 1.0  # [s] between two updates: each makes a robot model, in a fraction of a millisecond
 
 
@@ -237,10 +238,10 @@ class ArmMonitor(Stateful):
             asking |= {self.observer.nominal.robot.joint_index(j) for j in self.contact.joints}
         if not asking:
             return self._refine(t)
-        joints = sorted(asking)
+        joints, said = sorted(asking), []
         if self._question is None:
             self._question = Question.of(asking, t)
-            self._begin(t, joints)
+            said = self._begin(t, joints)
         self._question, is_late = self._question.joined_by(asking, t)
         if is_late:
             self.fresh.start(self.observer.time)
@@ -258,20 +259,27 @@ class ArmMonitor(Stateful):
         self._votes.append(found.index if leads else None)
         agree = len(self._votes) == self._votes.maxlen and len(set(self._votes)) == 1
         if not leads or not agree:
-            return []
-        return self._commit(t, found, tuple(self.observer.nominal.robot.joints[j] for j in joints))
+            return said
+        return [*said, *self._commit(t, found, self._names(joints))]
+
+    def _names(self, joints: Sequence[int]) -> tuple[str, ...]:
+        return tuple(self.observer.nominal.robot.joints[j] for j in joints)
 
     # ------------------------------------------------------------- beliefs
 
-    def _begin(self, t: float, joints: Sequence[int]) -> None:
+    def _begin(self, t: float, joints: Sequence[int]) -> list[Event]:
         """Ask what joints show: what is on trial may have other numbers, may be wrong, or this is something else."""
         self._end_trial(t)
-        was_wrong = self._trial is not None and self._withdraws(self._trial, joints)
+        withdrawn = () if self._trial is None else self._withdrawn(self._trial, joints)
         if self._trial is not None:
             self.fresh.start(self.observer.time)
-        elif not was_wrong:
+        elif not withdrawn:
             self.evidence.start(self.observer.time)
         self._votes.clear()
+        names = self._names(joints)
+        return [
+            Event(t, EventStage.IDLE, names, Verdict.NONE, (term,), reason=WITHDRAWN) for term in withdrawn
+        ]
 
     def _go_on_afresh(self) -> None:
         """Go on with the samples since a later alarm alone, because these say for sure what it is; end the trial.
@@ -350,18 +358,19 @@ class ArmMonitor(Stateful):
         """Tell whether a decision is sure, and leads all other causes."""
         return found.is_sure and found.lead > self.settings.lead
 
-    def _withdraws(self, trial: ArmTrial, joints: Sequence[int]) -> bool:
-        """Withdraw what is on trial if another effect explains all samples better; return whether it does."""
+    def _withdrawn(self, trial: ArmTrial, joints: Sequence[int]) -> tuple[Term, ...]:
+        """Withdraw what is on trial if another effect explains all samples better; return what is withdrawn."""
         self.evidence.shift(trial.index, -trial.moved)
         found = decide(self.evidence, self.bank, joints, self.settings)
         self.evidence.shift(trial.index, trial.moved)
         if found.index == trial.index or not self._is_clear(found):
-            return False
+            return ()
+        withdrawn = tuple(term for term in self.believed if term not in trial.before)
         self._move(trial.index, -trial.moved)
         self._become(trial.before)
         self.detector.settle(self.observer.time, self.observer.remainder)
         self._trial = None
-        return True
+        return withdrawn
 
     def _believe(self, found: ArmDecision) -> Term:
         """Add a change to what is believed; return the effect as it is now, or as it was if it is gone."""

@@ -1,10 +1,15 @@
-"""What a joint decided by itself of late is taken back when one cause of the whole arm explains it."""
+"""What joints, or the whole arm, decided of late is taken back, and said, when another cause explains all of it."""
 
+import numpy as np
 import pytest
+from loaded_arms import ARM, loaded_run
 
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
-from cdia_pin.diagnosis.status import Event, EventStage, Verdict
+from cdia_pin.diagnosis import Monitor
+from cdia_pin.diagnosis.status import Event, EventStage, Stage, Verdict
+from cdia_pin.diagnosis.whole_arm import arm_monitor
+from cdia_pin.diagnosis.whole_arm.isolation import ArmDecision
 from cdia_pin.diagnosis.whole_arm.question import Question
 from cdia_pin.effects import parse_term
 
@@ -40,3 +45,24 @@ def test_a_cause_of_the_whole_arm_takes_back_what_a_joint_decided_since_it_began
     assert bool(engine.joint_monitors[1].faults) == stays
     assert [(e.stage, e.joints) for e in said[1:]] == ([] if stays else [(EventStage.IDLE, ("joint2",))])
     assert stays or "coulomb_friction@joint2" in {f.label for f in said[1].faults}
+
+
+def test_a_load_that_another_cause_explains_better_is_said_to_be_withdrawn(monkeypatch):
+    """Before, it was no longer believed, and no event said so."""
+    monitor = Monitor(Dynamics(ARM), healthy=[loaded_run(1, duration=30.0)[1]])
+    log = loaded_run(2, (4.0, np.inf), duration=10.0)[1]
+    engine = monitor.engine
+    for k in range(len(log.time)):
+        status = monitor.update(log.time[k], log.position[k], None, log.effort[k])
+        if any(e.stage is EventStage.ISOLATION and e.faults[0].label == "payload" for e in status.events):
+            break
+    (load,) = status.faults
+    engine.joint_monitors[1].stage = Stage.DETECTED
+    tilt = ArmDecision(1, np.array([1.0, 0.5]), 1e3 * np.eye(2), lead=30.0, explained=0.99)
+    monkeypatch.setattr(arm_monitor, "decide", lambda *_: tilt)
+    said = engine._look_at_arm(status.time, status.time)
+    assert [(e.stage, e.faults, e.reason) for e in said] == [
+        (EventStage.IDLE, (load,), arm_monitor.WITHDRAWN)
+    ]
+    assert not engine.arm.believed
+    assert engine.joint_monitors[1].is_undecided, "the alarm is still asked about"
