@@ -292,9 +292,13 @@ def _with_or_without_likely(found: FoundChanges, changes: Sequence[Change]) -> l
 
 
 def _confusions(term: Term, rivals: Sequence[Effect], robot: RobotModel) -> Iterator[Confusion]:
-    """Yield each rival of a change once, whatever its shape."""
-    for rival in {e.label: e for e in reversed(rivals) if e.label != term.label}.values():
-        yield Confusion((rival,), motion_between(term.effect, rival, robot))
+    """Yield each rival of a change once, in its best shape, the best first."""
+    best: dict[str, Effect] = {}
+    for rival in rivals:
+        best.setdefault(rival.label, rival)
+    for label, rival in best.items():
+        if label != term.label:
+            yield Confusion((rival,), motion_between(term.effect, rival, robot))
 
 
 def _bounds(found: FoundChanges, run_to_run: RunToRun) -> dict[str, Bound]:

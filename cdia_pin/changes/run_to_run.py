@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
-from cdia_pin.effects import ActuatorGain, Effect, Term
+from cdia_pin.effects import ActuatorGain, Effect, Term, TorqueOffset
 from cdia_pin.effects.refinements import is_plain
 from cdia_pin.phrases import some
 from cdia_pin.regression.experiment import rms
@@ -195,13 +195,19 @@ class RunToRun:
 
 
 def _common_friction(x: Differing) -> Array:
-    """Return the torque of all friction that both sides have, joint by joint [N·m or N], shape (K, n)."""
-    out = np.zeros_like(x.prediction.residual)
+    """Return the torque of all friction that both sides have, joint by joint [N·m or N], shape (K, n).
+
+    Where a joint moves one way, an offset may cancel any friction. Where both together are less, they are the friction.
+    """
+    friction, offset = np.zeros_like(x.prediction.residual), np.zeros_like(x.prediction.residual)
     for term in x.prediction.model.terms:
-        if is_friction_of_joint(term.effect):
+        is_offset = isinstance(term.effect, TorqueOffset)
+        if is_offset or is_friction_of_joint(term.effect):
             columns = x.experiment.columns(term.effect, x.prediction)[:, 0, :]
-            out[:, x.experiment.robot.joint_index(term.effect.scope[0])] += columns @ np.array(term.theta)
-    return out
+            of_kind = offset if is_offset else friction
+            of_kind[:, x.experiment.robot.joint_index(term.effect.scope[0])] += columns @ np.array(term.theta)
+    cancels = rms(friction + offset, x.counted) < rms(friction, x.counted)
+    return friction + np.where(cancels, offset, 0.0)
 
 
 def _growth(search: ChangeSearch, chosen: Sequence[int], friction: Array) -> Array:

@@ -26,6 +26,7 @@ from cdia_pin.effects import ExternalWrench, JointEffect, Term
 from cdia_pin.errors import LogError, ModelError, unknown_name
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.magnitudes import require_magnitudes
+from cdia_pin.logs.recorded_parts import between_gaps
 from cdia_pin.logs.resampling import resampled, thinned
 from cdia_pin.logs.wild_samples import without_wild_samples
 from cdia_pin.plain_json import plain
@@ -41,6 +42,9 @@ Array = NDArray[np.float64]
 # residual changes by 2 %
 SAME_RATE = 1.05
 ASSUMED_RATE = 1000.0  # [Hz], where the engine needs none and none is given
+# [s], least duration of a healthy run between two of its gaps. What happens in a gap is no tick: bounds of samples were
+# learned across gaps, and each gap of a watched log then accused the sensors of all velocities.
+SHORTEST_PART = 1.0
 PROGRESS_EVERY = 500  # samples between two reports of a replay's progress
 
 
@@ -104,6 +108,7 @@ class Monitor:
             for run, given in zip(runs, healthy, strict=True)
             for note in run.notes[len(given.notes) :]
         ]
+        runs = [part for run in runs for part in between_gaps(run, SHORTEST_PART)]
         known = Knowledge(tuple(runs), threshold, self.rate, position_only)
         made, used = ENGINES[engine](model, bank, settings, known)
         if healthy:

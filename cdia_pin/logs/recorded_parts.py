@@ -27,6 +27,17 @@ def recorded_parts(log: Log) -> list[slice]:
     return [slice(start, stop) for start, stop in pairwise(ends)]
 
 
+def between_gaps(log: Log, shortest: float) -> list[Log]:
+    """Return the parts of a log between its gaps as logs of their own; the log itself where all are short.
+
+    Args:
+        log: Any log.
+        shortest: Duration below which a part is left out [s].
+    """
+    parts = [log.slice(part.start, part.stop) for part in recorded_parts(log)]
+    return [part for part in parts if part.duration >= shortest] or [log]
+
+
 def on_grid(parts: Sequence[slice], log: Log, even: Log) -> list[slice]:
     """Return parts of a log as indices of the same log on a grid of times.
 

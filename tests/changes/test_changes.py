@@ -355,6 +355,16 @@ def test_a_change_with_a_rival_of_another_kind_is_likely_at_most(monkeypatch):
     assert (change.term.label, change.confidence) == ("actuator_gain@elbow_joint", "likely")
 
 
+def test_rivals_are_named_once_each_and_the_best_first(ur5):
+    offset, spring, other = map(
+        parse_effect,
+        ("torque_offset@elbow_joint", "joint_spring@elbow_joint", "coulomb_friction@elbow_joint"),
+    )
+    term = Term(other, (1.0,))
+    found = detection._confusions(term, [offset, spring, other, spring], ur5)
+    assert [c.effects for c in found] == [(offset,), (spring,)]
+
+
 def test_what_is_rare_may_be_small_in_what_logs_have_in_common(ur5):
     log = plant_of("ur5").run(WRONG, duration=8.0, seed=3).log
     model = Dynamics(ur5, (Term(parse_effect("joint_spring@elbow_joint"), (1.0, 0.1)),))

@@ -8,9 +8,15 @@ import pytest
 
 from cdia_pin import Dynamics, load_robot, what_changed
 from cdia_pin.changes import detection
-from cdia_pin.changes.sizes import covering
+from cdia_pin.changes.differing import Differing
+from cdia_pin.changes.run_to_run import _common_friction
+from cdia_pin.changes.sizes import covering, friction_before
 from cdia_pin.effects import Term, ViscousFriction, parse_term
 from cdia_pin.logs import Log
+from cdia_pin.logs.conditioning import condition
+from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.regression.shared_parameters import SharedRegression
+from cdia_pin.selection.discovery_settings import DiscoverySettings
 from tests.made_logs import motion
 
 
@@ -57,6 +63,56 @@ def test_friction_that_was_not_there_has_no_growth() -> None:
     logs = (pendulum_log(name, 5, level=level) for name, level in (("a.csv", 0.0), ("b.csv", 0.5)))
     (change,) = what_changed(Dynamics(load_robot("double_pendulum")), *logs).changes
     assert change.growth is None
+
+
+def one_way_log(seed: int, level: float) -> Log:
+    """A log with friction of the second joint, which turns one way all the time."""
+    robot = load_robot("double_pendulum")
+    t, q, v, a = motion(robot.n, seed, duration=24.0)
+    q[:, 1], v[:, 1], a[:, 1] = 0.15 * q[:, 1] + 1.2 * t, 0.15 * v[:, 1] + 1.2, 0.15 * a[:, 1]
+    effort = robot.inverse_dynamics(q, v, a) + level * np.sign(v) * [0.0, 1.0]
+    noise = np.random.default_rng(seed).normal(0.0, 0.003, effort.shape)
+    return Log(robot.joints, t, q, effort + noise, source=f"{seed}.csv")
+
+
+def differing(*logs: Log) -> Differing:
+    robot = load_robot("double_pendulum")
+    experiment = Experiment.of(robot, [condition(log, robot) for log in logs])
+    return Differing.of(experiment, Dynamics(experiment.robot), 1, DiscoverySettings())
+
+
+@pytest.fixture(scope="module")
+def one_way() -> Differing:
+    return differing(one_way_log(10, 0.5), one_way_log(20, 0.62))
+
+
+def with_common(x: Differing, *terms: str) -> Differing:
+    """The same logs, with other effects that both have."""
+    model = Dynamics(x.experiment.robot, tuple(map(parse_term, terms)))
+    return replace(x, prediction=x.experiment.predict(model))
+
+
+def test_common_friction_that_an_offset_cancels_is_what_both_are_together(one_way: Differing) -> None:
+    """Before, 488 N·m less an offset of 493 N·m were friction of 488 N·m, beside which any change was usual."""
+    cancelled = with_common(
+        one_way, "coulomb_friction@joint2: level=488", "torque_offset@joint2: offset=487.5"
+    )
+    assert rms(_common_friction(cancelled), one_way.counted) == pytest.approx([0.0, 0.5], rel=1e-3)
+
+
+def test_common_friction_beside_an_offset_is_friction() -> None:
+    both_ways = differing(pendulum_log("a.csv", 5), pendulum_log("b.csv", 6))
+    common = with_common(both_ways, "coulomb_friction@joint2: level=0.5", "torque_offset@joint2: offset=-0.4")
+    assert rms(_common_friction(common), common.counted)[1] == pytest.approx(0.5, rel=0.03)
+
+
+@pytest.mark.parametrize("prior", [1.0, 1e4])
+def test_friction_before_is_not_known_where_an_offset_cancels_it(
+    one_way: Differing, prior: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(SharedRegression, "theta", lambda shared: prior * np.ones(len(shared.gram) - 1))
+    grown = next(d for d in one_way.changes if d.label == "coulomb_friction@joint2")
+    assert (grown in friction_before(one_way, [grown])) == (prior == 1.0)
 
 
 def test_a_gain_is_as_large_and_as_certain_beside_what_is_only_likely() -> None:

@@ -370,6 +370,21 @@ def test_a_believed_fault_survives_a_gap(loop):
     assert np.isfinite(status.residual).all()
 
 
+def test_a_gap_in_a_healthy_run_is_no_tick_and_one_in_a_log_accuses_no_sensor(loop):
+    """Before, a second without samples was an ordinary tick, in which all velocities contradicted the positions."""
+
+    def with_a_hole(log, begin, end):
+        kept = (log.time < begin) | (log.time > end)
+        signals = ("time", "position", "velocity", "effort")
+        return replace(log, **{s: getattr(log, s)[kept] for s in signals})
+
+    healthy, log = (loop.run(loop.motion(k, 12.0)).log for k in (1, 2))
+    monitor = Monitor(loop.model, healthy=[with_a_hole(healthy, 5.0, 6.2)], bank=BANK)
+    events = monitor.replay(with_a_hole(log, 6.0, 7.0))
+    assert not [e for e in events if e.stage == "sensor"]
+    assert not monitor.sensor_faults
+
+
 def test_reset_forgets_faults_and_keeps_thresholds(believing):
     monitor, log = believing
     monitor.reset()

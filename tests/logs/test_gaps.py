@@ -11,7 +11,7 @@ from cdia_pin.identification import identify
 from cdia_pin.logs import Log
 from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.derivatives import uniform
-from cdia_pin.logs.recorded_parts import recorded_parts
+from cdia_pin.logs.recorded_parts import between_gaps, recorded_parts
 from tests.made_logs import make
 
 CUTOFF = Conditioning(cutoff=8.0)  # [Hz]
@@ -50,6 +50,12 @@ def gapped(whole):
 def test_a_log_is_divided_at_its_gaps(whole, gapped):
     assert [(p.start, p.stop) for p in recorded_parts(whole)] == [(0, 2000)]
     assert [p.stop - p.start for p in recorded_parts(gapped)] == [600, 600, 500]
+
+
+def test_parts_are_logs_of_their_own_unless_all_are_short(gapped):
+    assert [len(log.time) for log in between_gaps(gapped, 1.0)] == [600, 600, 500]
+    assert [len(log.time) for log in between_gaps(gapped, 5.5)] == [600, 600]
+    assert between_gaps(gapped, 60.0) == [gapped]
 
 
 def test_each_part_is_conditioned_as_if_it_were_alone(arm, whole, gapped):
