@@ -15,6 +15,7 @@ from cdia_pin.changes.common_structure import is_rare
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
+from cdia_pin.effects.refinements import PLAIN_FRICTION, REFINED
 from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.discovery_settings import ChangeSettings
@@ -22,7 +23,9 @@ from cdia_pin.selection.discovery_settings import ChangeSettings
 Array = NDArray[np.float64]
 
 MOST_MOVES = 60  # moves of one search [1]; a guard, because no set is visited twice
-LARGEST_GAINS = 40  # changes [1] of which it is asked whether they can be named; the others explain less
+LARGEST_GAINS = (
+    40  # certain changes [1] of which it is asked whether they can be named; the others explain less
+)
 # Of a body's ten parameters, the six second moments show little. Without this limit, 3 of 188 effects fewer are named
 # in logs of ten seconds; with 3 it is the same.
 MOST_FEWER = 4  # parameters [1] by which one change counts as simpler than another, at most
@@ -79,8 +82,7 @@ class ChangeSearch:
             chosen: Indices of the set.
             one: Index of one of its members.
         """
-        rest = [c for c in chosen if c != one]
-        fits = self.evidence.fits(rest)
+        fits = self.evidence.fits(rest := _without(chosen, one))
         return [c for c in self._alike(one, self._nameable(rest, fits), fits) if c != one]
 
     def beside(self, found: Sequence[int]) -> Self:
@@ -189,7 +191,7 @@ class ChangeSearch:
     def _moves(self, now: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
         """Yield sets that are better than a set: first simpler ones, then one with another change."""
         for one in now:
-            rest = tuple(c for c in now if c != one)
+            rest = _without(now, one)
             best = self._best(rest)
             if best is None:
                 yield rest
@@ -200,13 +202,49 @@ class ChangeSearch:
             best = self._best(rest)
             if best is not None and best[0] not in two:
                 single = _sorted(*rest, best[0])
-                lost = self.evidence.unexplained(single) - self.evidence.unexplained(now)
-                explained = float(np.sum(self.evidence.unexplained(rest) - self.evidence.unexplained(single)))
-                if self.is_slight(lost, explained):
+                if self._may_stand_for(single, now, rest):
                     yield single
+        yield from self._with_plain_friction(now)
         best = self._best(now)
         if best is not None:
             yield _sorted(*now, best[0])
+
+    def _with_plain_friction(self, now: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+        """Yield sets with Coulomb and viscous friction in the place of an effect that refines both.
+
+        Friction that grew alike in both directions is no asymmetric friction, though one name explains all of it. Both
+        must hold: of a motion that does not tell them apart, one would stand for both.
+        """
+        effects = self.evidence.effects
+        index = {(effect.label, effect.sign): c for c, effect in enumerate(effects)}
+        for one in now:
+            if not set(PLAIN_FRICTION) <= set(REFINED.get(type(effects[one].effect), ())):
+                continue
+            labels = [kind(*effects[one].scope).label for kind in PLAIN_FRICTION]
+            plain = [index[key] for label in labels if (key := (label, effects[one].sign)) in index]
+            fewer = self._parameters(one) - len(plain)
+            if len(plain) < len(labels) or set(plain) & set(now) or fewer <= 0:
+                continue
+            rest = _without(now, one)
+            simpler = _sorted(*rest, *plain)
+            if self._may_stand_for(simpler, now, rest, fewer) and all(
+                self.holds(_without(simpler, c), c) for c in plain
+            ):
+                yield simpler
+
+    def _may_stand_for(
+        self, simpler: Sequence[int], now: Sequence[int], rest: Sequence[int], fewer: int = 1
+    ) -> bool:
+        """Tell whether a simpler set explains about as much as another one.
+
+        Args:
+            simpler: Indices of the simpler set.
+            now: Indices of the other one.
+            rest: Indices of what both have.
+            fewer: Number of parameters by which it is simpler [1].
+        """
+        left = self.evidence.unexplained
+        return self.is_slight(left(simpler) - left(now), float(np.sum(left(rest) - left(simpler))), fewer)
 
     def _best(self, chosen: Sequence[int]) -> tuple[int, list[int]] | None:
         """Return the change to be added to a set, and all that explain as much; None if none can be named."""
@@ -226,7 +264,10 @@ class ChangeSearch:
     def _comparable(self, chosen: Sequence[int], fits: BlockFits) -> list[int]:
         """Return the changes that can be named beside a set, and those that explain more than all of these."""
         nameable = self._nameable(chosen, fits)
-        return [*nameable, *self._better(chosen, nameable, fits)] if nameable else []
+        if not nameable:
+            return []
+        comparable = [*nameable, *self._better(chosen, nameable, fits)]
+        return [*comparable, *self._there_instead(chosen, comparable, fits)]
 
     def _better(self, chosen: Sequence[int], nameable: Sequence[int], fits: BlockFits) -> list[int]:
         """Return the changes that are too uncertain to be named alone and explain more than all that are not.
@@ -242,6 +283,19 @@ class ChangeSearch:
             )
             if not self.is_slight(fits.gains[c] - fits.gains[most], gain[c])
         ]
+
+    def _there_instead(self, chosen: Sequence[int], comparable: Sequence[int], fits: BlockFits) -> list[int]:
+        """Return the changes that explain as much as the best ones, if all of these take away what was never there.
+
+        That something changed is certain then. A spring of negative stiffness has two parameters, which are certain
+        sooner than the ten of the link for which it stands.
+        """
+        most = max(comparable, key=lambda c: fits.gain[c])
+        if not all(self._is_loss(c, fits.theta[c]) for c in self._alike(most, comparable, fits)):
+            return []
+        least, below = self.settings.better_certainty, self.settings.least_certainty
+        less_certain = self._alike(most, self._visible(chosen, fits, least, below), fits)
+        return [c for c in less_certain if c not in comparable and not self._is_loss(c, fits.theta[c])]
 
     def _alike(self, one: int, others: Sequence[int], fits: BlockFits) -> list[int]:
         """Return the changes that explain as much as one, itself included, the best first."""
@@ -281,12 +335,12 @@ class ChangeSearch:
         """Return the changes beside a set that are possible, of some size, and of a certainty from least on [1]."""
         present = {self.evidence.effects[c].label for c in chosen}
         certainty = self.certainty(fits)
+        certain = np.flatnonzero((least <= certainty) & (certainty < below))
         return [
             int(c)
-            for c in np.argsort(-fits.gain)[:LARGEST_GAINS]
+            for c in certain[np.argsort(-fits.gain[certain])][:LARGEST_GAINS]
             if self.evidence.effects[c].label not in present
             and fits.gain[c] > 0
-            and least <= certainty[c] < below
             and self._is_possible(int(c), fits)
             and self._is_visible(int(c), fits)
         ]
@@ -358,3 +412,7 @@ class FoundChanges:
 
 def _sorted(*chosen: int) -> tuple[int, ...]:
     return tuple(sorted(chosen))
+
+
+def _without(chosen: Sequence[int], one: int) -> tuple[int, ...]:
+    return tuple(c for c in chosen if c != one)

@@ -180,6 +180,7 @@ def sized_changes(
     sizes = _sizes_of(named, found, terms, usual, run_to_run)
     model = search.differing.given.model
     doubt = doubted_scale(model.terms, model.robot)
+    corrections = _corrections(found)
     out: list[Change] = []
     for one in (c for c in named if not sizes[c].may_be_nothing):
         term = sizes[one]
@@ -191,6 +192,7 @@ def sized_changes(
         confidence = search.confidence(rest, one)
         before = earlier.get(effects[one])
         is_doubtful = _falls_below_nothing(term, before) or not _agree(term, terms[one])
+        is_doubtful |= one in corrections
         if is_doubtful or has_another_name(term, confusions, search.differing.experiment.robot):
             confidence = Confidence.LIKELY
         lost = (without - with_all) / 2
@@ -270,6 +272,27 @@ def _parts_of_others(found: FoundChanges, changes: Sequence[Change]) -> set[str]
         if any(t.half_widths[0] > FAR_MORE_CERTAIN * alone[t.label] for t in sure):
             out.add(likely)
     return out
+
+
+def _corrections(found: FoundChanges) -> set[int]:
+    """Return the index of the body that may only correct another one, if there is such a one.
+
+    It explains next to nothing of what the other one explains without it. However small, a part of a payload that is
+    alike in all blocks of time is as certain on the link before it as the payload itself.
+    """
+    search = found.search
+    own = [c for c in found.chosen if isinstance(search.evidence.effects[c].effect, Body)]
+    if len(own) < 2:
+        return set()
+
+    def left_without(*some: int) -> float:
+        return float(np.sum(search.evidence.unexplained([c for c in found.chosen if c not in some])))
+
+    least = min(own, key=left_without)
+    without = left_without(least)
+    explained = max(left_without(least, other) - without for other in own if other != least)
+    is_slight = without - left_without() < search.settings.alike * explained
+    return {least} if is_slight else set()
 
 
 def _with_or_without_likely(found: FoundChanges, changes: Sequence[Change]) -> list[Change]:
