@@ -123,6 +123,23 @@ def test_a_spring_that_the_arm_had_not_does_not_grow_weaker(stiffness, known, na
     assert named(search(known, size=stiffness, spring=spring, link=link)) == [name]
 
 
+@pytest.mark.parametrize(("certainty", "name"), [(4.0, "link_inertia"), (1.0, "joint_spring")])
+def test_what_takes_away_gives_way_to_what_is_less_certain_and_explains_as_much(certainty, name):
+    """Before, a link was called a spring of negative stiffness, whose two parameters are certain sooner."""
+    spring, link = (SPRING, 12.0, gains(80.5)), (LinkInertia("panda_joint2"), certainty, gains(80.0))
+    assert named(search(size=-1.0, spring=spring, link=link)) == [name]
+
+
+def test_what_is_certain_is_asked_for_whatever_else_explains_more():
+    """Before, forty effects that are not certain hid it."""
+    kinds = (TorqueOffset, JointSpring, CoulombFriction, LoadFriction, AsymmetricFriction, LinkInertia)
+    vague = [kind(joint) for joint in PANDA.joints for kind in kinds]
+    offered = {effect.label: (effect, 1.0, gains(90.0)) for effect in vague}
+    assert named(search(**offered, gain=(ActuatorGain("panda_joint2"), 10.0, gains(20.0)))) == [
+        "actuator_gain"
+    ]
+
+
 def test_what_the_model_lacks_may_have_gone_if_nothing_else_explains_as_much():
     assert named(search(size=-1.0, spring=(SPRING, 12.0, gains(80.0)))) == ["joint_spring"]
 

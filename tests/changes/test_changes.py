@@ -1,6 +1,7 @@
 """What changed between two logs: found on a plant that is not our model, and nothing where nothing did."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,13 +16,13 @@ from cdia_pin.changes.common_structure import common_effects
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.changes.run_to_run import RunToRun
-from cdia_pin.effects import Term, parse_effect
+from cdia_pin.effects import LinkInertia, Payload, Term, parse_effect
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
-from cdia_pin.selection.discovery_settings import DiscoverySettings, RunToRunSettings
+from cdia_pin.selection.discovery_settings import ChangeSettings, DiscoverySettings, RunToRunSettings
 from tests.hidden_plants import plant_of
 
 SECONDS = 24.0
@@ -341,6 +342,44 @@ def test_a_likely_body_that_blurs_an_established_one_is_a_part_of_it(monkeypatch
         Fault("link_inertia", joint="elbow_joint", mass=1.0, inertia=0.1),
     )
     assert {c.term.label for c in changed(WRONG, bodies).changes} == named
+
+
+def with_friction(**grown):
+    """The wrong arm, whose elbow has more friction of some kinds."""
+    own = [f for f in WRONG if f.joint == "elbow_joint" and f.effect in grown]
+    more = {
+        f.effect: tuple(
+            Fault(f.effect, joint=f.joint, **{k: v + grown[f.effect]}) for k, v in f.parameters.items()
+        )
+        for f in own
+    }
+    return tuple(g for f in WRONG for g in (more[f.effect] if f in own else (f,)))
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_friction_that_grew_alike_in_both_directions_is_plain(seed):
+    """Before, it was called asymmetric friction, established, with both levels alike."""
+    worn = with_friction(coulomb_friction=3.0, viscous_friction=4.0)
+    changes = {c.term.label: c for c in changed(WRONG, worn, seed=seed).changes}
+    assert set(changes) == {"coulomb_friction@elbow_joint", "viscous_friction@elbow_joint"}
+    assert all(c.confidence == "established" for c in changes.values())
+    assert changes["coulomb_friction@elbow_joint"].term.theta == pytest.approx((3.0,), rel=0.02)
+    assert changes["viscous_friction@elbow_joint"].term.theta == pytest.approx((4.0,), rel=0.02)
+
+
+def test_a_body_that_explains_next_to_nothing_beside_another_one_is_likely():
+    left = {(): 100.0, (0,): 1.5, (1,): 60.0, (0, 1): 0.5}
+    evidence = SimpleNamespace(
+        effects=[SimpleNamespace(effect=Payload()), SimpleNamespace(effect=LinkInertia("elbow_joint"))],
+        unexplained=lambda chosen: np.array([left[tuple(sorted(chosen))]]),
+    )
+    found = SimpleNamespace(
+        chosen=(0, 1), search=SimpleNamespace(evidence=evidence, settings=ChangeSettings())
+    )
+    assert detection._corrections(found) == {1}
+    left[0, 1] = 0.0
+    left[(0,)] = 20.0  # then the link explains enough by itself
+    assert detection._corrections(found) == set()
 
 
 def test_a_change_with_a_rival_of_another_kind_is_likely_at_most(monkeypatch):
