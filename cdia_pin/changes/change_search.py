@@ -15,7 +15,7 @@ from cdia_pin.changes.common_structure import is_rare
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
-from cdia_pin.effects.refinements import PLAIN_FRICTION, REFINED
+from cdia_pin.effects.refinements import REFINED
 from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.discovery_settings import ChangeSettings
@@ -195,7 +195,7 @@ class ChangeSearch:
             best = self._best(rest)
             if best is None:
                 yield rest
-            elif best[0] != one and one not in best[1]:
+            elif best[0] != one and (one not in best[1] or self._parameters(best[0]) < self._parameters(one)):
                 yield _sorted(*rest, best[0])
         for two in combinations(now, 2):
             rest = tuple(c for c in now if c not in two)
@@ -204,13 +204,13 @@ class ChangeSearch:
                 single = _sorted(*rest, best[0])
                 if self._may_stand_for(single, now, rest):
                     yield single
-        yield from self._with_plain_friction(now)
+        yield from self._with_plain_pairs(now)
         best = self._best(now)
         if best is not None:
             yield _sorted(*now, best[0])
 
-    def _with_plain_friction(self, now: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-        """Yield sets with Coulomb and viscous friction in the place of an effect that refines both.
+    def _with_plain_pairs(self, now: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+        """Yield sets with two plain effects in the place of one that refines both, those that explain most first.
 
         Friction that grew alike in both directions is no asymmetric friction, though one name explains all of it. Both
         must hold: of a motion that does not tell them apart, one would stand for both.
@@ -218,19 +218,18 @@ class ChangeSearch:
         effects = self.evidence.effects
         index = {(effect.label, effect.sign): c for c, effect in enumerate(effects)}
         for one in now:
-            if not set(PLAIN_FRICTION) <= set(REFINED.get(type(effects[one].effect), ())):
-                continue
-            labels = [kind(*effects[one].scope).label for kind in PLAIN_FRICTION]
-            plain = [index[key] for label in labels if (key := (label, effects[one].sign)) in index]
-            fewer = self._parameters(one) - len(plain)
-            if len(plain) < len(labels) or set(plain) & set(now) or fewer <= 0:
-                continue
-            rest = _without(now, one)
-            simpler = _sorted(*rest, *plain)
-            if self._may_stand_for(simpler, now, rest, fewer) and all(
-                self.holds(_without(simpler, c), c) for c in plain
-            ):
-                yield simpler
+            rest, refined = _without(now, one), effects[one]
+            plain = [
+                index[key]
+                for kind in REFINED.get(type(refined.effect), ())
+                if (key := (kind(*refined.scope).label, refined.sign)) in index and index[key] not in now
+            ]
+            pairs = [_sorted(*rest, *two) for two in combinations(plain, 2)]
+            fewer = self._parameters(one) - 2
+            for simpler in sorted(pairs, key=lambda s: float(np.sum(self.evidence.unexplained(s)))):
+                as_much = fewer > 0 and self._may_stand_for(simpler, now, rest, fewer)
+                if as_much and all(self.holds(_without(simpler, c), c) for c in simpler if c in plain):
+                    yield simpler
 
     def _may_stand_for(
         self, simpler: Sequence[int], now: Sequence[int], rest: Sequence[int], fewer: int = 1

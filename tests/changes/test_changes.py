@@ -367,6 +367,32 @@ def test_friction_that_grew_alike_in_both_directions_is_plain(seed):
     assert changes["viscous_friction@elbow_joint"].term.theta == pytest.approx((4.0,), rel=0.02)
 
 
+@pytest.mark.parametrize(
+    ("grown", "beside"),
+    [
+        ({"coulomb_friction": 3.0}, Fault("torque_offset", joint="elbow_joint", offset=2.0)),
+        ({"viscous_friction": 4.0}, Fault("torque_offset", joint="elbow_joint", offset=2.0)),
+        ({"coulomb_friction": 3.0}, Fault("joint_spring", joint="elbow_joint", stiffness=5.0)),
+        ({"coulomb_friction": 3.0}, Fault("actuator_gain", joint="elbow_joint", gain=-0.2)),
+    ],
+    ids=["coulomb and offset", "viscous and offset", "coulomb and spring", "coulomb and gain"],
+)
+@pytest.mark.parametrize("seed", [7, 8])
+def test_two_changes_of_a_joint_are_both_named(grown, beside, seed):
+    """Before, an asymmetric friction found first stayed: it stood for both, or was dropped at the end.
+
+    A spring of 5 N·m/rad then was one of 7.0, established, without the friction.
+    """
+    found = changed(WRONG, (*with_friction(**grown), beside), seed=seed)
+    own = {f"{kind}@elbow_joint": size for kind, size in grown.items()}
+    own[f"{beside.effect}@elbow_joint"] = next(iter(beside.parameters.values()))
+    changes = {c.term.label: c.term for c in found.changes}
+    assert set(changes) == set(own)
+    for label, size in own.items():
+        assert changes[label].theta[0] == pytest.approx(size, rel=0.02)
+        assert inside(changes[label], changes[label].effect.parameters[0].name, size)
+
+
 def test_a_body_that_explains_next_to_nothing_beside_another_one_is_likely():
     left = {(): 100.0, (0,): 1.5, (1,): 60.0, (0, 1): 0.5}
     evidence = SimpleNamespace(
