@@ -15,7 +15,7 @@ from cdia_pin.changes.common_structure import is_rare
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
-from cdia_pin.effects.refinements import REFINED
+from cdia_pin.effects.refinements import LEVELS, REFINED
 from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.discovery_settings import ChangeSettings
@@ -224,7 +224,11 @@ class ChangeSearch:
                 for kind in REFINED.get(type(refined.effect), ())
                 if (key := (kind(*refined.scope).label, refined.sign)) in index and index[key] not in now
             ]
-            pairs = [_sorted(*rest, *two) for two in combinations(plain, 2)]
+            pairs = [
+                _sorted(*rest, *two)
+                for two in combinations(plain, 2)
+                if {type(effects[c].effect) for c in two} != LEVELS
+            ]
             fewer = self._parameters(one) - 2
             for simpler in sorted(pairs, key=lambda s: float(np.sum(self.evidence.unexplained(s)))):
                 as_much = fewer > 0 and self._may_stand_for(simpler, now, rest, fewer)

@@ -27,6 +27,8 @@ REFINED: dict[type[Effect], tuple[type[JointEffect], ...]] = {
     LoadStribeckFriction: (LoadFriction, *PLAIN_FRICTION),
     JointSpring: (TorqueOffset,),
 }
+# Both together are the levels of asymmetric friction itself, and no plainer.
+LEVELS = {CoulombFriction, TorqueOffset}
 
 
 def is_plain(effect: Effect) -> bool:

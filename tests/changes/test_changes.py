@@ -370,12 +370,11 @@ def test_friction_that_grew_alike_in_both_directions_is_plain(seed):
 @pytest.mark.parametrize(
     ("grown", "beside"),
     [
-        ({"coulomb_friction": 3.0}, Fault("torque_offset", joint="elbow_joint", offset=2.0)),
         ({"viscous_friction": 4.0}, Fault("torque_offset", joint="elbow_joint", offset=2.0)),
         ({"coulomb_friction": 3.0}, Fault("joint_spring", joint="elbow_joint", stiffness=5.0)),
         ({"coulomb_friction": 3.0}, Fault("actuator_gain", joint="elbow_joint", gain=-0.2)),
     ],
-    ids=["coulomb and offset", "viscous and offset", "coulomb and spring", "coulomb and gain"],
+    ids=["viscous and offset", "coulomb and spring", "coulomb and gain"],
 )
 @pytest.mark.parametrize("seed", [7, 8])
 def test_two_changes_of_a_joint_are_both_named(grown, beside, seed):
@@ -391,6 +390,15 @@ def test_two_changes_of_a_joint_are_both_named(grown, beside, seed):
     for label, size in own.items():
         assert changes[label].theta[0] == pytest.approx(size, rel=0.02)
         assert inside(changes[label], changes[label].effect.parameters[0].name, size)
+
+
+def test_a_level_of_its_own_each_way_is_asymmetric_friction():
+    grown = with_friction(coulomb_friction=3.0)
+    found = the_only(
+        changed(WRONG, (*grown, Fault("torque_offset", joint="elbow_joint", offset=2.0)), seed=7)
+    )
+    assert found.term.label == "asymmetric_friction@elbow_joint"
+    assert found.term.theta[:2] == pytest.approx((1.0, 5.0), abs=0.05)
 
 
 def test_a_body_that_explains_next_to_nothing_beside_another_one_is_likely():
