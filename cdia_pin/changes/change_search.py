@@ -23,9 +23,7 @@ from cdia_pin.selection.discovery_settings import ChangeSettings
 Array = NDArray[np.float64]
 
 MOST_MOVES = 60  # moves of one search [1]; a guard, because no set is visited twice
-LARGEST_GAINS = (
-    40  # certain changes [1] of which it is asked whether they can be named; the others explain less
-)
+LARGEST_GAINS = 40  # certain changes [1] that may be named; the others explain less
 # Of a body's ten parameters, the six second moments show little. Without this limit, 3 of 188 effects fewer are named
 # in logs of ten seconds; with 3 it is the same.
 MOST_FEWER = 4  # parameters [1] by which one change counts as simpler than another, at most
