@@ -15,7 +15,7 @@ from cdia_pin.changes.common_structure import is_rare
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
-from cdia_pin.effects.refinements import LEVELS, REFINED
+from cdia_pin.effects.refinements import LEVELS, plain_forms
 from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.discovery_settings import ChangeSettings
@@ -216,20 +216,16 @@ class ChangeSearch:
         effects = self.evidence.effects
         index = {(effect.label, effect.sign): c for c, effect in enumerate(effects)}
         for one in now:
-            rest, refined = _without(now, one), effects[one]
-            plain = [
-                index[key]
-                for kind in REFINED.get(type(refined.effect), ())
-                if (key := (kind(*refined.scope).label, refined.sign)) in index and index[key] not in now
-            ]
+            rest, fewer = _without(now, one), self._parameters(one) - 2
+            labels = [(form.label, effects[one].sign) for form in plain_forms(effects[one].effect)]
+            plain = [index[label] for label in labels if label in index and index[label] not in now]
             pairs = [
                 _sorted(*rest, *two)
                 for two in combinations(plain, 2)
-                if {type(effects[c].effect) for c in two} != LEVELS
+                if fewer > 0 and {type(effects[c].effect) for c in two} != LEVELS
             ]
-            fewer = self._parameters(one) - 2
             for simpler in sorted(pairs, key=lambda s: float(np.sum(self.evidence.unexplained(s)))):
-                as_much = fewer > 0 and self._may_stand_for(simpler, now, rest, fewer)
+                as_much = self._may_stand_for(simpler, now, rest, fewer)
                 if as_much and all(self.holds(_without(simpler, c), c) for c in simpler if c in plain):
                     yield simpler
 
@@ -370,45 +366,6 @@ class ChangeSearch:
         x, torque = self.differing, self.torque(change, fits.theta[change])
         samples = x.samples_with(self.evidence.effects[change])
         return self.settings.is_visible(float(fits.gain[change]), torque, x.size, x.torque, samples)
-
-
-@dataclass(frozen=True, repr=False)
-class FoundChanges:
-    """What a search found, with its size.
-
-    Attributes:
-        search: The search.
-        chosen: Indices of the changes.
-        theta: Their parameters, shape (p,).
-        covariance: Covariance of the parameters, shape (p, p).
-    """
-
-    search: ChangeSearch
-    chosen: tuple[int, ...]
-    theta: Array
-    covariance: Array
-
-    def __repr__(self) -> str:
-        return f"FoundChanges({len(self.chosen)})"
-
-    @property
-    def effects(self) -> list[Difference]:
-        """The changes."""
-        return [self.search.evidence.effects[c] for c in self.chosen]
-
-    @property
-    def left(self) -> Array:
-        """What is left of each block of time when that block is left out [1], shape (B,)."""
-        return self.search.evidence.unexplained(self.chosen)
-
-    def leaves_less(self, other: Self) -> bool:
-        """Tell whether these changes leave less of the same logs than others, by more than chance.
-
-        Args:
-            other: The other changes, in the same units of what is left.
-        """
-        explained = float(np.sum(self.search.evidence.unexplained(()) - self.left))
-        return not self.search.is_slight(other.left - self.left, explained)
 
 
 def _sorted(*chosen: int) -> tuple[int, ...]:

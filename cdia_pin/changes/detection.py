@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from cdia_pin.changes.both_sides import certain_beside_both
-from cdia_pin.changes.change_search import ChangeSearch, FoundChanges
+from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.changes_result import Bound, Change, Changes
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.differing import Differing
+from cdia_pin.changes.found_changes import FoundChanges
 from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.changes.late_torque import put_right
 from cdia_pin.changes.linearisation import sized_about_themselves, without_made_up
@@ -277,8 +278,8 @@ def _parts_of_others(found: FoundChanges, changes: Sequence[Change]) -> set[str]
 def _corrections(found: FoundChanges) -> set[int]:
     """Return the index of the body that may only correct another one, if there is such a one.
 
-    It explains next to nothing of what the other one explains without it. However small, a part of a payload that is
-    alike in all blocks of time is as certain on the link before it as the payload itself.
+    It explains next to nothing of what the other one explains without it. However small, a part of a payload on the
+    link before it is certain, if it is alike in all blocks of time.
     """
     search = found.search
     own = [c for c in found.chosen if isinstance(search.evidence.effects[c].effect, Body)]

@@ -14,7 +14,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.change_search import ChangeSearch, FoundChanges
+from cdia_pin.changes.change_search import ChangeSearch
+from cdia_pin.changes.found_changes import FoundChanges
 from cdia_pin.regression.gauss_newton import DIVERGED, is_exact
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.changes.change_search import FoundChanges
 from cdia_pin.changes.common_structure import PLAIN
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
+from cdia_pin.changes.found_changes import FoundChanges
 from cdia_pin.changes.run_to_run import is_friction_of_joint
 from cdia_pin.effects import Effect, LinkInertia, Term, TorqueOffset
 from cdia_pin.regression.design_matrix import DesignMatrix
@@ -22,9 +22,9 @@ from cdia_pin.regression.shared_parameters import ColumnGroup, SharedRegression
 
 Array = NDArray[np.float64]
 
-# RMS friction over the joint's RMS torque [1] above which it is not known: where a joint moves one way, an offset
-# cancels any friction. Of a Kinova Gen3 490 N·m of each came out, where the joint needs 23.
-MOST_FRICTION = 2.0
+# Where a joint moves one way, an offset cancels any friction: of a Kinova Gen3 490 N·m of each came out, where the
+# joint needs 23. A load that helps the motion may make a torque half as large as the friction.
+MOST_FRICTION = 2.0  # [1], RMS friction over the joint's RMS torque, above which it is not known
 
 
 def sized(found: FoundChanges) -> list[Term]:

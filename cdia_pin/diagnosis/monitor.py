@@ -42,9 +42,9 @@ Array = NDArray[np.float64]
 # residual changes by 2 %
 SAME_RATE = 1.05
 ASSUMED_RATE = 1000.0  # [Hz], where the engine needs none and none is given
-# [s], least duration of a healthy run between two of its gaps. What happens in a gap is no tick: bounds of samples were
-# learned across gaps, and each gap of a watched log then accused the sensors of all velocities.
-SHORTEST_PART = 1.0
+SHORTEST_PART = (
+    1.0  # [s], of a healthy run between two gaps: in a shorter one the slowest filter does not settle
+)
 PROGRESS_EVERY = 500  # samples between two reports of a replay's progress
 
 
@@ -108,6 +108,7 @@ class Monitor:
             for run, given in zip(runs, healthy, strict=True)
             for note in run.notes[len(given.notes) :]
         ]
+        # a gap is no tick: with bounds learned across gaps, each gap of a watched log accuses all velocity sensors
         runs = [part for run in runs for part in between_gaps(run, SHORTEST_PART)]
         known = Knowledge(tuple(runs), threshold, self.rate, position_only)
         made, used = ENGINES[engine](model, bank, settings, known)

@@ -50,6 +50,9 @@ class EventStage(StrEnum):
 
 
 NO_CONTACT = "it was no contact"  # reason for which a contact ends that turned out to be something else
+WITHDRAWN = (
+    "another cause explains all samples better"  # reason for which a wrong belief of the whole arm ends
+)
 LASTS = "small, but it lasts"  # reason of a detection by the second detector, below the threshold
 
 

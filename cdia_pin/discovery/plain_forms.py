@@ -16,9 +16,8 @@ from cdia_pin.discovery.decision import Repeat
 from cdia_pin.discovery.differing_parts import differs, tells_apart
 from cdia_pin.discovery.plain_friction import held_out_growth
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Effect, Term
-from cdia_pin.effects.drift import Drift
-from cdia_pin.effects.refinements import REFINED
+from cdia_pin.effects import Term
+from cdia_pin.effects.refinements import plain_forms
 from cdia_pin.selection.problem import WhitenedProblem
 
 
@@ -49,17 +48,6 @@ def with_plain_forms(problem: WhitenedProblem, model: Dynamics, given: Dynamics)
     if given_up == doubtful:
         return plain
     return _plain(problem, model, given_up) if given_up else model
-
-
-def plain_forms(effect: Effect) -> tuple[Effect, ...]:
-    """Return the plain effects that an effect refines; none if it refines nothing.
-
-    Args:
-        effect: The effect.
-    """
-    if isinstance(effect, Drift):
-        return (effect.effect,)
-    return tuple(kind(*effect.scope) for kind in REFINED.get(type(effect), ()))
 
 
 def _joint(model: Dynamics, term: Term) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cdia_pin.effects.actuation import JointSpring, TorqueOffset
+from cdia_pin.effects.drift import Drift
 from cdia_pin.effects.effect import Effect
 from cdia_pin.effects.friction import (
     AsymmetricFriction,
@@ -29,6 +30,17 @@ REFINED: dict[type[Effect], tuple[type[JointEffect], ...]] = {
 }
 # Both together are the levels of asymmetric friction itself, and no plainer.
 LEVELS = {CoulombFriction, TorqueOffset}
+
+
+def plain_forms(effect: Effect) -> tuple[Effect, ...]:
+    """Return the plain effects that an effect refines; none if it refines nothing.
+
+    Args:
+        effect: The effect.
+    """
+    if isinstance(effect, Drift):
+        return (effect.effect,)
+    return tuple(kind(*effect.scope) for kind in REFINED.get(type(effect), ()))
 
 
 def is_plain(effect: Effect) -> bool:

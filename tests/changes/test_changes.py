@@ -346,14 +346,14 @@ def test_a_likely_body_that_blurs_an_established_one_is_a_part_of_it(monkeypatch
 
 def with_friction(**grown):
     """The wrong arm, whose elbow has more friction of some kinds."""
-    own = [f for f in WRONG if f.joint == "elbow_joint" and f.effect in grown]
-    more = {
-        f.effect: tuple(
-            Fault(f.effect, joint=f.joint, **{k: v + grown[f.effect]}) for k, v in f.parameters.items()
-        )
-        for f in own
-    }
-    return tuple(g for f in WRONG for g in (more[f.effect] if f in own else (f,)))
+
+    def worn(fault):
+        if fault.joint != "elbow_joint" or fault.effect not in grown:
+            return fault
+        sizes = {name: value + grown[fault.effect] for name, value in fault.parameters.items()}
+        return Fault(fault.effect, joint=fault.joint, **sizes)
+
+    return tuple(map(worn, WRONG))
 
 
 @pytest.mark.parametrize("seed", [3, 4])

@@ -22,7 +22,7 @@ from cdia_pin.diagnosis.kernel_cache import first_call
 from cdia_pin.diagnosis.momentum_observer import MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.stateful import Stateful
-from cdia_pin.diagnosis.status import NO_CONTACT, Event, EventStage, Verdict
+from cdia_pin.diagnosis.status import NO_CONTACT, WITHDRAWN, Event, EventStage, Verdict
 from cdia_pin.diagnosis.whole_arm import evidence_kernel, isolation_kernel
 from cdia_pin.diagnosis.whole_arm.belief import carried, changed, ends, is_possible, known, refines
 from cdia_pin.diagnosis.whole_arm.contact import ContactDetector, ContactLimits
@@ -38,7 +38,6 @@ Array = NDArray[np.float64]
 
 LONGEST_CONTACT = 10.0  # [s], after which joints decide by themselves: nobody leans on an arm for longer
 TRIAL = 10.0  # [s] after its isolation, for which an effect is updated, and withdrawn if joints alarm again
-WITHDRAWN = "another cause explains all samples better"  # reason for which a belief ends that was wrong
 REFINED_EVERY = 1.0  # [s] between two updates: each makes a robot model, in a fraction of a millisecond
 
 

@@ -7,7 +7,7 @@ from loaded_arms import ARM, loaded_run
 from cdia_pin import Dynamics, load_robot
 from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
 from cdia_pin.diagnosis import Monitor
-from cdia_pin.diagnosis.status import Event, EventStage, Stage, Verdict
+from cdia_pin.diagnosis.status import WITHDRAWN, Event, EventStage, Stage, Verdict
 from cdia_pin.diagnosis.whole_arm import arm_monitor
 from cdia_pin.diagnosis.whole_arm.isolation import ArmDecision
 from cdia_pin.diagnosis.whole_arm.question import Question
@@ -61,8 +61,6 @@ def test_a_load_that_another_cause_explains_better_is_said_to_be_withdrawn(monke
     tilt = ArmDecision(1, np.array([1.0, 0.5]), 1e3 * np.eye(2), lead=30.0, explained=0.99)
     monkeypatch.setattr(arm_monitor, "decide", lambda *_: tilt)
     said = engine._look_at_arm(status.time, status.time)
-    assert [(e.stage, e.faults, e.reason) for e in said] == [
-        (EventStage.IDLE, (load,), arm_monitor.WITHDRAWN)
-    ]
+    assert [(e.stage, e.faults, e.reason) for e in said] == [(EventStage.IDLE, (load,), WITHDRAWN)]
     assert not engine.arm.believed
     assert engine.joint_monitors[1].is_undecided, "the alarm is still asked about"
