@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -151,7 +151,14 @@ OF_THE_MOTOR = {  # what a sensor behind the gear cannot see
 OF_THE_LOAD = {"load_friction", "actuator_gain"}  # those that need a joint that carries something
 
 
-def drawn(effect: str, wanted: float, before: FilteredLog, after: FilteredLog, seed: int) -> Term:
+def drawn(
+    effect: str,
+    wanted: float,
+    before: FilteredLog,
+    after: FilteredLog,
+    seed: int,
+    joints: Sequence[str] | None = None,
+) -> Term:
     """Draw an effect of a given size, on a joint that moves in both logs.
 
     Args:
@@ -160,12 +167,13 @@ def drawn(effect: str, wanted: float, before: FilteredLog, after: FilteredLog, s
         before: The log without it.
         after: The log that it is to be put into.
         seed: Of joint, sign and shape.
+        joints: Names of the joints that are drawn from; all if None.
 
     Raises:
         NoSizeError: If it can have that size on no joint.
     """
     rng = np.random.default_rng(seed)
-    for joint in rng.permutation(after.robot.joints).tolist():
+    for joint in rng.permutation(after.robot.joints if joints is None else joints).tolist():
         if not _can_have(effect, joint, before, after):
             continue
         try:

@@ -76,12 +76,7 @@ def logs_of(case: Case) -> tuple[Log, Log, Truth]:
     robot = case.pair.before.robot
     first, second = FilteredLog.of(before, robot), FilteredLog.of(after, robot)
     term = drawn(case.effect, case.size / 100, first, second, case.seed)
-    entry = {"effect": term.effect.name, "joints": term.effect.joints(robot)}
-    return (
-        before,
-        Insertion(term, second).into(after),
-        Truth(label_of(entry, robot), _values(term, second)),
-    )
+    return before, Insertion(term, second).into(after), truth_of(term, second)
 
 
 def judged(outcome: Outcome, found: Named, truth: Mapping[str, float]) -> Outcome:
@@ -92,15 +87,35 @@ def judged(outcome: Outcome, found: Named, truth: Mapping[str, float]) -> Outcom
         found: What was named.
         truth: True parameters that tell the size.
     """
+    errors, held = misses(found, truth)
+    intervals = {k: found.intervals[k] for k in held}
+    widths = {k: (high - low) / 2 / abs(truth[k]) for k, (low, high) in intervals.items()}
+    return replace(outcome, errors=errors, held=held, widths=widths)
+
+
+def misses(found: Named, truth: Mapping[str, float]) -> tuple[dict[str, float], dict[str, bool]]:
+    """Return by how much each parameter misses the true one [1], and whether its interval holds it.
+
+    Args:
+        found: What was named.
+        truth: True parameters that tell the size.
+    """
     values = _amplitude(found.values) if found.effect == RIPPLE else found.values
     there = {k: v for k, v in truth.items() if k in values and v != 0}
     intervals = {k: found.intervals[k] for k in there if k in found.intervals}
-    return replace(
-        outcome,
-        errors={k: abs(values[k] / v - 1.0) for k, v in there.items()},
-        held={k: low <= truth[k] <= high for k, (low, high) in intervals.items()},
-        widths={k: (high - low) / 2 / abs(truth[k]) for k, (low, high) in intervals.items()},
-    )
+    errors = {k: abs(values[k] / v - 1.0) for k, v in there.items()}
+    return errors, {k: low <= truth[k] <= high for k, (low, high) in intervals.items()}
+
+
+def truth_of(term: Term, along: FilteredLog) -> Truth:
+    """Return the name of an effect that is put into a log, and its parameters that tell how large it is.
+
+    Args:
+        term: The effect with its numbers.
+        along: The log without it.
+    """
+    entry = {"effect": term.effect.name, "joints": term.effect.joints(along.robot)}
+    return Truth(label_of(entry, along.robot), _values(term, along))
 
 
 def _values(term: Term, along: FilteredLog) -> dict[str, float]:

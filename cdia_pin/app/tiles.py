@@ -6,6 +6,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from cdia_pin.app.parts import node
 from cdia_pin.app.picture import improved
 from cdia_pin.app.session import Session
@@ -23,8 +25,8 @@ def tiles(session: Session, chosen: str, choose: Callable[[str], Any]) -> None:
     before, after = session.history.first.comparison, improved(session)
     robot = session.inputs.robot
     short = short_names(robot.joints)
-    worst = robot.joints[int((after or before).relative_rms.argmax())]
-    largest = max(float(before.relative_rms.max()), 1e-9)
+    worst = robot.joints[(after or before).worst]
+    largest = max(float(np.nan_to_num(before.relative_rms).max()), 1e-9)
     for j, joint in enumerate(robot.joints):
         first = float(before.relative_rms[j])
         last = first if after is None else float(after.relative_rms[j])
@@ -51,6 +53,11 @@ def tiles(session: Session, chosen: str, choose: Callable[[str], Any]) -> None:
                 if after is not None:
                     node("span", percent(last), "a")
             with node("span", classes="bar", aria_hidden="true"):
-                node("i", classes="one", style=f"width:{100 * min(first / largest, 1):.1f}%")
+                node("i", classes="one", style=_width(first / largest))
                 if after is not None:
-                    node("i", classes="two", style=f"width:{100 * min(last / largest, 1):.1f}%")
+                    node("i", classes="two", style=_width(last / largest))
+
+
+def _width(share: float) -> str:
+    """Return the style of a bar; a joint without torque has none."""
+    return f"width:{100 * min(float(np.nan_to_num(share)), 1):.1f}%"

@@ -90,7 +90,7 @@ class Workbench:
         session = self.session = loaded.session
         self.scene, self.timeline = loaded.scene, loaded.timeline
         self.typed = self.own_fault = ""
-        worst = int(session.present.comparison.relative_rms.argmax())
+        worst = session.present.comparison.worst
         self.joint = session.inputs.robot.joints[worst]
         self._tell(lambda page: page.draw_arm())
         self._show()

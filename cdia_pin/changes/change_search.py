@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 
 MOST_MOVES = 60  # moves of one search [1]; a guard, because no set is visited twice
 LARGEST_GAINS = 40  # certain changes [1] that may be named; the others explain less
+LARGEST_HIDDEN = 6  # uncertain changes [1] beside which another one is looked for
 # Of a body's ten parameters, the six second moments show little. Without this limit, 3 of 188 effects fewer are named
 # in logs of ten seconds; with 3 it is the same.
 MOST_FEWER = 4  # parameters [1] by which one change counts as simpler than another, at most
@@ -193,7 +194,7 @@ class ChangeSearch:
             best = self._best(rest)
             if best is None:
                 yield rest
-            elif best[0] != one and (one not in best[1] or self._parameters(best[0]) < self._parameters(one)):
+            elif best[0] != one and (one not in best[1] or self._rank(best[0]) < self._rank(one)):
                 yield _sorted(*rest, best[0])
         for two in combinations(now, 2):
             rest = tuple(c for c in now if c not in two)
@@ -206,6 +207,31 @@ class ChangeSearch:
         best = self._best(now)
         if best is not None:
             yield _sorted(*now, best[0])
+        else:
+            yield from self._with_hidden_pairs(now)
+
+    def _with_hidden_pairs(self, now: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+        """Yield sets with two more changes of a joint, those that explain most first.
+
+        A change is uncertain while another one of its joint is what the blocks of time differ by. Beside each other
+        both are certain.
+        """
+        robot = self.differing.experiment.robot
+        joints = [set(effect.acts_on(robot)) for effect in self.evidence.effects]
+        pairs: set[tuple[int, ...]] = set()
+        for one in self._largest(now):
+            with_it = (*now, one)
+            best = self._best(with_it)
+            if best is not None and joints[one] & joints[best[0]] and self.holds((*now, best[0]), one):
+                pairs.add(_sorted(*with_it, best[0]))
+        yield from sorted(pairs, key=lambda s: float(np.sum(self.evidence.unexplained(s))))
+
+    def _largest(self, now: Sequence[int]) -> list[int]:
+        """Return the changes that explain most beside a set, however uncertain, each in its best shape."""
+        out: dict[str, int] = {}
+        for c in self._visible(now, self.evidence.fits(now), 0.0):
+            out.setdefault(self.evidence.effects[c].label, c)
+        return [*out.values()][:LARGEST_HIDDEN]
 
     def _with_plain_pairs(self, now: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
         """Yield sets with two plain effects in the place of one that refines both, those that explain most first.
@@ -246,15 +272,14 @@ class ChangeSearch:
     def _best(self, chosen: Sequence[int]) -> tuple[int, list[int]] | None:
         """Return the change to be added to a set, and all that explain as much; None if none can be named."""
         fits = self.evidence.fits(chosen)
-        gain, effects = fits.gain, self.evidence.effects
+        gain = fits.gain
         comparable = self._comparable(chosen, fits)
         if not comparable:
             return None
         alike = self._alike(max(comparable, key=lambda c: gain[c]), comparable, fits)
 
-        def simplicity(c: int) -> tuple[bool, float, float, float]:
-            loss = self._is_loss(c, fits.theta[c])
-            return (loss, self._parameters(c), effects[c].plausibility.penalty, -gain[c])
+        def simplicity(c: int) -> tuple[bool, tuple[int, float], float]:
+            return self._is_loss(c, fits.theta[c]), self._rank(c), -gain[c]
 
         return min(alike, key=simplicity), alike
 
@@ -321,6 +346,10 @@ class ChangeSearch:
         """Return the number of parameters of a change, those of its shape included [1]."""
         effect = self.evidence.effects[change]
         return effect.size + len(effect.shape)
+
+    def _rank(self, change: int) -> tuple[int, float]:
+        """Return by what one of two changes that explain as much is named: fewer parameters, then a commoner effect."""
+        return self._parameters(change), self.evidence.effects[change].plausibility.penalty
 
     def _nameable(self, chosen: Sequence[int], fits: BlockFits) -> list[int]:
         """Return the changes that can be named beside a set."""

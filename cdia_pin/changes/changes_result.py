@@ -94,7 +94,7 @@ class Change:
 
 @dataclass(frozen=True, repr=False)
 class Bound:
-    """The largest change of one effect that these logs would not show.
+    """The largest change of one effect with one parameter that these logs would not show.
 
     Attributes:
         term: The effect; its parameter is the largest that is too uncertain to be named, or not visible.

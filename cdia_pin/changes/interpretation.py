@@ -9,7 +9,8 @@ import numpy as np
 from cdia_pin.changes.changes_result import Change
 from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
 from cdia_pin.changes.run_to_run import RunToRun
-from cdia_pin.effects import EffortDelay, Payload
+from cdia_pin.effects import EffortDelay
+from cdia_pin.effects.body import Body
 
 FEWEST = 3  # joints [1]; a change on fewer may be a fault of each of them
 # Share of the joints [1] that a change of temperature must reach, because it reaches all drives.
@@ -33,23 +34,25 @@ def _temperature(changes: Sequence[Change], run_to_run: RunToRun) -> tuple[Pheno
     """Return that the drives are warmer or colder, if friction fell or rose on most joints.
 
     No joint need differ by more than is usual from run to run: that all of them do so in one direction is not usual.
-    Beside a payload it is, because joints that carry more have more friction.
+    Beside a heavier body it is, because joints that carry more have more friction.
     """
     growth, usual = run_to_run.growth, run_to_run.settings.spread
     differ = np.flatnonzero(np.abs(np.nan_to_num(growth)) >= usual)
     signs = set(np.sign(growth[differ]))
-    carried = {np.sign(c.term.theta[0]) for c in changes if isinstance(c.term.effect, Payload)}
+    carried = {np.sign(c.term.theta[0]) for c in changes if isinstance(c.term.effect, Body)}
     if len(differ) < max(FEWEST, MOST_JOINTS * len(growth)) or len(signs) != 1 or signs == carried:
         return ()
     fell = signs == {-1.0}
-    median = float(np.median(growth[differ]))
+    median, after = float(np.median(growth[differ])), float(np.median(run_to_run.after[differ]))
     told = min(median, MOST_GROWTH)
-    # the friction that both sides have in common is the mean of both
-    grown = told / (1.0 - told / 2)
+    # what both sides have in common is their mean, each weighted by its samples
+    grown = max(told / (1.0 - after * told), -1.0)
     at_least = "at least " if told < median else ""
     everywhere = len(differ) == len(growth)
     count = f"all {len(growth)} joints" if everywhere else f"{len(differ)} of {len(growth)} joints"
-    others = "" if everywhere else f" and {'rose' if fell else 'fell'} on none"
+    others = (
+        "" if everywhere else f"; on the others it differs by less than {100 * usual:.0f} %, or is not known"
+    )
     cause = "are warmer than before" if fell else "are colder than before, or carry more"
     sentence = (
         f"friction {'fell' if fell else 'rose'} on {count} by {at_least}{abs(100 * grown):.0f} % (median){others}: "

@@ -75,6 +75,7 @@ class RunToRun:
         scales: Share by which the torque differs, likewise [1], shape (n,).
         visible_gain: Gain from which on what it scales besides friction would be visible [1], shape (n,).
         settings: How much an unchanged arm shows.
+        after: Share of the samples that count that are of the logs after [1], shape (n,).
     """
 
     joints: tuple[str, ...]
@@ -83,6 +84,7 @@ class RunToRun:
     scales: Array
     visible_gain: Array
     settings: RunToRunSettings
+    after: Array
 
     def __repr__(self) -> str:
         return f"RunToRun({int(np.isfinite(self.growth).sum())} of {len(self.joints)} joints)"
@@ -105,6 +107,7 @@ class RunToRun:
             _scales(search, chosen),
             search.settings.least_torque * x.torque / others,
             x.settings.run_to_run,
+            x.samples / np.maximum(x.counted.sum(axis=0) + x.counted_before.sum(axis=0), 1),
         )
 
     def spread(self, joint: int) -> float:

@@ -138,7 +138,10 @@ def compare(
     write_all(
         console,
         (json, lambda f: write_json(document, f)),
-        (report, lambda f: write_report(f, found, checks=checks, command=ctx.obj)),
+        (
+            report,
+            lambda f: write_report(f, found, checks=checks, changes=changed, by_log=by_log, command=ctx.obj),
+        ),
     )
     show_next(console, follow_checks(ctx, checks, "discover", *logs, save=free("model.json")))
 

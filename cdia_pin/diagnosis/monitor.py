@@ -23,7 +23,7 @@ from cdia_pin.diagnosis.sensor_fault import SensorFault
 from cdia_pin.diagnosis.status import Event, Status
 from cdia_pin.dynamics.dynamics import Dynamics
 from cdia_pin.effects import ExternalWrench, JointEffect, Term
-from cdia_pin.errors import LogError, ModelError, unknown_name
+from cdia_pin.errors import EffectError, LogError, ModelError, unknown_name
 from cdia_pin.logs.log import Log
 from cdia_pin.logs.magnitudes import require_magnitudes
 from cdia_pin.logs.recorded_parts import between_gaps
@@ -255,12 +255,20 @@ class Monitor:
         """Return the model with the believed faults as terms; parameters of the same effect are added.
 
         A contact is no part of it.
+
+        Raises:
+            EffectError: If the model has an effect of a fault in another shape or at other times.
         """
         terms: list[Term] = []
         for term in self.faults:
             if isinstance(term.effect, ExternalWrench):
                 continue  # it is gone with the contact
             same = next((t for t in self.model.terms if t.label == term.label), None)
+            if same is not None and (same.effect, same.profile) != (term.effect, term.profile):
+                why = "another shape" if same.effect != term.effect else "other times"
+                raise EffectError(
+                    f"the model has {term.label} in {why} than the fault, so they cannot be added up"
+                )
             theta = np.array(term.theta) + (0 if same is None else np.array(same.theta))
             terms.append(Term(term.effect, tuple(theta), term.profile, term.ci95 if same is None else None))
         return self.model.add(*terms)

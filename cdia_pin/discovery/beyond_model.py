@@ -89,14 +89,15 @@ def updated(model: Dynamics, difference: Term) -> Dynamics:
 
     Args:
         model: The model.
-        difference: A term; if the model has it, its parameters are added. The wider interval of both holds the sum: new
-            logs tell a parameter better than how it differs from that of the old ones.
+        difference: A term; if the model has it, its parameters are added, up to what is possible. The wider interval of
+            both holds the sum: new logs tell a parameter better than how it differs from that of the old ones.
     """
     known = {t.label: t for t in model.terms}
     if difference.label not in known:
         return model.add(difference)
     old = known[difference.label]
-    moved = replace(old, theta=tuple(np.add(old.theta, difference.theta)))
+    possible = old.effect.nearest_physical(np.add(old.theta, difference.theta), model.robot)
+    moved = replace(old, theta=tuple(map(float, possible)))
     new = moved.with_intervals(np.maximum(old.half_widths, difference.half_widths))
     return replace(model, terms=tuple(new if t is old else t for t in model.terms))
 

@@ -15,7 +15,7 @@ from cdia_pin.logs.conditioning import Conditioning, condition
 from cdia_pin.logs.log import Log
 from cdia_pin.phrases import clipped, shortened
 from cdia_pin.regression.experiment import Experiment, rms
-from cdia_pin.regression.shares import mean_share
+from cdia_pin.regression.shares import LEAST, mean_share
 from cdia_pin.version import __version__
 
 Array = NDArray[np.float64]
@@ -131,8 +131,15 @@ class Comparison:
 
     @property
     def relative_rms(self) -> Array:
-        """RMS residual over RMS measured torque [1]."""
-        return self.rms / np.maximum(self.torque_rms, 1e-12)
+        """RMS residual over RMS measured torque [1], NaN for a joint without torque."""
+        out = np.full(len(self.rms), np.nan)
+        np.divide(self.rms, self.torque_rms, out=out, where=self.torque_rms > LEAST)
+        return out
+
+    @property
+    def worst(self) -> int:
+        """Index of the joint with the largest error over its torque."""
+        return int(np.argmax(np.nan_to_num(self.relative_rms, nan=-1.0)))
 
     @property
     def counted(self) -> NDArray[np.bool_]:
@@ -141,7 +148,7 @@ class Comparison:
 
     @property
     def mean_error(self) -> float:
-        """RMS residual over RMS measured torque, mean over the joints of which samples count [1]."""
+        """RMS residual over RMS measured torque, mean over the joints with a torque that counts [1]."""
         return mean_share(self.rms, self.torque_rms)
 
     @property

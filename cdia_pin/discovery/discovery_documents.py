@@ -111,6 +111,7 @@ class DiscoveryJson(TypedDict):
     heldout_torque_rms: ByJoint
     compared_share: ByJoint
     structure_left: list[str]
+    held: list[str]
     resting: list[str]
     ranking: list[RankedJson]
     capability: Mapping[str, Any]

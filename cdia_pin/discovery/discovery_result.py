@@ -158,6 +158,7 @@ class Discovery:
             "heldout_torque_rms": robot.by_joint(self.heldout_torque_rms),
             "compared_share": robot.by_joint(self.compared_share),
             "structure_left": list(self.structure_left),
+            "held": list(self.held),
             "resting": list(self.resting),
             "ranking": [
                 {

@@ -42,12 +42,23 @@ class MotionKind:
     """A kind of motion that a person can drive.
 
     Attributes:
-        words: How to drive it.
+        words: How to drive it, with places for one joint or several.
         draw: States along it, from a robot, which joints the explanations name, shape (n,), and a generator.
     """
 
     words: str
     draw: Callable[[RobotModel, NDArray[np.bool_], np.random.Generator], Draw]
+
+    def said(self, joints: Sequence[str]) -> str:
+        """Return how to drive it.
+
+        Args:
+            joints: Names of the joints that the explanations name; none if they are of the whole arm.
+        """
+        one = len(joints) == 1
+        return self.words.format(
+            the_joint="the joint" if one else "the joints", its="its" if one else "their"
+        )
 
 
 def distinguishing_motion(explanations: Sequence[Sequence[Effect]], robot: RobotModel) -> str:
@@ -69,9 +80,11 @@ def distinguishing_motion(explanations: Sequence[Sequence[Effect]], robot: Robot
     most = left.max(axis=0, initial=0.0)
     separable = most > NEGLIGIBLE
     if not separable.any():
-        return KINDS[-1].words
+        return KINDS[-1].said(named)
     scores = (left[:, separable] / most[separable]).min(axis=1)
-    return next(k.words for k, score in zip(KINDS, scores, strict=True) if score >= ENOUGH * scores.max())
+    return next(
+        k.said(named) for k, score in zip(KINDS, scores, strict=True) if score >= ENOUGH * scores.max()
+    )
 
 
 def motion_between(one: Effect, other: Effect, robot: RobotModel) -> str:
@@ -220,9 +233,11 @@ def _everything(robot: RobotModel, named: NDArray[np.bool_], rng: np.random.Gene
 
 # The simplest to drive comes first.
 KINDS = (
-    MotionKind("sweep the joint slowly over its whole range, both ways", _sweep),
-    MotionKind("hold the arm in poses with gravity on and off the joint, at rest and moving slowly", _poses),
-    MotionKind("move the joint at several constant speeds, both ways, up to its fastest", _speeds),
+    MotionKind("sweep {the_joint} slowly over {its} whole range, both ways", _sweep),
+    MotionKind(
+        "hold the arm in poses with gravity on and off {the_joint}, at rest and moving slowly", _poses
+    ),
+    MotionKind("move {the_joint} at several constant speeds, both ways, up to {its} fastest", _speeds),
     MotionKind("reverse quickly at small amplitude, then move at constant speed", _reversals),
     MotionKind(
         "turn the links through all orientations, at two reaches of the arm, slowly and fast", _everything

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-LEAST = 1e-12  # torque [N·m or N] that stands for one of exactly zero
+LEAST = 1e-12  # torque [N·m or N] below which a joint has none
 
 
 def mean_share(
@@ -17,13 +17,13 @@ def mean_share(
 ) -> float:
     """Return error over torque, mean over the joints that count [1].
 
-    A joint of which no sample counts has neither an error nor a torque, and is left out.
+    A joint without torque, as one of which no sample counts or whose effort was not recorded, is left out.
 
     Args:
         errors: RMS of each joint [N·m or N], shape (n,).
         torque: RMS measured torque of each joint [N·m or N], shape (n,).
         counted: True for the joints that count, shape (n,); all if omitted.
     """
-    error = np.asarray(errors)
-    counts = ((error > 0) | (torque > 0)) & (True if counted is None else counted)
-    return float(np.mean(error[counts] / np.maximum(torque[counts], LEAST))) if counts.any() else 0.0
+    error, size = np.asarray(errors), np.asarray(torque)
+    counts = (size > LEAST) & (True if counted is None else counted)
+    return float(np.mean(error[counts] / size[counts])) if counts.any() else 0.0

@@ -119,6 +119,7 @@ def _folded(summary: str, numbers: str, inside: Markup) -> str:
 
 def _comparison(result: Comparison) -> Iterable[str]:
     robot, share = result.model.robot, result.relative_rms
+    largest = float(np.nan_to_num(share).max())
     yield _say(comparison_sentence(result))
     rows = []
     for j, joint in enumerate(robot.joints):
@@ -128,7 +129,7 @@ def _comparison(result: Comparison) -> Iterable[str]:
             with_unit(number(result.torque_rms[j]), unit),
             with_unit(number(result.rms[j]), unit),
             percent(share[j]),
-            Markup(sparks.bar([share[j]], [BEFORE], share.max(), f"{joint}: {percent(share[j])}")),
+            Markup(sparks.bar([np.nan_to_num(share[j])], [BEFORE], largest, f"{joint}: {percent(share[j])}")),
             Markup(sparks.line([result.residual[:, j]], [BEFORE], f"residual of {joint} over time")),
         ))  # fmt: skip
     heads = ("joint", "torque RMS", "error RMS", "share", "share of the torque RMS", "residual over time")

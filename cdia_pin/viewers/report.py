@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cdia_pin.viewers.change_words import changes_sentence
 from cdia_pin.viewers.page import write_page
 from cdia_pin.viewers.report_data import report_data, require_same
 from cdia_pin.viewers.report_scene import scene_of_comparison
 from cdia_pin.viewers.verdict import verdict_sentences
 
 if TYPE_CHECKING:
+    from cdia_pin.changes import Changes
     from cdia_pin.discovery import Comparison, Discovery
     from cdia_pin.logs import LogCheck
 
@@ -23,6 +25,8 @@ def write_report(
     improved: Comparison | None = None,
     discovery: Discovery | None = None,
     checks: Sequence[LogCheck] = (),
+    changes: Sequence[Changes] = (),
+    by_log: Sequence[Comparison] = (),
     title: str = "",
     command: str = "",
 ) -> Path:
@@ -36,6 +40,8 @@ def write_report(
         improved: The improved model against the same logs, ``compare(discovery.model, logs)``.
         discovery: The outcome of ``discover``; None without one.
         checks: The outcome of ``check_log`` for each log.
+        changes: The outcome of ``changes_between``; empty without several logs.
+        by_log: The model as given against each of several logs.
         title: Headline; made from the robot if empty.
         command: The command that made the report, to be shown.
 
@@ -50,9 +56,17 @@ def write_report(
     return write_page(
         path,
         lambda points: report_data(
-            comparison, improved, discovery, checks, title=title, command=command, points=points
+            comparison,
+            improved,
+            discovery,
+            checks,
+            changes=changes,
+            by_log=by_log,
+            title=title,
+            command=command,
+            points=points,
         ),
         scene_of_comparison(comparison, improved, discovery),
         "report.js",
-        verdict_sentences(discovery) if discovery else (),
+        verdict_sentences(discovery) if discovery else tuple(changes_sentence(c) for c in changes),
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from cdia_pin import schemas
 from cdia_pin.errors import CdiaError
+from cdia_pin.viewers.report_changes import ChangesDocument, LogErrors, changes_data, log_errors
 from cdia_pin.viewers.report_discovery import DiscoveryDocument, discovery_data
 from cdia_pin.viewers.report_series import (
     SIGNALS,
@@ -24,6 +25,7 @@ from cdia_pin.viewers.report_series import (
 from cdia_pin.viewers.words import joint_units, region_words, short_names
 
 if TYPE_CHECKING:
+    from cdia_pin.changes import Changes
     from cdia_pin.discovery import Comparison, Discovery
     from cdia_pin.logs import LogCheck
     from cdia_pin.logs.motion import MotionRecord
@@ -108,6 +110,8 @@ class ReportDocument(TypedDict):
     samples: int
     joints: list[JointReport]
     discovery: DiscoveryDocument | None
+    changes: list[ChangesDocument]
+    by_log: list[LogErrors]
     regions: RegionsDocument
     checks: list[CheckDocument]
 
@@ -118,6 +122,8 @@ def report_data(
     discovery: Discovery | None = None,
     checks: Sequence[LogCheck] = (),
     *,
+    changes: Sequence[Changes] = (),
+    by_log: Sequence[Comparison] = (),
     title: str = "",
     command: str = "",
     points: int = 2000,
@@ -129,6 +135,8 @@ def report_data(
         improved: The improved model against the same logs.
         discovery: How one became the other.
         checks: What was inferred about the logs.
+        changes: What changed from the first log to the others.
+        by_log: The model as given against each of several logs.
         title: Headline; made from the robot if empty.
         command: The command that made the report.
         points: Most samples of a curve or cloud.
@@ -140,7 +148,7 @@ def report_data(
     time, _ = end_to_end(comparison)
     return {
         "schema": schemas.REPORT,
-        "title": title or _title(robot, discovery),
+        "title": title or _title(robot, discovery, changes),
         "command": command,
         "version": comparison.record["version"],
         "robot": robot.name,
@@ -151,12 +159,16 @@ def report_data(
         "samples": len(time),
         "joints": [joint_data(j, comparison, improved, discovery, points) for j in range(robot.n)],
         "discovery": discovery_data(discovery) if discovery else None,
+        "changes": [changes_data(c) for c in changes],
+        "by_log": log_errors(by_log),
         "regions": {"before": _regions(comparison), "after": _regions(improved) if improved else None},
         "checks": [_check(c) for c in checks],
     }
 
 
-def _title(robot: RobotModel, discovery: Discovery | None) -> str:
+def _title(robot: RobotModel, discovery: Discovery | None, changes: Sequence[Changes]) -> str:
+    if changes:
+        return f"{robot.name}: what changed, and where the model fails"
     return f"{robot.name}: where the model fails" + (", and what it lacks" if discovery else "")
 
 

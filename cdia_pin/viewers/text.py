@@ -39,7 +39,7 @@ def comparison_table(comparison: Comparison) -> Table:
             short[joint],
             with_unit(number(comparison.torque_rms[j]), unit),
             with_unit(number(comparison.rms[j]), unit),
-            percent(comparison.relative_rms[j] if comparison.counted[j] else float("nan")),
+            percent(comparison.relative_rms[j]),
             with_unit(number(comparison.bias[j], 2), unit),
             f"{comparison.autocorrelation[j]:.2f}".replace("-", "−"),
             f"{signal} {percent(shapes[signal].share)}",

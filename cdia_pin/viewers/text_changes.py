@@ -5,42 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
 from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.table import Table
 
 from cdia_pin.changes.changes_result import ChangesVerdict
-from cdia_pin.changes.overlap import NotCompared
 from cdia_pin.changes.run_to_run import as_phenomena
 from cdia_pin.viewers.cells import add_row, clean, new_table
-from cdia_pin.viewers.effect_groups import MOST_RIVALS, rivals, these_joints
-from cdia_pin.viewers.words import (
-    advice_words,
-    confusion_words,
-    effect_name,
-    effect_words,
-    joint_units,
-    listed,
-    number,
-    parameter_name,
-    percent,
-    sentence_case,
-    short_names,
-    with_interval,
-    with_sign,
-    with_unit,
+from cdia_pin.viewers.change_words import (
+    bound_sentences,
+    change_rows,
+    changes_sentence,
+    doubts,
+    names_of_logs,
 )
+from cdia_pin.viewers.words import percent, sentence_case, short_names
 
 if TYPE_CHECKING:
-    from cdia_pin.changes import Change, Changes
+    from cdia_pin.changes import Changes
     from cdia_pin.discovery import Comparison
-
-NAMED = 3  # changes that the verdict names before it counts the others
-# Between halves of one log, 1 % of 296 comparisons have such a spread; between two motions of a UR10e 83 % of 60, and
-# between eight of a UR5 62 % of 56. With 1.25 it is 6, 97 and 73 %, with 2 it is 0.3, 42 and 21 %.
-WIDE = 1.5  # spread of certainties [1] from which on the answer says that the model fails differently in each log
-MANY = 4  # parameters; of an effect with more, only those whose interval excludes zero are listed
 
 
 def errors_by_log(comparisons: Sequence[Comparison]) -> Table:
@@ -54,11 +37,11 @@ def errors_by_log(comparisons: Sequence[Comparison]) -> Table:
     table = new_table(
         "error, % of torque RMS", *(names[j].replace("_", "\n", 1) for j in joints), "mean", left=(0,)
     )
-    for c in comparisons:
-        shares = [*np.where(c.counted, c.relative_rms, np.nan), c.mean_error]
+    for name, c in zip(names_of_logs(comparisons), comparisons, strict=True):
+        shares = [*c.relative_rms, c.mean_error]
         add_row(
             table,
-            str(c.record["logs"][0]["source"]),
+            name,
             *(percent(s).rstrip("% \N{NO-BREAK SPACE}") for s in shares),
         )
     return table
@@ -75,155 +58,21 @@ def changes_table(found: Changes) -> RenderableType:
     parts: list[RenderableType] = [Padding(said, (0, 1))]
     if found.changes:
         parts.append(_changes(found))
-        parts += [Padding(clean(s, "italic"), (0, 1)) for s in _doubts(found)]
+        parts += [Padding(clean(s, "italic"), (0, 1)) for s in doubts(found)]
     parts += [Padding(clean(f"{sentence_case(f.sentence)}."), (0, 1)) for f in as_phenomena(found.usual)]
-    parts.append(_bounds(found))
+    parts += [Padding(clean(s), (0, 1)) for s in bound_sentences(found)]
     return Group(*parts)
 
 
-def changes_sentence(found: Changes) -> str:
-    """Return the verdict in one sentence.
-
-    Args:
-        found: The outcome of ``what_changed``.
-    """
-    before, after = (listed(dict.fromkeys(names)) for names in (found.before, found.after))
-    if found.verdict is ChangesVerdict.NOT_COMPARABLE:
-        return (
-            f"Whether anything changed from {before} to {after} cannot be told: no joint moves alike in both."
-        )
-    said = [f.sentence for f in found.findings]
-    if not found.changes and not said:
-        return f"These logs show no change from {before} to {after}."
-    if not found.changes:
-        return f"From {before} to {after}: {'; '.join(said)}. Beside that, these logs show no change."
-    described = [change_words(c, found) for c in found.changes]
-    few = (
-        listed(described)
-        if len(described) <= NAMED
-        else f"{', '.join(described[:NAMED])} and {len(described) - NAMED} more"
-    )
-    return f"From {before} to {after}: {'; '.join([*said, few])}."
-
-
-def change_words(change: Change, found: Changes) -> str:
-    """Return ``coulomb friction on elbow +2.10 ± 0.12 N·m (+40 %)``.
-
-    Of several parameters it states the main one. If the interval of that one holds zero, it states the one that is
-    farthest from zero in units of its interval, by name.
-
-    Args:
-        change: One of them.
-        found: All of them.
-    """
-    names = short_names(found.model.robot.joints)
-    where = f" on {listed(names[j] for j in change.term.effect.scope)}" if change.term.effect.scope else ""
-    grown = f" ({_signed(percent(abs(change.growth)), change.growth)})" if change.growth is not None else ""
-    return f"{effect_name(change.term.effect)}{where}{_stated(change, found)}{grown}"
-
-
-def _stated(change: Change, found: Changes) -> str:
-    """Return the difference that stands for a change in a sentence."""
-    rows = _differences(change, found)
-    main = parameter_name(change.term.effect.parameters[0].name)
-    certain = [row for row in rows if row[2] > 1] or rows[:1] or [("", "", 0.0)]
-    name, text, _ = max(certain, key=lambda row: (row[0] == main, row[2]))
-    is_main = name == main
-    return f" {text}" if is_main else f" {name} {text}".rstrip()
-
-
 def _changes(found: Changes) -> Table:
-    robot, names = found.model.robot, short_names(found.model.robot.joints)
-    grown = ["of before"] if any(c.growth is not None for c in found.changes) else []
+    rows = change_rows(found)
+    grown = ["of before"] if any(row.growth for row in rows) else []
     heads = ("changed", "joint", "difference ± 95 %", *grown, "largest torque", "confidence")
     table = new_table(*heads, left=(0, 1, 2, len(heads) - 1))
-    for c in found.changes:
-        j = int(np.argmax(c.torque_rms))
-        unit = joint_units(robot, robot.joints[j])["load"]
-        share = "" if c.growth is None else _signed(percent(abs(c.growth)), c.growth)
+    for row in rows:
+        growth = [row.growth] if grown else []
         add_row(
-            table,
-            effect_name(c.term.effect),
-            listed(names[s] for s in c.term.effect.scope) or "whole arm",
-            "\n".join(f"{name} {text}" for name, text, _ in _differences(c, found)),
-            *([share] if grown else []),
-            f"{with_unit(number(c.torque_rms[j], 2), unit)} ({names[robot.joints[j]]})",
-            str(c.confidence),
+            table, row.name, row.where, "\n".join(row.differences), *growth, row.torque, str(row.confidence)
         )
-    table.caption = "torque: RMS in the later logs"
+    table.caption = "torque: RMS in the logs that have it"
     return table
-
-
-def _differences(change: Change, found: Changes) -> list[tuple[str, str, float]]:
-    """Return name and text of each difference that counts, and its size in half widths of its interval [1]."""
-    term, robot = change.term, found.model.robot
-    intervals = term.ci95 or ((float("nan"),) * 2,) * len(term.theta)
-    rows = list(zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True))
-    out = [
-        (parameter_name(p.name), with_sign(with_interval(v, ci, unit), v), _distance_from_zero(v, ci))
-        for p, v, unit, ci in rows
-    ]
-    return [row for row in out if row[2] > 1] if len(out) > MANY else out
-
-
-def _distance_from_zero(value: float, interval: tuple[float, float]) -> float:
-    """Return a value over the half of its interval that is towards zero [1]; above one the interval leaves zero out."""
-    towards = value - interval[0] if value > 0 else interval[1] - value
-    return abs(value) / towards if towards > 0 else 0.0
-
-
-def _signed(text: str, value: float) -> str:
-    return ("+" if value > 0 else "−") + text
-
-
-def _doubts(found: Changes) -> list[str]:
-    """Return which changes could be others, by the motion that would distinguish them; the nearest few of each."""
-    by_motion: dict[str, list[str]] = {}
-    for c in found.changes:
-        effect = c.term.effect
-        for x in rivals(effect, c.confusions)[:MOST_RIVALS]:
-            by_motion.setdefault(x.motion, []).append(f"{effect_words(effect)} ↔ {confusion_words(x)}")
-    return [
-        f"Hard to distinguish: {', '.join(pairs)}. {sentence_case(advice_words(motion))}."
-        for motion, pairs in by_motion.items()
-    ]
-
-
-def _bounds(found: Changes) -> RenderableType:
-    """Return the largest change of each joint that could stay hidden, and the joints of which nothing is known."""
-    robot, names = found.model.robot, short_names(found.model.robot.joints)
-    said, sentences = [], []
-    for joint, bound in found.bounds.items():
-        size = with_unit(number(bound.torque, 2), joint_units(robot, joint)["load"])
-        share = percent(found.share_of(joint))
-        said.append(f"{names[joint]} {size} ({share} of its torque, {effect_name(bound.term.effect)})")
-    if said:
-        other = "The largest other change" if found.changes else "The largest change"
-        sentences.append(f"{other} of one effect that these logs would not show (RMS): {', '.join(said)}.")
-    if said and found.spread >= WIDE:
-        times = number(found.spread, 2)
-        advice = (
-            "The motion is the same, so something may have changed that no known effect describes."
-            if found.same_motion
-            else "The same motion in both logs would show smaller changes."
-        )
-        sentences.append(
-            f"The model fails differently in each log: effects that are not there seem {times} times as certain as by "
-            f"chance. {advice}"
-        )
-    unsure = [j for j in robot.joints if j not in found.bounds and j not in found.not_compared]
-    if unsure:
-        where = these_joints(unsure, robot.joints)
-        sentences.append(f"No bound for {where}: even a change as large as its torque could stay hidden.")
-    if found.not_compared:
-        why = {
-            NotCompared.RESTS_BEFORE: f"at rest in {listed(found.before)} (or too slow for its encoder)",
-            NotCompared.RESTS_AFTER: f"at rest in {listed(found.after)} (or too slow for its encoder)",
-            NotCompared.OTHER_SPEEDS: "hardly ever at the same speeds in both",
-        }
-        joints = {w: [j for j, of in found.not_compared.items() if of is w] for w in NotCompared}
-        each = [f"{these_joints(js, robot.joints)}, {why[w]}" for w, js in joints.items() if js]
-        sentences.append(
-            f"Not compared: {'; '.join(each)}. To compare them, record a motion twice in which each of them moves."
-        )
-    return Group(*(Padding(clean(s), (0, 1)) for s in sentences))

@@ -13,9 +13,9 @@ from cdia_pin.diagnosis.record import STAGES
 from cdia_pin.diagnosis.status import LASTS, Stage
 from cdia_pin.phrases import NO_BREAK
 from cdia_pin.viewers.cells import add_row, clean, new_table
+from cdia_pin.viewers.change_words import change_words
 from cdia_pin.viewers.effect_groups import MOST_RIVALS, rivals
 from cdia_pin.viewers.event_words import EventRow, event_rows, fault_words
-from cdia_pin.viewers.text_changes import change_words
 from cdia_pin.viewers.whole_arm_row import WHOLE_ARM, of_joint, whole_arm_row
 from cdia_pin.viewers.words import (
     confusion_words,

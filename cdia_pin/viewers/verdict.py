@@ -127,11 +127,10 @@ def comparison_sentence(found: Comparison) -> str:
     Args:
         found: The outcome of ``compare``.
     """
-    share = found.relative_rms
-    worst = int(np.argmax(share))
+    worst, joints = found.worst, found.model.robot.joints
     return (
         f"The model of {found.model.robot.name} differs from the measured torque by {percent(found.mean_error)} "
-        f"(mean over the joints), most on {found.model.robot.joints[worst]} ({percent(float(share[worst]))})."
+        f"(mean over the joints), most on {joints[worst]} ({percent(float(found.relative_rms[worst]))})."
     )
 
 

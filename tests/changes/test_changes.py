@@ -174,11 +174,13 @@ def test_what_was_there_before_and_is_gone_is_found_with_the_other_sign(fault, n
     assert change.term.values[name] == pytest.approx(-size, rel=0.1)
 
 
-def friction(*growth):
-    """Friction of an arm whose joints differ by some shares."""
+def friction(*growth, after=0.5):
+    """Friction of an arm whose joints differ by some shares; so much of the samples is of the logs after."""
     n = len(growth)
     joints, unknown = tuple(f"joint{k}" for k in range(n)), np.full(n, np.nan)
-    return RunToRun(joints, np.ones(n), np.array(growth), unknown, np.ones(n), RunToRunSettings())
+    return RunToRun(
+        joints, np.ones(n), np.array(growth), unknown, np.ones(n), RunToRunSettings(), np.full(n, after)
+    )
 
 
 @pytest.mark.parametrize(
@@ -194,6 +196,33 @@ def friction(*growth):
 )
 def test_friction_of_most_joints_in_one_direction_is_temperature(growth, kinds):
     assert [f.kind for f in findings_of([], friction(*growth))] == kinds
+
+
+@pytest.mark.parametrize(("growth", "after"), [(0.8, 0.25), (4 / 7, 0.75), (2 / 3, 0.5)])
+def test_growth_is_over_the_friction_before_however_long_the_logs_are(growth, after):
+    # friction doubles: what both sides have in common is 1 + after of that before
+    (finding,) = findings_of([], friction(*(growth,) * 3, after=after))
+    assert "rose on all 3 joints by 100 % (median)" in finding.sentence
+
+
+def test_friction_falls_by_no_more_than_all_of_it():
+    (finding,) = findings_of([], friction(-2.5, -2.5, -2.5))
+    assert "fell on all 3 joints by 100 % (median)" in finding.sentence
+
+
+def test_joints_whose_friction_differs_little_are_not_said_to_stay():
+    (finding,) = findings_of([], friction(-0.3, -0.3, -0.3, -0.03, 0.03, np.nan))
+    assert (
+        "on 3 of 6 joints by 26 % (median); on the others it differs by less than 4 %, or is not known"
+        in finding.sentence
+    )
+
+
+@pytest.mark.parametrize("body", ["payload", "link_inertia@wrist_3_joint"])
+def test_joints_that_carry_more_have_more_friction(body):
+    term = Term(parse_effect(body), (1.0,) + (0.0,) * 9)
+    change = Change(term, None, np.ones(3), 1.0)
+    assert not findings_of([change], friction(0.1, 0.1, 0.1))
 
 
 @pytest.mark.parametrize("growth", [1.9, 2.0, 2.05])

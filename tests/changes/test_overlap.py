@@ -10,7 +10,8 @@ from rich.console import Console
 from cdia_pin import Dynamics, load_robot, what_changed
 from cdia_pin.effects import parse_term
 from cdia_pin.logs import Log
-from cdia_pin.viewers.text_changes import changes_sentence, changes_table
+from cdia_pin.viewers.change_words import changes_sentence
+from cdia_pin.viewers.text_changes import changes_table
 
 FAST, SLOW = (1.0, 0.9), (0.3, 0.2)  # amplitude [rad] and frequency [Hz]
 REST = (0.0, 0.2)

@@ -23,7 +23,9 @@ def arm(*growth, scales=None, visible_gain=0.1):
     n = len(growth)
     scales = np.full(n, np.nan) if scales is None else np.array(scales)
     names = tuple(f"joint{k}" for k in range(n))
-    return RunToRun(names, np.ones(n), np.array(growth), scales, np.full(n, visible_gain), RULE)
+    return RunToRun(
+        names, np.ones(n), np.array(growth), scales, np.full(n, visible_gain), RULE, np.full(n, 0.5)
+    )
 
 
 def test_alone_a_joint_may_differ_by_what_is_known_beforehand():

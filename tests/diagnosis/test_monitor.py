@@ -10,7 +10,7 @@ from cdia_pin.campaigns.closed_loop import ClosedLoop, LoopSettings
 from cdia_pin.diagnosis import replay
 from cdia_pin.diagnosis.thesis import ThesisSettings
 from cdia_pin.effects import parse_term
-from cdia_pin.errors import LogError, ModelError
+from cdia_pin.errors import EffectError, LogError, ModelError
 
 FAULT = "coulomb_friction@joint2: level=0.2, after=2"
 BANK = ("coulomb_friction", "viscous_friction")
@@ -355,6 +355,26 @@ def test_the_improved_model_has_the_fault_on_top_of_what_was_known(loop):
     (term,) = monitor.improved_model().terms
     assert term.label == "viscous_friction@joint2"
     assert term.theta[0] == pytest.approx(0.3, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("known", "fault", "why"),
+    [
+        ("coulomb_friction@joint2: level=3", "coulomb_friction@joint2: level=1, after=1", "other times"),
+        (
+            "position_ripple@joint2: sine=2, cosine=0, frequency=7",
+            "position_ripple@joint2: sine=1, cosine=0, frequency=12",
+            "another shape",
+        ),
+    ],
+)
+def test_a_fault_that_the_model_has_otherwise_is_not_added_to_it(loop, monkeypatch, known, fault, why):
+    monitor = Monitor(
+        Dynamics(loop.model.robot, (parse_term(known),)), healthy=[loop.run(loop.motion(5, 4.0)).log]
+    )
+    monkeypatch.setattr(type(monitor.engine), "faults", (parse_term(fault),))
+    with pytest.raises(EffectError, match=why):
+        monitor.improved_model()
 
 
 def test_a_believed_fault_survives_a_gap(loop):

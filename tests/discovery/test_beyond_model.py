@@ -69,6 +69,14 @@ def test_a_parameter_that_is_updated_again_and_again_does_not_become_less_certai
     np.testing.assert_allclose(grown.half_widths, 0.14)
 
 
+def test_friction_that_falls_by_more_than_there_was_is_gone():
+    robot = load_robot("ur5")
+    term = parse_term("coulomb_friction@elbow_joint: level=1", robot).with_intervals(np.array([0.1]))
+    (left,) = updated(Dynamics(robot, (term,)), term.with_theta([-1.4]).with_intervals(np.array([0.2]))).terms
+    assert left.theta == (0.0,)
+    np.testing.assert_allclose(left.half_widths, 0.2)
+
+
 def test_a_new_effect_is_no_change_of_the_model(base):
     spring = Fault("joint_spring", joint="wrist_1_joint", stiffness=1.5, preload=0.5)
     found = discover(base, run((*KNOWN, spring), 1003))

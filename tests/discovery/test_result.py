@@ -30,7 +30,7 @@ KEYS = {
         "heldout_torque_rms",
         "compared_share",
     ),
-    *("structure_left", "resting", "ranking", "findings", "record"),
+    *("structure_left", "held", "resting", "ranking", "findings", "record"),
 }
 
 

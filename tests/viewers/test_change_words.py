@@ -8,7 +8,7 @@ import pytest
 from cdia_pin import Dynamics, load_robot, what_changed
 from cdia_pin.effects import Term, parse_term
 from cdia_pin.phrases import NO_BREAK
-from cdia_pin.viewers.text_changes import change_words
+from cdia_pin.viewers.change_words import change_words
 from tests.changes.test_conditions import pair
 
 ASYMMETRIC = (

@@ -92,6 +92,6 @@ def _said(evidence: SideEvidence) -> str:
     if not evidence.shows_friction:
         return "no jump at reversals shows dry friction (gears take 4 to 7 % of the torque limits)"
     shares = [max(100 * f.dry / f.limit, 0.0) for f in judged]
-    least, most = min(shares), max(shares)
-    size = f"{least:.2g} to {most:.2g}" if least > 0 else f"up to {most:.2g}"
+    least, most = (f"{share:.2g}" for share in (min(shares), max(shares)))
+    size = most if least == most else f"{least} to {most}" if min(shares) > 0 else f"up to {most}"
     return f"the jump at reversals shows dry friction of {size} % of the torque limits (gears take 4 to 7 %)"

@@ -44,7 +44,8 @@ function verdict() {
     const worst = [...DATA.joints].sort((x, y) => share(y, y.before.rms) - share(x, x.before.rms))[0];
     const r = DATA.regions.before[0];
     return h("section", { class: "card verdict" }, h("div", {},
-      h("p", { class: "first" }, "The model differs from the measured torque by " + percent(before) + " (mean over the joints), most on "
+      DATA.changes.map((c) => h("p", { class: "first" }, c.sentence)),
+      h("p", { class: DATA.changes.length ? "" : "first" }, "The model differs from the measured torque by " + percent(before) + " (mean over the joints), most on "
         + worst.name + " (" + percent(share(worst, worst.before.rms)) + ")."),
       r ? h("p", {}, "It is farthest from its own mean error " + regionWords(r) + ".") : null,
       h("p", { class: "soft" }, "Which physical effect is missing is what ", h("code", {}, "cdia discover"), " finds out, with the same log and robot.")));
@@ -62,6 +63,35 @@ function verdict() {
     h("div", { class: "fall" }, numbers,
       h("small", {}, "error, share of the torque RMS,"), h("small", {}, "mean over the joints"),
       h("small", {}, (FOUND.trace.length > 1 ? "held out " + percent(last.heldout_mean) + " · " : "") + "noise floor " + percent(FOUND.floor_mean))));
+}
+
+// ---------------------------------------------------------------- what changed between logs
+
+function changed(c) {
+  const growth = c.changes.some((x) => x.growth);
+  const rows = c.changes.map((x) => [
+    h("td", {}, h("b", {}, x.name), h("div", { class: "soft" }, x.where)),
+    h("td", {}, x.differences.map((d) => h("div", {}, d))),
+    ...(growth ? [right("td", x.growth || "–")] : []),
+    right("td", x.torque), h("td", {}, markOf(x.confidence))]);
+  const heads = ["changed", "difference ± 95 %", ...(growth ? [right("th", "of before")] : []), right("th", "largest torque"), "confidence"];
+  return [DATA.changes.length > 1 ? h("p", { class: "lead" }, c.sentence) : null,
+    rows.length ? h("div", { class: "card" }, table(heads, rows)) : null,
+    h("div", { style: "margin-top:14px" }, [...c.doubts, ...c.notes].map((s) => h("p", { class: "soft" }, s)))];
+}
+
+function changes() {
+  if (!DATA.changes.length) return null;
+  return h("section", {}, h("h2", {}, "What changed"), DATA.changes.map(changed),
+    DATA.changes.some((c) => c.changes.length) ? h("p", { class: "small soft" }, "Largest torque: RMS in the logs that have the change.") : null);
+}
+
+function errorsByLog() {
+  if (DATA.by_log.length < 2) return null;
+  const rows = DATA.by_log.map((l) => [l.name, ...l.share.map((s) => right("td", s === null ? "–" : percent(s))), right("td", percent(l.mean))]);
+  return h("section", {}, h("h2", {}, "Error in each log"),
+    h("p", { class: "lead" }, "RMS of model torque less measured torque, as a share of the measured torque's RMS in that log."),
+    h("div", { class: "card" }, table(["log", ...DATA.joints.map((j) => right("th", j.short)), right("th", "mean")], rows)));
 }
 
 // ---------------------------------------------------------------- effects
@@ -292,6 +322,6 @@ const LEAD = "Replays the log. A link takes the colour of its joint's error besi
   + (FOUND && FOUND.trace.length > 1 ? "; add effect after effect and see it clear" : "")
   + ".";
 
-show([head(), verdict(), motion(LEAD, buttons(), (j) => [overTime(j)]), effects(), capability(), errors(), falling(), joints(), regions(), records(),
+show([head(), verdict(), changes(), motion(LEAD, buttons(), (j) => [overTime(j)]), effects(), capability(), errorsByLog(), errors(), falling(), joints(), regions(), records(),
   h("footer", {}, "Made by cdia-pin " + DATA.version + ". One file, no network; charts by uPlot (MIT).")]);
 chosen.choose(mostTelling());

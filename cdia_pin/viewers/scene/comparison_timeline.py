@@ -74,7 +74,7 @@ def _track(name: str, comparison: Comparison, time: Array, at: NDArray[np.intp],
 def _worst(comparison: Comparison) -> str:
     """Return what the model misses most: ``worst over the log: elbow, residual 2.1 N·m RMS, 35 % of its torque``."""
     robot = comparison.model.robot
-    j = int(np.argmax(comparison.relative_rms))
+    j = comparison.worst
     joint = robot.joints[j]
     size = with_unit(number(float(comparison.rms[j])), joint_units(robot, joint)["load"])
     share = percent(float(comparison.relative_rms[j]))
