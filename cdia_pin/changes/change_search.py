@@ -199,7 +199,7 @@ class ChangeSearch:
         for two in combinations(now, 2):
             rest = tuple(c for c in now if c not in two)
             best = self._best(rest)
-            if best is not None and best[0] not in two:
+            if best is not None and best[0] not in two and not self._refines(best[0], two):
                 single = _sorted(*rest, best[0])
                 if self._may_stand_for(single, now, rest):
                     yield single
@@ -239,21 +239,44 @@ class ChangeSearch:
         Friction that grew alike in both directions is no asymmetric friction, though one name explains all of it. Both
         must hold: of a motion that does not tell them apart, one would stand for both.
         """
-        effects = self.evidence.effects
-        index = {(effect.label, effect.sign): c for c, effect in enumerate(effects)}
         for one in now:
             rest, fewer = _without(now, one), self._parameters(one) - 2
-            labels = [(form.label, effects[one].sign) for form in plain_forms(effects[one].effect)]
-            plain = [index[label] for label in labels if label in index and index[label] not in now]
+            plain = [c for c in self._plain_forms(one) if c not in now]
             pairs = [
                 _sorted(*rest, *two)
                 for two in combinations(plain, 2)
-                if fewer > 0 and {type(effects[c].effect) for c in two} != LEVELS
+                if fewer > 0 and self._refines(one, two)
             ]
             for simpler in sorted(pairs, key=lambda s: float(np.sum(self.evidence.unexplained(s)))):
                 as_much = self._may_stand_for(simpler, now, rest, fewer)
                 if as_much and all(self.holds(_without(simpler, c), c) for c in simpler if c in plain):
                     yield simpler
+
+    def plain_form(self, one: int) -> int | None:
+        """Return the index of the plain effect that a change refines first of all; None if it refines nothing.
+
+        Args:
+            one: Index of the change.
+        """
+        return next(iter(self._plain_forms(one)), None)
+
+    def _plain_forms(self, one: int) -> list[int]:
+        """Return the indices of the plain effects that a change refines."""
+        refined = self.evidence.effects[one]
+        labels = [(form.label, refined.sign) for form in plain_forms(refined.effect)]
+        return [self._index[label] for label in labels if label in self._index]
+
+    @cached_property
+    def _index(self) -> dict[tuple[str, float], int]:
+        """Index of each change by its label and its sign; of several shapes, the last."""
+        return {(effect.label, effect.sign): c for c, effect in enumerate(self.evidence.effects)}
+
+    def _refines(self, one: int, two: Sequence[int]) -> bool:
+        """Tell whether a change is a finer form of two plain ones together, and so no simpler than these."""
+        effects = self.evidence.effects
+        plain = {form.label for form in plain_forms(effects[one].effect)}
+        are_levels = {type(effects[c].effect) for c in two} == LEVELS
+        return not are_levels and all(effects[c].label in plain for c in two)
 
     def _may_stand_for(
         self, simpler: Sequence[int], now: Sequence[int], rest: Sequence[int], fewer: int = 1

@@ -300,14 +300,17 @@ def _with_or_without_likely(found: FoundChanges, changes: Sequence[Change]) -> l
     """Return changes whose sizes, where they are established, hold also if what is only likely is not there.
 
     A part of a payload may else be found on the link before it as well, and the payload is too light by that. A change
-    that may be nothing then is likely itself.
+    that may be nothing then is likely itself. What refines a plain effect is there in that form: that much is certain.
     """
     labels = {c.term.label for c in changes if c.confidence is Confidence.ESTABLISHED}
     if not 0 < len(labels) < len(changes):
         return list(changes)
     search = found.search
-    sure = tuple(c for c in found.chosen if search.evidence.effects[c].effect.label in labels)
-    alone = {t.label: t for t in sized(sized_about_themselves(search, sure))}
+    effects = search.evidence.effects
+    sure = {c for c in found.chosen if effects[c].effect.label in labels}
+    forms = (search.plain_form(c) for c in found.chosen if c not in sure)
+    rest = sure | {form for form in forms if form is not None and effects[form].effect.label not in labels}
+    alone = {t.label: t for t in sized(sized_about_themselves(search, tuple(sorted(rest))))}
     covered = [
         replace(c, term=covering(c.term, alone[c.term.label])) if c.term.label in labels else c
         for c in changes
