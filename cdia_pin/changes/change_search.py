@@ -216,15 +216,20 @@ class ChangeSearch:
         A change is uncertain while another one of its joint is what the blocks of time differ by. Beside each other
         both are certain.
         """
-        robot = self.differing.experiment.robot
-        joints = [set(effect.acts_on(robot)) for effect in self.evidence.effects]
         pairs: set[tuple[int, ...]] = set()
         for one in self._largest(now):
-            with_it = (*now, one)
-            best = self._best(with_it)
-            if best is not None and joints[one] & joints[best[0]] and self.holds((*now, best[0]), one):
-                pairs.add(_sorted(*with_it, best[0]))
+            best = self._best((*now, one))
+            if best is None:
+                continue
+            other = best[0]
+            if self._share_a_joint(one, other) and self.holds((*now, other), one):
+                pairs.add(_sorted(*now, one, other))
         yield from sorted(pairs, key=lambda s: float(np.sum(self.evidence.unexplained(s))))
+
+    def _share_a_joint(self, one: int, other: int) -> bool:
+        """Tell whether two changes have a torque on the same joint."""
+        robot, effects = self.differing.experiment.robot, self.evidence.effects
+        return not set(effects[one].acts_on(robot)).isdisjoint(effects[other].acts_on(robot))
 
     def _largest(self, now: Sequence[int]) -> list[int]:
         """Return the changes that explain most beside a set, however uncertain, each in its best shape."""

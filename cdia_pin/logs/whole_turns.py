@@ -23,6 +23,7 @@ MOTION = 0.1
 # [s], longest time between the samples of a wrap. Nine tenths of a turn in it would be 28 rad/s, which no arm reaches;
 # in a longer gap a joint may make a turn. Half and twice decide alike on the same logs.
 LONGEST = 0.2
+BACK = 4  # [samples] within which a turn that is taken back is one event, whatever gap one of its steps is in
 
 
 def without_wraps(time: Array, position: Array, robot: RobotModel) -> tuple[Array, list[str]]:
@@ -68,7 +69,11 @@ def _wraps(time: Array, angle: Array) -> tuple[NDArray[np.intp], Array]:
     step /= TURN
     far = np.flatnonzero(np.abs(step) > MOTION)
     turn, gap = np.round(step[far]), np.diff(time)[far]
-    whole = (np.abs(turn) == 1.0) & (np.abs(step[far] - turn) <= MOTION) & (gap <= LONGEST)
+    whole = (np.abs(turn) == 1.0) & (np.abs(step[far] - turn) <= MOTION)
+    taken_back = (np.diff(far) <= BACK) & (turn[1:] == -turn[:-1]) & whole[1:] & whole[:-1]
+    soon = gap <= LONGEST
+    either = taken_back & (soon[1:] | soon[:-1])  # else each such row of a bus that fails is a turn more
+    whole &= soon | np.append(either, False) | np.append(False, either)
     between = np.abs(step[far]) < 1.0 - MOTION
     at, turn = far[whole], turn[whole]
     onward = (np.diff(at) == 1) & (turn[1:] == turn[:-1])

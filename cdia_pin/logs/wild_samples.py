@@ -7,6 +7,7 @@ leave and come back too, so they bound the distance as well. `held_values` finds
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -24,6 +25,7 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 FASTEST = 1000.0  # [rad/s² or m/s²], fifty times what arms do; the joints of measured logs show up to 190 by rounding
+TOP_SPEED = 30.0  # [rad/s or m/s], which no arm reaches; beside a gap the acceleration bounds nothing
 COARSEST = 0.02  # [rad or m], a smaller excursion may be a step of the encoder, and is lost in the filter
 POSITION_NOISE = 30.0  # [1], excursion over the first quartile of the second differences: 10 σ of white noise
 OTHER_NOISE = 20.0  # [1], the same over their 90th percentile; measured efforts show up to 11
@@ -34,6 +36,9 @@ ABSURD_SPANS = (
     100.0  # [1], excursion over the range of the middle three fifths of the efforts, whatever the others are
 )
 LONGEST = 4  # [samples] of a run; what lasts longer is no single sample
+# Share of the joints [1] whose positions are wild in a row from which on nothing in it was measured, two at least: what
+# a driver writes when a bus fails is a row of zeros, and some joints may be near that.
+FAILED = 0.5
 END = 10.0  # [1], first or last step over the largest usual one: at an end there is one neighbour only
 USUAL = 99.5  # [%], of the steps are usual: a signal that is held for 0.1 s at 1 kHz changes in 1 %
 LARGEST_SHARE = 0.01  # [1], of the samples; above it something is wrong that leaving out does not mend
@@ -94,7 +99,25 @@ def wild_samples(log: Log, velocities: bool = False) -> tuple[WildSample, ...]:
                 WildSample(signal, joint, int(r), float(log.time[r]), float(x[r]), r in held)
                 for r in sorted({*rows, *held})
             ]
-    return tuple(out)
+    return _with_failed_rows(out, log)
+
+
+def _with_failed_rows(found: list[WildSample], log: Log) -> tuple[WildSample, ...]:
+    """Return wild samples, and all positions and efforts of the rows in which those of many joints are wild."""
+    count = Counter(s.row for s in found if s.signal == "position")
+    rows = sorted(r for r, joints in count.items() if joints >= max(2.0, FAILED * len(log.joints)))
+    known = {(s.signal, s.joint, s.row) for s in found}
+    more = [
+        WildSample(signal, joint, r, float(log.time[r]), float(getattr(log, signal)[r, k]))
+        for signal in ("position", "effort")
+        for k, joint in enumerate(log.joints)
+        for r in rows
+        if (signal, joint, r) not in known
+    ]
+    signals = list(_WILD)
+    return tuple(
+        sorted([*found, *more], key=lambda s: (signals.index(s.signal), log.joints.index(s.joint), s.row))
+    )
 
 
 def share_of(found: Sequence[WildSample], log: Log) -> float:
@@ -199,8 +222,10 @@ def _wild_positions(x: Array, time: Array) -> tuple[list[int], set[int]]:
     large = max(COARSEST, POSITION_NOISE * _curvature(x, 25))
     far = []
     for first, last, distance in _excursions(x, step, large):
-        half = (time[min(last, len(x) - 1)] - time[max(first - 1, 0)]) / 2
-        if distance > FASTEST * half**2 / 2:
+        before, after = max(first - 1, 0), min(last, len(x) - 1)
+        half = (time[after] - time[before]) / 2
+        quickest = min(time[first] - time[before] or np.inf, time[after] - time[last - 1] or np.inf)
+        if distance > min(FASTEST * half**2 / 2, TOP_SPEED * quickest):
             far.append((first, last))
     short = _farthest_first(x, far)
     runs = held_runs(x, time, large, FASTEST, short)

@@ -201,3 +201,43 @@ def test_of_a_large_family_shapes_that_came_and_that_are_gone_are_both_asked_for
     ripples = [c for c in differing.screened() if c.label == "position_ripple@joint2"]
     assert differing.searched["position_ripple@joint2"] > LARGE_FAMILY
     assert [c.sign for c in ripples].count(1.0) == [c.sign for c in ripples].count(-1.0) == SCREENED
+
+
+class Hiding(Evidence):
+    """Evidence for two changes: each is what the blocks of time differ by while the other one is looked for."""
+
+    def __init__(self, beside, one, other):
+        super().__init__(size=1.0, one=(one, 3.0, gains(40.0)), other=(other, 3.0, gains(40.0)))
+        self.beside = beside  # certainty of each beside the other
+
+    def fits(self, chosen):
+        there = np.isin([0, 1], list(chosen))
+        certainty = np.where(there, 0.0, self.beside if there.any() else 3.0)
+        theta = tuple(np.full(e.size, self.size) for e in self.effects)
+        return BlockFits(theta, np.tile(certainty, (2, 1)), self.gains * ~there[:, None])
+
+    def unexplained(self, chosen):
+        return np.full(BLOCKS, 80.0 - 40.0 * len(chosen))
+
+
+@pytest.mark.parametrize(
+    ("joint", "beside", "names"),
+    [
+        ("panda_joint4", (30.0, 20.0), ["coulomb_friction", "actuator_gain"]),
+        ("panda_joint4", (30.0, 4.0), []),  # beside the first one the other is not certain
+        ("panda_joint4", (4.0, 30.0), []),
+        ("panda_joint5", (30.0, 20.0), []),  # what differs on another joint hides nothing
+    ],
+)
+def test_two_changes_of_a_joint_that_hide_each_other_are_found(joint, beside, names):
+    """Before, viscous friction and a spring of a quarter of a Panda joint's torque each were no change."""
+    evidence = Hiding(beside, CoulombFriction("panda_joint4"), ActuatorGain(joint))
+    assert named(Search(logs(), evidence, ChangeSettings())) == names
+
+
+def test_of_two_changes_that_explain_as_much_the_commoner_one_is_named_whatever_came_first():
+    """Before, a body on the last link but one stayed in the place of a payload that was picked up."""
+    payload, link = (PAYLOAD, 9.0, gains(80.0)), (LinkInertia("panda_joint6"), 9.0, gains(80.5))
+    found = search(link=link, payload=payload)
+    moves = found._moves((0,))
+    assert next(moves) == (1,)

@@ -63,3 +63,10 @@ def test_coarse_efforts_alone_prove_nothing(plant, ur5):
     effort = np.zeros_like(log.effort)
     effort[::7, 0] = 0.1  # one step of the sensor, now and then
     assert not unsigned(replace(log, effort=effort)).any()
+
+
+def test_a_noisy_torque_that_stays_near_zero_for_a_while_is_no_magnitude():
+    """Before, single samples near zero of a small steady torque were folds, and long logs have many of them."""
+    torque = np.where(np.sin(TIME) > 0, 5.0 * np.sin(TIME), 0.0)
+    steady = np.abs(0.04 + 0.012 * RNG.normal(size=TIME.size)) + torque
+    assert folds(steady) < FOLDS

@@ -89,3 +89,15 @@ def test_a_log_says_that_it_was_made_continuous(panda, plant, tmp_path):
     read = read_log(path, panda)
     assert any("one turn" in n and "panda_joint7" in n for n in read.notes)
     assert np.abs(np.diff(read.position, axis=0)).max() < 1.0
+
+
+@pytest.mark.parametrize("gap", [0.05, 0.3])
+@pytest.mark.parametrize("where", ["before", "after"])
+def test_a_row_of_a_failed_bus_beside_a_gap_is_no_turn(panda, gap, where):
+    """Before, each such row turned the joint once more."""
+    x = 2.9 + 0.1 * np.sin(TIME)
+    x[500] = -np.pi
+    time = TIME + gap * (np.arange(len(TIME)) >= (500 if where == "before" else 501))
+    found, _ = without_wraps(time, motion(panda, "panda_joint7", x), panda)
+    left = np.delete(found[:, panda.joint_index("panda_joint7")], 500)
+    assert np.ptp(left) == pytest.approx(0.2, abs=0.01)

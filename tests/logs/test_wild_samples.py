@@ -193,3 +193,16 @@ def test_absurd_efforts_do_not_hide_each_other(ur5, ur5_log, every):
     found = wild_samples(broken)
     assert [s.row for s in found] == rows.tolist()
     assert {(s.signal, s.joint) for s in found} == {("effort", ur5.joints[joint])}
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.7])
+def test_a_row_that_a_failed_bus_left_is_wild_in_all_positions_and_efforts(gap):
+    """Before, a joint that is near the row's value and all efforts of 0 stayed; beside a gap the whole row did."""
+    log, row = moving(100.0, 3, 1e-4), 700
+    position, effort = (np.column_stack([x, x[:, ::-1]]) for x in (log.position, log.effort))
+    position[:, 0] -= position[row, 0] + np.pi + 0.01  # what the bus leaves is near where this joint is
+    position[row], effort[row] = -np.pi, 0.0
+    time = log.time + gap * (np.arange(len(log.time)) >= row)
+    found = wild_samples(Log(tuple("abcd"), time, position, effort))
+    assert {s.row for s in found} == {row}
+    assert [(s.signal, s.joint) for s in found] == [(k, j) for k in ("position", "effort") for j in "abcd"]

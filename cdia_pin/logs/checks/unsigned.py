@@ -24,6 +24,7 @@ FOLDS = 4  # [1], number of folds of a joint from which its effort is a magnitud
 LARGE = 95.0  # [%] of the samples are below the effort to which the next two numbers refer
 NEAR = 0.05  # [1], over that effort, below which an effort is near zero
 AWAY = 0.25  # [1], over that effort, above which it is away from zero; between two folds it must be
+BESIDE = 2  # samples [1] on each side by which a fold is told from noise near zero
 FINEST = 8.0  # [1], that effort in steps of its rounding, from which folds prove it; one of few steps often reads zero
 
 
@@ -48,7 +49,27 @@ def folds(effort: Array) -> int:
         return 0
     visit = np.cumsum(away)  # samples near zero between the same two samples away from it
     between = ~away & (visit > 0) & (visit < visit[-1])
-    return len(np.unique(visit[between & reaches[at]]))
+    return len(np.unique(visit[between & reaches[at] & _turns_sign(size, at)]))
+
+
+def _turns_sign(size: Array, at: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Tell whether an effort goes straight on at some samples if its sign is other after them, shape of ``at``.
+
+    Two samples before and two after must be nearer to a line then. A noisy effort that stays near zero is not.
+
+    Args:
+        size: Magnitude of the effort, shape (N,).
+        at: Indices of the samples.
+    """
+    if len(size) <= 2 * BESIDE:
+        return np.zeros(len(at), bool)
+    middle = np.clip(at, BESIDE, len(size) - 1 - BESIDE)
+    steps = np.array([k for k in range(-BESIDE, BESIDE + 1) if k])
+    around = size[middle[:, None] + steps]
+    line = np.column_stack([np.ones(len(steps)), steps])
+    off_line = np.eye(len(steps)) - line @ np.linalg.pinv(line)
+    turned = around * -np.sign(steps)
+    return np.asarray(((turned @ off_line) ** 2).sum(axis=1) < ((around @ off_line) ** 2).sum(axis=1))
 
 
 def unsigned(log: Log) -> NDArray[np.bool_]:
