@@ -9,7 +9,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.regression.experiment import Experiment
+from cdia_pin.regression.experiment import Experiment, rms
+from cdia_pin.regression.shares import LEAST
 from cdia_pin.selection.discovery_settings import ChangeSettings
 
 Mask = NDArray[np.bool_]
@@ -21,6 +22,7 @@ class NotCompared(StrEnum):
     RESTS_BEFORE = "rests before"
     RESTS_AFTER = "rests after"
     OTHER_SPEEDS = "moves at other speeds"
+    NO_EFFORT = "no effort was recorded"
 
 
 @dataclass(frozen=True, repr=False)
@@ -50,6 +52,7 @@ class Overlap:
         sides = (~after, after)
         moving = [experiment.moving[side].mean(axis=0) for side in sides]
         within = experiment.moving & _within_reach(experiment, after, settings.reach)
+        silent = np.any([rms(experiment.measured, side[:, None]) <= LEAST for side in sides], axis=0)
         fewest = np.min([within[side].sum(axis=0) for side in sides], axis=0)
         reasons: dict[int, NotCompared] = {}
         for j in range(within.shape[1]):
@@ -57,6 +60,8 @@ class Overlap:
                 reasons[j] = NotCompared.RESTS_BEFORE
             elif moving[1][j] < settings.least_moving:
                 reasons[j] = NotCompared.RESTS_AFTER
+            elif silent[j]:  # it moves, so an inertia at least must show
+                reasons[j] = NotCompared.NO_EFFORT
             elif fewest[j] < settings.blocks:  # some blocks of time would say nothing
                 reasons[j] = NotCompared.OTHER_SPEEDS
         within[:, list(reasons)] = False

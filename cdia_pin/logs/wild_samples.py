@@ -120,6 +120,19 @@ def _with_failed_rows(found: list[WildSample], log: Log) -> tuple[WildSample, ..
     )
 
 
+def failed_rows(found: Sequence[WildSample], log: Log) -> list[int]:
+    """Return the rows in which all positions and efforts are wild, as a bus that fails leaves them.
+
+    Args:
+        found: Its wild samples.
+        log: The log.
+    """
+    if len(log.joints) < 2:
+        return []
+    count = Counter(s.row for s in found if s.signal != "velocity")
+    return sorted(row for row, wild in count.items() if wild == 2 * len(log.joints))
+
+
 def share_of(found: Sequence[WildSample], log: Log) -> float:
     """Return the share of the samples in which a joint has a wild value [1].
 

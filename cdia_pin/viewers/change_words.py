@@ -224,10 +224,13 @@ def bound_sentences(found: Changes) -> list[str]:
             NotCompared.RESTS_BEFORE: f"at rest in {listed(found.before)} (or too slow for its encoder)",
             NotCompared.RESTS_AFTER: f"at rest in {listed(found.after)} (or too slow for its encoder)",
             NotCompared.OTHER_SPEEDS: "hardly ever at the same speeds in both",
+            NotCompared.NO_EFFORT: "without an effort in one of them",
         }
         joints = {w: [j for j, of in found.not_compared.items() if of is w] for w in NotCompared}
         each = [f"{these_joints(js, robot.joints)}, {why[w]}" for w, js in joints.items() if js]
+        recorded = " with their efforts" if joints[NotCompared.NO_EFFORT] else ""
         sentences.append(
-            f"Not compared: {'; '.join(each)}. To compare them, record a motion twice in which each of them moves."
+            f"Not compared: {'; '.join(each)}. To compare them, record a motion{recorded} twice in which each of them "
+            "moves."
         )
     return sentences

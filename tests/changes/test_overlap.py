@@ -57,6 +57,16 @@ def test_joints_that_move_alike_in_no_log_are_not_compared_and_the_reason_is_sai
     assert "joint1, hardly ever at the same speeds in both" in said
 
 
+def test_a_joint_whose_effort_was_not_recorded_is_not_compared(robot):
+    """Before, its drive seemed to have a gain of several hundred."""
+    one, other = (swing(robot, name, FAST, FAST) for name in ("one.csv", "other.csv"))
+    effort = other.effort * [1.0, 0.0]
+    found = what_changed(Dynamics(robot), one, replace(other, effort=effort))
+    assert found.to_dict()["not_compared"] == {"joint2": "no effort was recorded"}
+    assert not found.changes
+    assert "joint2, without an effort in one of them" in " ".join(plain(changes_table(found)).split())
+
+
 def test_a_joint_that_moves_alike_is_compared_though_another_one_rests(robot):
     found = what_changed(
         Dynamics(robot), swing(robot, "one.csv", FAST, FAST), swing(robot, "other.csv", FAST, REST)

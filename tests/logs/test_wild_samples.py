@@ -206,3 +206,11 @@ def test_a_row_that_a_failed_bus_left_is_wild_in_all_positions_and_efforts(gap):
     found = wild_samples(Log(tuple("abcd"), time, position, effort))
     assert {s.row for s in found} == {row}
     assert [(s.signal, s.joint) for s in found] == [(k, j) for k in ("position", "effort") for j in "abcd"]
+
+
+def test_rows_that_a_failed_bus_left_are_said_once(ur5, ur5_log):
+    position, effort = ur5_log.position.copy(), ur5_log.effort.copy()
+    position[[900, 2500]], effort[[900, 2500]] = -np.pi, 0.0
+    (said,) = check_log(replace(ur5_log, position=position, effort=effort), ur5).about("wild")
+    assert said.joint is None and said.value["rows"] == [900, 2500]
+    assert "2 rows in which nothing was measured" in said.message

@@ -237,12 +237,10 @@ def check_resolution(log: Log, robot: RobotModel, motion: SmoothedMotion | None)
     for signal, (values, torque_per_step) in rounded.items():
         steps, shares = {}, {}
         for k in np.flatnonzero(motion.moves).tolist():
-            step = quantum(values[:, k])
-            if step > 0:
+            step, effort = quantum(values[:, k]), float(motion.effort[:, k].std())
+            if step > 0 and effort > 0:
                 steps[log.joints[k]] = step
-                shares[log.joints[k]] = float(
-                    step * torque_per_step[k] / max(motion.effort[:, k].std(), 1e-12)
-                )
+                shares[log.joints[k]] = float(step * torque_per_step[k]) / effort
         if not steps or max(shares.values()) < 1e-3:
             continue
         worst = max(shares, key=lambda joint: shares[joint])
