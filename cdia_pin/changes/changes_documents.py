@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, NotRequired, TypedDict
+from typing import Any, NotRequired, TypedDict
 
 from cdia_pin.changes.phenomenon import PhenomenonJson
 from cdia_pin.changes.run_to_run import UsualFrictionJson
 from cdia_pin.logs.motion import MotionRecord
+from cdia_pin.selection.discovery_settings import SearchRecord
 
 ByJoint = dict[str, float]  # one number per joint, by the joint's name
 
 
-class ChangesRecord(TypedDict):
+class ChangesRecord(SearchRecord):
     """What changes were looked for in, and with which settings."""
 
     version: str
     before: list[MotionRecord]
     after: list[MotionRecord]
     blocks: int
-    effects: list[str] | Literal["all"]
 
 
 class ChangeJson(TypedDict):

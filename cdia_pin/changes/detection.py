@@ -105,7 +105,7 @@ def what_changed(
             "before": [m.record for m in earlier],
             "after": [m.record for m in later],
             "blocks": settings.changes.blocks,
-            "effects": list(settings.effects) if settings.effects else "all",
+            **settings.record(),
         },
     )
 

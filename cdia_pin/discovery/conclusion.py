@@ -156,20 +156,14 @@ def _where(true: NDArray[np.bool_], robot: RobotModel) -> tuple[str, ...]:
 
 
 def _record(logs: Problem) -> DiscoveryRecord:
-    """Return what a discovery was made from; numbers that decide are recorded where they are not the usual ones."""
+    """Return what a discovery was made from."""
     settings = logs.settings
-    record: DiscoveryRecord = {
+    return {
         "version": __version__,
         "logs": [s.motion.record for s in logs.experiment.segments],
         "holdout": [s.motion.record for s in logs.held_out.segments] if logs.held_out else [],
         "blocks": settings.blocks,
-        "effects": list(settings.effects) if settings.effects else "all",
-        "extra": [e.to_dict() for e in settings.extra],
         "per_log": [*settings.per_log, *logs.differing],
         "most_effects": settings.most_effects,
+        **settings.record(),
     }
-    if settings.expected:
-        record["expected"] = list(settings.expected)
-    if changed := settings.changed_decisions():
-        record["decisions"] = changed
-    return record

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, NotRequired, TypedDict
+from typing import Any, NotRequired, TypedDict
 
 from cdia_pin.changes.phenomenon import PhenomenonJson
 from cdia_pin.identifiability.confusion import ConfusionJson
 from cdia_pin.logs.motion import MotionRecord
+from cdia_pin.selection.discovery_settings import SearchRecord
 
 ByJoint = dict[str, float]  # one number per joint, by the joint's name
 
@@ -19,19 +20,15 @@ class ComparisonRecord(TypedDict):
     logs: list[MotionRecord]
 
 
-class DiscoveryRecord(TypedDict):
+class DiscoveryRecord(SearchRecord):
     """What a discovery was made from, and its settings."""
 
     version: str
     logs: list[MotionRecord]
     holdout: list[MotionRecord]
     blocks: int
-    effects: list[str] | Literal["all"]
-    extra: list[Mapping[str, Any]]  # effects of the user's own, as they describe themselves
     per_log: list[str]
     most_effects: int
-    expected: NotRequired[list[str]]  # unusual effects that the user expected
-    decisions: NotRequired[dict[str, float]]  # numbers that decide, where they are not the usual ones
 
 
 class RegionJson(TypedDict):

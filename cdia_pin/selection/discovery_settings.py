@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from typing import Any
+from typing import Any, Literal, NotRequired, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,15 @@ from cdia_pin.selection.criterion import SelectionCriterion
 Array = NDArray[np.float64]
 
 FELT = 0.2  # RMS torque of an effect over what is left of a joint [1], above which the effect concerns that joint
+
+
+class SearchRecord(TypedDict):
+    """What is searched for, so that a search can be repeated."""
+
+    effects: list[str] | Literal["all"]
+    extra: list[Mapping[str, Any]]  # effects of the user's own, as they describe themselves
+    expected: NotRequired[list[str]]  # unusual effects that the user expected
+    decisions: NotRequired[dict[str, float]]  # numbers that decide, where they are not the usual ones
 
 
 @dataclass(frozen=True, repr=False)
@@ -361,6 +370,18 @@ class DiscoverySettings:
     def searched(self) -> Conditioning:
         """How logs are filtered in which effects are searched."""
         return replace(self.conditioning, most=self.most_samples)
+
+    def record(self) -> SearchRecord:
+        """Return what is searched for; numbers that decide are recorded where they are not the usual ones."""
+        record: SearchRecord = {
+            "effects": list(self.effects) if self.effects else "all",
+            "extra": [e.to_dict() for e in self.extra],
+        }
+        if self.expected:
+            record["expected"] = list(self.expected)
+        if changed := self.changed_decisions():
+            record["decisions"] = changed
+        return record
 
     def changed_decisions(self) -> dict[str, float]:
         """Return the numbers that decide and differ from their defaults, by name as ``criterion.least_share``."""
