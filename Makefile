@@ -47,6 +47,7 @@ bench-discovery: $(VENV)/.installed-dev  ## measure the discovery of hidden effe
 bench-real: $(VENV)/.installed-dev  ## measure known effects in measured logs; hours, an interrupted run goes on
 	$(BIN)/python -m benchmarks.real_residuals --jobs $(JOBS)
 	$(BIN)/python -m benchmarks.known_weights
+	$(BIN)/python -m benchmarks.two_changes --jobs $(JOBS)
 
 bench-cdia: $(VENV)/.installed-dev  ## measure the monitor in closed loop; an hour, an interrupted run goes on
 	$(BIN)/python -m benchmarks.online --jobs $(JOBS)
