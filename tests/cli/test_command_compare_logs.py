@@ -1,5 +1,9 @@
 """``cdia compare`` and ``discover`` of several logs: what changed, and parameters per log."""
 
+import html
+import json
+import re
+
 import pytest
 
 from cdia_pin import load_model, load_robot, write_log
@@ -37,6 +41,36 @@ def test_json_has_the_errors_by_log_and_the_changes(cdia, pair):
     assert coefficient["value"] == pytest.approx(-0.1, rel=0.02)
     assert low < coefficient["value"] < high < 0
     assert change["growth"] == pytest.approx(-0.5, abs=0.05)
+
+
+def test_the_report_says_what_changed_and_the_error_in_each_log(cdia, pair, tmp_path):
+    logs, page = [pair / n for n in ("cold.csv", "warm.csv")], tmp_path / "report.html"
+    done = cdia("compare", *logs, "--robot", "double_pendulum", "--no-check", "--report", page)
+    assert done.code == 0, done.err
+    text = page.read_text(encoding="utf-8")
+    data = json.loads(
+        re.findall(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)[0]
+    )
+    (changes,) = data["changes"]
+    assert changes["sentence"].startswith("From cold.csv to warm.csv: viscous friction on joint1")
+    assert changes["sentence"] in html.unescape(*re.findall(r"<noscript>(.*?)</noscript>", text, re.DOTALL))
+    (change,) = changes["changes"]
+    assert (change["name"], change["where"], change["confidence"]) == (
+        "viscous friction",
+        "joint1",
+        "established",
+    )
+    assert change["growth"].startswith("−50")
+    assert [log["name"] for log in data["by_log"]] == ["cold.csv", "warm.csv"]
+
+
+def test_logs_of_one_name_are_told_apart(cdia, pair, tmp_path):
+    again = tmp_path / "cold.csv"
+    again.write_bytes((pair / "warm.csv").read_bytes())
+    done = cdia("compare", pair / "cold.csv", again, "--robot", "double_pendulum", "--no-check")
+    said = " ".join(done.out.split())
+    assert "From cold.csv to cold.csv (2): viscous friction" in said
+    assert said.count("cold.csv (2)") == 2  # in the table of errors too
 
 
 def test_one_log_is_compared_with_the_model_alone(cdia, pair):
