@@ -107,8 +107,9 @@ def _with_failed_rows(found: list[WildSample], log: Log) -> tuple[WildSample, ..
     count = Counter(s.row for s in found if s.signal == "position")
     rows = sorted(r for r, joints in count.items() if joints >= max(2.0, FAILED * len(log.joints)))
     known = {(s.signal, s.joint, s.row) for s in found}
+    held = {s.row for s in found if s.held}
     more = [
-        WildSample(signal, joint, r, float(log.time[r]), float(getattr(log, signal)[r, k]))
+        WildSample(signal, joint, r, float(log.time[r]), float(getattr(log, signal)[r, k]), r in held)
         for signal in ("position", "effort")
         for k, joint in enumerate(log.joints)
         for r in rows

@@ -214,3 +214,14 @@ def test_rows_that_a_failed_bus_left_are_said_once(ur5, ur5_log):
     (said,) = check_log(replace(ur5_log, position=position, effort=effort), ur5).about("wild")
     assert said.joint is None and said.value["rows"] == [900, 2500]
     assert "2 rows in which nothing was measured" in said.message
+
+
+def test_a_bus_that_fails_for_a_third_of_a_second_is_one_event():
+    log = moving(100.0, 3, 1e-4)
+    rows, position, effort = slice(400, 430), log.position.copy(), log.effort.copy()
+    position[rows], effort[rows] = 3.0, 0.0
+    broken = replace(log, position=position, effort=effort)
+    found = wild_samples(broken)
+    assert {s.row for s in found} == set(range(400, 430))
+    assert all(s.held for s in found)
+    assert np.abs(without_wild_samples(broken).effort[rows]).max() > 0.0  # not refused
