@@ -24,7 +24,7 @@ from cdia_pin.identifiability.distinguishing_motions import KINDS
 from cdia_pin.identifiability.structural_rank import are_alike
 
 JOINT = "elbow_joint"
-SWEEP, POSES, SPEEDS, REVERSALS, EVERYTHING = (k.words for k in KINDS)
+SWEEP, POSES, SPEEDS, REVERSALS, EVERYTHING = (k.said([JOINT]) for k in KINDS)
 ON_ONE_JOINT = [
     kind(joint=JOINT)
     for kind in EFFECTS.values()
@@ -44,7 +44,7 @@ def effect(name):
 
 def driven(robot, words, seed):
     """Other states of the kind of motion that was advised than those by which it was chosen."""
-    kind = next(k for k in KINDS if k.words == words)
+    kind = next(k for k in KINDS if k.said([JOINT]) == words)
     q, v, a, time = kind.draw(robot, np.isin(robot.joints, JOINT), np.random.default_rng(seed))
     return State(robot, q, v, a, robot.inverse_dynamics(q, v, a), time)
 
@@ -54,6 +54,14 @@ def imitates(x, one, other):
     wide, narrow = (e.basis(x).reshape(x.q.size, -1) for e in (one, other))
     left = narrow - wide @ np.linalg.lstsq(wide, narrow, rcond=None)[0]
     return np.linalg.norm(left) < 1e-3 * np.linalg.norm(narrow)
+
+
+@pytest.mark.parametrize(
+    ("joints", "said"), [((JOINT,), "the joint "), ((), "the joints "), (("a", "b"), "the joints ")]
+)
+def test_a_motion_is_of_the_joints_that_the_effects_name(joints, said):
+    for kind in KINDS[:3]:
+        assert said in kind.said(joints).replace(",", " ")
 
 
 @pytest.mark.parametrize(
