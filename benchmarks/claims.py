@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import isnan, nan
+from statistics import median
 from typing import Any
 
 from cdia_pin.viewers.words import percent
@@ -80,6 +81,11 @@ def counted(asked: Sequence[bool]) -> Figure:
         return Figure(nan, 0, "–")
     share = sum(asked) / len(asked)
     return Figure(share, len(asked), f"{percent(share)} ({sum(asked)}/{len(asked)})")
+
+
+def median_of(shares: Sequence[float]) -> Figure:
+    """Return the median of some shares."""
+    return Figure(median(shares), len(shares), percent(median(shares))) if shares else Figure(nan, 0, "–")
 
 
 def of_cases(good: Test, of: Test = lambda _: True) -> Measure:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -29,6 +29,20 @@ def counted(count: int, noun: str) -> str:
         noun: In the singular; its plural ends in s.
     """
     return f"{count} {plural(noun, count)}"
+
+
+def numbered(name: str, taken: Collection[str]) -> str:
+    """Return a name, with the first number from 2 on that makes it another one than those that are taken.
+
+    Args:
+        name: The name.
+        taken: Names that are taken.
+    """
+    free, count = name, 1
+    while free in taken:
+        count += 1
+        free = f"{name} ({count})"
+    return free
 
 
 def some(names: Sequence[str], most: int = 12) -> str:

@@ -12,16 +12,15 @@ from __future__ import annotations
 
 import argparse
 import os
-from pathlib import Path
 
 from benchmarks.measured_logs import folder
 from benchmarks.outcomes import CHECKOUT, tell
 from benchmarks.publishing import publish, stated
 from benchmarks.real_residuals.bases import Base, BaseCase, needed, planned_bases, run_base
-from benchmarks.real_residuals.cases import FLOWS, GONE, REPORTING, SAMPLE, SIZES, SUITES, planned
+from benchmarks.real_residuals.cases import FLOWS, GONE, REPORTING, SIZES, planned
+from benchmarks.real_residuals.options import add_options
 from benchmarks.real_residuals.outcome import Outcome
 from benchmarks.real_residuals.page import page
-from benchmarks.real_residuals.recordings import ARMS
 from benchmarks.real_residuals.repeats import Repeat, planned_repeats, run_repeat
 from benchmarks.real_residuals.running import store_of
 from benchmarks.real_residuals.trial import run_case
@@ -66,21 +65,10 @@ def _parser() -> argparse.ArgumentParser:
     given = argparse.ArgumentParser(
         prog="python -m benchmarks.real_residuals", description="Measure known effects on real residuals."
     )
-    folder.add_option(given)
-    given.add_argument("--suite", choices=SUITES, default=REPORTING, help="which draws")
-    given.add_argument("--arms", nargs="+", choices=list(ARMS), default=list(ARMS))
-    given.add_argument(
-        "--sizes", nargs="+", type=int, choices=SIZES, default=list(SIZES), help="[%%] of torque"
-    )
+    add_options(given, SIZES, PAGE.name)
     flows = [*FLOWS, UNTOUCHED]
     given.add_argument("--flows", nargs="+", choices=[*flows, GONE], default=flows)
-    given.add_argument("--jobs", type=int, default=2, help="processes")
     given.add_argument("--limit", type=int, help="most cases to run")
-    given.add_argument(
-        "--sample", type=int, nargs="?", const=SAMPLE, metavar="N", help=f"one draw in N ({SAMPLE}), printed"
-    )
-    given.add_argument("--kept", action="store_true", help="run nothing: print what is kept")
-    given.add_argument("--out", type=Path, help="page to write; docs/results-real-residuals.md if all is run")
     return given
 
 

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import nan
-from statistics import median
 
-from benchmarks.claims import Claim, Figure, Measure, Part, Test, at_least, at_most, counted, of_cases
+from benchmarks.claims import (
+    Claim,
+    Figure,
+    Measure,
+    Part,
+    Test,
+    at_least,
+    at_most,
+    counted,
+    median_of,
+    of_cases,
+)
 from benchmarks.real_residuals.cases import ALONE, COMPARE, GONE, KNOWN, MODEL, UNCHANGED
 from benchmarks.real_residuals.outcome import Outcome
 from cdia_pin.changes.confidence import Confidence
-from cdia_pin.viewers.words import percent
 
 EXACT = {25: 0.85, 10: 0.65}  # share of the cases of each size [%] to be named exactly
 AMONG = {25: 0.92, 10: 0.75}
@@ -43,8 +52,7 @@ def unchanged(flow: str) -> Test:
 
 def size_error(outcomes: Sequence[Outcome]) -> Figure:
     """Return the median relative error of the parameters that tell a size, where the effect was named."""
-    errors = [e for o in outcomes for e in o.errors.values()]
-    return Figure(median(errors), len(errors), percent(median(errors))) if errors else Figure(nan, 0, "–")
+    return median_of([e for o in outcomes for e in o.errors.values()])
 
 
 def held(outcomes: Sequence[Outcome]) -> Figure:

@@ -15,6 +15,7 @@ APART = (  # files that no outcome depends on
     "claims.py",
     "judging.py",
     "known_truths.py",
+    "options.py",
     "page.py",
     "stability.py",
     "tables.py",
@@ -31,6 +32,11 @@ WITHOUT = (
 O = TypeVar("O", bound=Kept)  # noqa: E741
 
 
+def texts() -> list[Path]:
+    """Return the files on which outcomes depend: of the package, and of what is drawn and put into logs."""
+    return [*package_text(WITHOUT), *(f for f in Path(__file__).parent.glob("*.py") if f.name not in APART)]
+
+
 def store_of(kind: str, read_line: Callable[[str], O], folder: Path = STORE) -> Store[O]:
     """Return where outcomes of the present text are kept.
 
@@ -39,5 +45,4 @@ def store_of(kind: str, read_line: Callable[[str], O], folder: Path = STORE) -> 
         read_line: From a line to an outcome.
         folder: Where files are kept.
     """
-    here = [f for f in Path(__file__).parent.glob("*.py") if f.name not in APART]
-    return Store(folder / f"{kind}-{text_hash([*package_text(WITHOUT), *here])}.jsonl", read_line)
+    return Store(folder / f"{kind}-{text_hash(texts())}.jsonl", read_line)

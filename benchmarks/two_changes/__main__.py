@@ -13,13 +13,13 @@ import argparse
 import os
 from pathlib import Path
 
-from benchmarks import real_residuals
 from benchmarks.measured_logs import folder
-from benchmarks.outcomes import CHECKOUT, Store, package_text, tell, text_hash
+from benchmarks.outcomes import CHECKOUT, Store, tell, text_hash
 from benchmarks.publishing import publish, stated
-from benchmarks.real_residuals.cases import REPORTING, SAMPLE, SUITES
+from benchmarks.real_residuals.cases import REPORTING
+from benchmarks.real_residuals.options import add_options
 from benchmarks.real_residuals.recordings import ARMS
-from benchmarks.real_residuals.running import WITHOUT
+from benchmarks.real_residuals.running import texts
 from benchmarks.running import run_all
 from benchmarks.two_changes.cases import SIZES, planned
 from benchmarks.two_changes.page import page, said
@@ -27,15 +27,6 @@ from benchmarks.two_changes.trial import Outcome, run_case
 
 PAGE = CHECKOUT / "docs" / "results-two-changes.md"
 STORE = CHECKOUT / ".cache" / "two-changes"
-WHAT_IS_DRAWN = (
-    "draws.py",
-    "sizing.py",
-    "insertion.py",
-    "filtered.py",
-    "pairs.py",
-    "recordings.py",
-    "trial.py",
-)
 
 
 def main() -> None:
@@ -55,27 +46,15 @@ def main() -> None:
 
 def _store() -> Store[Outcome]:
     """Return where outcomes of the present text are kept."""
-    drawn = [Path(real_residuals.__file__).parent / name for name in WHAT_IS_DRAWN]
     own = [Path(__file__).parent / name for name in ("cases.py", "trial.py")]
-    return Store(STORE / f"{text_hash([*package_text(WITHOUT), *drawn, *own])}.jsonl", Outcome.from_json)
+    return Store(STORE / f"{text_hash([*texts(), *own])}.jsonl", Outcome.from_json)
 
 
 def _parser() -> argparse.ArgumentParser:
     given = argparse.ArgumentParser(
         prog="python -m benchmarks.two_changes", description="Put two known effects into measured logs."
     )
-    folder.add_option(given)
-    given.add_argument("--suite", choices=SUITES, default=REPORTING, help="which draws")
-    given.add_argument("--arms", nargs="+", choices=list(ARMS), default=list(ARMS))
-    given.add_argument(
-        "--sizes", nargs="+", type=int, choices=SIZES, default=list(SIZES), help="[%%] of torque"
-    )
-    given.add_argument("--jobs", type=int, default=2, help="processes")
-    given.add_argument(
-        "--sample", type=int, nargs="?", const=SAMPLE, metavar="N", help=f"one case in N ({SAMPLE}), printed"
-    )
-    given.add_argument("--kept", action="store_true", help="run nothing: print what is kept")
-    given.add_argument("--out", type=Path, help="page to write; docs/results-two-changes.md if all is run")
+    add_options(given, SIZES, PAGE.name)
     return given
 
 

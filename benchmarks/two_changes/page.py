@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import nan
-from statistics import median
 
 from benchmarks.claim_tables import by_part
-from benchmarks.claims import Claim, Figure, Measure, Part, Test, counted, of_cases
+from benchmarks.claims import Claim, Measure, Part, Test, counted, median_of, of_cases
 from benchmarks.markdown import Row, details, table
 from benchmarks.publishing import made_by
+from benchmarks.real_residuals.page import PACKAGES
 from benchmarks.real_residuals.recordings import ARMS
 from benchmarks.two_changes.cases import EVERYDAY, SIZES
 from benchmarks.two_changes.trial import Outcome
 from cdia_pin.changes.confidence import Confidence
-from cdia_pin.viewers.words import percent
-
-PACKAGES = ("pin", "numpy", "scipy")  # whose versions matter
 
 
 def page(outcomes: Sequence[Outcome], command: str, suite: str, whole: bool) -> str:
@@ -35,8 +31,9 @@ def page(outcomes: Sequence[Outcome], command: str, suite: str, whole: bool) -> 
         f"# Two changes at once\n\n{sample}{made_by(command, PACKAGES)}",
         f"{len(asked)} cases of the suite *{suite}*. Two effects of known size are put into the second of two measured "
         "logs, as one is in [the page of single effects](results-real-residuals.md), and `cdia compare` is asked for "
-        "both. Every two of seven everyday effects are drawn on every pair of logs, in about half of the cases on the "
-        "same joint. *Exact*: both are named on their joints, and nothing else. All is shown without a target.",
+        "both. Every two of seven everyday effects are drawn on every pair of logs, one time in two on the same joint, "
+        "unless one is of the whole arm or both would be one effect there. *Exact*: both are named on their joints, "
+        "and nothing else. All is shown without a target.",
         *by_part(PARTS, asked, arms, lambda o: o.arm),
         "## Effect by effect",
         "Cases with both effects, exact of all. On one joint and on different joints.",
@@ -46,24 +43,16 @@ def page(outcomes: Sequence[Outcome], command: str, suite: str, whole: bool) -> 
     return "\n\n".join(parts) + "\n"
 
 
-def _sized(size: int, on_one_joint: bool | None = None) -> Measure:
-    def chosen(o: Outcome) -> bool:
-        return o.size == size and on_one_joint in (None, o.on_one_joint)
-
-    return of_cases(lambda o: o.exact, chosen)
-
-
 def _right_of(confidence: Confidence) -> Measure:
     return lambda os: counted([n.label in o.truth for o in os for n in o.named if n.confidence == confidence])
 
 
-def _median_error(outcomes: Sequence[Outcome]) -> Figure:
-    errors = [e for o in outcomes for e in o.errors]
-    return Figure(median(errors), len(errors), percent(median(errors))) if errors else Figure(nan, 0, "–")
-
-
 def _of(size: int) -> Test:
     return lambda o: o.size == size
+
+
+def _is_exact(o: Outcome) -> bool:
+    return o.exact
 
 
 def _is_part(o: Outcome) -> bool:
@@ -81,10 +70,12 @@ PARTS = (
             f"Each has {size} % of its joint's RMS torque.",
             _of(size),
             (
-                Claim("exactly both are named", "", of_cases(lambda o: o.exact)),
+                Claim("exactly both are named", "", of_cases(_is_exact)),
                 Claim("both are among the named", "", of_cases(lambda o: o.among)),
-                Claim("exactly both, on one joint", "", _sized(size, True)),
-                Claim("exactly both, on different joints", "", _sized(size, False)),
+                Claim("exactly both, on one joint", "", of_cases(_is_exact, lambda o: o.on_one_joint)),
+                Claim(
+                    "exactly both, on different joints", "", of_cases(_is_exact, lambda o: not o.on_one_joint)
+                ),
                 Claim("one of them is named, and nothing wrong", "", of_cases(_is_part)),
                 Claim("nothing is named", "", of_cases(lambda o: not o.named)),
                 Claim("a wrong name is established", "", of_cases(_is_wrong)),
@@ -99,7 +90,9 @@ PARTS = (
         (
             Claim("names called established are right", "", _right_of(Confidence.ESTABLISHED)),
             Claim("names called likely are right", "", _right_of(Confidence.LIKELY)),
-            Claim("relative error of sizes, median", "", _median_error),
+            Claim(
+                "relative error of sizes, median", "", lambda os: median_of([e for o in os for e in o.errors])
+            ),
             Claim(
                 "95 % intervals of sizes hold the truth",
                 "",

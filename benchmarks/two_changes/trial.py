@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import nan
 from time import process_time
 from typing import ClassVar
@@ -46,8 +46,8 @@ class Outcome(JsonLine):
     truth: tuple[str, ...] = ()
     impossible: str = ""
     named: tuple[Named, ...] = ()
-    errors: tuple[float, ...] = field(default=())
-    held: tuple[bool, ...] = field(default=())
+    errors: tuple[float, ...] = ()
+    held: tuple[bool, ...] = ()
     seconds: float = nan
     failure: str = ""
 

@@ -15,6 +15,7 @@ from cdia_pin.changes.common_structure import is_rare
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
+from cdia_pin.effects.effect import share_a_joint
 from cdia_pin.effects.refinements import LEVELS, plain_forms
 from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
@@ -24,9 +25,8 @@ Array = NDArray[np.float64]
 
 MOST_MOVES = 60  # moves of one search [1]; a guard, because no set is visited twice
 LARGEST_GAINS = 40  # certain changes [1] that may be named; the others explain less
-# Uncertain changes [1] beside which another one is looked for. Of 49 pairs of changes that were put on one joint of a
-# measured arm 38 are named exactly with 6, 39 with 3 and 38 with 12.
-LARGEST_HIDDEN = 6
+# Of 49 pairs of changes put on one joint of measured arms 38 are named exactly with 6, 39 with 3 and 38 with 12.
+LARGEST_HIDDEN = 6  # uncertain changes [1] beside each of which another one is looked for
 # Of a body's ten parameters, the six second moments show little. Without this limit, 3 of 188 effects fewer are named
 # in logs of ten seconds; with 3 it is the same.
 MOST_FEWER = 4  # parameters [1] by which one change counts as simpler than another, at most
@@ -218,20 +218,16 @@ class ChangeSearch:
         A change is uncertain while another one of its joint is what the blocks of time differ by. Beside each other
         both are certain.
         """
-        pairs: set[tuple[int, ...]] = set()
+        effects, pairs = self.evidence.effects, set[tuple[int, ...]]()
         for one in self._largest(now):
             best = self._best((*now, one))
             if best is None:
                 continue
             other = best[0]
-            if self._share_a_joint(one, other) and self.holds((*now, other), one):
+            robot = self.differing.experiment.robot
+            if share_a_joint(effects[one], effects[other], robot) and self.holds((*now, other), one):
                 pairs.add(_sorted(*now, one, other))
         yield from sorted(pairs, key=lambda s: float(np.sum(self.evidence.unexplained(s))))
-
-    def _share_a_joint(self, one: int, other: int) -> bool:
-        """Tell whether two changes have a torque on the same joint."""
-        robot, effects = self.differing.experiment.robot, self.evidence.effects
-        return not set(effects[one].acts_on(robot)).isdisjoint(effects[other].acts_on(robot))
 
     def _largest(self, now: Sequence[int]) -> list[int]:
         """Return the changes that explain most beside a set, however uncertain, each in its best shape."""

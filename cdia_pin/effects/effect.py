@@ -234,3 +234,14 @@ class Effect(Scoped, ABC):
             x: Motion and torques, N samples.
         """
         return []
+
+
+def share_a_joint(one: Effect, other: Effect, robot: RobotModel) -> bool:
+    """Tell whether two effects can change the torque of the same joint.
+
+    Args:
+        one: One effect.
+        other: The other.
+        robot: The arm, n joints.
+    """
+    return not set(one.acts_on(robot)).isdisjoint(other.acts_on(robot))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cdia_pin.effects import Effect, Varying
+from cdia_pin.effects.effect import share_a_joint
 from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.identifiability.distinguishing_motions import motion_between
 from cdia_pin.identifiability.structural_rank import are_alike, contains, generic_rank, torque_elsewhere
@@ -138,7 +139,7 @@ class Alternatives:
         What an effect of another joint explains there, where the model fits badly, says nothing of this one.
         """
         robot, effects = self.evidence.robot, self.evidence.effects
-        return not set(effects[one].acts_on(robot)).isdisjoint(effects[other].acts_on(robot))
+        return share_a_joint(effects[one], effects[other], robot)
 
     def _rank(self, one: int, candidate: _Candidate) -> tuple[bool, float]:
         """Return the sort key: first simple alternatives, then close ones."""

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cdia_pin.logs.derivatives import zero_phase
 from cdia_pin.logs.torque_side import TorqueSide
-from cdia_pin.phrases import shortened
+from cdia_pin.phrases import numbered, shortened
 
 Array = NDArray[np.float64]
 
@@ -203,10 +203,5 @@ def names_of(motions: Sequence[Motion]) -> list[str]:
     """
     out: list[str] = []
     for motion in motions:
-        name = given = motion.record["source"]
-        count = 1
-        while not motion.record["condition"] and name in out:
-            count += 1
-            name = f"{given} ({count})"
-        out.append(motion.record["condition"] or name)
+        out.append(motion.record["condition"] or numbered(motion.record["source"], out))
     return out

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
+from cdia_pin.effects.effect import share_a_joint
 from cdia_pin.selection.evidence import Evidence, SetFit
 
 Names = frozenset[str]
@@ -204,15 +205,12 @@ def _exchanges(evidence: Evidence, chosen: tuple[int, ...]) -> Iterator[tuple[in
                     if third != c
                 )
         for second in local:
-            if c in local and second > c and _share_a_joint(evidence, c, second):
+            if c not in local or second <= c:
+                continue
+            if share_a_joint(evidence.effects[c], evidence.effects[second], evidence.robot):
                 fewer = tuple(x for x in rest if x != second)
                 yield from (
                     (*fewer, other)
                     for other in ranked(evidence, fewer, TRIED_IN_PAIRS)
                     if other not in {c, second}
                 )
-
-
-def _share_a_joint(evidence: Evidence, one: int, two: int) -> bool:
-    joints = (set(evidence.effects[c].acts_on(evidence.robot)) for c in (one, two))
-    return bool(set.intersection(*joints))

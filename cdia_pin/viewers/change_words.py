@@ -10,6 +10,8 @@ import numpy as np
 
 from cdia_pin.changes.changes_result import ChangesVerdict
 from cdia_pin.changes.overlap import NotCompared
+from cdia_pin.changes.run_to_run import as_phenomena
+from cdia_pin.phrases import numbered
 from cdia_pin.viewers.effect_groups import MOST_RIVALS, rivals, these_joints
 from cdia_pin.viewers.words import (
     advice_words,
@@ -93,9 +95,7 @@ def names_of_logs(comparisons: Sequence[Comparison]) -> list[str]:
     """
     out: list[str] = []
     for c in comparisons:
-        given = str(c.record["logs"][0]["source"])
-        count = sum(name == given or name.startswith(f"{given} (") for name in out)
-        out.append(f"{given} ({count + 1})" if count else given)
+        out.append(numbered(c.record["logs"][0]["source"], out))
     return out
 
 
@@ -189,12 +189,17 @@ def doubts(found: Changes) -> list[str]:
     ]
 
 
-def bound_sentences(found: Changes) -> list[str]:
-    """Return the largest change of each joint that could stay hidden, and the joints of which nothing is known.
+def notes(found: Changes) -> list[str]:
+    """Return what else is said: usual differences, and what could have changed unseen.
 
     Args:
         found: The outcome of ``what_changed``.
     """
+    return [*(f"{sentence_case(f.sentence)}." for f in as_phenomena(found.usual)), *_bounds(found)]
+
+
+def _bounds(found: Changes) -> list[str]:
+    """Return the largest change of each joint that could stay hidden, and the joints of which nothing is known."""
     robot, names = found.model.robot, short_names(found.model.robot.joints)
     said, sentences = [], []
     for joint, bound in found.bounds.items():

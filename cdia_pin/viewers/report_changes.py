@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypedDict
 
 from cdia_pin.changes.changes_result import ChangesVerdict
-from cdia_pin.changes.run_to_run import as_phenomena
 from cdia_pin.viewers.change_words import (
-    bound_sentences,
     change_rows,
     changes_sentence,
     doubts,
     names_of_logs,
+    notes,
 )
 from cdia_pin.viewers.report_series import compact_one
-from cdia_pin.viewers.words import sentence_case
 
 if TYPE_CHECKING:
     from cdia_pin.changes import Changes
@@ -57,8 +55,6 @@ def changes_data(found: Changes) -> ChangesDocument:
     Args:
         found: The outcome of ``what_changed``.
     """
-    rows = change_rows(found)
-    usual = [f"{sentence_case(f.sentence)}." for f in as_phenomena(found.usual)]
     return {
         "sentence": changes_sentence(found),
         "quiet": found.verdict is ChangesVerdict.UNCHANGED,
@@ -71,10 +67,10 @@ def changes_data(found: Changes) -> ChangesDocument:
                 "torque": row.torque,
                 "confidence": str(row.confidence),
             }
-            for row in rows
+            for row in change_rows(found)
         ],
-        "doubts": doubts(found) if rows else [],
-        "notes": [*usual, *bound_sentences(found)],
+        "doubts": doubts(found),
+        "notes": notes(found),
     }
 
 

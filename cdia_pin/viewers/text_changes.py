@@ -10,16 +10,15 @@ from rich.padding import Padding
 from rich.table import Table
 
 from cdia_pin.changes.changes_result import ChangesVerdict
-from cdia_pin.changes.run_to_run import as_phenomena
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.change_words import (
-    bound_sentences,
     change_rows,
     changes_sentence,
     doubts,
     names_of_logs,
+    notes,
 )
-from cdia_pin.viewers.words import percent, sentence_case, short_names
+from cdia_pin.viewers.words import percent, short_names
 
 if TYPE_CHECKING:
     from cdia_pin.changes import Changes
@@ -58,9 +57,8 @@ def changes_table(found: Changes) -> RenderableType:
     parts: list[RenderableType] = [Padding(said, (0, 1))]
     if found.changes:
         parts.append(_changes(found))
-        parts += [Padding(clean(s, "italic"), (0, 1)) for s in doubts(found)]
-    parts += [Padding(clean(f"{sentence_case(f.sentence)}."), (0, 1)) for f in as_phenomena(found.usual)]
-    parts += [Padding(clean(s), (0, 1)) for s in bound_sentences(found)]
+    parts += [Padding(clean(s, "italic"), (0, 1)) for s in doubts(found)]
+    parts += [Padding(clean(s), (0, 1)) for s in notes(found)]
     return Group(*parts)
 
 

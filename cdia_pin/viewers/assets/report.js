@@ -2,7 +2,9 @@
 
 const FOUND = DATA.discovery;
 const IMPROVED = DATA.joints.some((j) => j.after);
-const share = (j, rms) => rms / Math.max(j.torque_rms, 1e-12);
+// A joint without torque has no share of it.
+const over = (rms, torque) => (torque > 0 && rms !== null ? rms / torque : null);
+const share = (j, rms) => over(rms, j.torque_rms);
 
 function mostTelling() {
   const gains = DATA.joints.map((j) => (j.rests ? -Infinity : share(j, j.before.rms) - (j.after ? share(j, j.after.rms) : 0)));
@@ -39,7 +41,7 @@ const CHIPS = {
 };
 
 function verdict() {
-  const before = mean(DATA.joints.map((j) => share(j, j.before.rms)));
+  const before = mean(DATA.joints.map((j) => share(j, j.before.rms)).filter((s) => s !== null));
   if (!FOUND) {
     const worst = [...DATA.joints].sort((x, y) => share(y, y.before.rms) - share(x, x.before.rms))[0];
     const r = DATA.regions.before[0];
@@ -184,7 +186,7 @@ function errors() {
   const largest = Math.max(...DATA.joints.map((j) => Math.max(share(j, j.before.rms), j.after ? share(j, j.after.rms) : 0)));
   const at = (s) => "left:" + (100 * s) / largest + "%";
   const bar = (s, style) => h("i", { class: style, style: "width:" + (100 * s) / largest + "%" });
-  const both = (j, rms, style, torque = j.torque_rms) => [right("td", withUnit(rms, j.units.load), style), right("td", rms === null ? "–" : percent(rms / Math.max(torque, 1e-12)), style)];
+  const both = (j, rms, style, torque = j.torque_rms) => [right("td", withUnit(rms, j.units.load), style), right("td", percent(over(rms, torque)), style)];
   const rows = DATA.joints.map((j) => [
     h("td", {}, j.name, j.rests ? h("div", { class: "soft" }, "rests: in no mean") : j.structure_left ? h("div", { class: "soft" }, "structure is left") : null),
     right("td", withUnit(j.torque_rms, j.units.load)),
