@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cdia_pin.changes.both_sides import certain_beside_both
-from cdia_pin.changes.change_search import ChangeSearch
+from cdia_pin.changes.both_sides import search_beside_both
 from cdia_pin.changes.changes_result import Bound, Change, Changes
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.differing import Differing
@@ -24,7 +23,7 @@ from cdia_pin.effects.body import Body
 from cdia_pin.errors import LogError
 from cdia_pin.identifiability.confusion import Confusion
 from cdia_pin.identifiability.distinguishing_motions import motion_between
-from cdia_pin.identifiability.rival_names import has_another_name
+from cdia_pin.identifiability.rival_names import other_names
 from cdia_pin.logs.conditioning import Motion, condition
 from cdia_pin.logs.log import Log
 from cdia_pin.progress import Progress, silent
@@ -149,8 +148,7 @@ def searched(
 
 
 def _searched(differing: Differing, settings: DiscoverySettings) -> FoundChanges:
-    search = ChangeSearch(differing, differing.evidence(), settings.changes)
-    chosen = certain_beside_both(search, search.changes(settings.most_effects))
+    search, chosen = search_beside_both(differing, settings)
     found = without_made_up(sized_about_themselves(search, chosen))
     return replace(found, search=search.beside(found.chosen))
 
@@ -181,20 +179,24 @@ def sized_changes(
     sizes = _sizes_of(named, found, terms, usual, run_to_run)
     model = search.differing.given.model
     doubt = doubted_scale(model.terms, model.robot)
-    corrections = _corrections(found)
+    corrections, robot = _corrections(found), search.differing.experiment.robot
     out: list[Change] = []
+    instead: dict[int, int] = {}  # what may be there in the place of a change
     for one in (c for c in named if not sizes[c].may_be_nothing):
         term = sizes[one]
         torque = search.torque(one, np.array(term.theta))
         rest = [c for c in chosen if c != one]
         without = float(np.sum(evidence.unexplained(rest)))
-        rivals = [effects[c].effect for c in search.rivals(chosen, one)]
-        confusions = tuple(_confusions(term, rivals, search.differing.experiment.robot))
+        rivals = search.rivals(chosen, one)
+        confusions = tuple(_confusions(term, [effects[c].effect for c in rivals], robot))
         confidence = search.confidence(rest, one)
         before = earlier.get(effects[one])
         is_doubtful = _falls_below_nothing(term, before) or not _agree(term, terms[one])
         is_doubtful |= one in corrections
-        if is_doubtful or has_another_name(term, confusions, search.differing.experiment.robot):
+        names = other_names(term, confusions, robot)
+        if names and confidence is Confidence.ESTABLISHED and not is_doubtful:
+            instead[one] = next(c for c in rivals if effects[c].label == names[0].effects[0].label)
+        if is_doubtful or names:
             confidence = Confidence.LIKELY
         lost = (without - with_all) / 2
         scale = scale_error(term.effect, torque, doubt)  # a gain of the model may be something else
@@ -204,7 +206,9 @@ def sized_changes(
     if parts:
         whole = tuple(c for c in chosen if effects[c].effect.label not in parts)
         return sized_changes(sized_about_themselves(search, whole), run_to_run)
-    return tuple(sorted(_with_or_without_likely(found, out), key=lambda c: -c.evidence)), tuple(usual)
+    return tuple(sorted(_with_or_without_likely(found, out, instead), key=lambda c: -c.evidence)), tuple(
+        usual
+    )
 
 
 def _sizes(found: FoundChanges, run_to_run: RunToRun) -> tuple[dict[int, Term], list[UsualFriction]]:
@@ -296,11 +300,19 @@ def _corrections(found: FoundChanges) -> set[int]:
     return {least} if is_slight else set()
 
 
-def _with_or_without_likely(found: FoundChanges, changes: Sequence[Change]) -> list[Change]:
+def _with_or_without_likely(
+    found: FoundChanges, changes: Sequence[Change], instead: Mapping[int, int]
+) -> list[Change]:
     """Return changes whose sizes, where they are established, hold also if what is only likely is not there.
 
     A part of a payload may else be found on the link before it as well, and the payload is too light by that. A change
-    that may be nothing then is likely itself. What refines a plain effect is there in that form: that much is certain.
+    that may be nothing then is likely itself. What refines a plain effect is there in that form, and what is certain
+    under another name: that much is certain.
+
+    Args:
+        found: The changes.
+        changes: The same with their sizes.
+        instead: What may be there in the place of a change, by their indices.
     """
     labels = {c.term.label for c in changes if c.confidence is Confidence.ESTABLISHED}
     if not 0 < len(labels) < len(changes):
@@ -308,7 +320,7 @@ def _with_or_without_likely(found: FoundChanges, changes: Sequence[Change]) -> l
     search = found.search
     effects = search.evidence.effects
     sure = {c for c in found.chosen if effects[c].effect.label in labels}
-    forms = (search.plain_form(c) for c in found.chosen if c not in sure)
+    forms = (instead.get(c, search.plain_form(c)) for c in found.chosen if c not in sure)
     rest = sure | {form for form in forms if form is not None and effects[form].effect.label not in labels}
     alone = {t.label: t for t in sized(sized_about_themselves(search, tuple(sorted(rest))))}
     covered = [

@@ -68,6 +68,20 @@ class Difference(WrappedEffect):
             self.effect.torque(x, self.sign * theta) if self._is_present(x) else np.zeros((len(x), x.robot.n))
         )
 
+    def torques(self, x: State, efforts: Array, theta: Array) -> Array:
+        """Return the effect's torque under several actuator torques, zero in the other logs.
+
+        Args:
+            x: State along one log, N samples; its ``effort`` is not used.
+            efforts: The actuator torques [N·m or N], shape (N, n, k).
+            theta: Differences of the parameters, shape (p,).
+
+        Returns:
+            In N·m or N, shape (N, n, k).
+        """
+        present = self._is_present(x)
+        return self.effect.torques(x, efforts, self.sign * theta) if present else np.zeros_like(efforts)
+
     def jacobian(self, x: State, theta: Array) -> Array:
         """Return the effect's ∂f/∂θ, zero in the other logs.
 

@@ -53,6 +53,7 @@ class Differing:
         settings: What may have changed, and what it must explain.
         size: RMS torque of each joint that no effect explains, the weight of its rows [N·m or N], shape (n,).
         put_right: Changes of which the logs are free already, and their parameters, shape (p,) each.
+        unchanged: Labels of effects that all logs have, of which no change is looked for.
     """
 
     experiment: Experiment
@@ -69,6 +70,7 @@ class Differing:
     settings: DiscoverySettings
     size: Array
     put_right: Mapping[Difference, Array] = field(default_factory=dict)
+    unchanged: frozenset[str] = frozenset()
 
     def __repr__(self) -> str:
         return f"Differing({self.experiment!r}, {len(self.changes)} candidates)"
@@ -275,32 +277,36 @@ class Differing:
 
     def evidence(self) -> BlockEvidence[Difference]:
         """Return the evidence for all changes by blocks of time."""
-        effects = self.screened()
-        return self._evidence(effects, self.together(effects))
+        return self.evidence_for(self.screened())
 
-    def beside_both(self, changes: list[Difference], both: Sequence[Effect]) -> BlockEvidence[Difference]:
-        """Return the evidence for some changes beside effects of any size that all logs have.
+    def evidence_for(self, changes: list[Difference]) -> BlockEvidence[Difference]:
+        """Return the evidence for some changes by blocks of time.
 
         Args:
             changes: The changes.
-            both: The effects.
+        """
+        parts = speed_parts(self.experiment, self.used)
+        robot = self.experiment.robot
+        return BlockEvidence.of(changes, self.together(changes), self.blocks, robot, parts)
+
+    def with_both(self, effects: Sequence[Effect]) -> Self:
+        """Return the same, where all logs may have some effects of any size, and no change of them is looked for.
+
+        Args:
+            effects: The effects.
         """
         robot = self.experiment.robot
-        columns = (self.columns.of(e, self.prediction, np.zeros(e.size)) for e in both)
-        own = [ColumnGroup.of(e, x, robot) for e, x in zip(both, columns, strict=True)]
-        return self._evidence(changes, replace(self, common=(*self.common, *own)).together(changes))
-
-    def _evidence(
-        self, changes: Sequence[Difference], regression: SharedRegression
-    ) -> BlockEvidence[Difference]:
-        parts = speed_parts(self.experiment, self.used)
-        return BlockEvidence.of(changes, regression, self.blocks, self.experiment.robot, parts)
+        columns = (self.columns.of(e, self.prediction, np.zeros(e.size)) for e in effects)
+        own = [ColumnGroup.of(e, x, robot) for e, x in zip(effects, columns, strict=True)]
+        unchanged = self.unchanged.union(e.label for e in effects)
+        return replace(self, common=(*self.common, *own), unchanged=unchanged)
 
     def screened(self) -> list[Difference]:
         """Return the changes; of large families on one joint only the shapes that fit best, before as well as after."""
         families: dict[tuple[str, float], list[Difference]] = {}
         for change in self.changes:
-            families.setdefault((change.label, change.sign), []).append(change)
+            if change.label not in self.unchanged:
+                families.setdefault((change.label, change.sign), []).append(change)
         return [c for family in families.values() for c in self._best_shapes(family)]
 
     def _best_shapes(self, family: list[Difference]) -> list[Difference]:

@@ -37,29 +37,49 @@ def doubted(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[s
     return {t.label for t in unusual if not crowded.is_beyond_doubt(t)}
 
 
+def everyday(problem: WhitenedProblem, model: Dynamics) -> WhitenedProblem:
+    """Return a problem without the unusual candidates that a model has not.
+
+    Args:
+        problem: Logs, candidates and noise.
+        model: The model.
+    """
+    known = {t.label for t in model.terms}
+    kinds = [f[0] for f in problem.problem.families]
+    return problem.without(e.label for e in kinds if problem.settings.is_unusual(e) and e.label not in known)
+
+
 def plain_model(
-    problem: WhitenedProblem, found: Dynamics, given: Dynamics, doubt: Collection[str], report: Progress
+    problem: WhitenedProblem, found: Dynamics, before: Dynamics, doubt: Collection[str], report: Progress
 ) -> Dynamics | None:
     """Return a model without doubted effects that predicts as well as the one with them; None if there is none.
 
-    What was found beside a doubted effect may be there for that alone. So where a search from the others leads to no
-    such model, another one begins at the given model.
+    The model before the search may be one. What was found beside a doubted effect may be there for that alone: so where
+    a search from the others leads to no such model, another one begins at the model before.
 
     Args:
         problem: Logs, candidates and noise.
         found: The model with the doubted effects.
-        given: The model before the search.
+        before: The model before the search.
         doubt: Their labels.
         report: Called with what changed and the share done [1].
     """
     rest = problem.without(doubt)
-    others = replace(found, terms=tuple(t for t in found.terms if t.label not in doubt))
-    for start in (others, given):
+    plain = _without(before, doubt)
+    if plain is before and predicts_as_well(problem, before, found):
+        return before
+    for start in (_without(found, doubt), plain):
         with suppress(*DIVERGED):  # such a search leads nowhere
-            plain = search(rest, start, Swaps(), report)
-            if predicts_as_well(problem, plain, found):
-                return plain
+            then = search(rest, start, Swaps(), report)
+            if predicts_as_well(problem, then, found):
+                return then
     return None
+
+
+def _without(model: Dynamics, labels: Collection[str]) -> Dynamics:
+    """Return a model without some effects; the model itself if it has none of them."""
+    terms = tuple(t for t in model.terms if t.label not in labels)
+    return model if len(terms) == len(model.terms) else replace(model, terms=terms)
 
 
 def predicts_as_well(problem: WhitenedProblem, plain: Dynamics, found: Dynamics) -> bool:

@@ -10,7 +10,7 @@ from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.beyond_model import discover_beyond, is_known
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
-from cdia_pin.discovery.doubted_effects import doubted, harmful, plain_model
+from cdia_pin.discovery.doubted_effects import doubted, everyday, harmful, plain_model
 from cdia_pin.discovery.drive_gains import costs_less, with_drive_gains
 from cdia_pin.discovery.plain_bodies import with_plain_bodies
 from cdia_pin.discovery.plain_forms import with_plain_forms
@@ -146,22 +146,25 @@ def _searched(
     report: Progress,
     keep: Callable[[Dynamics], None] | None = None,
 ) -> tuple[WhitenedProblem, Dynamics]:
-    """Search from a model several times, each time with the noise that the search before left."""
+    """Search from a model several times, each time with the noise that the search before left.
+
+    Everyday effects come first: what they explain is not left to unusual ones, which follow a little of everything.
+    """
     futile = Swaps()
     needed: set[str] = set()  # doubted effects without which no model predicts as well
     for k in range(PASSES):
-        before = {t.label for t in found.terms}
+        before = found
         now = part(report, k / PASSES, (k + 1) / PASSES)
         problem = problem.with_drift(found)
-        found = search(problem, found, futile, now, keep)
+        found = search(problem if k else everyday(problem, found), found, futile, now, keep)
         harm = harmful(problem, found, model)
         if doubt := (doubted(problem, found, model) | harm) - needed:
-            plain = plain_model(problem, found, model, doubt, now)
+            plain = plain_model(problem, found, before, doubt, now)
             if plain is None:
                 needed |= doubt - harm
             else:
                 problem, found = problem.without(doubt), plain
         problem = problem.with_noise_left_by(found)
-        if k > 0 and {t.label for t in found.terms} == before:
+        if k > 0 and {t.label for t in found.terms} == {t.label for t in before.terms}:
             break
     return problem, found

@@ -99,8 +99,16 @@ class Dynamics(ModelTerms):
                 before, tau = tau, load / gain
                 if np.abs(tau - before).max() <= SOLVED * np.abs(tau).max():
                     break
-        reading = tau - _sum(self.on(Channel.TORQUE_READING), x.with_effort(tau))
-        return Torques(tau, reading, gain)
+        return Torques(tau, self.read(x, tau[:, :, None])[:, :, 0], gain)
+
+    def read(self, x: State, torques: Array) -> Array:
+        """Return what a log reads of several torques, or of small changes of them [N·m or N], shape (N, n, k).
+
+        Args:
+            x: The motion as it is read, N samples; its ``effort`` is not used.
+            torques: Torques of the actuators [N·m or N], shape (N, n, k).
+        """
+        return sum((-t.torques(x, torques) for t in self.on(Channel.TORQUE_READING)), start=torques)
 
     def inverse_dynamics(
         self,

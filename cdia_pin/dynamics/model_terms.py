@@ -104,6 +104,14 @@ class ModelTerms:
         sees = at_true_positions and Signal.POSITION in effect.traits.depends_on
         return sees and bool(self.on(Channel.POSITION_READING))
 
+    def reads_otherwise(self, effect: Effect) -> bool:
+        """Tell whether terms change how the torque of an effect is read: later, for one.
+
+        Args:
+            effect: The effect, in the model or not.
+        """
+        return effect.traits.channel is not Channel.TORQUE_READING and bool(self.on(Channel.TORQUE_READING))
+
     def on(self, channel: Channel) -> tuple[Term, ...]:
         """Return the terms of a channel.
 

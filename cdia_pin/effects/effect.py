@@ -77,6 +77,17 @@ class Effect(Scoped, ABC):
         phi = self.basis(x)
         return (phi.reshape(-1, phi.shape[-1]) @ theta).reshape(phi.shape[:-1])  # one product, not N
 
+    def torques(self, x: State, efforts: Array, theta: Array) -> Array:
+        """Return f under several actuator torques [N·m or N], shape (N, n, k).
+
+        Args:
+            x: The motion, N samples; its ``effort`` is not used.
+            efforts: The actuator torques [N·m or N], shape (N, n, k).
+            theta: Parameters θ, shape (p,).
+        """
+        each = [self.torque(x.with_effort(effort), theta) for effort in np.moveaxis(efforts, 2, 0)]
+        return np.stack(each, axis=2)
+
     def jacobian(self, x: State, theta: Array) -> Array:
         """Return ∂f/∂θ for parameters θ (p,), shape (N, n, p).
 

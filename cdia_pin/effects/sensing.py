@@ -108,7 +108,17 @@ class EffortDelay(NonlinearEffect):
             x: Motion and torques, N samples.
             theta: d [s], shape (1,).
         """
-        (out,) = self._late(x, [float(theta[0])])
+        return self.torques(x, x.effort[:, :, None], theta)[:, :, 0]
+
+    def torques(self, x: State, efforts: Array, theta: Array) -> Array:
+        """Return f of several torques for the delay θ = (d,) [N·m or N], shape (N, n, k).
+
+        Args:
+            x: The motion, N samples; its ``effort`` is not used.
+            efforts: The torques [N·m or N], shape (N, n, k).
+            theta: d [s], shape (1,).
+        """
+        (out,) = self._late(x, efforts, [float(theta[0])])
         return out
 
     def jacobian(self, x: State, theta: Array) -> Array:
@@ -119,18 +129,18 @@ class EffortDelay(NonlinearEffect):
             theta: d [s], shape (1,).
         """
         (step,) = self.steps
-        later, earlier = self._late(x, [float(theta[0]) + step, float(theta[0]) - step])
-        return np.asarray((later - earlier)[:, :, None] / (2 * step))
+        later, earlier = self._late(x, x.effort[:, :, None], [float(theta[0]) + step, float(theta[0]) - step])
+        return np.asarray((later - earlier) / (2 * step))
 
-    def _late(self, x: State, delays: Sequence[float]) -> list[Array]:
-        """Return f for each of some delays [s]: the torque is interpolated once and held at both ends, (N, n) each."""
+    def _late(self, x: State, efforts: Array, delays: Sequence[float]) -> list[Array]:
+        """Return f for each of some delays [s]: torques are interpolated once and held at both ends, (N, n, k) each."""
         from scipy.interpolate import CubicSpline
 
-        out = [np.zeros_like(x.effort) for _ in delays]
+        out = [np.zeros_like(efforts) for _ in delays]
         if len(x) < 4 or np.ptp(x.time) == 0 or not any(delays):
             return out
-        joints = list(self.acts_on(x.robot))
-        effort = x.effort[:, joints]
+        joints = [j for j in self.acts_on(x.robot) if efforts[:, j].any()]
+        effort = efforts[:, joints]
         along = CubicSpline(x.time, effort)
         for f, delay in zip(out, delays, strict=True):
             if delay:

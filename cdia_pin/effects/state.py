@@ -140,7 +140,14 @@ class State:
         Args:
             k: Index of the sample.
         """
-        at = np.s_[k : k + 1]
+        return self.samples(np.array([k]))
+
+    def samples(self, at: NDArray[np.intp]) -> State:
+        """Return some samples as a state of their own; effects with memory are at their initial state.
+
+        Args:
+            at: Indices of the samples, shape (K,).
+        """
         change = None if self.gravity_change is None else self.gravity_change[at]
         q, v, a, effort, time = (s[at] for s in (self.q, self.v, self.a, self.effort, self.time))
         warmth = None if self.temperature is None else self.temperature[at]

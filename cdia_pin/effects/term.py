@@ -155,6 +155,15 @@ class Term:
         f = self.effect.torque(x, np.array(self.theta))
         return f if self.profile is ALWAYS else self.profile(x)[:, None] * f
 
+    def torques(self, x: State, efforts: Array) -> Array:
+        """Return β Φ θ under several actuator torques [N·m or N], shape (N, n, k).
+
+        Args:
+            x: The motion, N samples; its ``effort`` is not used.
+            efforts: The actuator torques [N·m or N], shape (N, n, k).
+        """
+        return self.profile(x)[:, None, None] * self.effect.torques(x, efforts, np.array(self.theta))
+
     def shift(self, x: State) -> Array:
         """Return by how much the arm is further than its encoders read [rad or m], shape (N, n).
 

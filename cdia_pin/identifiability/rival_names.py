@@ -32,7 +32,8 @@ def has_another_name(term: Term, confusions: Iterable[Confusion], robot: RobotMo
 def other_names(term: Term, confusions: Iterable[Confusion], robot: RobotModel) -> list[Confusion]:
     """Return the other explanations of a term that say something else of the arm.
 
-    Coulomb and viscous friction have no other name: every joint has them, and whatever resembles them is rarer.
+    Coulomb and viscous friction have no other name than each other's: every joint has them, and what else resembles
+    them is rarer. A joint that turns at one speed, or that reverses too fast for the filter, does not tell them apart.
 
     Args:
         term: The term.
@@ -40,7 +41,7 @@ def other_names(term: Term, confusions: Iterable[Confusion], robot: RobotModel) 
         robot: The arm.
     """
     if is_plain(term.effect):
-        return []
+        return [c for c in confusions if len(c.effects) == 1 and is_plain(c.effects[0])]
     return [c for c in confusions if len(c.effects) > 1 or not _same(term.effect, c.effects[0], robot)]
 
 

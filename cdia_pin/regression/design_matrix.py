@@ -91,6 +91,21 @@ class DesignMatrix:
             prediction: Prediction of the model that has the effect, or for which it is a candidate.
             theta: Parameters of the effect if the model has it, shape (p,).
         """
+        out = self._unread(effect, prediction, theta)
+        if theta is None or not prediction.model.reads_otherwise(effect):
+            return out
+        joints = list(effect.acts_on(self.experiment.robot))
+        values = self.experiment.read(prediction.model, out.values, joints)
+        return Columns(values, None, np.full(len(joints), np.nan))
+
+    def _unread(self, effect: Effect, prediction: Prediction, theta: Array | None) -> Columns:
+        """Return the columns of an effect in the torque itself, before it is read.
+
+        Args:
+            effect: The effect.
+            prediction: Prediction of the model that has the effect, or for which it is a candidate.
+            theta: Parameters of the effect if the model has it, shape (p,).
+        """
         exact = theta is not None
         joints = list(effect.acts_on(self.experiment.robot))
         traits = effect.traits

@@ -299,6 +299,21 @@ class Experiment:
             rows.append(flat.reshape(len(flat), len(joints), -1))
         return rows[0] if len(rows) == 1 else np.vstack(rows)
 
+    def read(self, model: Dynamics, columns: Array, joints: Sequence[int]) -> Array:
+        """Return what the logs read of torques of some joints, shape (K, joints, p).
+
+        Args:
+            model: The model, whose readings may be late.
+            columns: Torques at the compared samples [N·m or N per unit], shape (K, joints, p).
+            joints: Indices of the joints.
+        """
+        every = np.zeros((len(columns), self.robot.n, columns.shape[2]))
+        every[:, joints] = columns
+        parts = np.split(every, np.cumsum(self.lengths)[:-1])
+        return np.vstack([model.read(s.compared, x) for s, x in zip(self.segments, parts, strict=True)])[
+            :, joints
+        ]
+
     def _of_shift(self, effect: Effect, prediction: Prediction) -> Array:
         """Return the derivative of the residual by an encoder's zero, which moves all terms of the model, shape (K, n).
 

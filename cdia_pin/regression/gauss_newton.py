@@ -108,28 +108,48 @@ def _iterated(
     """
     effects = [t.effect for t in model.terms]
     every = range(len(effects))
-    # parameters before the last step, what may be left after it [1], and how often it was halved
-    kept, limit, halved = (np.zeros(0), np.inf, 0) if before is None else (*before, 0)
-    most, steps = 1 if _is_linear(model) else iterations, 0
-    while steps < most:
-        equations = regression.normal_equations(model, effects)
+    # parameters before the last step, and what may be left after it [1]
+    kept, limit = before or Before(np.zeros(0), np.inf)
+    most = 1 if _is_linear(model) else iterations
+    equations = regression.normal_equations(model, effects)
+    for step in range(most):
+        shorter = _shortened(regression, model, kept, limit, equations)
+        if shorter is None:
+            return with_parameters(model, kept), equations
+        if step or shorter is not model:
+            model, equations = shorter, regression.normal_equations(shorter, effects)
         theta = model.theta
         left = equations.objective(every, theta)
-        if left > limit:
-            if halved == MOST_HALVED:
-                model = with_parameters(model, kept)
-                break
-            model, halved = with_parameters(model, (theta + kept) / 2), halved + 1
-            continue
         fit = bounded_fit(equations, every, bodies=True)
         began_possible = limit < np.inf or is_possible(model)  # a limit is that of a step before
         limit = left if began_possible else max(left, MOST_LEFT * fit.objective)
-        model, kept, halved, steps = with_parameters(model, fit.theta), theta, 0, steps + 1
+        model, kept = with_parameters(model, fit.theta), theta
         # bodies are made possible to a tolerance: a step from possible ones may even promise a little more
         gained = left - fit.objective
-        if has_converged(gained if steps > 1 else abs(gained), fit, equations):
+        if has_converged(gained if step else abs(gained), fit, equations):
             break
     return model, equations
+
+
+def _shortened(
+    regression: Regression, model: Dynamics, kept: Array, limit: float, near: NormalEquations
+) -> Dynamics | None:
+    """Return the model at the end of a step, halved until it leaves no more than there was; None if that is too short.
+
+    Args:
+        regression: The conditioned logs and their noise.
+        model: The model at the end of the whole step.
+        kept: Parameters at its beginning, shape (P,).
+        limit: What may be left [1].
+        near: Normal equations near the model, for their prior.
+    """
+    if limit == np.inf:
+        return model
+    for _ in range(MOST_HALVED + 1):
+        if regression.chi2(model) + near.from_prior(range(len(model.terms)), model.theta) <= limit:
+            return model
+        model = with_parameters(model, (model.theta + kept) / 2)
+    return None
 
 
 def is_possible(model: Dynamics) -> bool:

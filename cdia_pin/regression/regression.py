@@ -42,6 +42,15 @@ class Regression:
         """The conditioned logs."""
         return self.design.experiment
 
+    def chi2(self, model: Dynamics) -> float:
+        """Return the residual sum of squares of a model, in variances of the noise [1].
+
+        Args:
+            model: The model.
+        """
+        residual = self.experiment.predict(model).residual
+        return float(sum(np.sum(self.whitening.joint(j, r) ** 2) for j, r in enumerate(residual.T)))
+
     def normal_equations(
         self,
         model: Dynamics | Prediction,

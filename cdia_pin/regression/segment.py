@@ -44,6 +44,11 @@ class Segment:
         return max(len(self.measured) if period is None else period, 1)
 
     @cached_property
+    def compared(self) -> State:
+        """State at the compared samples."""
+        return self.state.samples(self.motion.kept)
+
+    @cached_property
     def since(self) -> Array:
         """Time of each compared sample since the first one [s], shape (K,)."""
         time = self.motion.time[self.motion.kept]

@@ -72,5 +72,8 @@ def _changes(found: Changes) -> Table:
         add_row(
             table, row.name, row.where, "\n".join(row.differences), *growth, row.torque, str(row.confidence)
         )
-    table.caption = "torque: RMS in the logs that have it"
+    table.caption = (
+        "torque: RMS in the logs that have it\n"
+        "A difference acts on the arm: the measured torque changes by the opposite."
+    )
     return table

@@ -456,6 +456,26 @@ def test_a_change_with_a_rival_of_another_kind_is_likely_at_most(monkeypatch):
     assert (change.term.label, change.confidence) == ("actuator_gain@elbow_joint", "likely")
 
 
+def test_what_is_certain_under_another_name_is_there_when_others_are_sized(monkeypatch):
+    """Before, friction had to hold without any payload, because it might be a body of the link before."""
+    both = (*with_friction(coulomb_friction=3.0), Fault("payload", mass=1.5))
+
+    def half_width(rival=None):
+        def rivals(search, chosen, one):
+            effects = search.evidence.effects
+            its = [c for c, e in enumerate(effects) if e.label == rival and e.sign > 0]
+            return its if effects[one].effect.name == "payload" else []
+
+        monkeypatch.setattr(ChangeSearch, "rivals", rivals)
+        changes = {c.term.label: c for c in changed(WRONG, both).changes}
+        payload, friction = changes["payload"], changes["coulomb_friction@elbow_joint"]
+        assert payload.confidence == ("likely" if rival else "established")
+        assert friction.confidence == "established"
+        return friction.term.half_widths[0]
+
+    assert half_width("link_inertia@wrist_2_joint") < 1.5 * half_width()
+
+
 def test_rivals_are_named_once_each_and_the_best_first(ur5):
     offset, spring, other = map(
         parse_effect,

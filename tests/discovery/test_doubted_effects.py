@@ -7,7 +7,7 @@ import pytest
 
 from cdia_pin import Dynamics, Log, load_robot
 from cdia_pin.discovery import doubted_effects
-from cdia_pin.discovery.doubted_effects import doubted, plain_model, predicts_as_well
+from cdia_pin.discovery.doubted_effects import doubted, everyday, plain_model, predicts_as_well
 from cdia_pin.effects import parse_term
 from cdia_pin.progress import silent
 from cdia_pin.regression.gauss_newton import fitted_together
@@ -68,13 +68,35 @@ def test_what_no_other_effect_replaces_is_not_doubted_however_uncertain(robot):
     assert is_doubted(np.zeros_like, 1.5)
 
 
-def test_a_second_search_begins_at_the_given_model(robot, monkeypatch):
+def test_the_model_before_is_plain_enough_without_a_search(robot, monkeypatch):
+    problem, found, plain = fitted(robot, ())
+    monkeypatch.setattr(doubted_effects, "search", None)
+    assert plain_model(problem, found, plain, {"counterbalance@joint1"}, silent) is plain
+
+
+def test_a_second_search_begins_at_the_model_before(robot, monkeypatch):
     """What was found beside a doubted effect may lead nowhere without it."""
     problem, found, plain = fitted(robot, ())
-    monkeypatch.setattr(doubted_effects, "search", lambda problem, start, *_: start)
+    before, begun = Dynamics(robot), []
+
+    def search(problem, start, *_):
+        begun.append(start)
+        return plain if start is before else start
+
+    monkeypatch.setattr(doubted_effects, "search", search)
     doubt = {t.label for t in found.terms}
-    assert plain_model(problem, found, plain, doubt, silent) is plain
-    assert plain_model(problem, found, Dynamics(robot), doubt, silent) is None
+    assert plain_model(problem, found, before, doubt, silent) is plain
+    assert len(begun) == 2
+    monkeypatch.setattr(doubted_effects, "search", lambda problem, start, *_: start)
+    assert plain_model(problem, found, before, doubt, silent) is None
+
+
+def test_the_first_search_has_everyday_effects_and_those_of_the_model(robot):
+    problem, found, plain = fitted(robot, ())
+    of_found, of_plain = ({f[0].label for f in everyday(problem, m).problem.families} for m in (found, plain))
+    assert of_found - of_plain == {"counterbalance@joint1"}
+    kinds = {f[0] for f in problem.problem.families}
+    assert of_plain == {e.label for e in kinds if not problem.settings.is_unusual(e)}
 
 
 def test_what_the_user_expects_or_has_given_is_not_doubted(robot):

@@ -477,6 +477,16 @@ def test_a_name_is_taken_once():
         register(Impostor)
 
 
+@each(lambda effect: Signal.TORQUE in effect.traits.depends_on)
+def test_the_torque_under_several_actuator_torques_is_that_under_each(name, effect):
+    x = state_of(name)
+    theta = drawn(effect, x.robot)
+    efforts = np.random.default_rng(0).normal(size=(*x.q.shape, 3))
+    every = effect.torques(x, efforts, theta)
+    for k in range(3):
+        np.testing.assert_allclose(every[:, :, k], effect.torque(x.with_effort(efforts[:, :, k]), theta))
+
+
 # ------------------------------------------------------------------ effects made of others, effects with memory
 
 DERIVED = {
@@ -485,6 +495,7 @@ DERIVED = {
     "on_links",
     "from_scope",
     "scopes",
+    "torques",
 }  # from other parts of the contract, or of the class alone
 
 

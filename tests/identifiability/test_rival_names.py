@@ -11,6 +11,9 @@ from cdia_pin.identifiability.rival_names import has_another_name
     ("named", "rival", "doubtful"),
     [
         ("coulomb_friction@elbow_joint", "torque_offset@wrist_1_joint", False),
+        ("coulomb_friction@elbow_joint", "presliding_friction@elbow_joint", False),
+        ("coulomb_friction@elbow_joint", "viscous_friction@elbow_joint", True),
+        ("viscous_friction@elbow_joint", "coulomb_friction@elbow_joint", True),
         ("viscous_friction@elbow_joint", "actuator_gain@elbow_joint", False),
         ("torque_offset@elbow_joint", "joint_spring@elbow_joint", False),
         ("torque_offset@elbow_joint", "joint_spring@wrist_1_joint", True),

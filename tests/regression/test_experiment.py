@@ -9,6 +9,7 @@ from cdia_pin import Dynamics, load_robot
 from cdia_pin.effects import EFFECTS, Expression, Signal, Term, Unknown
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Conditioning, condition
+from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment
 from tests.made_logs import CUTOFF, conditioned, make, motion
 
@@ -109,6 +110,18 @@ def test_columns_are_the_derivative_of_the_prediction(name, at, pendulum, experi
         scale = np.abs(columns[:, :, i]).max() + 1e-12
         np.testing.assert_allclose(-change[:, joints], columns[:, :, i], atol=2e-3 * scale)
         np.testing.assert_allclose(change[:, rest], 0.0, atol=1e-6 * scale)
+
+
+@pytest.mark.parametrize("name", ["viscous_friction", "payload", "load_friction"])
+def test_columns_of_a_model_whose_reading_is_late_are_late(name, pendulum, experiment):
+    effect, theta = effect_of(name, pendulum), np.array(SIZES[name])
+    delay = Term(effect_of("effort_delay", pendulum), (0.06,))
+    model = Dynamics(pendulum, (Term(effect, tuple(theta)), delay))
+    columns = DesignMatrix(experiment).of(effect, experiment.predict(model), theta)
+    step = SMALL * theta[0] * np.eye(effect.size)[0]
+    up, down = (residual(experiment, Term(effect, tuple(theta + s * step)), delay) for s in (0.5, -0.5))
+    change = -(up - down)[:, list(effect.acts_on(pendulum))] / step[0]
+    assert np.linalg.norm(columns[:, :, 0] - change) < 0.03 * np.linalg.norm(change)
 
 
 def test_a_gain_in_the_model_divides_what_else_is_missing(pendulum, experiment):
