@@ -15,6 +15,7 @@ from dataclasses import replace
 from cdia_pin.discovery.decision import Repeat
 from cdia_pin.discovery.one_by_one import heldout_error, is_no_worse, kept
 from cdia_pin.dynamics import Dynamics
+from cdia_pin.effects import Term
 from cdia_pin.progress import Progress
 from cdia_pin.regression.gauss_newton import DIVERGED
 from cdia_pin.selection.problem import WhitenedProblem
@@ -29,12 +30,23 @@ def doubted(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[s
         found: The model that a search has found.
         given: The model before it; its own terms are not doubted.
     """
-    known = {t.label for t in given.terms}
-    unusual = [t for t in found.terms if t.label not in known and problem.settings.is_unusual(t.effect)]
+    unusual = unusual_terms(problem, found, given)
     if not unusual:
         return set()
     crowded = Repeat.of(problem.problem, found).crowded
     return {t.label for t in unusual if not crowded.is_beyond_doubt(t)}
+
+
+def unusual_terms(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> list[Term]:
+    """Return the terms of unusual effects that were found.
+
+    Args:
+        problem: Logs and settings.
+        found: The model that a search has found.
+        given: The model before it.
+    """
+    known = {t.label for t in given.terms}
+    return [t for t in found.terms if t.label not in known and problem.settings.is_unusual(t.effect)]
 
 
 def everyday(problem: WhitenedProblem, model: Dynamics) -> WhitenedProblem:

@@ -10,7 +10,7 @@ from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.beyond_model import discover_beyond, is_known
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
-from cdia_pin.discovery.doubted_effects import doubted, everyday, harmful, plain_model
+from cdia_pin.discovery.doubted_effects import doubted, everyday, harmful, plain_model, unusual_terms
 from cdia_pin.discovery.drive_gains import costs_less, with_drive_gains
 from cdia_pin.discovery.plain_bodies import with_plain_bodies
 from cdia_pin.discovery.plain_forms import with_plain_forms
@@ -149,7 +149,9 @@ def _searched(
     """Search from a model several times, each time with the noise that the search before left.
 
     Everyday effects come first: what they explain is not left to unusual ones, which follow a little of everything.
+    Where an unusual one is there beyond doubt, they may have stood for it, so that another search begins with all.
     """
+    first, start = problem, found
     futile = Swaps()
     needed: set[str] = set()  # doubted effects without which no model predicts as well
     for k in range(PASSES):
@@ -158,12 +160,17 @@ def _searched(
         problem = problem.with_drift(found)
         found = search(problem if k else everyday(problem, found), found, futile, now, keep)
         harm = harmful(problem, found, model)
-        if doubt := (doubted(problem, found, model) | harm) - needed:
+        doubt = (doubted(problem, found, model) | harm) - needed
+        if doubt:
             plain = plain_model(problem, found, before, doubt, now)
             if plain is None:
                 needed |= doubt - harm
             else:
                 problem, found = problem.without(doubt), plain
+        if k == 1 and {t.label for t in unusual_terms(problem, found, model)} - doubt:
+            anew = first.without(doubt)
+            other = search(anew, start, Swaps(), now)
+            found = other if costs_less(anew, other, found) else found
         problem = problem.with_noise_left_by(found)
         if k > 0 and {t.label for t in found.terms} == {t.label for t in before.terms}:
             break

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cdia_pin import Dynamics, Log, load_robot
-from cdia_pin.discovery import doubted_effects
+from cdia_pin.discovery import doubted_effects, missing_effects
 from cdia_pin.discovery.doubted_effects import doubted, everyday, plain_model, predicts_as_well
 from cdia_pin.effects import parse_term
 from cdia_pin.progress import silent
@@ -97,6 +97,26 @@ def test_the_first_search_has_everyday_effects_and_those_of_the_model(robot):
     assert of_found - of_plain == {"counterbalance@joint1"}
     kinds = {f[0] for f in problem.problem.families}
     assert of_plain == {e.label for e in kinds if not problem.settings.is_unusual(e)}
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+def test_where_an_unusual_effect_is_there_a_search_begins_again_with_all(robot, monkeypatch, is_there):
+    """What everyday effects had explained before may have stood for it."""
+    problem, found, plain = fitted(robot, (parse_term(SPRING),) if is_there else ())
+    begun = []
+
+    def search(problem, start, *_):
+        begun.append((start, {f[0].label for f in problem.problem.families}))
+        return plain if len(begun) == 1 else found
+
+    for module in (missing_effects, doubted_effects):
+        monkeypatch.setattr(module, "search", search)
+    given = Dynamics(robot)
+    missing_effects._searched(problem, given, given, silent)
+    assert "counterbalance@joint1" not in begun[0][1]
+    assert "counterbalance@joint1" in begun[1][1]
+    again = [labels for start, labels in begun[2:] if start is given]
+    assert [("counterbalance@joint1" in labels) for labels in again] == ([True] if is_there else [])
 
 
 def test_what_the_user_expects_or_has_given_is_not_doubted(robot):
