@@ -10,7 +10,14 @@ from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.beyond_model import discover_beyond, is_known
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
-from cdia_pin.discovery.doubted_effects import doubted, everyday, harmful, plain_model, unusual_terms
+from cdia_pin.discovery.doubted_effects import (
+    doubted,
+    everyday,
+    harmful,
+    has_unusual_rival,
+    plain_model,
+    unusual_terms,
+)
 from cdia_pin.discovery.drive_gains import costs_less, with_drive_gains
 from cdia_pin.discovery.plain_bodies import with_plain_bodies
 from cdia_pin.discovery.plain_forms import with_plain_forms
@@ -149,7 +156,8 @@ def _searched(
     """Search from a model several times, each time with the noise that the search before left.
 
     Everyday effects come first: what they explain is not left to unusual ones, which follow a little of everything.
-    Where an unusual one is there beyond doubt, they may have stood for it, so that another search begins with all.
+    Where an unusual one explains as much alone, or is there beyond doubt, they may have stood for it, so that another
+    search begins with all.
     """
     first, start = problem, found
     futile = Swaps()
@@ -167,7 +175,11 @@ def _searched(
                 needed |= doubt - harm
             else:
                 problem, found = problem.without(doubt), plain
-        if k == 1 and {t.label for t in unusual_terms(problem, found, model)} - doubt:
+        if k == 0:
+            rivalled = has_unusual_rival(first, start, found)
+        else:
+            rivalled = k == 1 and bool({t.label for t in unusual_terms(problem, found, model)} - doubt)
+        if rivalled:
             anew = first.without(doubt)
             other = search(anew, start, Swaps(), now)
             found = other if costs_less(anew, other, found) else found
