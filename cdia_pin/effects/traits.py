@@ -12,7 +12,7 @@ class Channel(StrEnum):
 
     JOINT_TORQUE = "joint torque"  # adds torque to the arm
     POSITION_READING = "position reading"  # the arm is at q + `Effect.shift`
-    TORQUE_READING = "torque reading"  # distorts the reading of the torque, after all else
+    TORQUE_READING = "torque reading"  # distorts the reading, after all else and in proportion to the torque
 
 
 class SensedFrom(StrEnum):
