@@ -206,9 +206,8 @@ def sized_changes(
     if parts:
         whole = tuple(c for c in chosen if effects[c].effect.label not in parts)
         return sized_changes(sized_about_themselves(search, whole), run_to_run)
-    return tuple(sorted(_with_or_without_likely(found, out, instead), key=lambda c: -c.evidence)), tuple(
-        usual
-    )
+    settled = _with_or_without_likely(found, out, instead)
+    return tuple(sorted(settled, key=lambda c: -c.evidence)), tuple(usual)
 
 
 def _sizes(found: FoundChanges, run_to_run: RunToRun) -> tuple[dict[int, Term], list[UsualFriction]]:

@@ -175,10 +175,8 @@ def _searched(
                 needed |= doubt - harm
             else:
                 problem, found = problem.without(doubt), plain
-        if k == 0:
-            rivalled = has_unusual_rival(first, start, found)
-        else:
-            rivalled = k == 1 and bool({t.label for t in unusual_terms(problem, found, model)} - doubt)
+        there = {t.label for t in unusual_terms(problem, found, model)} - doubt
+        rivalled = has_unusual_rival(first, start, found) if k == 0 else k == 1 and there
         if rivalled:
             anew = first.without(doubt)
             other = search(anew, start, Swaps(), now)

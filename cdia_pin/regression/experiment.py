@@ -310,9 +310,8 @@ class Experiment:
         every = np.zeros((len(columns), self.robot.n, columns.shape[2]))
         every[:, joints] = columns
         parts = np.split(every, np.cumsum(self.lengths)[:-1])
-        return np.vstack([model.read(s.compared, x) for s, x in zip(self.segments, parts, strict=True)])[
-            :, joints
-        ]
+        late = [model.read(s.compared, x) for s, x in zip(self.segments, parts, strict=True)]
+        return np.vstack(late)[:, joints]
 
     def _of_shift(self, effect: Effect, prediction: Prediction) -> Array:
         """Return the derivative of the residual by an encoder's zero, which moves all terms of the model, shape (K, n).
