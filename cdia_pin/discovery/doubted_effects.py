@@ -10,20 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from contextlib import suppress
-from dataclasses import replace
 
 from cdia_pin.discovery.decision import Repeat
 from cdia_pin.discovery.one_by_one import heldout_error, is_no_worse, kept
+from cdia_pin.discovery.unusual_effects import unusual_terms
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import Term
 from cdia_pin.progress import Progress
 from cdia_pin.regression.gauss_newton import DIVERGED
 from cdia_pin.selection.problem import WhitenedProblem
 from cdia_pin.selection.search import Swaps, search
-
-# Share of what everyday effects explain that an unusual one alone must explain to be their rival [1]. It is at most
-# 0.45 on five of six measured arms and 0.80 on a Panda, and 1.00 and more for those put into simulated arms.
-AS_MUCH = 0.95
 
 
 def doubted(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[str]:
@@ -39,44 +34,6 @@ def doubted(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> set[s
         return set()
     crowded = Repeat.of(problem.problem, found).crowded
     return {t.label for t in unusual if not crowded.is_beyond_doubt(t)}
-
-
-def unusual_terms(problem: WhitenedProblem, found: Dynamics, given: Dynamics) -> list[Term]:
-    """Return the terms of unusual effects that were found.
-
-    Args:
-        problem: Logs and settings.
-        found: The model that a search has found.
-        given: The model before it.
-    """
-    known = {t.label for t in given.terms}
-    return [t for t in found.terms if t.label not in known and problem.settings.is_unusual(t.effect)]
-
-
-def everyday(problem: WhitenedProblem, model: Dynamics) -> WhitenedProblem:
-    """Return a problem without the unusual candidates that a model has not.
-
-    Args:
-        problem: Logs, candidates and noise.
-        model: The model.
-    """
-    known = {t.label for t in model.terms}
-    kinds = [f[0] for f in problem.problem.families]
-    return problem.without(e.label for e in kinds if problem.settings.is_unusual(e) and e.label not in known)
-
-
-def has_unusual_rival(problem: WhitenedProblem, given: Dynamics, found: Dynamics) -> bool:
-    """Tell whether one unusual effect alone explains as much as all everyday effects that were found.
-
-    Args:
-        problem: Logs, candidates and noise.
-        given: The model before the search.
-        found: The model that the search has found.
-    """
-    evidence, present = problem.evidence(given), range(len(given.terms))
-    gains = zip(evidence.effects, evidence.gains(present), strict=True)
-    most = max((gain for effect, gain in gains if problem.settings.is_unusual(effect)), default=0.0)
-    return bool(most >= AS_MUCH * (evidence.free_chi2(present) - problem.regression.chi2(found)))
 
 
 def plain_model(
@@ -95,21 +52,15 @@ def plain_model(
         report: Called with what changed and the share done [1].
     """
     rest = problem.without(doubt)
-    plain = _without(before, doubt)
+    plain = before.without(doubt)
     if plain is before and predicts_as_well(problem, before, found):
         return before
-    for start in (_without(found, doubt), plain):
+    for start in (found.without(doubt), plain):
         with suppress(*DIVERGED):  # such a search leads nowhere
             then = search(rest, start, Swaps(), report)
             if predicts_as_well(problem, then, found):
                 return then
     return None
-
-
-def _without(model: Dynamics, labels: Collection[str]) -> Dynamics:
-    """Return a model without some effects; the model itself if it has none of them."""
-    terms = tuple(t for t in model.terms if t.label not in labels)
-    return model if len(terms) == len(model.terms) else replace(model, terms=terms)
 
 
 def predicts_as_well(problem: WhitenedProblem, plain: Dynamics, found: Dynamics) -> bool:

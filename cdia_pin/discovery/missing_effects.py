@@ -10,19 +10,13 @@ from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.discovery.beyond_model import discover_beyond, is_known
 from cdia_pin.discovery.conclusion import concluded
 from cdia_pin.discovery.discovery_result import Discovery
-from cdia_pin.discovery.doubted_effects import (
-    doubted,
-    everyday,
-    harmful,
-    has_unusual_rival,
-    plain_model,
-    unusual_terms,
-)
+from cdia_pin.discovery.doubted_effects import doubted, harmful, plain_model
 from cdia_pin.discovery.drive_gains import costs_less, with_drive_gains
 from cdia_pin.discovery.plain_bodies import with_plain_bodies
 from cdia_pin.discovery.plain_forms import with_plain_forms
 from cdia_pin.discovery.plain_friction import with_plain_friction
 from cdia_pin.discovery.ranking import rank
+from cdia_pin.discovery.unusual_effects import everyday, has_unusual_rival, unusual_terms
 from cdia_pin.discovery.weighed_payload import with_weighed_payload
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.logs.log import Log, listed
@@ -176,8 +170,7 @@ def _searched(
             else:
                 problem, found = problem.without(doubt), plain
         there = {t.label for t in unusual_terms(problem, found, model)} - doubt
-        rivalled = has_unusual_rival(first, start, found) if k == 0 else k == 1 and there
-        if rivalled:
+        if (k == 0 and has_unusual_rival(first, start, found)) or (k == 1 and there):
             anew = first.without(doubt)
             other = search(anew, start, Swaps(), now)
             found = other if costs_less(anew, other, found) else found

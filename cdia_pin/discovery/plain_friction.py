@@ -94,8 +94,7 @@ def held_out_growth(problem: WhitenedProblem, model: Dynamics, plain: Dynamics) 
 
 def _with_own_friction(problem: WhitenedProblem, model: Dynamics, between: Sequence[Term]) -> Dynamics:
     """Return a model with certain friction of each joint in the place of friction between two."""
-    labels = {t.label for t in between}
-    rest = replace(model, terms=tuple(t for t in model.terms if t.label not in labels))
+    rest = model.without({t.label for t in between})
     return with_certain(problem, rest, _of_each_joint(between, [t.effect for t in rest.terms]))
 
 
@@ -125,8 +124,7 @@ def _with_dry_friction(problem: WhitenedProblem, model: Dynamics, load: Term) ->
     unsure = {e.label for e in added if not repeat.survives(plain.find(e.label))}
     if CoulombFriction(*load.effect.scope).label in unsure:
         return _with_coulomb_alone(problem, model, load)
-    kept = tuple(t for t in plain.terms if t.label not in unsure)
-    return fitted_together(problem.regression, replace(plain, terms=kept)) if unsure else plain
+    return fitted_together(problem.regression, plain.without(unsure)) if unsure else plain
 
 
 def _with_coulomb_alone(problem: WhitenedProblem, model: Dynamics, load: Term) -> Dynamics:

@@ -6,8 +6,6 @@ reads of a payload looks for a load.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from cdia_pin.discovery.plain_bodies import found_bodies
@@ -37,8 +35,7 @@ def with_weighed_payload(problem: WhitenedProblem, model: Dynamics, given: Dynam
     possible = {f[0].label for f in problem.problem.families} - {t.label for t in given.terms}
     if not loads or link.label not in possible:
         return model
-    one = replace(model, terms=tuple(t for t in model.terms if t.label != link.label))
-    fitted = with_intervals(*refit(problem.regression, one))
+    fitted = with_intervals(*refit(problem.regression, model.without({link.label})))
     payload = fitted.find(loads[0].label)
     weight = slice(PARAMETERS_OF_WEIGHT)
     if np.any(np.abs(payload.theta[weight]) > payload.half_widths[weight]):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
@@ -67,6 +68,15 @@ class ModelTerms:
             have = ", ".join(t.label for t in self.terms) or "none"
             raise ModelError(f"the model has no term '{label}'; its terms: {have}")
         return replace(self, terms=kept)
+
+    def without(self, labels: Collection[str]) -> Self:
+        """Return the model without some terms; the model itself if it has none of them.
+
+        Args:
+            labels: Labels of terms.
+        """
+        kept = tuple(t for t in self.terms if t.label not in labels)
+        return self if len(kept) == len(self.terms) else replace(self, terms=kept)
 
     def find(self, label: str) -> Term:
         """Find a term by its label.

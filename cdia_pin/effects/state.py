@@ -140,13 +140,13 @@ class State:
         Args:
             k: Index of the sample.
         """
-        return self.samples(np.array([k]))
+        return self.samples(np.s_[k : k + 1])
 
-    def samples(self, at: NDArray[np.intp]) -> State:
+    def samples(self, at: slice | NDArray[np.intp]) -> State:
         """Return some samples as a state of their own; effects with memory are at their initial state.
 
         Args:
-            at: Indices of the samples, shape (K,).
+            at: The samples, or their indices, shape (K,).
         """
         change = None if self.gravity_change is None else self.gravity_change[at]
         q, v, a, effort, time = (s[at] for s in (self.q, self.v, self.a, self.effort, self.time))

@@ -310,7 +310,7 @@ class Experiment:
         every = np.zeros((len(columns), self.robot.n, columns.shape[2]))
         every[:, joints] = columns
         parts = np.split(every, np.cumsum(self.lengths)[:-1])
-        late = [model.read(s.compared, x) for s, x in zip(self.segments, parts, strict=True)]
+        late = [model.read(s.compared_state, x) for s, x in zip(self.segments, parts, strict=True)]
         return np.vstack(late)[:, joints]
 
     def _of_shift(self, effect: Effect, prediction: Prediction) -> Array:

@@ -48,8 +48,7 @@ class Regression:
         Args:
             model: The model.
         """
-        residual = self.experiment.predict(model).residual
-        return float(sum(np.sum(self.whitening.joint(j, r) ** 2) for j, r in enumerate(residual.T)))
+        return float(np.sum(self.whitening.every(self.experiment.predict(model).residual) ** 2))
 
     def normal_equations(
         self,

@@ -44,7 +44,7 @@ class Segment:
         return max(len(self.measured) if period is None else period, 1)
 
     @cached_property
-    def compared(self) -> State:
+    def compared_state(self) -> State:
         """State at the compared samples."""
         return self.state.samples(self.motion.kept)
 

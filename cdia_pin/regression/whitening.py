@@ -48,6 +48,17 @@ class Whitening:
         """Number of innovations that count, over all joints."""
         return sum(int((self.used[:, j] & m.kept).sum()) for j, m in enumerate(self.noise))
 
+    def every(self, signal: Array) -> Array:
+        """Whiten a signal of all joints.
+
+        Args:
+            signal: Torque [N·m or N], shape (K, n).
+
+        Returns:
+            Innovations in units of their standard deviation [1], shape (K, n).
+        """
+        return np.column_stack([self.joint(j, own) for j, own in enumerate(signal.T)])
+
     def joint(self, j: int, signal: Array) -> Array:
         """Whiten a signal of one joint.
 

@@ -285,8 +285,7 @@ class WhitenedProblem:
                 effects is the same, and takes a fraction of the time.
         """
         prediction = self.experiment.predict(model)
-        joints = range(self.experiment.robot.n)
-        leftover = np.column_stack([self.whitening.joint(j, prediction.residual[:, j]) for j in joints])
+        leftover = self.whitening.every(prediction.residual)
         families = self.problem.families
         screened = (
             screen(families, self.problem.design, prediction, self.whitening.noise, leftover)

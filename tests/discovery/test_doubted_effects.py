@@ -7,7 +7,8 @@ import pytest
 
 from cdia_pin import Dynamics, Log, load_robot
 from cdia_pin.discovery import doubted_effects, missing_effects
-from cdia_pin.discovery.doubted_effects import doubted, everyday, plain_model, predicts_as_well
+from cdia_pin.discovery.doubted_effects import doubted, plain_model, predicts_as_well
+from cdia_pin.discovery.unusual_effects import everyday
 from cdia_pin.effects import parse_term
 from cdia_pin.progress import silent
 from cdia_pin.regression.gauss_newton import fitted_together

@@ -149,6 +149,13 @@ def test_a_term_of_the_same_effect_and_joint_is_replaced(arm):
     assert model.remove("coulomb_friction@elbow_joint").terms == (other,)
 
 
+def test_a_model_without_some_terms_is_itself_if_it_has_none_of_them(arm):
+    one, other = (parse_term(f"coulomb_friction@{joint}: level=1") for joint in arm.joints[:2])
+    model = Dynamics(arm, (one, other))
+    assert model.without({one.label, "payload"}).terms == (other,)
+    assert model.without({"payload"}) is model
+
+
 def test_an_unknown_term_is_refused(arm):
     model = Dynamics(arm, (parse_term("payload: mass=1"),))
     with pytest.raises(ModelError, match="its terms: payload"):

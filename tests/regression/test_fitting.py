@@ -27,7 +27,6 @@ from cdia_pin.effects import (
     ViscousFriction,
     parse_effect,
 )
-from cdia_pin.logs.conditioning import condition
 from cdia_pin.regression import gauss_newton
 from cdia_pin.regression.bounded_fit import bounded_fit
 from cdia_pin.regression.cross_validation import held_out_rms
@@ -41,7 +40,7 @@ from cdia_pin.regression.regression import Regression
 from cdia_pin.regression.shape_slopes import slopes
 from cdia_pin.regression.time_blocks import time_blocks
 from cdia_pin.regression.whitening import Whitening
-from tests.made_logs import CUTOFF, autoregressive, conditioned, make, motion
+from tests.made_logs import autoregressive, conditioned, make, motion
 
 COULOMB, VISCOUS, OFFSET = (
     parse_effect(f"{name}@joint1") for name in ("coulomb_friction", "viscous_friction", "torque_offset")
@@ -64,7 +63,8 @@ def prepared(robot, missing, *, noise=0.005, seed=0, order=0, duration=20.0, lat
     made = make(robot, missing, seed=seed, noise=noise, duration=duration)
     at = made.log.time - late
     effort = np.column_stack([np.interp(at, made.log.time, x) for x in made.log.effort.T])
-    experiment = Experiment.of(robot, [condition(replace(made.log, effort=effort), robot, CUTOFF)])
+    log = replace(made.log, effort=effort)
+    experiment = Experiment.of(robot, [conditioned(robot, replace(made, log=log))])
     count = len(experiment.measured)
     model = NoiseModel(np.full(order, 0.3 / max(order, 1)), np.full(count, max(noise, 1e-4)), (count,))
     blocks = time_blocks(experiment.segments, BLOCKS)
