@@ -2,8 +2,9 @@
 
 Nobody knows the right cut-off, the right links, or what else acts. An effect that is real does not depend on them.
 The repeats: both halves of every log, 0.7 and 1.4 of the cut-off, and links that are five percent wrong. An established
-effect is besides larger than what the model leaves, half of the log shows it by itself, unless every joint has it, and
-several blocks of time show it, for one short motion says nothing of the next.
+effect is besides larger than what the model leaves, and several blocks of time show it, for one short motion says
+nothing of the next. Unless every joint has it, each half of the log shows it by itself, and all repeats find about the
+same torque: what follows a little of everything is another effect in each log, or of another size.
 A gain that is not established may stand for something else, and then it scales the other effects of its joint: their
 intervals reach to where they are without it.
 What is established only beside descriptive effects that cancel it is likely, and its interval reaches to where it is
@@ -89,17 +90,19 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         telling = [r for r in repeats if r.survives(term) or r.could_show(term, size)]
         survived = [r.survives(term) for r in telling]
         shown = len(telling) >= settings.confidence.least_shown * len(repeats)
-        alone = is_plain(term.effect) or any(half in telling for half in whole.halves)
+        alone = all(half in telling for half in whole.halves)
         if isinstance(term.effect, Body):  # the next link may have the same mass
             survived.append(whole.crowded.survives(term, spared=0))
-        moved = [np.abs(r.theta(term) - size) for r in telling]
+        moved = np.array([r.theta(term) - size for r in telling]).reshape(-1, term.effect.size)
+        steady = _is_steady(whole, term, moved)
         torque = whole.torque(term, np.array(term.theta))
         scale = effort_tolerance(logs.experiment, term.effect, torque) * np.abs(term.theta)
-        systematic = np.hypot(np.max([np.zeros(term.effect.size), *moved], axis=0), scale)
+        systematic = np.hypot(np.abs(moved).max(axis=0, initial=0.0), scale)
         lasting = whole.spread(term) >= settings.confidence.least_spread
         moves = moving.needs(term)
         needed = whole.needs(term) and shown and (moves or bool(resting.all()))
-        firm = alone and lasting and whole.stands_out(term) and moves
+        everywhere = is_plain(term.effect) or (alone and steady)
+        firm = everywhere and lasting and whole.stands_out(term) and moves
         confidence = _confidence(needed, firm, survived, settings.confidence)
         by_time, by_speed = (
             np.sqrt(np.diag(c)) for c in (whole.covariance(term), whole.covariance_by_speed(term))
@@ -116,6 +119,19 @@ def trust_in(logs: Problem, model: Dynamics, given: Dynamics) -> dict[str, Trust
         return replace(known, systematic=np.hypot(known.systematic, scale))
 
     return {t.label: widened(t) for t in found} if doubt.any() else out
+
+
+def _is_steady(whole: Repeat, term: Term, moved: Array) -> bool:
+    """Tell whether all repeats find about the same torque of an effect.
+
+    Args:
+        whole: The decision on the whole log.
+        term: The effect.
+        moved: Its parameters in the repeats less those in the whole log, shape (repeats, p).
+    """
+    own = np.max(whole.torque(term, whole.theta(term)))
+    most = whole.settings.confidence.most_moved
+    return all(np.max(whole.torque(term, change)) <= most * own for change in moved)
 
 
 def _without_descriptive(term: Term, whole: Repeat, trust: Mapping[str, Trust]) -> Trust:

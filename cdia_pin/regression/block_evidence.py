@@ -43,6 +43,9 @@ LEAST_POWER = 1e-12
 # Up to this it may be chance: where four parts and 32 blocks estimate the same variance, it is exceeded in one case of
 # twenty. Without it, 12 of 36 effects between unlike motions of a UR5 are named exactly, with it 11.
 SCATTER = 2.9  # variance by parts of the speeds over that by blocks of time [1]
+# Estimates without a part that holds nearly all that is known of a parameter tell nothing: without the slowest quarter,
+# half of a UR10's log had 12.5 ± 29 N·m of Coulomb friction beside bristles, with this rule ± 5. 10 and 30 decide alike.
+HARDLY_KNOWN = 20.0  # variance of a parameter without a part of the speeds, over that with it [1]
 # Of a parameter whose column has a sum of squares of one [1], so that none is inverted.
 LEAST_VARIANCE = 1e-12  # [1]
 NO_VARIANCE = 1e-300  # of a parameter that blocks do not move [unit²], so that none is not divided by zero
@@ -198,7 +201,7 @@ class BlockEvidence(Generic[E]):
                 "bcp,bcpq,bcq->cb", blind, unseen[:, :, :-1, :-1], blind
             )
             norms = np.sqrt(np.einsum("cpp->cp", whole))  # to compare parameters of different units
-            both = self._covariances((theta - best) * norms, _concentration(seen[blocks:], whole))
+            both = self._covariances((theta - best) * norms, _growth(seen[blocks:], whole))
             for certainty, covariance in zip(certainties, both, strict=True):
                 certainty[members] = certainty_of(best * norms, covariance)
             for c, value in zip(members, best, strict=True):
@@ -228,8 +231,8 @@ class BlockEvidence(Generic[E]):
         moved = np.array([self._solved(t, at) for t in self.training]) - best
         own = np.ix_(at, at)
         known = np.array([t[own] + self._ridge(at) for t in self.training[len(self.unseen) :]])
-        concentration = _concentration(known[:, None], (self.total[own] + self._ridge(at))[None])
-        return best, np.array(self._covariances(moved[:, None], concentration))[:, 0]
+        growth = _growth(known[:, None], (self.total[own] + self._ridge(at))[None])
+        return best, np.array(self._covariances(moved[:, None], growth))[:, 0]
 
     def estimates(self, chosen: Sequence[int]) -> Array:
         """Return the parameters of a set without each block, shape (B, p).
@@ -298,24 +301,28 @@ class BlockEvidence(Generic[E]):
         unseen -= half + half.swapaxes(-1, -2)
         return training, unseen, total - _products(self.total[of_set, own], share[-1])
 
-    def _covariances(self, moved: Array, concentration: Array) -> tuple[Array, Array]:
+    def _covariances(self, moved: Array, growth: Array) -> tuple[Array, Array]:
         """Return the covariance of the parameters of several effects by the jackknife, shape (C, p, p) each.
 
         The first is that of blocks of time. The second has standard deviations that are as large as parts of the speeds
-        say, where these say more than noise would.
+        say, where these say more than noise would. A part without which a parameter is hardly known says nothing of it.
 
         Args:
             moved: Estimates without each block and each part less those from all samples, shape (B + parts, C, p).
-            concentration: How far single parts hold what is known of each parameter [1], shape (C, p).
+            growth: Variance of each parameter without each part over that with all [1], shape (parts, C, p).
         """
         of_time, of_speed = np.split(moved, [len(self.unseen)])
-        blocks = len(of_time)
+        blocks, parts = len(of_time), len(of_speed)
         covariance = (blocks - 1) / blocks * np.einsum("bcp,bcq->cpq", of_time, of_time)
-        if not len(of_speed):
+        if not parts:
             return covariance, covariance
-        variance = (len(of_speed) - 1) / len(of_speed) * np.sum(of_speed**2, axis=0)
+        share, tells = (parts - 1) / parts, growth < HARDLY_KNOWN
+        variance = share * np.sum(of_speed**2, axis=0, where=tells)
+        by_noise = share * np.sum(
+            growth - 1.0, axis=0, where=tells
+        )  # more than 1 if the parts tell unequally much
         ratio = variance / np.maximum(np.einsum("cpp->cp", covariance), NO_VARIANCE)
-        more = np.sqrt(np.where(ratio > SCATTER * concentration, ratio, 1.0))
+        more = np.sqrt(np.where(ratio > SCATTER * np.maximum(by_noise, 1.0), ratio, 1.0))
         return covariance, covariance * more[:, :, None] * more[:, None, :]
 
     @cached_property
@@ -355,24 +362,24 @@ def _products(left: Array, right: Array) -> Array:
     return np.asarray(np.moveaxis(left, -3, -1) @ np.moveaxis(right, -3, -2))
 
 
-def _concentration(known: Array, whole: Array) -> Array:
-    """Return the variance that parts would show if noise alone moved the estimates, over the true one [1], at least 1.
+def _growth(known: Array, whole: Array) -> Array:
+    """Return the variance of each parameter without each part of the speeds over that with all [1], at least 1.
 
-    It is 1 if each part holds as much of what is known, and more if one holds most of it, as the slowest quarter of the
-    speeds does of Stribeck friction. Estimates without that part then differ by noise alone.
+    If noise alone moves the estimates, the parts show these ratios less one. Each is 1 / (parts − 1) if all parts tell as
+    much. It is larger for one that holds most of what is known, as the slowest quarter does of Stribeck friction.
 
     Args:
         known: Normal equations of each effect without each part, shape (parts, C, p, p).
         whole: Those of all samples, shape (C, p, p).
+
+    Returns:
+        Shape (parts, C, p).
     """
-    parts = len(known)
-    if not parts:
-        return np.ones(whole.shape[:2])
+    if not len(known):
+        return np.ones((0, *whole.shape[:2]))
     with np.errstate(invalid="ignore"):  # nothing is known of a parameter whose column is zero in all samples
-        variance = np.einsum("cpp->cp", np.linalg.inv(whole))
-        more = np.einsum("kcpp->kcp", np.linalg.inv(known)) - variance
-        concentration = np.nan_to_num((parts - 1) / parts * more.sum(axis=0) / variance, nan=1.0)
-    return np.asarray(np.maximum(concentration, 1.0))
+        variance, without = np.einsum("cpp->cp", np.linalg.inv(whole)), np.linalg.inv(known)
+        return np.maximum(np.nan_to_num(np.einsum("kcpp->kcp", without) / variance, nan=1.0), 1.0)
 
 
 def certainty_of(best: Array, covariance: Array) -> Array:

@@ -254,6 +254,9 @@ class ConfidenceSettings:
             0.09.
         least_over_left: RMS torque of an established effect over what the model leaves on the joint [1]. What is left
             could be mistaken for a smaller one.
+        most_moved: RMS of the torque by which a repeat changes an established effect, over that of the effect [1];
+            friction that every joint has may change by more. On logs of six arms it is 0.31 at most for effects that
+            another log of the arm has too, and 0.44 and more for offsets, links and asymmetric friction that it lacks.
     """
 
     blocks: int = 32
@@ -273,6 +276,7 @@ class ConfidenceSettings:
     clear_difference: float = 2.0
     least_spread: float = 0.125
     least_over_left: float = 1.0
+    most_moved: float = 0.35
 
     __repr__ = settings_repr
 

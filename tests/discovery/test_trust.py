@@ -102,6 +102,23 @@ def test_an_effect_that_not_every_joint_has_must_be_shown_by_half_of_the_log(rob
     assert said(halves_tell=False) == "likely"
 
 
+def test_an_effect_that_not_every_joint_has_must_be_of_one_size_in_all_of_the_log(robot):
+    offset = parse_term("torque_offset@joint2: offset=-0.5")
+    t, q, v, a = motion(robot.n, 5, duration=48.0)
+
+    def said(term, early, late):
+        effort = Dynamics(robot).inverse_dynamics(q, v, a)
+        size = np.where(t < 24.0, early, late)
+        effort[:, 1] += size if term is offset else size * np.sign(v[:, 1])
+        effort += np.random.default_rng(0).normal(0.0, 0.03, effort.shape)
+        logs = Problem.conditioned(robot, [Log(robot.joints, t, q, effort)], [], DiscoverySettings())
+        return trust_in(logs, Dynamics(robot, (term,)), Dynamics(robot))[term.label].confidence
+
+    assert said(offset, 0.5, 0.5) == said(offset, 0.45, 0.55) == "established"
+    assert said(offset, 0.25, 0.75) == "likely"
+    assert said(FRICTION, 0.18, 0.42) == "established"  # every joint has friction, whatever its size
+
+
 @pytest.mark.parametrize(("resting", "said"), [([], "established"), ([0], "descriptive"), ([0, 1], "likely")])
 def test_what_only_a_joint_at_rest_shows_is_descriptive_beside_one_that_moves(robot, resting, said):
     t, q, v, a = motion(robot.n, 5, duration=24.0)

@@ -112,6 +112,20 @@ def test_an_effect_of_one_part_of_the_speeds_is_not_less_certain_for_that(rows):
     np.testing.assert_allclose(by_both, by_time)
 
 
+def test_a_part_without_which_two_effects_are_alike_says_nothing_of_them(rows):
+    common, x, y = rows
+    # as Coulomb friction and bristles, which only the slowest quarter tells apart
+    alike = np.where(QUARTERS[0], x[:, 1], x[:, 0] + 0.1 * x[:, 1])
+    both = np.column_stack([x[:, 0], alike, x[:, 2]])
+    bent = 2 * SPEED * x[:, 1]  # something else at high speeds
+    sizes = (common, both, y - x @ [2.0, -1.0, 0.0] + both @ [2.0, -1.0, 0.0] + bent)
+    by_part = variances(sizes, [np.flatnonzero(part) for part in QUARTERS])
+    by_time = variances(sizes, [np.arange(200)[block] for block in BLOCKS])
+    assert (by_part > 100 * by_time).all()
+    _, covariances = evidence_of(sizes, [part[:, None] for part in QUARTERS]).estimate_with_both([0, 1])
+    assert (np.diag(covariances[1]) < 10 * by_time).all()
+
+
 def test_what_is_there_is_certain_and_what_is_not_there_is_not(evidence):
     certainty = evidence.fits([]).certainty
     assert min(certainty[0], evidence.fits([0]).certainty[1]) > 10
