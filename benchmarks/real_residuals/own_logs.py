@@ -55,7 +55,9 @@ def _arm(robot: str, gains: Path | None, behind_gear: bool, folder: Path) -> str
     """Let the benchmark know an arm, and return its name."""
     urdf = str(Path(robot).resolve()) if Path(robot).is_file() else robot
     name = load_robot(urdf).name
-    ARMS[name] = MeasuredArm(name, urdf, str(gains.resolve()) if gains else "", behind_gear, str(folder))
+    tables = str(gains.resolve()) if gains else ""
+    side = "link" if behind_gear else None
+    ARMS[name] = MeasuredArm(name, urdf, tables, behind_gear, str(folder), side)
     return name
 
 

@@ -32,6 +32,7 @@ class MeasuredArm:
         gains: File of drive gains relative to the data, where its logs have currents.
         behind_gear: Whether its torque sensors are behind the gears and cannot see the motors, as its README says.
         folder: Its folder, if that has another name.
+        torque_side: Side of the gear on which its torque was measured, as its user says it to the program.
     """
 
     name: str
@@ -39,6 +40,7 @@ class MeasuredArm:
     gains: str = ""
     behind_gear: bool = False
     folder: str = ""
+    torque_side: str | None = None
 
 
 ARMS = {
@@ -104,6 +106,7 @@ def robot_of(arm: str) -> RobotModel:
 
 @lru_cache(maxsize=4)
 def _read(arm: str, file: str) -> Log:
-    gains = ARMS[arm].gains
-    path = data_folder() / (ARMS[arm].folder or arm) / f"{file}.csv"
-    return read_log(path, robot_of(arm), gains=data_folder() / gains if gains else None)
+    given = ARMS[arm]
+    path = data_folder() / (given.folder or arm) / f"{file}.csv"
+    gains = data_folder() / given.gains if given.gains else None
+    return read_log(path, robot_of(arm), gains=gains, torque_side=given.torque_side)

@@ -103,8 +103,8 @@ def add(
             conditions=conditions,
             ways=ways_of(ctx),
         )
-        given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
-        held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
+        given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell, like=known)
+        held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell, like=known)
         found = discovery.add_effect(
             known, added, given, holdout=held_out or None, settings=settings, progress=tell
         )

@@ -111,7 +111,7 @@ def compare(
             torque_side,
             ways=ways_of(ctx),
         )
-        given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell)
+        given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell, like=known)
         tell("comparing", 0.1)
         settings = DiscoverySettings(
             conditioning=Conditioning(cutoff=cutoff),

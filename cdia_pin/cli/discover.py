@@ -152,7 +152,13 @@ def discover(
             ways=ways_of(ctx),
         )
         read = partial(
-            read_logs, robot=known.robot, reading=reading, check=check, tell=tell, refuse=not anyway
+            read_logs,
+            robot=known.robot,
+            reading=reading,
+            check=check,
+            tell=tell,
+            refuse=not anyway,
+            like=known,
         )
         given, checks = read(logs)
         held_out, later = read(unseen)

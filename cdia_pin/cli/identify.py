@@ -28,6 +28,7 @@ from cdia_pin.cli.options import (
     Robot,
     Save,
     Topic,
+    TorqueSide,
 )
 from cdia_pin.cli.outputs import require_writable, write_all, write_json
 from cdia_pin.cli.unfinished import UnfinishedSearch
@@ -77,6 +78,7 @@ def identify(
     format: Format = None,
     columns: Columns = None,
     episode: Episode = None,
+    torque_side: TorqueSide = None,
     check: Check = True,
     json: Json = None,
 ) -> None:
@@ -97,9 +99,19 @@ def identify(
         settings = identification.IdentificationSettings(
             conditioning=Conditioning(cutoff=cutoff), refine=refine
         )
-        reading = Reading(gains, joint_map, convert, topic, format, columns, episode, ways=ways_of(ctx))
-        given, _ = read_logs(logs, known.robot, reading, check=check, tell=tell)
-        held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell)
+        reading = Reading(
+            gains,
+            joint_map,
+            convert,
+            topic,
+            format,
+            columns,
+            episode,
+            torque_side=torque_side,
+            ways=ways_of(ctx),
+        )
+        given, _ = read_logs(logs, known.robot, reading, check=check, tell=tell, like=known)
+        held_out, _ = read_logs(unseen, known.robot, reading, check=check, tell=tell, like=known)
         unfinished = UnfinishedSearch.beside(
             save, ctx.obj or "", [model, known.robot.urdf, gains], [*given, *held_out]
         )

@@ -146,6 +146,7 @@ def read_logs(
     check: bool,
     tell: Tell,
     refuse: bool = False,
+    like: Dynamics | None = None,
 ) -> tuple[list[Log], list[LogCheck]]:
     """Read logs and check them, with a warning on stderr where a check finds a problem.
 
@@ -156,6 +157,7 @@ def read_logs(
         check: Whether to check them.
         tell: Reports progress.
         refuse: Whether a log that would mislead a search is refused.
+        like: A model of earlier logs, whose torque was measured on the same side of the gear.
 
     Returns:
         The logs, and their checks if they were made.
@@ -168,7 +170,7 @@ def read_logs(
     logs, checks = [], []
     for path in paths:
         tell(f"reading {path.name}", 0.0)
-        log = reading.read(path, robot)
+        log = _with_side_of(like, reading.read(path, robot))
         if check:
             tell(f"checking {path.name}", 0.01)
             checks.append(check_log(log, robot))
@@ -178,6 +180,21 @@ def read_logs(
             log = _with_side(log, checks[-1])
         logs.append(log)
     return logs, checks
+
+
+def _with_side_of(model: Dynamics | None, log: Log) -> Log:
+    """Return the log with the side of the gear of the logs that a model was learned from, where nobody says it."""
+    from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide
+
+    side = model.torque_side if model else TorqueSide.UNKNOWN
+    if side is TorqueSide.UNKNOWN or log.torque_side is not TorqueSide.UNKNOWN:
+        return log
+    known = replace(log, torque_side=side)
+    if side is TorqueSide.MOTOR:
+        return known
+    return known.noted(
+        f"{BEHIND_THE_GEAR}, as in the logs that the model is of (if that is wrong, --torque-side motor)"
+    )
 
 
 def _with_side(log: Log, check: LogCheck) -> Log:

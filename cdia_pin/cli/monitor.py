@@ -28,6 +28,7 @@ from cdia_pin.cli.options import (
     Robot,
     Save,
     Topic,
+    TorqueSide,
 )
 from cdia_pin.cli.outputs import require_report, require_writable, write_all, write_json
 from cdia_pin.cli.ranges import DURATION
@@ -97,6 +98,7 @@ def monitor(
     format: Format = None,
     columns: Columns = None,
     episode: Episode = None,
+    torque_side: TorqueSide = None,
     check: Check = True,
     report: Report = None,
     json: Json = None,
@@ -126,12 +128,22 @@ def monitor(
     known = load_inputs(robot, model)
     bounds = thresholds(threshold)
     with progress() as tell:
-        from cdia_pin.diagnosis import DEFAULT_BANK, Monitor, replay
+        from cdia_pin.diagnosis import Monitor, replay
         from cdia_pin.diagnosis.healthy_part import alike, parted
 
         stored = Monitor.load(state, known.robot) if state is not None and goes_on else None
-        reading = Reading(gains, joint_map, convert, topic, format, columns, episode, ways=ways_of(ctx))
-        (watched, *runs), _ = read_logs(given, known.robot, reading, check=check, tell=tell)
+        reading = Reading(
+            gains,
+            joint_map,
+            convert,
+            topic,
+            format,
+            columns,
+            episode,
+            torque_side=torque_side,
+            ways=ways_of(ctx),
+        )
+        (watched, *runs), _ = read_logs(given, known.robot, reading, check=check, tell=tell, like=known)
         announced = []
         if stored is None and not runs and bounds is None:
             first, watched = parted(watched, healthy_until)
@@ -147,7 +159,7 @@ def monitor(
             threshold=bounds,
             rate=watched.rate,
             position_only=watched.velocity is None,
-            bank=bank or DEFAULT_BANK,
+            bank=bank,
             engine=engine,
         )
         found = replay(

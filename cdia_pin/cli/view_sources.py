@@ -50,7 +50,7 @@ def show_compared(
 
     known = load_inputs(robot, model)
     with progress() as tell:
-        given, _ = read_logs([log], known.robot, reading, check=check, tell=tell)
+        given, _ = read_logs([log], known.robot, reading, check=check, tell=tell, like=known)
         tell("comparing", 0.4)
         timeline = timeline_of_comparison(compare(known, given))
         tell("drawing the arm", 0.8)
@@ -81,7 +81,7 @@ def show_monitored(
         reading: How to read the logs.
         check: Whether to check them.
     """
-    from cdia_pin.diagnosis import DEFAULT_BANK, Monitor
+    from cdia_pin.diagnosis import Monitor
     from cdia_pin.diagnosis.healthy_part import alike, parted
     from cdia_pin.diagnosis.monitor_record import what_is_blind
     from cdia_pin.viewers.live import FrameMaker
@@ -89,7 +89,7 @@ def show_monitored(
 
     known = load_inputs(robot, model)
     with progress() as tell:
-        (watched, *runs), _ = read_logs(logs, known.robot, reading, check=check, tell=tell)
+        (watched, *runs), _ = read_logs(logs, known.robot, reading, check=check, tell=tell, like=known)
         if not runs:
             first, watched = parted(watched, None)
             runs = [first]
@@ -101,7 +101,7 @@ def show_monitored(
             healthy=runs,
             rate=watched.rate,
             position_only=position_only,
-            bank=bank or DEFAULT_BANK,
+            bank=bank,
         )
         tell("drawing the arm", 0.8)
         scene = Scene.of(known.robot)

@@ -9,8 +9,19 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.effects import ALWAYS, EFFECTS, Effect, JointEffect, Profile, Region, Signal, parse_term
+from cdia_pin.effects import (
+    ALWAYS,
+    EFFECTS,
+    Effect,
+    JointEffect,
+    Profile,
+    Region,
+    SensedFrom,
+    Signal,
+    parse_term,
+)
 from cdia_pin.errors import EffectError
+from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -62,6 +73,17 @@ class Bank:
         if not 0 < len(given) <= MOST_EFFECTS:
             raise EffectError(f"a bank holds 1 to {MOST_EFFECTS} effects, given {len(given)}")
         return cls(robot, tuple(p for p, _ in given), tuple(profile for _, profile in given))
+
+    @classmethod
+    def usual(cls, robot: RobotModel, side: TorqueSide = TorqueSide.UNKNOWN) -> Bank:
+        """Build the bank of the usual effects that a torque sensor sees.
+
+        Args:
+            robot: The arm.
+            side: Side of the gear of the sensor; where it is unknown, that of the motor.
+        """
+        usual, seen_from = cls.of(robot), SensedFrom.of(side is TorqueSide.LINK)
+        return cls.of(robot, [e for e in usual.prototypes if e.traits.sensed.meets(seen_from)])
 
     def __len__(self) -> int:
         return len(self.prototypes)

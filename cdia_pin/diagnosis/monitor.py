@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cdia_pin.diagnosis.bank import DEFAULT_BANK, Bank
+from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.engine_interface import Engine
 from cdia_pin.diagnosis.engines import ENGINES, Knowledge, require_threshold
 from cdia_pin.diagnosis.event_history import EventHistory
@@ -28,6 +28,7 @@ from cdia_pin.logs.log import Log
 from cdia_pin.logs.magnitudes import require_magnitudes
 from cdia_pin.logs.recorded_parts import between_gaps
 from cdia_pin.logs.resampling import resampled, thinned
+from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide
 from cdia_pin.logs.wild_samples import without_wild_samples
 from cdia_pin.plain_json import plain
 from cdia_pin.robot.model import RobotModel
@@ -62,7 +63,8 @@ class Monitor:
         threshold: Largest healthy residual of each joint [N·m or N], if there are no healthy runs.
         rate: Ticks per second [Hz]; the median rate of the healthy runs if omitted.
         position_only: Whether `update` gets no velocities, if there are no healthy runs.
-        bank: Known effects; each is tested on every joint.
+        bank: Known effects; each is tested on every joint. If omitted, the usual ones that the torque sensors of the
+            healthy runs see, or those of the runs that the model was learned from.
         engine: ``momentum``, or ``thesis`` for the scheme of [Thesis].
         settings: Settings of the engine, `MonitorSettings` or `ThesisSettings`; the defaults if omitted.
         event_log: File to which every event is appended as a line of JSON; none if omitted.
@@ -85,7 +87,7 @@ class Monitor:
         threshold: Mapping[str, float] | None = None,
         rate: float | None = None,
         position_only: bool = False,
-        bank: Bank | Iterable[str | JointEffect] = DEFAULT_BANK,
+        bank: Bank | Iterable[str | JointEffect] | None = None,
         engine: str = "momentum",
         settings: MonitorSettings | ThesisSettings | None = None,
         event_log: str | Path | None = None,
@@ -97,6 +99,12 @@ class Monitor:
         if healthy and threshold is not None:
             raise ModelError("a monitor takes healthy runs or a threshold, not both")
         history = EventHistory.to(event_log, model.robot)
+        side = next(
+            (r.torque_side for r in healthy if r.torque_side is not TorqueSide.UNKNOWN), model.torque_side
+        )
+        is_behind = bank is None and side is TorqueSide.LINK
+        if bank is None:
+            bank = Bank.usual(model.robot, side)
         bank = bank if isinstance(bank, Bank) else Bank.of(model.robot, bank)
         self.rate = rate or (float(np.median([run.rate for run in healthy])) if healthy else None)
         kept = [without_wild_samples(run, velocities=True) for run in healthy]
@@ -125,7 +133,7 @@ class Monitor:
             "model": [term.label for term in model.terms],
             "healthy": [{"source": r.source, "sha256": r.sha256, "duration": r.duration} for r in healthy],
             "rate": self.rate,
-            "notes": [*said, *made.notes],
+            "notes": [*said, *([BEHIND_THE_GEAR] if is_behind else []), *made.notes],
             "sight": made.sight,
         }
         parts = MonitorParts(model, bank, used, self.rate, has_velocity, bounds, made.learned, record)

@@ -15,6 +15,7 @@ from cdia_pin.effects import Channel, Signal, State, Term
 from cdia_pin.effects.memory import Memory
 from cdia_pin.effects.state import DEFAULT_SIGN_WIDTH
 from cdia_pin.errors import ModelError
+from cdia_pin.logs.torque_side import TorqueSide
 
 Array = NDArray[np.float64]
 
@@ -32,6 +33,12 @@ class Dynamics(ModelTerms):
         terms: Terms Σ β Φ θ that are added to them.
         learned_from: Conditioned logs that the terms were fitted to, if any; later logs are compared with them.
     """
+
+    @property
+    def torque_side(self) -> TorqueSide:
+        """Side of the gear on which the logs were measured that the terms were fitted to, as far as it is known."""
+        sides = {motion.torque_side for motion in self.learned_from}
+        return sides.pop() if len(sides) == 1 else TorqueSide.UNKNOWN
 
     # ------------------------------------------------------------- torques
 

@@ -22,6 +22,15 @@ class SensedFrom(StrEnum):
     MOTOR = "motor side"  # a sensor behind the gear does not see it
     BEHIND = "behind the gear"  # one before the gear sees it as a part of something larger
 
+    @classmethod
+    def of(cls, behind_the_gear: bool) -> SensedFrom:
+        """Return the side of a sensor.
+
+        Args:
+            behind_the_gear: Whether it is known to be there.
+        """
+        return cls.BEHIND if behind_the_gear else cls.MOTOR
+
     def meets(self, other: SensedFrom) -> bool:
         """Return False if no search looks for both, because they need the sensor on different sides.
 

@@ -12,6 +12,7 @@ from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import (
     ActuatorGain,
     AsymmetricFriction,
+    BearingFriction,
     CoulombFriction,
     Effect,
     Expression,
@@ -31,6 +32,8 @@ from cdia_pin.identification.identification_settings import IdentificationSettin
 from cdia_pin.regression.experiment import Experiment, rms
 
 SATURATION = (0.05, 0.15, 0.45)  # speeds at which friction levels off, over the fastest speed driven [1]
+# What a joint has that moves; a torque sensor shows either the drive's friction and its rotor, or the bearings alone.
+OF_A_DRIVE = (CoulombFriction, ViscousFriction, RotorInertia, BearingFriction)
 SPANNED_BY: dict[type[Effect], tuple[type[Effect], ...]] = {
     CoulombFriction: (StribeckFriction, AsymmetricFriction),
     ViscousFriction: (AsymmetricFriction,),
@@ -66,7 +69,8 @@ def full_model(
 ) -> Dynamics:
     """Return a model with all terms of an identification; terms of the given model keep their parameters.
 
-    A joint that hardly moves gets no friction and no rotor.
+    A joint that hardly moves gets no friction and no rotor. One whose torque is measured behind the gear gets friction
+    of its bearings and no rotor.
 
     Args:
         model: The model as it is known.
@@ -82,7 +86,7 @@ def full_model(
     for joint, moves in zip(robot.joints, moving_joints(experiment, settings.least_motion), strict=True):
         wanted.append(TorqueOffset(joint))
         if moves:
-            wanted += [CoulombFriction(joint), ViscousFriction(joint), RotorInertia(joint)]
+            wanted += [e for e in (kind(joint) for kind in OF_A_DRIVE) if experiment.sees(e)]
     present = {t.label for t in model.terms}
     missing = [e for e in wanted if not present & {e.label, *_spanning(e)}]
     return model.add(*(Term(e, (0.0,) * e.size) for e in missing))
@@ -135,9 +139,9 @@ def refinements(
         if not moving[j]:
             continue
         for law in _laws(joint, along, bool(loaded[j])):
-            if {law.label, *_spanning(law)} & present or (
-                isinstance(law, Expression) and joint in saturating
-            ):
+            levels_off = isinstance(law, Expression)
+            known = bool({law.label, *_spanning(law)} & present) or (levels_off and joint in saturating)
+            if known or not experiment.sees(ViscousFriction(joint) if levels_off else law):
                 continue
             spanned = {e(joint).label for e, by in SPANNED_BY.items() if isinstance(law, by)}  # type: ignore[call-arg]
             yield Refinement(law, tuple(sorted(spanned & present)))

@@ -43,8 +43,9 @@ LEAST_POWER = 1e-12
 # Up to this it may be chance: where four parts and 32 blocks estimate the same variance, it is exceeded in one case of
 # twenty. Without it, 12 of 36 effects between unlike motions of a UR5 are named exactly, with it 11.
 SCATTER = 2.9  # variance by parts of the speeds over that by blocks of time [1]
-# Estimates without a part that holds nearly all that is known of a parameter tell nothing: without the slowest quarter,
-# half of a UR10's log had 12.5 ± 29 N·m of Coulomb friction beside bristles, with this rule ± 5. 10 and 30 decide alike.
+# Without a part that holds nearly all that is known of a parameter, an estimate tells nothing. Without the slowest
+# quarter, half of a UR10's log had 12.5 ± 29 N·m of Coulomb friction beside bristles; with this rule ± 5, as with 10
+# and 30.
 HARDLY_KNOWN = 20.0  # variance of a parameter without a part of the speeds, over that with it [1]
 # Of a parameter whose column has a sum of squares of one [1], so that none is inverted.
 LEAST_VARIANCE = 1e-12  # [1]
@@ -365,8 +366,8 @@ def _products(left: Array, right: Array) -> Array:
 def _growth(known: Array, whole: Array) -> Array:
     """Return the variance of each parameter without each part of the speeds over that with all [1], at least 1.
 
-    If noise alone moves the estimates, the parts show these ratios less one. Each is 1 / (parts − 1) if all parts tell as
-    much. It is larger for one that holds most of what is known, as the slowest quarter does of Stribeck friction.
+    If noise alone moves the estimates, the parts show these ratios less one: each 1 / (parts − 1) if all parts tell as
+    much, and more for one that holds most of what is known, as the slowest quarter does of Stribeck friction.
 
     Args:
         known: Normal equations of each effect without each part, shape (parts, C, p, p).
@@ -379,7 +380,8 @@ def _growth(known: Array, whole: Array) -> Array:
         return np.ones((0, *whole.shape[:2]))
     with np.errstate(invalid="ignore"):  # nothing is known of a parameter whose column is zero in all samples
         variance, without = np.einsum("cpp->cp", np.linalg.inv(whole)), np.linalg.inv(known)
-        return np.maximum(np.nan_to_num(np.einsum("kcpp->kcp", without) / variance, nan=1.0), 1.0)
+        growth = np.einsum("kcpp->kcp", without) / variance
+    return np.asarray(np.maximum(np.nan_to_num(growth, nan=1.0), 1.0))
 
 
 def certainty_of(best: Array, covariance: Array) -> Array:

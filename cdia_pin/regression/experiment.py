@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.dynamics import Dynamics
-from cdia_pin.effects import ALWAYS, Channel, Effect, Signal, State
+from cdia_pin.effects import ALWAYS, Channel, Effect, SensedFrom, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
 from cdia_pin.logs.motion import names_of
@@ -145,6 +145,14 @@ class Experiment:
             sides = {s.measured_side for s in self.segments}
         behind = TorqueSide.LINK in sides and TorqueSide.MOTOR not in sides
         return TorqueSide.LINK if behind else sides.pop() if len(sides) == 1 else TorqueSide.UNKNOWN
+
+    def sees(self, effect: Effect) -> bool:
+        """Return False for what a sensor on the other side of the gear shows, or shows as a part of something else.
+
+        Args:
+            effect: The effect.
+        """
+        return effect.traits.sensed.meets(SensedFrom.of(self.torque_side is TorqueSide.LINK))
 
     @property
     def informative(self) -> NDArray[np.bool_]:

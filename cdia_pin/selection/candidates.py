@@ -18,13 +18,11 @@ from cdia_pin.effects import (
     PerLog,
     PositionRipple,
     RotorInertia,
-    SensedFrom,
     Signal,
     TorqueOffset,
     ViscousFriction,
 )
 from cdia_pin.errors import EffectError, unknown_name
-from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.experiment import Experiment, Prediction, rms
 from cdia_pin.regression.noise import NoiseModel
@@ -68,7 +66,7 @@ def enumerate_candidates(
             continue
         for scope in EFFECTS[name].scopes(robot):
             effect = EFFECTS[name].from_scope(scope, {})
-            if settings.effects is None and not _is_measured(effect, experiment):
+            if settings.effects is None and not experiment.sees(effect):
                 break
             if _can_be_seen(effect, experiment, rigid_share >= settings.criterion.least_rigid_share):
                 families.append(list(effect.shape_grid(x)))
@@ -108,7 +106,7 @@ def drifting(effects: Iterable[Effect], experiment: Experiment) -> list[list[Eff
         j for e in effects if e.traits.dissipative or isinstance(e, TorqueOffset) for j in e.scope
     )
     kinds = [kind(j) for j in joints for kind in SLOW]
-    slow = [Drift(e, start, end, end - start) for e in kinds if _is_measured(e, experiment)]
+    slow = [Drift(e, start, end, end - start) for e in kinds if experiment.sees(e)]
     return [list(e.shape_grid(experiment.segments[0].state)) for e in slow]
 
 
@@ -117,12 +115,6 @@ def _expanded(effect: Effect, experiment: Experiment) -> Iterator[Effect]:
         yield from effect.expand(experiment.robot)
     else:
         yield effect
-
-
-def _is_measured(effect: Effect, experiment: Experiment) -> bool:
-    """Return False for what a sensor on the other side of the gear shows, or shows as a part of something else."""
-    side = SensedFrom.BEHIND if experiment.torque_side is TorqueSide.LINK else SensedFrom.MOTOR
-    return effect.traits.sensed.meets(side)
 
 
 def _can_be_seen(effect: Effect, experiment: Experiment, loaded: NDArray[np.bool_]) -> bool:

@@ -160,3 +160,38 @@ def test_a_log_has_one_condition(cdia, pair):
     log, other = pair / "cold.csv", pair / "warm.csv"
     options = ["--condition", f"a={log}", "--condition", f"b={log}"]
     assert "two conditions" in cdia("compare", log, other, "--robot", "double_pendulum", *options).error
+
+
+@pytest.fixture(scope="module")
+def behind_the_gear(cdia, pair):
+    """A model of the first log, whose torque is said to be from behind the gear."""
+    model = pair / "behind.json"
+    given = (pair / "cold.csv", "--robot", "double_pendulum", "--no-check")
+    done = cdia("discover", *given, "--torque-side", "link", "--save", model)
+    assert done.code == 0, done.err
+    return model
+
+
+SIDE = "the torque is taken as measured behind the gear"
+
+
+@pytest.mark.parametrize("command", ["compare", "discover", "identify", "monitor"])
+def test_later_logs_are_of_the_side_of_the_gear_that_the_model_was_learned_on(
+    cdia, pair, behind_the_gear, command
+):
+    logs = [pair / "warm.csv", *([pair / "cold.csv"] if command == "compare" else [])]
+    given = (command, *logs, "--robot", "double_pendulum", "--no-check")
+    done = cdia(*given, "--model", behind_the_gear)
+    assert done.code == 0, done.err
+    said = " ".join(done.out.split())
+    assert SIDE in said
+    assert not any(name in said for name in ("coulomb friction", "viscous friction", "rotor inertia"))
+    assert SIDE not in " ".join(cdia(*given).out.split())
+
+
+def test_a_side_that_is_said_comes_before_that_of_the_model(cdia, pair, behind_the_gear):
+    logs = (pair / "cold.csv", pair / "warm.csv")
+    asked = ("--robot", "double_pendulum", "--no-check", "--model", behind_the_gear)
+    done = cdia("compare", *logs, *asked, "--torque-side", "motor")
+    assert SIDE not in " ".join(done.out.split())
+    assert "viscous friction on joint1" in " ".join(done.out.split())

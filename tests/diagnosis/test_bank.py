@@ -7,6 +7,7 @@ from cdia_pin.diagnosis import DEFAULT_BANK, Bank
 from cdia_pin.diagnosis.bank import MOST_EFFECTS, bare, is_followed, on_joint
 from cdia_pin.effects import EFFECTS, CoulombFriction, JointEffect, Region
 from cdia_pin.errors import EffectError
+from cdia_pin.logs.torque_side import TorqueSide
 from cdia_pin.robot import load_robot
 
 ROBOT = load_robot("ur5")
@@ -36,6 +37,12 @@ def test_columns_stand_side_by_side_with_their_bounds() -> None:
     assert lower[spans[0]] == 0.0  # dry friction does not push
     assert lower[spans[3]] == -np.inf  # an offset may have either sign
     assert (lower < upper).all()
+
+
+def test_behind_the_gear_the_usual_effects_are_those_that_a_sensor_sees_there() -> None:
+    assert Bank.usual(ROBOT).names == DEFAULT_BANK
+    behind = Bank.usual(ROBOT, TorqueSide.LINK).names
+    assert behind == ("actuator_gain", "torque_offset", "joint_spring", "position_ripple")
 
 
 def test_an_effect_keeps_its_shape_and_goes_to_any_joint() -> None:
