@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TypedDict
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from cdia_pin.changes import Change, Changes, what_changed
 from cdia_pin.changes.changes_documents import ChangesJson
 from cdia_pin.changes.confidence import Confidence
+from cdia_pin.diagnosis.begin_of_change import begin_of
 from cdia_pin.diagnosis.status import NO_CONTACT, Status
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ExternalWrench
@@ -26,6 +28,8 @@ Mask = NDArray[np.bool_]
 # A drive warms up within minutes, and a change that began late fills a small share of a long window.
 LEAST_LONGEST = 60.0  # [s]; the longest window is as long as the healthy runs, and at least this
 SHORTER = 0.5  # length of a window over that of the one before [1]
+# Before it, a change is not seen, by a block of the comparison at least.
+LEAST_SHARE = 0.0625  # [1]
 
 
 class LastingJson(TypedDict):
@@ -93,9 +97,9 @@ class LastingChanges:
         return tuple(c for c in self.changes.changes if c.confidence is Confidence.ESTABLISHED)
 
     @property
-    def evidence(self) -> float:
-        """Logarithm of the likelihood that would be lost without what is established [1]."""
-        return sum(c.evidence for c in self.established)
+    def evidence(self) -> tuple[float, float]:
+        """Logarithm of the likelihood that would be lost without what is established, and without all changes [1]."""
+        return sum(c.evidence for c in self.established), sum(c.evidence for c in self.changes.changes)
 
     def to_dict(self) -> LastingJson:
         """Return the comparison as files of the schema cdia-events/1 have it."""
@@ -113,7 +117,9 @@ def lasting_changes(
     """Compare the last part of a run with healthy runs.
 
     When a change began is not known. So several windows are compared, each half as long as the one before, and all of
-    them end where the last undisturbed stretch ends. The window counts in which what is established is most evident.
+    them end where the last undisturbed stretch ends. The window counts in which what is established is most evident, or
+    what is likely, if nothing is. One that begins before its changes holds two arms, so that the part from there on is
+    compared in its place.
 
     Args:
         model: The model of the arm.
@@ -133,18 +139,39 @@ def lasting_changes(
     least = settings.changes.blocks * settings.changes.independent_time
     quiet = np.ones(len(run.time), dtype=bool) if disturbed is None else ~disturbed
     before = [condition(log, model.robot, settings.searched) for log in _named(healthy, "healthy")]
+
+    def compared(window: Log) -> LastingChanges:
+        changes = what_changed(model, before, _named([window], "the end"), settings=settings)
+        return LastingChanges(float(window.time[0]), float(window.time[-1]), changes)
+
+    def since_it_changed(window: Log) -> LastingChanges:
+        whole = compared(window)
+        if not whole.changes.changes:
+            return whole
+        motion = condition(window, model.robot, settings.searched)
+        later = _from(window, begin_of(model, before, motion, whole.changes.changes))
+        if not least <= later.duration <= (1.0 - LEAST_SHARE) * window.duration:
+            return whole
+        with suppress(CdiaError):  # what is left cannot be compared
+            part = compared(later)
+            return part if part.changes.changes else whole
+        return whole
+
     found: list[LastingChanges] = []
     refused: list[CdiaError] = []
     for window in _windows(_last_stretch(run, quiet, least), longest, least):
         try:
-            changes = what_changed(model, before, _named([window], "the end"), settings=settings)
+            found.append(since_it_changed(window))
         except CdiaError as why:  # this part cannot be compared; a shorter one may be
             refused.append(why)
-            continue
-        found.append(LastingChanges(float(window.time[0]), float(window.time[-1]), changes))
     if not found:
         raise LogError(str(refused[0]))
     return max(found, key=lambda one: one.evidence)
+
+
+def _from(log: Log, begin: float) -> Log:
+    """Return the part of a log from some time on [s]."""
+    return log.slice(int(np.searchsorted(log.time, begin)), len(log.time))
 
 
 def _last_stretch(run: Log, quiet: Mask, least: float) -> Log:
@@ -159,8 +186,7 @@ def _windows(stretch: Log, longest: float, least: float) -> Iterator[Log]:
     """Yield the windows of a stretch, the longest first."""
     length = min(longest, stretch.duration)
     while length >= least:
-        begin = int(np.searchsorted(stretch.time, stretch.time[-1] - length))
-        yield stretch.slice(begin, len(stretch.time))
+        yield _from(stretch, stretch.time[-1] - length)
         length *= SHORTER
 
 

@@ -170,7 +170,10 @@ def _lasting(run: MonitorRun) -> str:
     changes, span = run.lasting.changes, f"{run.lasting.begin:.4g} to {run.lasting.end:.4g} s"
     if changes.verdict is ChangesVerdict.NOT_COMPARABLE:
         return _not_compared("no joint moves alike in both")
-    if not run.lasting.established:  # which says little where a fault is believed
+    said, shown = "Established", run.lasting.established
+    if not shown and run.faults:  # what is likely supports what is believed, or contradicts it
+        said, shown = "Likely", changes.changes
+    if not shown:
         return "" if run.faults else f" No change since the healthy runs is established ({span})."
     found = listed(
         " or ".join(
@@ -179,9 +182,9 @@ def _lasting(run: MonitorRun) -> str:
                 *map(confusion_words, rivals(c.term.effect, c.confusions)[:MOST_RIVALS]),
             ]
         )
-        for c in run.lasting.established
+        for c in shown
     )
-    return f" Established since the healthy runs ({span}): {found}."
+    return f" {said} since the healthy runs ({span}): {found}."
 
 
 def _not_compared(why: str) -> str:
