@@ -85,7 +85,7 @@ function changed(c) {
 function changes() {
   if (!DATA.changes.length) return null;
   return h("section", {}, h("h2", {}, "What changed"), DATA.changes.map(changed),
-    DATA.changes.some((c) => c.changes.length) ? h("p", { class: "small soft" }, "Largest torque: RMS in the logs that have the change.") : null);
+    DATA.changes.some((c) => c.changes.length) ? h("p", { class: "small soft" }, "Largest torque: RMS in the logs that have the change. A difference acts on the arm: the measured torque changes by the opposite.") : null);
 }
 
 function errorsByLog() {
