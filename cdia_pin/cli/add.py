@@ -31,6 +31,7 @@ from cdia_pin.cli.options import (
     Robot,
     Save,
     Topic,
+    TorqueSide,
 )
 
 if TYPE_CHECKING:
@@ -64,6 +65,7 @@ def add(
     format: Format = None,
     columns: Columns = None,
     episode: Episode = None,
+    torque_side: TorqueSide = None,
     check: Check = True,
     report: Report = None,
     json: Json = None,
@@ -101,6 +103,7 @@ def add(
             columns,
             episode,
             conditions=conditions,
+            torque_side=torque_side,
             ways=ways_of(ctx),
         )
         given, checks = read_logs(logs, known.robot, reading, check=check, tell=tell, like=known)

@@ -170,42 +170,27 @@ def read_logs(
     logs, checks = [], []
     for path in paths:
         tell(f"reading {path.name}", 0.0)
-        log = _with_side_of(like, reading.read(path, robot))
+        log = reading.read(path, robot)
         if check:
             tell(f"checking {path.name}", 0.01)
             checks.append(check_log(log, robot))
             if refuse and checks[-1].obstacles:
                 raise CommandError(f"{checks[-1].mend}; or go on with --anyway")
             _warn_of(checks[-1], path)
-            log = _with_side(log, checks[-1])
-        logs.append(log)
+        logs.append(_with_side(log, checks[-1] if check else None, like))
     return logs, checks
 
 
-def _with_side_of(model: Dynamics | None, log: Log) -> Log:
-    """Return the log with the side of the gear of the logs that a model was learned from, where nobody says it."""
-    from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide
+def _with_side(log: Log, check: LogCheck | None, model: Dynamics | None) -> Log:
+    """Return the log with a note where something else knows better on which side of the gear its torque was measured.
 
-    side = model.torque_side if model else TorqueSide.UNKNOWN
-    if side is TorqueSide.UNKNOWN or log.torque_side is not TorqueSide.UNKNOWN:
-        return log
-    known = replace(log, torque_side=side)
-    if side is TorqueSide.MOTOR:
-        return known
-    return known.noted(
-        f"{BEHIND_THE_GEAR}, as in the logs that the model is of (if that is wrong, --torque-side motor)"
-    )
-
-
-def _with_side(log: Log, check: LogCheck) -> Log:
-    """Return the log with a note where the check knows better on which side of the gear its torque was measured.
-
-    Where neither the log nor the check knows, and the torque shows friction, the note says what follows.
+    That is the check, or the logs that the model was learned from. Where nothing knows, and the torque shows friction,
+    the note says what follows.
     """
     from cdia_pin.logs.checks import Topic
     from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide
 
-    found = [f.value for f in check.about(Topic.TORQUE_SIDE)]
+    found = [f.value for f in check.about(Topic.TORQUE_SIDE)] if check else []
     keeps_out = "(--torque-side link keeps them out)"
     if log.side_of_format and any(f.get("side") == TorqueSide.UNKNOWN for f in found):
         others = tuple(note for note in log.notes if not note.startswith(BEHIND_THE_GEAR))
@@ -215,10 +200,21 @@ def _with_side(log: Log, check: LogCheck) -> Log:
             f"looked for {keeps_out}"
         )
     if log.torque_side is not TorqueSide.UNKNOWN:
-        return log
-    if any(f.get("measured") == TorqueSide.LINK for f in found):
-        note = f"{BEHIND_THE_GEAR}, because it shows none of a gear (if that is wrong, --torque-side motor)"
+        return replace(log, side_of_format=log.side_of_format and not found)
+    measured = {f.get("measured") for f in found}
+    side = model.torque_side if model else TorqueSide.UNKNOWN
+    if TorqueSide.LINK in measured or (side is TorqueSide.LINK and TorqueSide.MOTOR not in measured):
+        why = (
+            "because it shows none of a gear"
+            if TorqueSide.LINK in measured
+            else "as in the logs of the model"
+        )
+        note = f"{BEHIND_THE_GEAR}, {why} (if that is wrong, --torque-side motor)"
         return replace(log, torque_side=TorqueSide.LINK).noted(note)
+    if side is TorqueSide.MOTOR:
+        return replace(log, torque_side=side).noted(
+            "the torque is taken as that of the motor, as in the logs of the model"
+        )
     if any(f.get("side") == TorqueSide.UNKNOWN and f.get("shows_friction") for f in found):
         return log.noted(
             "which side of the gear the torque is from cannot be told: friction of the motor and its rotor are looked "

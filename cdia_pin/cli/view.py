@@ -22,6 +22,7 @@ from cdia_pin.cli.options import (
     Model,
     Robot,
     Topic,
+    TorqueSide,
 )
 from cdia_pin.cli.ranges import PACE, PORT, RATE
 from cdia_pin.cli.simulation_options import SIMULATION, Duration, Fault, Seed
@@ -103,6 +104,7 @@ def view(
     format: Format = None,
     columns: Columns = None,
     episode: Episode = None,
+    torque_side: TorqueSide = None,
     check: Check = True,
 ) -> None:
     """Show an arm move in the browser: a log, or a simulation with faults while it is computed.
@@ -118,7 +120,9 @@ def view(
         raise CommandError(
             "--healthy and --monitor need a LOG: --simulate has a monitor that learns by itself"
         )
-    if simulate and (gains or joint_map or convert or format or columns or episode is not None):
+    if simulate and (
+        gains or joint_map or convert or format or columns or torque_side or episode is not None
+    ):
         raise CommandError("options of reading need a LOG: leave them out with --simulate")
     if log is not None and bank and not (healthy or monitored):
         raise CommandError("--bank needs a monitor: add --healthy or --monitor")
@@ -127,7 +131,7 @@ def view(
     from cdia_pin.cli.view_page import Page
 
     page = Page(port, browser)
-    reading = Reading(gains, joint_map, convert, topic, format, columns, episode)
+    reading = Reading(gains, joint_map, convert, topic, format, columns, episode, torque_side=torque_side)
     with until_interrupted():
         if log is None:
             asked = view_sources.Simulation(

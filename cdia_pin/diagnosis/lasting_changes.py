@@ -28,7 +28,7 @@ Mask = NDArray[np.bool_]
 # A drive warms up within minutes, and a change that began late fills a small share of a long window.
 LEAST_LONGEST = 60.0  # [s]; the longest window is as long as the healthy runs, and at least this
 SHORTER = 0.5  # length of a window over that of the one before [1]
-# Before it, a change is not seen, by a block of the comparison at least.
+# A later begin leaves out more of the window than this: a block of the comparison.
 LEAST_SHARE = 0.0625  # [1]
 
 
@@ -97,6 +97,16 @@ class LastingChanges:
         return tuple(c for c in self.changes.changes if c.confidence is Confidence.ESTABLISHED)
 
     @property
+    def labels(self) -> set[str]:
+        """What differs, by name and scope."""
+        return {c.term.label for c in self.changes.changes}
+
+    @property
+    def sure(self) -> set[str]:
+        """What differs for sure, by name and scope; all that differs if nothing is sure."""
+        return {c.term.label for c in self.established} or self.labels
+
+    @property
     def evidence(self) -> tuple[float, float]:
         """Logarithm of the likelihood that would be lost without what is established, and without all changes [1]."""
         return sum(c.evidence for c in self.established), sum(c.evidence for c in self.changes.changes)
@@ -148,13 +158,12 @@ def lasting_changes(
         whole = compared(window)
         if not whole.changes.changes:
             return whole
-        motion = condition(window, model.robot, settings.searched)
-        later = _from(window, begin_of(model, before, motion, whole.changes.changes))
-        if not least <= later.duration <= (1.0 - LEAST_SHARE) * window.duration:
-            return whole
-        with suppress(CdiaError):  # what is left cannot be compared
-            part = compared(later)
-            return part if part.changes.changes else whole
+        with suppress(CdiaError, np.linalg.LinAlgError):  # then nothing tells when it changed
+            motion = condition(window, model.robot, settings.searched)
+            later = _from(window, begin_of(before, motion, whole.changes, settings.rest))
+            if least <= later.duration <= (1.0 - LEAST_SHARE) * window.duration:
+                part = compared(later)
+                return part if whole.sure <= part.labels else whole
         return whole
 
     found: list[LastingChanges] = []

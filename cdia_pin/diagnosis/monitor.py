@@ -28,7 +28,7 @@ from cdia_pin.logs.log import Log
 from cdia_pin.logs.magnitudes import require_magnitudes
 from cdia_pin.logs.recorded_parts import between_gaps
 from cdia_pin.logs.resampling import resampled, thinned
-from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide
+from cdia_pin.logs.torque_side import BEHIND_THE_GEAR, TorqueSide, side_of_all
 from cdia_pin.logs.wild_samples import without_wild_samples
 from cdia_pin.plain_json import plain
 from cdia_pin.robot.model import RobotModel
@@ -99,9 +99,9 @@ class Monitor:
         if healthy and threshold is not None:
             raise ModelError("a monitor takes healthy runs or a threshold, not both")
         history = EventHistory.to(event_log, model.robot)
-        side = next(
-            (r.torque_side for r in healthy if r.torque_side is not TorqueSide.UNKNOWN), model.torque_side
-        )
+        # a log may belie its format
+        stated = side_of_all(run.torque_side for run in healthy if not run.side_of_format)
+        side = model.torque_side if stated is TorqueSide.UNKNOWN else stated
         is_behind = bank is None and side is TorqueSide.LINK
         if bank is None:
             bank = Bank.usual(model.robot, side)

@@ -15,7 +15,7 @@ from cdia_pin.effects import Channel, Signal, State, Term
 from cdia_pin.effects.memory import Memory
 from cdia_pin.effects.state import DEFAULT_SIGN_WIDTH
 from cdia_pin.errors import ModelError
-from cdia_pin.logs.torque_side import TorqueSide
+from cdia_pin.logs.torque_side import TorqueSide, side_of_all
 
 Array = NDArray[np.float64]
 
@@ -37,8 +37,7 @@ class Dynamics(ModelTerms):
     @property
     def torque_side(self) -> TorqueSide:
         """Side of the gear on which the logs were measured that the terms were fitted to, as far as it is known."""
-        sides = {motion.torque_side for motion in self.learned_from}
-        return sides.pop() if len(sides) == 1 else TorqueSide.UNKNOWN
+        return side_of_all(motion.torque_side for motion in self.learned_from)
 
     # ------------------------------------------------------------- torques
 

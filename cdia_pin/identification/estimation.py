@@ -103,7 +103,8 @@ def identify(
     report("done", 1.0)
     return Identification(
         model=replace(
-            with_intervals(estimate, known.after, tolerance), learned_from=_remembered(given, model, settings)
+            with_intervals(estimate, known.after, tolerance),
+            learned_from=_remembered(given, experiment, settings),
         ),
         torque_rms=rms(experiment.measured, experiment.informative),
         rms_before=rms(experiment.predict(model).residual, experiment.informative),
@@ -132,10 +133,13 @@ def identify(
     )
 
 
-def _remembered(logs: Sequence[Log], model: Dynamics, settings: IdentificationSettings) -> tuple[Motion, ...]:
+def _remembered(
+    logs: Sequence[Log], experiment: Experiment, settings: IdentificationSettings
+) -> tuple[Motion, ...]:
     """Return the logs as a search for effects would see them, so that a later one can be compared with them."""
     conditioning = DiscoverySettings(conditioning=settings.conditioning).searched
-    return tuple(condition(log, model.robot, conditioning) for log in logs)
+    motions = [condition(log, experiment.robot, conditioning) for log in logs]
+    return tuple(replace(m, torque_side=experiment.torque_side, side_of_format=False) for m in motions)
 
 
 def _forgotten(_: Dynamics) -> None:

@@ -33,10 +33,14 @@ from cdia_pin.regression.experiment import Experiment, rms
 
 SATURATION = (0.05, 0.15, 0.45)  # speeds at which friction levels off, over the fastest speed driven [1]
 # What a joint has that moves; a torque sensor shows either the drive's friction and its rotor, or the bearings alone.
-OF_A_DRIVE = (CoulombFriction, ViscousFriction, RotorInertia, BearingFriction)
+FRICTION_AND_ROTOR = (CoulombFriction, ViscousFriction, RotorInertia, BearingFriction)
 SPANNED_BY: dict[type[Effect], tuple[type[Effect], ...]] = {
-    CoulombFriction: (StribeckFriction, AsymmetricFriction),
-    ViscousFriction: (AsymmetricFriction,),
+    CoulombFriction: (StribeckFriction, AsymmetricFriction, BearingFriction),
+    ViscousFriction: (AsymmetricFriction, BearingFriction),
+    BearingFriction: (
+        CoulombFriction,
+        ViscousFriction,
+    ),  # a model of logs of the other side has the one or the other
     TorqueOffset: (JointSpring,),
 }
 
@@ -86,7 +90,7 @@ def full_model(
     for joint, moves in zip(robot.joints, moving_joints(experiment, settings.least_motion), strict=True):
         wanted.append(TorqueOffset(joint))
         if moves:
-            wanted += [e for e in (kind(joint) for kind in OF_A_DRIVE) if experiment.sees(e)]
+            wanted += [e for e in (kind(joint) for kind in FRICTION_AND_ROTOR) if experiment.sees(e)]
     present = {t.label for t in model.terms}
     missing = [e for e in wanted if not present & {e.label, *_spanning(e)}]
     return model.add(*(Term(e, (0.0,) * e.size) for e in missing))

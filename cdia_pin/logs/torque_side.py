@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from enum import StrEnum
 
 from cdia_pin.errors import LogError, unknown_name
@@ -18,6 +19,18 @@ class TorqueSide(StrEnum):
 BEHIND_THE_GEAR = (
     "the torque is taken as measured behind the gear: friction of the motor and its rotor are not looked for"
 )
+
+
+def side_of_all(sides: Iterable[TorqueSide]) -> TorqueSide:
+    """Return the side of several torques: behind the gear if one is and none is of the motor, else the one of all.
+
+    Args:
+        sides: Side of each.
+    """
+    known = set(sides)
+    if TorqueSide.LINK in known and TorqueSide.MOTOR not in known:
+        return TorqueSide.LINK
+    return known.pop() if len(known) == 1 else TorqueSide.UNKNOWN
 
 
 def torque_side_of(given: str | None) -> TorqueSide:

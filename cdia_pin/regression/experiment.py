@@ -14,7 +14,7 @@ from cdia_pin.effects import ALWAYS, Channel, Effect, SensedFrom, Signal, State
 from cdia_pin.errors import LogError
 from cdia_pin.logs.conditioning import Motion
 from cdia_pin.logs.motion import names_of
-from cdia_pin.logs.torque_side import TorqueSide
+from cdia_pin.logs.torque_side import TorqueSide, side_of_all
 from cdia_pin.phrases import clipped, some
 from cdia_pin.regression.prediction import Prediction
 from cdia_pin.regression.rest import RestSettings
@@ -143,8 +143,12 @@ class Experiment:
         sides = {s.motion.torque_side for s in self.segments}
         if sides == {TorqueSide.UNKNOWN}:
             sides = {s.measured_side for s in self.segments}
-        behind = TorqueSide.LINK in sides and TorqueSide.MOTOR not in sides
-        return TorqueSide.LINK if behind else sides.pop() if len(sides) == 1 else TorqueSide.UNKNOWN
+        return side_of_all(sides)
+
+    def as_told_apart(self) -> tuple[Motion, ...]:
+        """Return the conditioned logs, each with the side of the gear that all of them tell."""
+        side = self.torque_side
+        return tuple(replace(s.motion, torque_side=side, side_of_format=False) for s in self.segments)
 
     def sees(self, effect: Effect) -> bool:
         """Return False for what a sensor on the other side of the gear shows, or shows as a part of something else.

@@ -172,7 +172,7 @@ def _lasting(run: MonitorRun) -> str:
         return _not_compared("no joint moves alike in both")
     said, shown = "Established", run.lasting.established
     if not shown and run.faults:  # what is likely supports what is believed, or contradicts it
-        said, shown = "Likely", changes.changes
+        said, shown = "Likely changed", changes.changes
     if not shown:
         return "" if run.faults else f" No change since the healthy runs is established ({span})."
     found = listed(

@@ -8,10 +8,12 @@ import pytest
 from benchmarks.recordings import libfranka, write
 from cdia_pin import Dynamics, discover, load_robot, read_log
 from cdia_pin.cli.inputs import Reading, read_logs
+from cdia_pin.effects import Term, parse_effect
 from cdia_pin.errors import LogError
+from cdia_pin.identification.terms import full_model
 from cdia_pin.logs import check_log, write_log
 from cdia_pin.logs.conditioning import condition
-from cdia_pin.logs.torque_side import TorqueSide
+from cdia_pin.logs.torque_side import TorqueSide, side_of_all
 from cdia_pin.regression.experiment import Experiment
 from cdia_pin.selection import DiscoverySettings
 from cdia_pin.selection.candidates import enumerate_candidates
@@ -161,3 +163,47 @@ def test_friction_that_is_surely_small_speaks_for_a_sensor_behind_the_gear_too()
     assert SideEvidence({"a": shown, "b": shown, "c": bounded, "d": bounded}).side == "link"
     assert SideEvidence({"a": shown, "b": shown, "c": open_ended, "d": open_ended}).side == "unknown"
     assert SideEvidence({"a": shown, "b": bounded, "c": bounded, "d": bounded}).side == "unknown"
+
+
+@pytest.mark.parametrize(
+    ("sides", "together"),
+    [
+        ("", "unknown"),
+        ("link", "link"),
+        ("link unknown", "link"),
+        ("link motor", "unknown"),
+        ("motor", "motor"),
+    ],
+)
+def test_several_logs_are_of_one_side_if_none_contradicts(sides, together):
+    assert side_of_all(map(TorqueSide, sides.split())) == together
+
+
+def test_a_format_that_its_log_belies_is_not_remembered(panda):
+    motion = condition(logged(panda, 0.05), panda)
+    said = replace(motion, torque_side=TorqueSide.LINK, side_of_format=True)
+    (kept,) = Experiment.of(panda, [said]).as_told_apart()
+    assert (kept.torque_side, kept.side_of_format) == (TorqueSide.UNKNOWN, False)
+    (shown,) = Experiment.of(panda, [condition(logged(panda, 0.004), panda)]).as_told_apart()
+    assert shown.torque_side is TorqueSide.LINK
+
+
+FRICTION_OF = {
+    TorqueSide.MOTOR: ("coulomb_friction@panda_joint4", "viscous_friction@panda_joint4"),
+    TorqueSide.LINK: ("bearing_friction@panda_joint4",),
+}
+
+
+@pytest.mark.parametrize("known", [None, *FRICTION_OF])
+@pytest.mark.parametrize("side", FRICTION_OF)
+def test_an_identification_has_friction_of_one_side_of_each_gear(panda, side, known):
+    motion = replace(condition(logged(panda, 0.02), panda), torque_side=side)
+    given = FRICTION_OF[known] if known else ()
+    terms = [Term(e, (0.1,) * e.size) for e in (parse_effect(label, panda) for label in given)]
+    model = full_model(Dynamics(panda, tuple(terms)), Experiment.of(panda, [motion]))
+    labels = {t.label for t in model.terms}
+    assert {x for x in labels if "friction@panda_joint4" in x} == set(FRICTION_OF[known or side])
+    assert {x for x in labels if "friction@panda_joint2" in x} == {
+        label.replace("joint4", "joint2") for label in FRICTION_OF[side]
+    }
+    assert ("rotor_inertia@panda_joint2" in labels) == (side is TorqueSide.MOTOR)
