@@ -106,6 +106,21 @@ class LastingChanges:
         """What differs for sure, by name and scope; all that differs if nothing is sure."""
         return {c.term.label for c in self.established} or self.labels
 
+    def confirmed_by(self, longer: LastingChanges) -> LastingChanges:
+        """Return the same sizes, with what a longer window establishes as established.
+
+        Args:
+            longer: The comparison of a window of which this one is a part.
+        """
+        sure = {c.term.label for c in longer.established}
+
+        def confirmed(change: Change) -> Change:
+            certain = change.term.label in sure and not change.term.may_be_nothing
+            return replace(change, confidence=Confidence.ESTABLISHED) if certain else change
+
+        changes = tuple(map(confirmed, self.changes.changes))
+        return replace(self, changes=replace(self.changes, changes=changes))
+
     @property
     def evidence(self) -> tuple[float, float]:
         """Logarithm of the likelihood that would be lost without what is established, and without all changes [1]."""
@@ -128,8 +143,8 @@ def lasting_changes(
 
     When a change began is not known. So several windows are compared, each half as long as the one before, and all of
     them end where the last undisturbed stretch ends. The window counts in which what is established is most evident, or
-    what is likely, if nothing is. One that begins before its changes holds two arms, so that the part from there on is
-    compared in its place.
+    what is likely, if nothing is. One that begins before its changes holds two arms: it tells what changed, and the
+    part from there on how much.
 
     Args:
         model: The model of the arm.
@@ -163,7 +178,7 @@ def lasting_changes(
             later = _from(window, begin_of(before, motion, whole.changes, settings.rest))
             if least <= later.duration <= (1.0 - LEAST_SHARE) * window.duration:
                 part = compared(later)
-                return part if whole.sure <= part.labels else whole
+                return part.confirmed_by(whole) if whole.sure <= part.labels else whole
         return whole
 
     found: list[LastingChanges] = []

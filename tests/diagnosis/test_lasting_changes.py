@@ -22,7 +22,7 @@ from cdia_pin.diagnosis import (
     replay,
 )
 from cdia_pin.diagnosis.begin_of_change import begin_of
-from cdia_pin.diagnosis.lasting_changes import Disturbances
+from cdia_pin.diagnosis.lasting_changes import Disturbances, LastingChanges
 from cdia_pin.diagnosis.status import NO_CONTACT
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import ExternalWrench, Term, parse_term
@@ -94,6 +94,19 @@ def test_a_window_begins_where_its_change_does(healthy: Log) -> None:
     (change,) = found.established
     low, high = change.term.ci95[0]
     assert low < 1.0 < high
+
+
+def test_a_longer_window_tells_what_changed_and_its_part_how_much() -> None:
+    def window(size: float, confidence: Confidence) -> LastingChanges:
+        found = slight(f"viscous_friction@{JOINT}: coefficient={size}")
+        (change,) = found.changes
+        sized = replace(change, term=change.term.with_intervals(np.array([0.1])), confidence=confidence)
+        return LastingChanges(0.0, 9.0, replace(found, changes=(sized,)))
+
+    part = window(1.0, Confidence.LIKELY)
+    (change,) = part.confirmed_by(window(0.4, Confidence.ESTABLISHED)).established
+    assert change.term.theta == (1.0,)
+    assert not part.confirmed_by(window(0.4, Confidence.LIKELY)).established
 
 
 def slight(term: str, not_compared: dict[str, NotCompared] | None = None) -> Changes:
