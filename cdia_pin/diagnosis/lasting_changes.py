@@ -21,6 +21,7 @@ from cdia_pin.errors import CdiaError, LogError
 from cdia_pin.logs.checks.sampling import runs
 from cdia_pin.logs.conditioning import condition
 from cdia_pin.logs.log import Log
+from cdia_pin.logs.motion import Motion
 from cdia_pin.selection.discovery_settings import DiscoverySettings
 
 Mask = NDArray[np.bool_]
@@ -163,21 +164,25 @@ def lasting_changes(
     longest = max(sum(log.duration for log in healthy), LEAST_LONGEST)
     least = settings.changes.blocks * settings.changes.independent_time
     quiet = np.ones(len(run.time), dtype=bool) if disturbed is None else ~disturbed
-    before = [condition(log, model.robot, settings.searched) for log in _named(healthy, "healthy")]
 
-    def compared(window: Log) -> LastingChanges:
-        changes = what_changed(model, before, _named([window], "the end"), settings=settings)
+    def conditioned(logs: Sequence[Log], side: str) -> list[Motion]:
+        return [condition(log, model.robot, settings.searched) for log in _named(logs, side)]
+
+    before = conditioned(healthy, "healthy")
+
+    def compared(window: Log, motion: Motion) -> LastingChanges:
+        changes = what_changed(model, before, motion, settings=settings)
         return LastingChanges(float(window.time[0]), float(window.time[-1]), changes)
 
     def since_it_changed(window: Log) -> LastingChanges:
-        whole = compared(window)
+        (motion,) = conditioned([window], "the end")
+        whole = compared(window, motion)
         if not whole.changes.changes:
             return whole
         with suppress(CdiaError, np.linalg.LinAlgError):  # then nothing tells when it changed
-            motion = condition(window, model.robot, settings.searched)
             later = _from(window, begin_of(before, motion, whole.changes, settings.rest))
             if least <= later.duration <= (1.0 - LEAST_SHARE) * window.duration:
-                part = compared(later)
+                part = compared(later, *conditioned([later], "the end"))
                 return part.confirmed_by(whole) if whole.sure <= part.labels else whole
         return whole
 

@@ -128,7 +128,7 @@ def conclusion(
     structure &= experiment.joints_that_move
     left = _where(structure, final.robot)
     return Discovery(
-        model=replace(final, learned_from=experiment.as_told_apart()),
+        model=replace(final, learned_from=experiment.remembered()),
         verdict=verdict_on(
             structure.tolist(), able.feedforward_error, floor, len(steps) - 1, settings.practice
         ),

@@ -138,8 +138,7 @@ def _remembered(
 ) -> tuple[Motion, ...]:
     """Return the logs as a search for effects would see them, so that a later one can be compared with them."""
     conditioning = DiscoverySettings(conditioning=settings.conditioning).searched
-    motions = [condition(log, experiment.robot, conditioning) for log in logs]
-    return tuple(replace(m, torque_side=experiment.torque_side, side_of_format=False) for m in motions)
+    return experiment.remembered([condition(log, experiment.robot, conditioning) for log in logs])
 
 
 def _forgotten(_: Dynamics) -> None:

@@ -319,9 +319,8 @@ class BlockEvidence(Generic[E]):
             return covariance, covariance
         share, tells = (parts - 1) / parts, growth < HARDLY_KNOWN
         variance = share * np.sum(of_speed**2, axis=0, where=tells)
-        by_noise = share * np.sum(
-            growth - 1.0, axis=0, where=tells
-        )  # more than 1 if the parts tell unequally much
+        # more than 1 if the parts tell unequally much
+        by_noise = share * np.sum(growth - 1.0, axis=0, where=tells)
         ratio = variance / np.maximum(np.einsum("cpp->cp", covariance), NO_VARIANCE)
         more = np.sqrt(np.where(ratio > SCATTER * np.maximum(by_noise, 1.0), ratio, 1.0))
         return covariance, covariance * more[:, :, None] * more[:, None, :]

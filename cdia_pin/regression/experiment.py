@@ -145,10 +145,14 @@ class Experiment:
             sides = {s.measured_side for s in self.segments}
         return side_of_all(sides)
 
-    def as_told_apart(self) -> tuple[Motion, ...]:
-        """Return the conditioned logs, each with the side of the gear that all of them tell."""
-        side = self.torque_side
-        return tuple(replace(s.motion, torque_side=side, side_of_format=False) for s in self.segments)
+    def remembered(self, motions: Iterable[Motion] | None = None) -> tuple[Motion, ...]:
+        """Return the logs as a model remembers them: each with the side of the gear that all of them tell.
+
+        Args:
+            motions: The logs, conditioned in another way; as they are here if None.
+        """
+        given, side = motions or [s.motion for s in self.segments], self.torque_side
+        return tuple(replace(m, torque_side=side, side_of_format=False) for m in given)
 
     def sees(self, effect: Effect) -> bool:
         """Return False for what a sensor on the other side of the gear shows, or shows as a part of something else.

@@ -182,9 +182,9 @@ def test_several_logs_are_of_one_side_if_none_contradicts(sides, together):
 def test_a_format_that_its_log_belies_is_not_remembered(panda):
     motion = condition(logged(panda, 0.05), panda)
     said = replace(motion, torque_side=TorqueSide.LINK, side_of_format=True)
-    (kept,) = Experiment.of(panda, [said]).as_told_apart()
+    (kept,) = Experiment.of(panda, [said]).remembered()
     assert (kept.torque_side, kept.side_of_format) == (TorqueSide.UNKNOWN, False)
-    (shown,) = Experiment.of(panda, [condition(logged(panda, 0.004), panda)]).as_told_apart()
+    (shown,) = Experiment.of(panda, [condition(logged(panda, 0.004), panda)]).remembered()
     assert shown.torque_side is TorqueSide.LINK
 
 
