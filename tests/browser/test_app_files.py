@@ -119,7 +119,8 @@ def test_from_dropped_files_to_an_added_effect_that_a_reload_keeps(page, app, fi
     mark(page, "own-add").click()
     mark(page, "version-1").wait_for()
     assert error(page) < 0.2 * begun
-    # player and charts have the log's clock
+    # player and charts have the log's clock, once they are drawn again for the model with the effect
+    mark(page, "charts").get_by_text("improved").first.wait_for()
     assert page.locator(".arm3d-time").inner_text().startswith("100.")
     assert cursor_at(page, 105.0) == pytest.approx(0.25, abs=0.02)
     assert cursor_at(page, 115.0) == pytest.approx(0.75, abs=0.02)
