@@ -10,6 +10,7 @@ from benchmarks.real_residuals.recordings import Part, Recording
 EFFECTS = (
     "coulomb_friction",
     "viscous_friction",
+    "bearing_friction",
     "actuator_gain",
     "torque_offset",
     "joint_spring",

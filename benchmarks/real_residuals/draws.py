@@ -12,7 +12,7 @@ from benchmarks.real_residuals.filtered import FilteredLog
 from benchmarks.real_residuals.insertion import Insertion
 from benchmarks.real_residuals.recordings import ARMS
 from benchmarks.real_residuals.sizing import NoSizeError, sized
-from cdia_pin.effects import EFFECTS, Effect, Term
+from cdia_pin.effects import EFFECTS, Effect, SensedFrom, Term
 from cdia_pin.robot.inertia import at_centre_of_mass, parameters_of
 
 Array = NDArray[np.float64]
@@ -82,6 +82,10 @@ def _stribeck(at: Place) -> Term:
     return Term.of(effect, level=1.0, breakaway=at.between(0.7, 2.0))
 
 
+def _bearing(at: Place) -> Term:
+    return Term.of(at.effect("bearing_friction"), level=1.0, coefficient=at.between(0.2, 1.0) / at.fast)
+
+
 def _asymmetric(at: Place) -> Term:
     more, low, high = at.between(1.6, 2.5), *(at.between(0.2, 1.0) / at.fast for _ in range(2))
     forth, back = (1.0, more) if at.sign() > 0 else (more, 1.0)
@@ -129,6 +133,7 @@ def _body(at: Place, near: Array) -> tuple[float, ...]:
 RECIPES: dict[str, Recipe] = {
     "coulomb_friction": _one("coulomb_friction"),
     "viscous_friction": _one("viscous_friction"),
+    "bearing_friction": _bearing,
     "stribeck_friction": _stribeck,
     "asymmetric_friction": _asymmetric,
     "quadratic_friction": _one("quadratic_friction"),
@@ -144,10 +149,8 @@ RECIPES: dict[str, Recipe] = {
     "encoder_offset": _one("encoder_offset", either_way=True),
     "effort_delay": _delay,
 }
-OF_THE_MOTOR = {  # what a sensor behind the gear cannot see
-    *("coulomb_friction", "viscous_friction", "stribeck_friction", "asymmetric_friction"),
-    *("quadratic_friction", "load_friction", "coupled_friction", "rotor_inertia"),
-}
+# what a sensor behind the gear cannot see
+OF_THE_MOTOR = {e for e in RECIPES if EFFECTS[e].traits.sensed is SensedFrom.MOTOR}
 OF_THE_LOAD = {"load_friction", "actuator_gain"}  # those that need a joint that carries something
 
 
@@ -187,7 +190,7 @@ def drawn(
 
 def can_be_seen(effect: str, arm: str) -> bool:
     """Tell whether the sensors of an arm can see an effect."""
-    return not (ARMS[arm].behind_gear and effect in OF_THE_MOTOR)
+    return SensedFrom.of(ARMS[arm].behind_gear).meets(EFFECTS[effect].traits.sensed)
 
 
 def _can_have(effect: str, joint: str, before: FilteredLog, after: FilteredLog) -> bool:

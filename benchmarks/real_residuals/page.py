@@ -103,6 +103,6 @@ def _how(outcomes: Sequence[Outcome], suite: str) -> str:
         "motion, for a body from the rigid bodies with and without it, and the torque of B becomes τ − f; a gain "
         "divides the torque, an encoder's zero moves the positions, a delay shifts the torque. What no model explains "
         "stays as it was measured. A size is RMS torque over that of the joint on which the effect is largest. "
-        "*Exact*: that effect on that joint is named, and no other. An arm whose sensors are behind the gears gets no "
-        "effect of its motors."
+        "*Exact*: that effect on that joint is named, and no other. An arm whose sensors are behind the gears gets "
+        "friction of the bearings and no effect of its motors."
     )

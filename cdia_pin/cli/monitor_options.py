@@ -29,7 +29,7 @@ Bank = Annotated[
         metavar="EFFECT",
         show_default=False,
         help="Known effect that is tested on every joint, such as 'position_ripple: frequency=7'; may be repeated. "
-        "Six common ones if left out.",
+        "Common ones that the torque sensors see if left out.",
         rich_help_panel=MONITOR,
     ),
 ]

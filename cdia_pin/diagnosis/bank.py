@@ -36,6 +36,7 @@ DEFAULT_BANK = (
     "joint_spring",
     "position_ripple",
 )
+BEHIND_GEAR = "bearing_friction"  # what a torque sensor there sees in place of the drive's friction
 MOST_EFFECTS = 12  # a decision between 2^12 combinations takes a few milliseconds
 
 
@@ -82,7 +83,8 @@ class Bank:
             robot: The arm.
             side: Side of the gear of the sensor; where it is unknown, that of the motor.
         """
-        usual, seen_from = cls.of(robot), SensedFrom.of(side is TorqueSide.LINK)
+        usual = cls.of(robot, (BEHIND_GEAR, *DEFAULT_BANK))
+        seen_from = SensedFrom.of(side is TorqueSide.LINK)
         return cls.of(robot, [e for e in usual.prototypes if e.traits.sensed.meets(seen_from)])
 
     def __len__(self) -> int:

@@ -42,7 +42,7 @@ def test_columns_stand_side_by_side_with_their_bounds() -> None:
 def test_behind_the_gear_the_usual_effects_are_those_that_a_sensor_sees_there() -> None:
     assert Bank.usual(ROBOT).names == DEFAULT_BANK
     behind = Bank.usual(ROBOT, TorqueSide.LINK).names
-    assert behind == ("actuator_gain", "torque_offset", "joint_spring", "position_ripple")
+    assert behind == ("bearing_friction", "actuator_gain", "torque_offset", "joint_spring", "position_ripple")
 
 
 def test_an_effect_keeps_its_shape_and_goes_to_any_joint() -> None:
