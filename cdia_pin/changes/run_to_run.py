@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 
 LEAST_CERTAINTY = 1e-9  # [1], so that none is divided by zero
 LEAST_TORQUE = 1e-12  # [N·m or N], likewise
+TEMPERATURE = (PhenomenonKind.WARMING, PhenomenonKind.COOLING)
 MEDIAN_OF_NORMAL = 0.6745  # median of |x| over the standard deviation of a normal x [1]
 
 
@@ -255,21 +256,24 @@ def _beyond_chance(value: float, variance: float) -> float:
     return float(np.copysign(np.sqrt(max(value**2 - variance, 0.0)), value))
 
 
-def as_phenomena(usual: Sequence[UsualFriction]) -> tuple[Phenomenon, ...]:
+def as_phenomena(usual: Sequence[UsualFriction], causes: Sequence[Phenomenon]) -> tuple[Phenomenon, ...]:
     """Return usual differences of friction as one phenomenon, for people; nothing if there are none.
 
     Args:
         usual: The differences.
+        causes: What was recognised in the changes. Where the drives are warmer or colder, friction did change.
     """
-    if not usual:
+    told = {j for cause in causes if cause.kind in TEMPERATURE for j in cause.joints}
+    untold = [u for u in usual if u.joint not in told]
+    if not untold:
         return ()
-    said = some([f"{100 * u.share:.2g} % on {u.joint}" for u in usual], 3)
-    limits = [u.limit for u in usual]
+    said = some([f"{100 * u.share:.2g} % on {u.joint}" for u in untold], 3)
+    limits = [u.limit for u in untold]
     sentence = (
         f"friction differs by {said}; that is no change, because friction of an unchanged arm differs by up to "
         f"{100 * max(limits):.2g} % from run to run here"
     )
-    values = {u.joint: u.share for u in usual}
+    values = {u.joint: u.share for u in untold}
     return (Phenomenon(PhenomenonKind.RUN_TO_RUN, tuple(values), sentence, values),)
 
 

@@ -59,7 +59,8 @@ def discover_beyond(model: Dynamics, logs: Problem, report: Progress) -> Discove
         errors = errors_of(logs, later, partial(_left_by_blocks, logs, model, search, tuple(so_far)))
         of_model = change.term.label in labels
         steps.append(Step(change.term, *errors, change.confusions, of_model, change.confidence))
-    findings = (*findings_of(changes, run_to_run), *as_phenomena(usual))
+    causes = findings_of(changes, run_to_run)
+    findings = (*causes, *as_phenomena(usual, causes))
     return conclusion(logs, later, tuple(steps), part(report, 0.8, 1.0), findings=findings)
 
 

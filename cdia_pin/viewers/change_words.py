@@ -195,7 +195,8 @@ def notes(found: Changes) -> list[str]:
     Args:
         found: The outcome of ``what_changed``.
     """
-    return [*(f"{sentence_case(f.sentence)}." for f in as_phenomena(found.usual)), *_bounds(found)]
+    usual = as_phenomena(found.usual, found.findings)
+    return [*(f"{sentence_case(f.sentence)}." for f in usual), *_bounds(found)]
 
 
 def _bounds(found: Changes) -> list[str]:

@@ -8,7 +8,8 @@ import pytest
 
 from benchmarks.plant import Fault
 from cdia_pin import Dynamics, load_robot, what_changed
-from cdia_pin.changes.run_to_run import NORMAL_95, RunToRun, as_phenomena
+from cdia_pin.changes.phenomenon import Phenomenon, PhenomenonKind
+from cdia_pin.changes.run_to_run import NORMAL_95, RunToRun, UsualFriction, as_phenomena
 from cdia_pin.effects import ActuatorGain, CoulombFriction, CoupledFriction, Payload, Term, TorqueOffset
 from cdia_pin.selection.discovery_settings import RunToRunSettings
 from tests.changes.test_changes import changed
@@ -126,6 +127,19 @@ def test_friction_of_all_joints_that_differs_a_little_is_no_change_and_wear_is()
     assert all(0.02 < u.share <= u.limit for u in found.usual)
     assert found.usual
     assert {u["joint"] for u in found.to_dict()["usual_friction"]} == {u.joint for u in found.usual}
-    (said,) = as_phenomena(found.usual)
+    (said,) = as_phenomena(found.usual, ())
     assert said.kind == "run-to-run"
     assert "no change" in said.sentence
+
+
+def test_friction_that_the_temperature_explains_is_not_called_usual_besides():
+    usual = [UsualFriction(j, (f"coulomb_friction@{j}",), 0.08, 0.15) for j in ("joint1", "joint2")]
+    (both,) = as_phenomena(usual, ())
+    assert both.joints == ("joint1", "joint2")
+    colder = Phenomenon(PhenomenonKind.COOLING, ("joint1", "joint3"), "the drives are colder", {})
+    (other,) = as_phenomena(usual, [colder])
+    assert other.joints == ("joint2",)
+    assert "joint1" not in other.sentence
+    late = replace(colder, kind=PhenomenonKind.RECORDER)
+    assert as_phenomena(usual, [late]) == (both,)
+    assert as_phenomena(usual[:1], [colder]) == ()
