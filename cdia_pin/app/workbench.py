@@ -92,11 +92,10 @@ class Workbench:
         self.typed = self.own_fault = ""
         worst = session.present.comparison.worst
         self.joint = session.inputs.robot.joints[worst]
-        mend = advice_words(session.inputs.check.mend)
-        self.searching = not mend  # a search follows at once: the page does not offer it for a moment
         self._tell(lambda page: page.draw_arm())
         self._show()
         said = f"Loaded {session.inputs.robot.name}: the error is {percent(session.present.error)} of the torque."
+        mend = advice_words(session.inputs.check.mend)
         self.runner.say(f"{said} There is no search yet. {mend}." if mend else said)
         if not mend:
             await self.search()
