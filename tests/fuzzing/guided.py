@@ -25,13 +25,20 @@ KINDS = sorted(folder.name for folder in CORPUS.iterdir())
 # their modules are imported at once; where they are needed is too late for the fuzzer to follow them
 PACKAGES = ("logs", "robot", "dynamics", "effects", "diagnosis", "fleet", "campaigns")
 ROOT = Path(__file__).parents[2]
+
+
+def modules_of(package: str, saying: str = "") -> list[str]:
+    """Return the full names of a package's modules in which a line begins with a text."""
+    return [
+        ".".join(file.relative_to(ROOT).with_suffix("").parts)
+        for file in sorted((ROOT / "cdia_pin" / package).rglob("*.py"))
+        if re.search(rf"^{saying}", file.read_text(encoding="utf-8"), re.MULTILINE)
+    ]
+
+
 # by numba, which takes no code that the fuzzer has changed; a monitor compiles the effects too
-COMPILED = [
-    ".".join(file.relative_to(ROOT).with_suffix("").parts)
-    for file in (ROOT / "cdia_pin" / "diagnosis").rglob("*.py")
-    if re.search(r"^@njit", file.read_text(encoding="utf-8"), re.MULTILINE)
-]
-COMPILED_TOO = {kind: ["cdia_pin.effects"] for kind in ("samples", "monitors")}
+COMPILED = modules_of("diagnosis", "@njit")
+COMPILED_TOO = {kind: modules_of("effects") for kind in ("samples", "monitors")}
 OUT = ROOT / "out" / "fuzz"
 # of each kind in a run that is the same each time; half a minute for samples, which are the slowest
 INPUTS = 1500
