@@ -17,18 +17,16 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.calibration import calibrated
 from cdia_pin.diagnosis.growth import REFERENCE_DURATION, growth, moving_time
-from cdia_pin.diagnosis.momentum_observer import LEAST_SIGN_WIDTH
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.moving_residual import LEAST_MOTION, bound_of, correlation_time, learn_moving
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.diagnosis.refitted_halves import refitted_halves
 from cdia_pin.diagnosis.residuals import (
-    NOISE_WIDTHS,
     aligned_velocity,
     least_piece,
     pooled,
     ranges,
-    velocity_noise,
+    sign_width,
     watched,
 )
 from cdia_pin.diagnosis.sight import Sight, blind_advice
@@ -133,8 +131,8 @@ def learn_healthy_arm(
     )
     memory = np.maximum(memory, 1 / bandwidth)
     velocities = [aligned_velocity(run, dt) for run in runs]
-    sign_width = np.maximum(NOISE_WIDTHS * velocity_noise(velocities), LEAST_SIGN_WIDTH)
-    moved = moving_time(velocities, sign_width, dt)
+    width = sign_width(velocities)
+    moved = moving_time(velocities, width, dt)
     wider = growth(moved, memory)
     bounds = [bound_of([one.residual for one in part], settings, wider) for part in (seen, unseen) if part]
     rest_bound = np.max(bounds, axis=0)
@@ -153,7 +151,7 @@ def learn_healthy_arm(
         level=moving.level,
         memory=memory,
         moving_memory=np.maximum(moving.memory, 1 / bandwidth),
-        sign_width=sign_width,
+        sign_width=width,
         position_range=ranges([run.position for run in runs]),
         velocity_range=ranges(velocities),
         torque=torque,
@@ -205,7 +203,6 @@ def assumed_healthy_arm(
     bound = np.array([threshold[joint] for joint in robot.joints])
     limits = robot.limits
     memory = np.full(robot.n, ASSUMED_MEMORY)
-    sign_width = np.full(robot.n, ASSUMED_SIGN_WIDTH)
     bandwidth = np.full(robot.n, settings.bandwidth)
     return HealthyArm(
         nominal=nominal,
@@ -215,7 +212,7 @@ def assumed_healthy_arm(
         level=bound / settings.noise_margin,
         memory=memory,
         moving_memory=memory,
-        sign_width=sign_width,
+        sign_width=np.full(robot.n, ASSUMED_SIGN_WIDTH),
         position_range=np.array([limits.lower, limits.upper]),
         velocity_range=np.array([-limits.velocity, limits.velocity]),
         torque=np.full(robot.n, np.nan),

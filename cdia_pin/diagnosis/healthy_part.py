@@ -6,13 +6,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from cdia_pin.diagnosis.momentum_observer import REST_WIDTHS
+from cdia_pin.diagnosis.residuals import aligned_velocity, sign_width
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
 
-HEALTHY_SHARE = 0.3  # [1], share of a log that is taken as healthy
-LEAST_HEALTHY = 5.0  # [s]; from less, thresholds come out too low
-MOST_HEALTHY = 20.0  # [s]; more teaches little, and hides faults that begin early
+HEALTHY_SHARE = 0.3  # [1], share of a log's motion that is taken as healthy
+LEAST_HEALTHY = 5.0  # [s] of motion; from less, thresholds come out too low
+MOST_HEALTHY = 20.0  # [s] of motion; more teaches little, and hides faults that begin early
 
 
 def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:
@@ -20,21 +23,41 @@ def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:
 
     Args:
         log: The log.
-        until: Length of the healthy part [s]; 30 %, 5 to 20 s, if omitted.
+        until: Length of the healthy part [s]. If omitted, it holds 30 % of the time in which the arm moves, 5 to 20 s
+            of it: an arm at rest teaches neither its friction nor how fast it moves.
 
     Raises:
         LogError: If one of the parts would be empty.
     """
-    length = until
-    if length is None:
-        length = min(max(HEALTHY_SHARE * log.duration, LEAST_HEALTHY), MOST_HEALTHY)
-    begin = int((log.time < log.time[0] + length).sum())
+    begin, how = _begin_after_motion(log) if until is None else (_before(log, until), f"at {until:.6g} s")
     if not 1 < begin < len(log.time) - 1:
         raise LogError(
-            f"{log.source}: {log.duration:.6g} s cannot be split at {length:.6g} s into a healthy part and a part to "
-            "monitor; give runs of the healthy arm with --healthy"
+            f"{log.source}: {log.duration:.6g} s cannot be split {how} into a healthy part and a part to monitor; give "
+            "runs of the healthy arm with --healthy"
         )
     return log.slice(0, begin), log.slice(begin, len(log.time))
+
+
+def _before(log: Log, until: float) -> int:
+    """Return the number of samples before some time since the beginning [s]."""
+    return int((log.time < log.time[0] + until).sum())
+
+
+def _begin_after_motion(log: Log) -> tuple[int, str]:
+    """Return the number of samples that hold enough motion, all if there is too little, and how that is said."""
+    if log.duration <= LEAST_HEALTHY:
+        return _before(log, LEAST_HEALTHY), f"at {LEAST_HEALTHY:.6g} s"
+    moving = np.cumsum(_moves(log)) / log.rate  # [s]
+    healthy = min(max(HEALTHY_SHARE * moving[-1], LEAST_HEALTHY), MOST_HEALTHY)
+    return int(np.searchsorted(moving, healthy)) + 1, f"after {healthy:.3g} of {moving[-1]:.3g} s of motion"
+
+
+def _moves(log: Log) -> NDArray[np.bool_]:
+    """Return in which samples a joint moves faster than the noise of its velocity, shape (K,)."""
+    velocity = aligned_velocity(log, float(np.median(np.diff(log.time))))
+    moves = (np.abs(velocity) > REST_WIDTHS * sign_width([velocity])).any(axis=1)
+    unknown = len(log.time) - len(moves)  # samples at the ends whose velocity cannot be derived
+    return np.pad(moves, (unknown // 2, unknown - unknown // 2))
 
 
 def halves(runs: Sequence[Log], least: float) -> tuple[tuple[Log, ...], tuple[Log, ...]]:

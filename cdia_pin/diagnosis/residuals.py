@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cdia_pin.diagnosis.alignment import Alignment, slope_of
 from cdia_pin.diagnosis.bank import Bank
 from cdia_pin.diagnosis.kernels import MOVING_SHARE
-from cdia_pin.diagnosis.momentum_observer import MomentumObserver
+from cdia_pin.diagnosis.momentum_observer import LEAST_SIGN_WIDTH, MomentumObserver
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.nominal import Nominal
 from cdia_pin.logs.log import Log
@@ -66,7 +66,7 @@ def watched(
     """
     velocities = [aligned_velocity(run, dt) for run in runs]
     observer = MomentumObserver(nominal, bank.prototypes, settings, dt, bandwidth=bandwidth)
-    observer.use_sign_width(NOISE_WIDTHS * velocity_noise(velocities))
+    observer.use_sign_width(sign_width(velocities))
     observer.use_velocities(ranges(velocities))
     alignment = Alignment(dt, nominal.delay, runs[0].velocity is None)
     return [watched_along(observer, alignment, run) for run in runs]
@@ -110,6 +110,15 @@ def along(observer: MomentumObserver, alignment: Alignment, run: Log) -> Iterato
         observer.step(t, q + observer.nominal.offset, v, tau)
         begin = t if begin is None else begin
         yield t, t - begin > SETTLING / observer.bandwidth.min()
+
+
+def sign_width(velocities: Sequence[Array]) -> Array:
+    """Return the speed over which sgn q̇ is smoothed [rad/s or m/s], shape (n,).
+
+    Args:
+        velocities: Of each run [rad/s or m/s], shape (K, n) each.
+    """
+    return np.asarray(np.maximum(NOISE_WIDTHS * velocity_noise(velocities), LEAST_SIGN_WIDTH))
 
 
 def velocity_noise(velocities: Sequence[Array]) -> Array:

@@ -31,6 +31,9 @@ BEYOND_SEEN = 10.0  # [1], speed or torque over the largest healthy one, where t
 ANY_POSITION = 1e4  # [rad or m], of a joint without limits: 1600 turns
 ANY_SIGNAL = 1e6  # [rad/s, N·m, …], where neither a limit nor a healthy run is known
 USUAL_SPEED = 3.0  # [1], over the largest healthy speed, where the limit is higher still
+# Share of the limit [1] that is usual however slow the healthy runs were. Of a joint that rested in them 0.03 of 10
+# rad/s still takes quick motion for a jump of its encoder, 0.1 does not.
+LEAST_USUAL = 0.1
 QUICKEST_START = (
     0.01  # [s], in which no joint reaches its largest speed; a light wrist takes 20 ms in a collision
 )
@@ -108,16 +111,18 @@ class SampleBounds:
         low = np.min([run.position.min(axis=0) for run in runs], axis=0)
         high = np.max([run.position.max(axis=0) for run in runs], axis=0)
         limits = robot.limits
-        speed = np.where(
-            np.isfinite(limits.velocity), limits.velocity, BEYOND_SEEN / BEYOND_LIMIT * seen_speed
+        # A joint that rested or carried nothing says little of its drive: it may be asked for what other joints give.
+        speed, effort = (
+            np.where(np.isfinite(limit), limit, np.maximum(BEYOND_SEEN / beyond * seen, seen.max()))
+            for limit, beyond, seen in (
+                (limits.velocity, BEYOND_LIMIT, seen_speed),
+                (limits.effort, BEYOND_EFFORT, seen_effort),
+            )
         )
-        # A joint that carried nothing says little of its drive: a payload may ask it for what other joints give.
-        unstated = np.maximum(BEYOND_SEEN / BEYOND_EFFORT * seen_effort, seen_effort.max())
-        effort = np.where(np.isfinite(limits.effort), limits.effort, unstated)
         speed, effort = np.maximum(speed, seen_speed), np.maximum(effort, seen_effort)
         speed, effort = np.where(speed > 0, speed, ANY_SIGNAL), np.where(effort > 0, effort, ANY_SIGNAL)
         # Limits may be far beyond what the arm does, and then say nothing about its sensors.
-        usual = np.minimum(speed, USUAL_SPEED * np.where(seen_speed > 0, seen_speed, np.inf))
+        usual = np.clip(USUAL_SPEED * seen_speed, LEAST_USUAL * speed, speed)
         load = np.minimum(effort, np.where(seen_effort > 0, seen_effort, np.inf))
         step, error, torque, travel, hold_v, held_error, hold_tau, drift = _survey(
             robot.n, runs, speeds, period
