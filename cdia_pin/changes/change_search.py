@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,9 +16,10 @@ from cdia_pin.changes.common_structure import is_rare
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
+from cdia_pin.changes.significance import certainty_of_several
 from cdia_pin.effects.effect import share_a_joint
 from cdia_pin.effects.refinements import LEVELS, plain_forms
-from cdia_pin.regression.block_evidence import BlockEvidence, BlockFits
+from cdia_pin.regression.block_evidence import TOLD_APART, BlockEvidence, BlockFits
 from cdia_pin.regression.parameter_blocks import ParameterBlocks
 from cdia_pin.selection.discovery_settings import ChangeSettings
 
@@ -55,26 +57,50 @@ class ChangeSearch:
     def certainty(self, fits: BlockFits) -> Array:
         """Return how certain each change is, over how certain those seem that are not there [1], shape (C,).
 
+        It is that of a single parameter which chance would show as rarely.
+
         Args:
             fits: Each change beside a set.
         """
+        one, blocks = self.settings.least_certainty, fits.gains.shape[1]
+        of_several = [certainty_of_several(one, size, shapes, blocks) for size, shapes in self._freedoms]
+        return np.asarray(self._of_all_parameters(fits) * one / np.array(of_several))
+
+    def _of_all_parameters(self, fits: BlockFits) -> Array:
+        """Return the same as a root mean square over the parameters [1], shape (C,)."""
         return np.asarray((fits.certainties / np.array(self.spreads)[:, None]).min(axis=0))
+
+    @cached_property
+    def _freedoms(self) -> list[tuple[int, int]]:
+        """Number of parameters of each change that are told apart, and of shapes of which it is the best."""
+        effects = self.evidence.effects
+        shapes = Counter((e.label, e.sign) for e in effects)
+        return [(min(e.size, TOLD_APART), shapes[e.label, e.sign]) for e in effects]
 
     def changes(self, most: int) -> tuple[int, ...]:
         """Return the indices of the changes: they are added one by one, exchanged, and dropped.
 
+        A search that can only return to a set from which it came has gone in a circle. Its simplest set is taken.
+
         Args:
             most: Largest number of changes [1].
         """
-        now: tuple[int, ...] = ()
-        visited = {now}
+        walk: list[tuple[int, ...]] = [()]
         for _ in range(MOST_MOVES):
-            after = next((s for s in self._moves(now) if s not in visited and len(s) <= most), None)
-            if after is None:
+            moves = (s for s in self._moves(walk[-1]) if len(s) <= most)
+            first = next(moves, None)
+            if first is None:
                 break
-            visited.add(after)
-            now = after
-        return now
+            after = first if first not in walk else next((s for s in moves if s not in walk), None)
+            if after is None:
+                return min(walk[walk.index(first) :], key=self._simplicity)
+            walk.append(after)
+        return walk[-1]
+
+    def _simplicity(self, chosen: Sequence[int]) -> tuple[int, float]:
+        """Return the number of parameters of a set and how rare its effects are; the smaller, the simpler."""
+        ranks = [self._rank(c) for c in chosen]
+        return sum(count for count, _ in ranks), sum(penalty for _, penalty in ranks)
 
     def rivals(self, chosen: Sequence[int], one: int) -> list[int]:
         """Return the changes that explain as much as one of a set, the best first.
@@ -232,7 +258,7 @@ class ChangeSearch:
     def _largest(self, now: Sequence[int]) -> list[int]:
         """Return the changes that explain most beside a set, however uncertain, each in its best shape."""
         out: dict[str, int] = {}
-        for c in self._visible(now, self.evidence.fits(now), 0.0):
+        for c in self._visible(now, self.evidence.fits(now)):
             out.setdefault(self.evidence.effects[c].label, c)
         return [*out.values()][:LARGEST_HIDDEN]
 
@@ -326,9 +352,7 @@ class ChangeSearch:
         most = max(nameable, key=lambda c: gain[c])
         return [
             c
-            for c in self._visible(
-                chosen, fits, self.settings.better_certainty, self.settings.least_certainty
-            )
+            for c in self._visible(chosen, fits, self._less_certain(fits))
             if not self.is_slight(fits.gains[c] - fits.gains[most], gain[c])
         ]
 
@@ -341,8 +365,7 @@ class ChangeSearch:
         most = max(comparable, key=lambda c: fits.gain[c])
         if not all(self._is_loss(c, fits.theta[c]) for c in self._alike(most, comparable, fits)):
             return []
-        least, below = self.settings.better_certainty, self.settings.least_certainty
-        less_certain = self._alike(most, self._visible(chosen, fits, least, below), fits)
+        less_certain = self._alike(most, self._visible(chosen, fits, self._less_certain(fits)), fits)
         return [c for c in less_certain if c not in comparable and not self._is_loss(c, fits.theta[c])]
 
     def _alike(self, one: int, others: Sequence[int], fits: BlockFits) -> list[int]:
@@ -379,18 +402,22 @@ class ChangeSearch:
 
     def _nameable(self, chosen: Sequence[int], fits: BlockFits) -> list[int]:
         """Return the changes that can be named beside a set."""
-        return self._visible(chosen, fits, self.settings.least_certainty)
+        return self._visible(chosen, fits, self.certainty(fits) >= self.settings.least_certainty)
+
+    def _less_certain(self, fits: BlockFits) -> NDArray[np.bool_]:
+        """Return which changes are too uncertain to be named alone, and certain enough to explain what others are."""
+        enough = self._of_all_parameters(fits) >= self.settings.better_certainty
+        return np.asarray(enough & (self.certainty(fits) < self.settings.least_certainty))
 
     def _visible(
-        self, chosen: Sequence[int], fits: BlockFits, least: float, below: float = np.inf
+        self, chosen: Sequence[int], fits: BlockFits, among: NDArray[np.bool_] | None = None
     ) -> list[int]:
-        """Return the changes beside a set that are possible, of some size, and of a certainty from least on [1]."""
+        """Return the changes beside a set that are possible and of some size, among some or all, the best first."""
         present = {self.evidence.effects[c].label for c in chosen}
-        certainty = self.certainty(fits)
-        certain = np.flatnonzero((least <= certainty) & (certainty < below))
+        some = np.arange(len(fits.gain)) if among is None else np.flatnonzero(among)
         return [
             int(c)
-            for c in certain[np.argsort(-fits.gain[certain])][:LARGEST_GAINS]
+            for c in some[np.argsort(-fits.gain[some])][:LARGEST_GAINS]
             if self.evidence.effects[c].label not in present
             and fits.gain[c] > 0
             and self._is_possible(int(c), fits)

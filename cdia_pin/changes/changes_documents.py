@@ -37,6 +37,15 @@ class ChangeJson(TypedDict):
     confusable_with: list[Mapping[str, Any]]
 
 
+class UncertainJson(TypedDict):
+    """What is too uncertain to be named, in JSON; share of the certainty that a name needs [1]."""
+
+    effect: str
+    joints: list[str]
+    difference: Mapping[str, Any]
+    share: float
+
+
 class BoundJson(TypedDict):
     """The largest change of one kind that the logs would not show; torque in N·m or N, and over the joint's."""
 
@@ -65,6 +74,7 @@ class ChangesJson(TypedDict):
     changes: list[ChangeJson]
     bounds: dict[str, BoundJson]
     not_compared: dict[str, str]
+    uncertain: list[UncertainJson]
     usual_friction: list[UsualFrictionJson]
     spread: float
     findings: list[PhenomenonJson]

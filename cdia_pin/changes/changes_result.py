@@ -15,6 +15,7 @@ from cdia_pin.changes.confidence import Confidence
 from cdia_pin.changes.overlap import NotCompared
 from cdia_pin.changes.phenomenon import Phenomenon
 from cdia_pin.changes.run_to_run import UsualFriction
+from cdia_pin.changes.uncertain import Uncertain
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Term
 from cdia_pin.identifiability.confusion import Confusion
@@ -124,6 +125,7 @@ class Changes:
         rms_after: The same in the logs after.
         record: Logs, hashes and settings.
         torque_rms: RMS measured torque where both sides are compared [N·m or N], shape (n,).
+        uncertain: What explains a part of what differs and is too uncertain to be named, the most certain first.
         usual: Differences of friction that are no larger than what an unchanged arm shows from run to run.
         not_compared: Why nothing is known about a joint, by its name.
         spread: Root mean square certainty of effects that are not there, at least 1; where the motions differ it is
@@ -142,6 +144,7 @@ class Changes:
     record: ChangesRecord
     torque_rms: Array
     usual: tuple[UsualFriction, ...] = ()
+    uncertain: tuple[Uncertain, ...] = ()
     not_compared: Mapping[str, NotCompared] = field(default_factory=dict)
     spread: float = 1.0
     same_motion: bool = False
@@ -192,6 +195,7 @@ class Changes:
                 for joint, b in self.bounds.items()
             },
             "not_compared": {j: str(why) for j, why in self.not_compared.items()},
+            "uncertain": [u.to_dict(robot) for u in self.uncertain],
             "usual_friction": [u.to_dict() for u in self.usual],
             "spread": self.spread,
             "findings": [f.to_dict() for f in self.findings],

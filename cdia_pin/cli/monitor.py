@@ -55,7 +55,7 @@ def monitor(
             "--healthy-until",
             metavar="S",
             show_default=False,
-            help="Length of the first part of LOG that is healthy \\[s]; 30 %, 5 to 20 s, if left out.",
+            help="Length of the first part of LOG that is healthy \\[s]; 30 % of its motion, 5 to 20 s, if left out.",
             callback=DURATION,
             rich_help_panel=MONITOR,
         ),

@@ -55,8 +55,8 @@ def _begin_after_motion(log: Log) -> tuple[int, str]:
 def _moves(log: Log) -> NDArray[np.bool_]:
     """Return in which samples a joint moves faster than the noise of its velocity, shape (K,)."""
     velocity = aligned_velocity(log, float(np.median(np.diff(log.time))))
-    moves = (np.abs(velocity) > REST_WIDTHS * sign_width([velocity])).any(axis=1)
-    unknown = len(log.time) - len(moves)  # samples at the ends whose velocity cannot be derived
+    moves: NDArray[np.bool_] = np.any(np.abs(velocity) > REST_WIDTHS * sign_width([velocity]), axis=1)
+    unknown = len(log.time) - len(velocity)  # samples at the ends whose velocity cannot be derived
     return np.pad(moves, (unknown // 2, unknown - unknown // 2))
 
 

@@ -31,9 +31,6 @@ BEYOND_SEEN = 10.0  # [1], speed or torque over the largest healthy one, where t
 ANY_POSITION = 1e4  # [rad or m], of a joint without limits: 1600 turns
 ANY_SIGNAL = 1e6  # [rad/s, N·m, …], where neither a limit nor a healthy run is known
 USUAL_SPEED = 3.0  # [1], over the largest healthy speed, where the limit is higher still
-# Share of the limit [1] that is usual however slow the healthy runs were. Of a joint that rested in them 0.03 of 10
-# rad/s still takes quick motion for a jump of its encoder, 0.1 does not.
-LEAST_USUAL = 0.1
 QUICKEST_START = (
     0.01  # [s], in which no joint reaches its largest speed; a light wrist takes 20 ms in a collision
 )
@@ -97,7 +94,7 @@ class SampleBounds:
 
     @classmethod
     def learned(cls, robot: RobotModel, runs: Sequence[Log]) -> SampleBounds:
-        """Return the bounds of an arm with healthy runs.
+        """Return the bounds of an arm with healthy runs, of a joint that hardly moved in them those without.
 
         Args:
             robot: The arm.
@@ -122,7 +119,7 @@ class SampleBounds:
         speed, effort = np.maximum(speed, seen_speed), np.maximum(effort, seen_effort)
         speed, effort = np.where(speed > 0, speed, ANY_SIGNAL), np.where(effort > 0, effort, ANY_SIGNAL)
         # Limits may be far beyond what the arm does, and then say nothing about its sensors.
-        usual = np.clip(USUAL_SPEED * seen_speed, LEAST_USUAL * speed, speed)
+        usual = np.minimum(speed, USUAL_SPEED * np.where(seen_speed > 0, seen_speed, np.inf))
         load = np.minimum(effort, np.where(seen_effort > 0, seen_effort, np.inf))
         step, error, torque, travel, hold_v, held_error, hold_tau, drift = _survey(
             robot.n, runs, speeds, period
@@ -143,6 +140,8 @@ class SampleBounds:
         array[rows.DRIFT_BOUND] = MARGIN * drift + DRIFT_SHARE * usual * MEMORY_TIME
         array[rows.HOLD_VELOCITY], array[rows.HOLD_TORQUE] = _hold(hold_v, period), _hold(hold_tau, period)
         array[rows.NOISY_AT_REST] = (still >= STILL_TICKS) & (hold_v <= NOISY_HOLD)
+        rested = _rested(speeds, period)
+        array[:, rested] = cls.assumed(robot, 1.0 / period).array[:, rested]
         shortest = min(SHORTEST_TICK * period, SHORTEST_SEEN * float(gaps.min()))
         longest = max(LARGEST_GAP * period, GAP_MARGIN * float(gaps.max()))
         return cls(array, period, shortest, longest, speed, effort)
@@ -216,6 +215,15 @@ def _speed(run: Log) -> Array:
         return run.velocity
     steps = np.diff(run.position, axis=0) / np.diff(run.time)[:, None]
     return np.vstack([steps[:1], steps])
+
+
+def _rested(speeds: Sequence[Array], period: float) -> NDArray[np.bool_]:
+    """Return the joints that hardly moved, which show neither their speed nor their encoder's step, shape (n,)."""
+    from cdia_pin.diagnosis.growth import moving_time
+    from cdia_pin.diagnosis.moving_residual import LEAST_MOTION
+    from cdia_pin.diagnosis.residuals import sign_width
+
+    return np.asarray(moving_time(speeds, sign_width(speeds), period) < LEAST_MOTION)
 
 
 def _before_zeros(signals: Sequence[Array]) -> Array:

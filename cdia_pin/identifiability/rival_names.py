@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from cdia_pin.effects import Effect, QuadraticFriction, Term, ViscousFriction, WrappedEffect
+from cdia_pin.effects import Effect, QuadraticFriction, Term, TorqueOffset, ViscousFriction, WrappedEffect
 from cdia_pin.effects.refinements import REFINED, is_plain
 from cdia_pin.effects.rigid_body import RigidBody
 from cdia_pin.identifiability.confusion import Confusion
@@ -32,8 +32,9 @@ def has_another_name(term: Term, confusions: Iterable[Confusion], robot: RobotMo
 def other_names(term: Term, confusions: Iterable[Confusion], robot: RobotModel) -> list[Confusion]:
     """Return the other explanations of a term that say something else of the arm.
 
-    Coulomb and viscous friction have no other name than each other's: every joint has them, and what else resembles
-    them is rarer. A joint that turns at one speed, or that reverses too fast for the filter, does not tell them apart.
+    Coulomb and viscous friction have no other name than each other's and that of an offset: every joint has friction,
+    and what else resembles it is rarer. A joint that turns at one speed, or that reverses too fast for the filter, does
+    not tell them apart; one that turns one way does not tell them from an offset.
 
     Args:
         term: The term.
@@ -41,8 +42,13 @@ def other_names(term: Term, confusions: Iterable[Confusion], robot: RobotModel) 
         robot: The arm.
     """
     if is_plain(term.effect):
-        return [c for c in confusions if len(c.effects) == 1 and is_plain(c.effects[0])]
+        return [c for c in confusions if len(c.effects) == 1 and _is_as_common(c.effects[0], term.effect)]
     return [c for c in confusions if len(c.effects) > 1 or not _same(term.effect, c.effects[0], robot)]
+
+
+def _is_as_common(other: Effect, friction: Effect) -> bool:
+    """Tell whether another effect than plain friction is as common: plain friction, or an offset of its joint."""
+    return is_plain(other) or (isinstance(other, TorqueOffset) and other.scope == friction.scope)
 
 
 def _same(named: Effect, other: Effect, robot: RobotModel) -> bool:

@@ -99,13 +99,13 @@ class ChangeSettings:
 
     Attributes:
         blocks: Blocks of time per side [1]. Half or twice as many changes few names.
-        least_certainty: Estimate over its standard deviation from blocks, root mean square over the parameters [1]. On
-            pairs of logs between which nothing changed the largest was about 4; inserted effects of a quarter of a
-            joint's torque mostly have more than 10.
-        better_certainty: The same, of a change that explains more than all that are certain [1]. A body has ten
-            parameters, and in logs of ten seconds they are rarely certain together: a payload was called a torque
-            offset of the joint below it. Of 188 inserted effects in such logs 71 are named with 5, that is without
-            this rule, 75 with 2.5 and 74 with 0; in logs of half a minute and more all three name the same.
+        least_certainty: Estimate over its standard deviation from blocks [1]. On pairs of logs between which nothing
+            changed the largest was about 4; inserted effects of a quarter of a joint's torque mostly have more than 10.
+            Several parameters, whose root mean square counts, need as much as chance shows as rarely.
+        better_certainty: The same of all parameters alike, of a change that explains more than all that are certain
+            [1]. A body has ten parameters, and in logs of ten seconds they are rarely certain together: a payload was
+            called a torque offset of the joint below it. Of 188 inserted effects in such logs 71 are named with 5, that
+            is without this rule, 75 with 2.5 and 74 with 0; in logs of half a minute and more all three name the same.
         least_share: Share of what is left on the joints concerned that the change must explain on blocks that were
             left out [1].
         least_torque: RMS torque of a change over that of the joint on which it is largest [1].

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from cdia_pin.changes import Change, Changes
     from cdia_pin.changes.confidence import Confidence
     from cdia_pin.discovery import Comparison
+    from cdia_pin.effects import Term
 
 NAMED = 3  # changes that the verdict names before it counts the others
 # Between halves of one log, 1 % of 296 comparisons have such a spread; between two motions of a UR10e 83 % of 60, and
@@ -78,7 +79,7 @@ def change_rows(found: Changes) -> list[ChangeRow]:
             ChangeRow(
                 effect_name(c.term.effect),
                 listed(names[s] for s in c.term.effect.scope) or "whole arm",
-                tuple(f"{name} {text}" for name, text, _ in _differences(c, found)),
+                tuple(f"{name} {text}" for name, text, _ in _differences(c.term, found)),
                 "" if c.growth is None else _signed(percent(abs(c.growth)), c.growth),
                 f"{size} ({names[robot.joints[j]]})",
                 c.confidence,
@@ -112,9 +113,11 @@ def changes_sentence(found: Changes) -> str:
         )
     said = [f.sentence for f in found.findings]
     if not found.changes and not said:
-        return f"These logs show no change from {before} to {after}."
+        shown = "No change is certain" if found.uncertain else "These logs show no change"
+        return f"{shown} from {before} to {after}."
     if not found.changes:
-        return f"From {before} to {after}: {'; '.join(said)}. Beside that, these logs show no change."
+        beside = "no change is certain" if found.uncertain else "these logs show no change"
+        return f"From {before} to {after}: {'; '.join(said)}. Beside that, {beside}."
     described = [change_words(c, found) for c in found.changes]
     few = (
         listed(described)
@@ -122,6 +125,15 @@ def changes_sentence(found: Changes) -> str:
         else f"{', '.join(described[:NAMED])} and {len(described) - NAMED} more"
     )
     return f"From {before} to {after}: {'; '.join([*said, few])}."
+
+
+def is_quiet(found: Changes) -> bool:
+    """Tell whether nothing changed, as far as the logs tell, and nothing seems to have.
+
+    Args:
+        found: The outcome of ``what_changed``.
+    """
+    return found.verdict is ChangesVerdict.UNCHANGED and not found.uncertain
 
 
 def change_words(change: Change, found: Changes) -> str:
@@ -134,25 +146,25 @@ def change_words(change: Change, found: Changes) -> str:
         change: One of them.
         found: All of them.
     """
-    names = short_names(found.model.robot.joints)
-    where = f" on {listed(names[j] for j in change.term.effect.scope)}" if change.term.effect.scope else ""
     grown = f" ({_signed(percent(abs(change.growth)), change.growth)})" if change.growth is not None else ""
-    return f"{effect_name(change.term.effect)}{where}{_stated(change, found)}{grown}"
+    return f"{_words(change.term, found)}{grown}"
 
 
-def _stated(change: Change, found: Changes) -> str:
-    """Return the difference that stands for a change in a sentence."""
-    rows = _differences(change, found)
-    main = parameter_name(change.term.effect.parameters[0].name)
+def _words(term: Term, found: Changes) -> str:
+    """Return an effect, its joints, and the difference that stands for it in a sentence."""
+    names = short_names(found.model.robot.joints)
+    where = f" on {listed(names[j] for j in term.effect.scope)}" if term.effect.scope else ""
+    rows = _differences(term, found)
+    main = parameter_name(term.effect.parameters[0].name)
     certain = [row for row in rows if row[2] > 1] or rows[:1] or [("", "", 0.0)]
     name, text, _ = max(certain, key=lambda row: (row[0] == main, row[2]))
-    is_main = name == main
-    return f" {text}" if is_main else f" {name} {text}".rstrip()
+    stated = f" {text}" if name == main else f" {name} {text}".rstrip()
+    return f"{effect_name(term.effect)}{where}{stated}"
 
 
-def _differences(change: Change, found: Changes) -> list[tuple[str, str, float]]:
+def _differences(term: Term, found: Changes) -> list[tuple[str, str, float]]:
     """Return name and text of each difference that counts, and its size in half widths of its interval [1]."""
-    term, robot = change.term, found.model.robot
+    robot = found.model.robot
     intervals = term.ci95 or ((float("nan"),) * 2,) * len(term.theta)
     rows = list(zip(term.effect.parameters, term.theta, term.effect.units(robot), intervals, strict=True))
     out = [
@@ -196,7 +208,16 @@ def notes(found: Changes) -> list[str]:
         found: The outcome of ``what_changed``.
     """
     usual = as_phenomena(found.usual, found.findings)
-    return [*(f"{sentence_case(f.sentence)}." for f in usual), *_bounds(found)]
+    return [*_uncertain(found), *(f"{sentence_case(f.sentence)}." for f in usual), *_bounds(found)]
+
+
+def _uncertain(found: Changes) -> list[str]:
+    """Return what may have changed as well, with its certainty beside that of a name."""
+    told = [
+        f"{_words(u.term, found)} ({percent(u.share)} of the certainty that a name needs)"
+        for u in found.uncertain[:NAMED]
+    ]
+    return [f"Too uncertain to be named, and perhaps a change: {listed(told)}."] if told else []
 
 
 def _bounds(found: Changes) -> list[str]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypedDict
 
-from cdia_pin.changes.changes_result import ChangesVerdict
 from cdia_pin.viewers.change_words import (
     change_rows,
     changes_sentence,
     doubts,
+    is_quiet,
     names_of_logs,
     notes,
 )
@@ -32,7 +32,7 @@ class ChangeDocument(TypedDict):
 
 
 class ChangesDocument(TypedDict):
-    """What changed between two groups of logs; ``quiet``: nothing did."""
+    """What changed between two groups of logs; ``quiet``: nothing did, and nothing seems to have."""
 
     sentence: str
     quiet: bool
@@ -57,7 +57,7 @@ def changes_data(found: Changes) -> ChangesDocument:
     """
     return {
         "sentence": changes_sentence(found),
-        "quiet": found.verdict is ChangesVerdict.UNCHANGED,
+        "quiet": is_quiet(found),
         "changes": [
             {
                 "name": row.name,

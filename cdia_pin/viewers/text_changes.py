@@ -9,12 +9,12 @@ from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.table import Table
 
-from cdia_pin.changes.changes_result import ChangesVerdict
 from cdia_pin.viewers.cells import add_row, clean, new_table
 from cdia_pin.viewers.change_words import (
     change_rows,
     changes_sentence,
     doubts,
+    is_quiet,
     names_of_logs,
     notes,
 )
@@ -52,8 +52,7 @@ def changes_table(found: Changes) -> RenderableType:
     Args:
         found: The outcome of ``what_changed``.
     """
-    quiet = found.verdict is ChangesVerdict.UNCHANGED
-    said = clean(changes_sentence(found), "bold green" if quiet else "bold yellow")
+    said = clean(changes_sentence(found), "bold green" if is_quiet(found) else "bold yellow")
     parts: list[RenderableType] = [Padding(said, (0, 1))]
     if found.changes:
         parts.append(_changes(found))

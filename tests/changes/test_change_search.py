@@ -241,3 +241,28 @@ def test_of_two_changes_that_explain_as_much_the_commoner_one_is_named_whatever_
     found = search(link=link, payload=payload)
     moves = found._moves((0,))
     assert next(moves) == (1,)
+
+
+class Circle(Search):
+    """A search whose moves lead back."""
+
+    def _moves(self, now):
+        yield {(): (0,), (0,): (0, 1), (0, 1): (1,), (1,): (0,)}[now]
+
+
+def test_of_a_search_that_goes_in_a_circle_the_simplest_set_is_taken():
+    offered = {
+        "gain": (ActuatorGain("panda_joint2"), 9.0, gains(1.0)),
+        "spring": (JointSpring("panda_joint2"), 9.0, gains(1.0)),
+    }
+    found = Circle(logs(), Evidence(**offered), ChangeSettings())
+    assert found.changes(3) == (0,)
+
+
+def test_two_parameters_need_less_certainty_than_one_and_many_shapes_more():
+    effects = [JointSpring("panda_joint2"), TorqueOffset("panda_joint2")]
+    fits = Evidence(**{e.name: (e, 4.5, np.ones(32)) for e in effects})
+    search = Search(logs(), fits, ChangeSettings())
+    spring, offset = search.certainty(fits.fits(()))
+    assert offset == pytest.approx(4.5)
+    assert spring > 5.0

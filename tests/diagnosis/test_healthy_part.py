@@ -1,11 +1,12 @@
-"""Healthy motion is cut into two halves of equal length, in few pieces."""
+"""Which part of a log is taken as healthy, and how healthy motion is cut into halves."""
 
 import numpy as np
 import pytest
 
-from cdia_pin.diagnosis.healthy_part import halves
+from cdia_pin.diagnosis.healthy_part import halves, parted
 from cdia_pin.diagnosis.monitor_settings import MonitorSettings
 from cdia_pin.diagnosis.residuals import least_piece
+from cdia_pin.errors import LogError
 from cdia_pin.logs import Log
 
 RATE = 100.0
@@ -40,3 +41,36 @@ def test_at_most_one_run_is_cut():
 def test_runs_of_one_length_are_not_cut():
     runs = [run(60), run(60)]
     assert halves(runs, LEAST) == ((runs[0],), (runs[1],))
+
+
+def after_rest(rest: float, motion: float, velocity: bool = True) -> Log:
+    """A log of an arm that rests before it moves, with the noise of an encoder."""
+    time = np.arange(round((rest + motion) * RATE) + 1) / RATE
+    moving = np.maximum(time - rest, 0.0)
+    noise = 1e-5 * np.random.default_rng(1).standard_normal(time.shape)
+    position = 0.3 * (1 - np.cos(moving)) + noise
+    return Log(
+        ("a",),
+        time,
+        position[:, None],
+        np.cos(time)[:, None],
+        (0.3 * np.sin(moving))[:, None] if velocity else None,
+    )
+
+
+@pytest.mark.parametrize("velocity", [True, False])
+@pytest.mark.parametrize(
+    ("rest", "motion", "healthy"), [(0, 30, 9.0), (9, 30, 9.0), (60, 10, 5.0), (5, 200, 20.0)]
+)
+def test_the_healthy_part_is_counted_in_motion(rest, motion, healthy, velocity):
+    log = after_rest(rest, motion, velocity)
+    first, second = parted(log)
+    assert first.duration == pytest.approx(rest + healthy, rel=0.1)
+    assert len(first.time) + len(second.time) == len(log.time)
+    assert parted(log, 7.0)[0].duration == pytest.approx(7.0, abs=0.02)
+
+
+@pytest.mark.parametrize(("rest", "motion"), [(0, 3), (20, 3), (30, 0)])
+def test_of_a_log_with_little_motion_healthy_runs_are_asked_for(rest, motion):
+    with pytest.raises(LogError, match="--healthy"):
+        parted(after_rest(rest, motion))

@@ -236,7 +236,7 @@ def test_a_frozen_signal_accuses_its_sensor_until_it_moves_again(signal, name):
 def test_a_joint_at_rest_is_not_frozen():
     s, checked = signals(2.0), check()
     s[1][:, 2] = s[1][0, 2]
-    s[2][:, 2] = 1e-3 * np.random.default_rng(3).standard_normal(len(s[0]))
+    s[2][:, 2] = 1e-5 * np.random.default_rng(3).standard_normal(len(s[0]))
     outcomes, _ = feed(checked, *s)
     assert set(outcomes) == {Outcome.ACCEPTED}
 
@@ -307,3 +307,20 @@ def test_coarse_velocities_that_are_all_zero_at_times_are_good():
     outcomes, news = feed(checked, log.time, log.position, log.velocity, log.effort)
     assert Outcome.BAD not in outcomes
     assert not news
+
+
+@pytest.mark.parametrize("velocity", [True, False])
+def test_a_joint_that_rested_in_the_healthy_runs_may_move(velocity):
+    """A joint at rest shows neither how fast it is nor how it accelerates."""
+    still = motion(10.0, velocity=velocity)
+    still.position[:, 2] = 1e-6 * (np.random.default_rng(2).random(len(still.time)) > 0.99)
+    if velocity:
+        still.velocity[:, 2] = 1e-5 * np.random.default_rng(3).standard_normal(len(still.time))
+    checked = SampleCheck(ROBOT.joints, SampleBounds.learned(ROBOT, [still]), velocity)
+    log = motion(5.0, 1, velocity)
+    log.position[:, 2] = 2e-5 * np.rint(0.3 * np.sin(4 * log.time) / 2e-5)
+    if velocity:
+        log.velocity[:, 2] = 1.2 * np.cos(4 * log.time)
+    outcomes, news = feed(checked, log.time, log.position, log.velocity, log.effort)
+    assert Outcome.BAD not in outcomes[5:]  # it sets off at its full speed
+    assert not [n for n in news if "jumped" in str(n)]

@@ -11,6 +11,7 @@ from cdia_pin.identifiability.rival_names import has_another_name
     ("named", "rival", "doubtful"),
     [
         ("coulomb_friction@elbow_joint", "torque_offset@wrist_1_joint", False),
+        ("coulomb_friction@elbow_joint", "torque_offset@elbow_joint", True),
         ("coulomb_friction@elbow_joint", "presliding_friction@elbow_joint", False),
         ("coulomb_friction@elbow_joint", "viscous_friction@elbow_joint", True),
         ("viscous_friction@elbow_joint", "coulomb_friction@elbow_joint", True),
